@@ -1,0 +1,15 @@
+//! Meshes, tags, validity checks and file formats: what every stage shares.
+//!
+//! Lengths are metres. Triangles are counter-clockwise seen from outside,
+//! tetrahedra have positive volume, indices start at zero.
+
+mod surface;
+mod tags;
+mod tet;
+
+pub use surface::SurfaceMesh;
+pub use tags::{Tags, facet_key};
+pub use tet::TetMesh;
+
+/// A point or a vector [m].
+pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,0 +1,30 @@
+//! Triangle surfaces.
+
+use crate::Vec3;
+
+/// A triangle surface, open or closed.
+///
+/// Triangles are counter-clockwise seen from outside the solid they bound, so
+/// that (b − a) × (c − a) points out of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMesh {
+    /// Vertex positions [m].
+    pub vertices: Vec<Vec3>,
+    /// Vertex indices of each triangle.
+    pub triangles: Vec<[usize; 3]>,
+}
+
+impl SurfaceMesh {
+    /// The three corners of triangle `t` [m].
+    #[must_use]
+    pub fn corners(&self, t: usize) -> [Vec3; 3] {
+        self.triangles[t].map(|v| self.vertices[v])
+    }
+
+    /// Centroid of triangle `t` [m].
+    #[must_use]
+    pub fn centroid(&self, t: usize) -> Vec3 {
+        let [a, b, c] = self.corners(t);
+        (a + b + c) / 3.0
+    }
+}

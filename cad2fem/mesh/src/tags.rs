@@ -1,0 +1,55 @@
+//! Names for parts of a boundary.
+
+use std::collections::BTreeMap;
+
+/// Facet tags of a tetrahedral mesh: facet → id ↔ name.
+///
+/// Ids start at 1 in the order in which the names were declared. A facet is
+/// known by its three vertex ids in ascending order, so that its orientation
+/// plays no part. Facets without a tag are absent.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tags {
+    /// Tag names; the id of `names[i]` is `i + 1`.
+    pub names: Vec<String>,
+    /// Sorted facet → id.
+    pub facets: BTreeMap<[usize; 3], u32>,
+}
+
+/// The key of a facet: its vertex ids in ascending order.
+#[must_use]
+pub fn facet_key(mut facet: [usize; 3]) -> [usize; 3] {
+    facet.sort_unstable();
+    facet
+}
+
+impl Tags {
+    /// No facets yet, ids in the order of `names`.
+    #[must_use]
+    pub fn new(names: Vec<String>) -> Self {
+        Self { names, facets: BTreeMap::new() }
+    }
+
+    /// The id of a name.
+    #[must_use]
+    pub fn id(&self, name: &str) -> Option<u32> {
+        let index = self.names.iter().position(|n| n == name)?;
+        u32::try_from(index + 1).ok()
+    }
+
+    /// The id of a facet, whatever the order of its vertices.
+    #[must_use]
+    pub fn get(&self, facet: [usize; 3]) -> Option<u32> {
+        self.facets.get(&facet_key(facet)).copied()
+    }
+
+    /// Tags a facet.
+    pub fn set(&mut self, facet: [usize; 3], id: u32) {
+        self.facets.insert(facet_key(facet), id);
+    }
+
+    /// All facets of a tag, sorted.
+    #[must_use]
+    pub fn facets_of(&self, id: u32) -> Vec<[usize; 3]> {
+        self.facets.iter().filter(|&(_, &i)| i == id).map(|(&f, _)| f).collect()
+    }
+}

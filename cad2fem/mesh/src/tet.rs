@@ -1,0 +1,22 @@
+//! Tetrahedral meshes.
+
+use crate::Vec3;
+
+/// A tetrahedral mesh with straight edges.
+///
+/// Every tetrahedron has positive volume: det(x₁−x₀, x₂−x₀, x₃−x₀) > 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TetMesh {
+    /// Vertex positions [m].
+    pub vertices: Vec<Vec3>,
+    /// Vertex indices of each tetrahedron.
+    pub tets: Vec<[usize; 4]>,
+}
+
+impl TetMesh {
+    /// The four corners of tetrahedron `t` [m].
+    #[must_use]
+    pub fn corners(&self, t: usize) -> [Vec3; 4] {
+        self.tets[t].map(|v| self.vertices[v])
+    }
+}

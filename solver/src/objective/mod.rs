@@ -1,0 +1,27 @@
+//! What to minimise, each term at one equilibrium.
+
+use mesh::Vec3;
+
+use crate::element::FunctionSpace;
+
+/// Everything an objective may look at: a rest shape and its equilibrium.
+pub struct Equilibrium<'a> {
+    /// Topology and basis; never changes with the design.
+    pub space: &'a FunctionSpace,
+    /// Rest vertex positions X [m].
+    pub rest: &'a [Vec3],
+    /// Nodal displacement [m], three components per node.
+    pub u: &'a [f64],
+}
+
+/// One term J(u, X) of the objective, with its partial derivatives.
+pub trait Objective: Send + Sync {
+    /// The user's name for this term.
+    fn name(&self) -> &str;
+    /// J. Infinite where the rest shape is not admissible.
+    fn value(&self, at: &Equilibrium) -> f64;
+    /// Adds `weight` ∂J/∂u, three components per node.
+    fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]);
+    /// Adds `weight` ∂J/∂X at fixed u, three components per vertex.
+    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]);
+}
