@@ -3,6 +3,12 @@
 //! Lengths are metres. Triangles are counter-clockwise seen from outside,
 //! tetrahedra have positive volume, indices start at zero.
 
+pub mod bvh;
+pub mod inside;
+pub mod measure;
+pub mod predicates;
+pub mod solid;
+pub mod topology;
 mod surface;
 mod tags;
 mod tet;

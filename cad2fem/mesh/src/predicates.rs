@@ -1,0 +1,120 @@
+//! Exact geometric predicates.
+//!
+//! Every answer is decided by the sign of a determinant that is evaluated
+//! exactly for the given floating-point coordinates (Shewchuk 1997, crate
+//! `robust`), so no test here has a tolerance. Triangles and segments are closed
+//! sets: touching is intersecting.
+
+use crate::Vec3;
+use robust::{Coord, Coord3D};
+
+/// Six times the signed volume of the tetrahedron (a, b, c, d) [m³].
+///
+/// The sign is exact: positive when d lies on the side of the plane (a, b, c)
+/// to which the normal (b − a) × (c − a) points, zero when the four points are
+/// coplanar. The magnitude carries rounding.
+#[must_use]
+pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
+    let coord = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    -robust::orient3d(coord(a), coord(b), coord(c), coord(d))
+}
+
+/// Twice the signed area of (a, b, c) seen along coordinate axis `axis` [m²],
+/// exact sign.
+fn orient2d(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let coord = |p: &Vec3| Coord { x: p[u], y: p[v] };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Whether all values are ≥ 0 or all are ≤ 0.
+fn same_sign(values: &[f64]) -> bool {
+    values.iter().all(|&x| x >= 0.0) || values.iter().all(|&x| x <= 0.0)
+}
+
+/// Whether two triangles have a point in common, coplanar ones included.
+///
+/// Where two triangles meet, an edge of one of them meets the other: their
+/// common set is convex, and each of its extreme points lies on an edge.
+#[must_use]
+pub fn triangles_intersect(t0: &[Vec3; 3], t1: &[Vec3; 3]) -> bool {
+    if apart(t0, t1) || apart(t1, t0) {
+        return false;
+    }
+    (0..3).any(|i| {
+        segment_intersects_triangle(&t0[i], &t0[(i + 1) % 3], t1)
+            || segment_intersects_triangle(&t1[i], &t1[(i + 1) % 3], t0)
+    })
+}
+
+/// Whether triangle `t` lies strictly on one side of the plane of `plane`.
+fn apart(plane: &[Vec3; 3], t: &[Vec3; 3]) -> bool {
+    let [a, b, c] = plane;
+    let sides = [0, 1, 2].map(|i| orient3d(a, b, c, &t[i]));
+    sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0)
+}
+
+/// Whether the segment pq and the triangle have a point in common.
+#[must_use]
+pub fn segment_intersects_triangle(p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> bool {
+    let [a, b, c] = triangle;
+    let (side_p, side_q) = (orient3d(a, b, c, p), orient3d(a, b, c, q));
+    if (side_p > 0.0 && side_q > 0.0) || (side_p < 0.0 && side_q < 0.0) {
+        return false;
+    }
+    // The volumes of pq with the three edges have one sign when the line pq
+    // passes through the triangle.
+    let around = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
+    if !same_sign(&around) {
+        return false;
+    }
+    let crosses_plane = side_p != 0.0 || side_q != 0.0;
+    // All five points in one plane. Seen along the axis that is most normal to
+    // it the picture is one-to-one; the other two views are necessary conditions.
+    crosses_plane || (0..3).all(|axis| segment_meets_triangle_2d(axis, p, q, triangle))
+}
+
+/// The planar version of [`segment_intersects_triangle`], seen along `axis`.
+fn segment_meets_triangle_2d(axis: usize, p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> bool {
+    let [a, b, c] = triangle;
+    let edges = [(a, b), (b, c), (c, a)];
+    let around = edges.map(|(s, t)| orient2d(axis, s, t, p));
+    let contains_p = same_sign(&around) && around.iter().any(|&x| x != 0.0);
+    contains_p || edges.iter().any(|(s, t)| segments_meet_2d(axis, p, q, s, t))
+}
+
+/// Whether the segments ab and cd have a point in common, seen along `axis`.
+fn segments_meet_2d(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> bool {
+    let (abc, abd) = (orient2d(axis, a, b, c), orient2d(axis, a, b, d));
+    let (cda, cdb) = (orient2d(axis, c, d, a), orient2d(axis, c, d, b));
+    let straddles = |x: f64, y: f64| (x >= 0.0 && y <= 0.0) || (x <= 0.0 && y >= 0.0);
+    if !straddles(abc, abd) || !straddles(cda, cdb) {
+        return false;
+    }
+    // Collinear segments meet where their coordinate intervals do.
+    [(axis + 1) % 3, (axis + 2) % 3]
+        .iter()
+        .all(|&k| a[k].min(b[k]) <= c[k].max(d[k]) && c[k].min(d[k]) <= a[k].max(b[k]))
+}
+
+/// Whether the triangles (v, a, b) and (v, c, d) meet anywhere but in v.
+///
+/// Their common set is star-shaped about v, so if it is more than v it reaches
+/// the edge opposite v of one of them.
+#[must_use]
+pub fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> bool {
+    segment_intersects_triangle(ab[0], ab[1], &[*v, *cd[0], *cd[1]])
+        || segment_intersects_triangle(cd[0], cd[1], &[*v, *ab[0], *ab[1]])
+}
+
+/// Whether the triangles (u, v, a) and (u, v, b) meet anywhere but in uv: only
+/// when they are folded onto each other, coplanar and on the same side of uv.
+#[must_use]
+pub fn edge_sharing_intersect(u: &Vec3, v: &Vec3, a: &Vec3, b: &Vec3) -> bool {
+    let same_side = |axis| {
+        orient2d(axis, u, v, a).signum() * orient2d(axis, u, v, b).signum() > 0.0
+            && orient2d(axis, u, v, a) != 0.0
+            && orient2d(axis, u, v, b) != 0.0
+    };
+    orient3d(u, v, a, b) == 0.0 && (0..3).any(same_side)
+}
