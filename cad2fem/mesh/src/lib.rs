@@ -4,7 +4,9 @@
 //! tetrahedra have positive volume, indices start at zero.
 
 pub mod bvh;
+pub mod cli;
 pub mod inside;
+pub mod io;
 pub mod measure;
 pub mod predicates;
 pub mod solid;

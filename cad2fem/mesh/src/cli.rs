@@ -1,0 +1,103 @@
+//! The frame every program runs in: logging to stderr and exit codes.
+//!
+//! Exit codes: 0 the result is usable; 1 the program ran but its result must not
+//! be used ([`Unusable`]); 2 usage or input error.
+
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::process::ExitCode;
+
+use clap::{ArgAction, Args};
+use log::{Level, LevelFilter, Log, Metadata, Record};
+
+/// How much a program tells on stderr; flatten it into the arguments.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct Verbosity {
+    /// Tell only warnings and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Tell more; twice for everything
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub verbose: u8,
+}
+
+impl Verbosity {
+    fn level(self) -> LevelFilter {
+        match (self.quiet, self.verbose) {
+            (true, _) => LevelFilter::Warn,
+            (false, 0) => LevelFilter::Info,
+            (false, 1) => LevelFilter::Debug,
+            (false, _) => LevelFilter::Trace,
+        }
+    }
+}
+
+/// The program ran, but what it made must not be used; the message says why.
+/// Anywhere in an error chain it makes the exit code 1.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Unusable(pub String);
+
+/// Runs `f` with log messages on stderr and turns its result into an exit code.
+///
+/// An error is printed as `name: outermost: ...: innermost cause`. A reader that
+/// closed our standard output early, as `head` does, is no error.
+pub fn run(
+    name: &str,
+    verbosity: Verbosity,
+    f: impl FnOnce() -> anyhow::Result<()>,
+) -> ExitCode {
+    // Fails only if a logger is there already, which is then as good as ours.
+    if log::set_logger(&StderrLogger).is_ok() {
+        log::set_max_level(verbosity.level());
+    }
+    let Err(error) = f() else { return ExitCode::SUCCESS };
+    if is_broken_pipe(&error) {
+        return ExitCode::SUCCESS;
+    }
+    to_stderr(&format!("{name}: {error:#}"));
+    ExitCode::from(exit_code(&error))
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    // The chain does not show an `Unusable` that was attached as context; `is` does.
+    let unusable = error.is::<Unusable>() || error.chain().any(|cause| cause.is::<Unusable>());
+    if unusable { 1 } else { 2 }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|cause| cause.kind() == ErrorKind::BrokenPipe)
+}
+
+/// Nobody is left to be told if stderr itself cannot be written.
+fn to_stderr(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints the message; warnings and errors are named as such.
+struct StderrLogger;
+
+impl Log for StderrLogger {
+    fn enabled(&self, metadata: &Metadata) -> bool {
+        metadata.level() <= log::max_level()
+    }
+
+    fn log(&self, record: &Record) {
+        if !self.enabled(record.metadata()) {
+            return;
+        }
+        let mut line = match record.level() {
+            Level::Error => String::from("error: "),
+            Level::Warn => String::from("warning: "),
+            _ => String::new(),
+        };
+        // Writing to a String cannot fail.
+        let _ = write!(line, "{}", record.args());
+        to_stderr(&line);
+    }
+
+    fn flush(&self) {}
+}

@@ -1,0 +1,167 @@
+//! File formats, one per file, and the rules they share.
+//!
+//! Readers reject what cannot be used: truncated files, counts that disagree,
+//! indices out of range, coordinates that are not finite, empty meshes. Writers
+//! go through [`write_atomic`], so that a reader never sees half a file.
+
+mod atomic;
+mod bytes;
+pub mod msh;
+pub mod npy;
+mod obj;
+mod ply;
+mod stl;
+mod tags;
+mod text;
+pub mod vtu;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+pub use atomic::write_atomic;
+pub use msh::{MshFile, read_tets, write_tets};
+pub use tags::{read_tags, write_tags};
+pub use text::{read_text, read_toml, sha256_file};
+
+use crate::SurfaceMesh;
+
+/// Why a file could not be read or written. The message names the file, what
+/// was found and what was needed.
+#[derive(Debug, thiserror::Error)]
+pub enum IoError {
+    /// The operating system refused.
+    #[error("{}: cannot {action}: {cause}", path.display())]
+    System {
+        /// The file.
+        path: PathBuf,
+        /// What was attempted.
+        action: &'static str,
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// The content is not what the format or its use needs.
+    #[error("{}: {message}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was needed.
+        message: String,
+    },
+}
+
+impl IoError {
+    fn system(path: &Path, action: &'static str, cause: io::Error) -> Self {
+        Self::System { path: path.to_path_buf(), action, cause }
+    }
+
+    /// An error about the content of `path`.
+    #[must_use]
+    pub fn content(path: &Path, message: impl Into<String>) -> Self {
+        Self::Content { path: path.to_path_buf(), message: message.into() }
+    }
+}
+
+/// What a parser found: a value or a message to which the path is added.
+type Parsed<T> = Result<T, String>;
+
+/// A surface format.
+pub struct Format {
+    /// File name extension, lower case.
+    pub extension: &'static str,
+    /// What a reader of `--help` should know.
+    pub about: &'static str,
+    parse: fn(&[u8]) -> Parsed<SurfaceMesh>,
+    write: fn(&SurfaceMesh, &mut dyn Write) -> io::Result<()>,
+}
+
+/// The surface formats, chosen by extension.
+pub const FORMATS: &[Format] = &[
+    Format {
+        extension: "stl",
+        about: "STL, binary or ASCII; written binary with 32-bit coordinates",
+        parse: stl::parse,
+        write: stl::write,
+    },
+    Format {
+        extension: "obj",
+        about: "Wavefront OBJ, positions and faces only; written with full precision",
+        parse: obj::parse,
+        write: obj::write,
+    },
+    Format {
+        extension: "ply",
+        about: "Stanford PLY; written binary with 64-bit coordinates",
+        parse: ply::parse,
+        write: ply::write,
+    },
+];
+
+/// The surface format of a file name.
+///
+/// # Errors
+/// If the extension is not in [`FORMATS`]; the message lists those that are.
+fn format_of(path: &Path) -> Result<&'static Format, IoError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    FORMATS.iter().find(|f| f.extension == extension).ok_or_else(|| {
+        let known: Vec<&str> = FORMATS.iter().map(|f| f.extension).collect();
+        let known = known.join(", ");
+        IoError::content(path, format!("unknown surface format {extension:?}; known: {known}"))
+    })
+}
+
+/// Reads a surface; the format follows from the extension, see [`FORMATS`].
+///
+/// STL stores every triangle's corners anew: bit-equal corners become one vertex.
+///
+/// # Errors
+/// If the file cannot be read, is malformed, has coordinates that are not
+/// finite, indices out of range, or no triangles.
+pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
+    let format = format_of(path)?;
+    let bytes = read_bytes(path)?;
+    let surface = (format.parse)(&bytes).map_err(|m| IoError::content(path, m))?;
+    require_sound(&surface).map_err(|m| IoError::content(path, m))?;
+    Ok(surface)
+}
+
+/// Writes a surface; the format follows from the extension, see [`FORMATS`].
+///
+/// # Errors
+/// If the surface is empty or has coordinates that are not finite, if the
+/// extension is unknown or the file cannot be written.
+pub fn write_surface(path: &Path, surface: &SurfaceMesh) -> Result<(), IoError> {
+    let format = format_of(path)?;
+    require_sound(surface).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
+    write_atomic(path, |out| (format.write)(surface, out))
+}
+
+/// Whether a surface can be handed on: not empty, finite, indices in range.
+fn require_sound(surface: &SurfaceMesh) -> Parsed<()> {
+    let n = surface.vertices.len();
+    if surface.triangles.is_empty() {
+        return Err(format!("the mesh is empty: {n} vertices, no triangles"));
+    }
+    require_finite(&surface.vertices)?;
+    for (t, triangle) in surface.triangles.iter().enumerate() {
+        if let Some(v) = triangle.iter().find(|&&v| v >= n) {
+            return Err(format!("triangle {t} refers to vertex {v}, but there are {n} vertices"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all coordinates are finite.
+fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
+    let bad = |p: &crate::Vec3| p.iter().any(|x| !x.is_finite());
+    let Some(first) = points.iter().position(bad) else { return Ok(()) };
+    let count = points.iter().filter(|&p| bad(p)).count();
+    let [x, y, z] = points[first].into();
+    Err(format!(
+        "{count} of {} vertices are not finite, the first is vertex {first} at ({x}, {y}, {z})",
+        points.len()
+    ))
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    std::fs::read(path).map_err(|cause| IoError::system(path, "read", cause))
+}

@@ -1,0 +1,102 @@
+//! VTK unstructured grids (`.vtu`) and their time series (`.pvd`), for ParaView.
+//!
+//! Nodes of quadratic cells are in VTK's order: the corners, then the middles of
+//! the edges listed by [`CellType::edges`].
+
+mod read;
+mod write;
+
+use crate::Vec3;
+
+pub use read::read_vtu;
+pub use write::{write_pvd, write_vtu};
+
+/// Shape of the cells; the value is VTK's number for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellType {
+    /// Triangle.
+    Tri3 = 5,
+    /// Tetrahedron.
+    Tet4 = 10,
+    /// Triangle with a node on every edge.
+    Tri6 = 22,
+    /// Tetrahedron with a node on every edge.
+    Tet10 = 24,
+}
+
+impl CellType {
+    const ALL: [Self; 4] = [Self::Tri3, Self::Tet4, Self::Tri6, Self::Tet10];
+
+    /// Number of corners.
+    #[must_use]
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Tri3 | Self::Tri6 => 3,
+            Self::Tet4 | Self::Tet10 => 4,
+        }
+    }
+
+    /// The corners at the ends of the edges whose middles are the nodes after the
+    /// corners, in order; empty for cells without such nodes.
+    #[must_use]
+    pub fn edges(self) -> &'static [[usize; 2]] {
+        match self {
+            Self::Tri3 | Self::Tet4 => &[],
+            Self::Tri6 => &[[0, 1], [1, 2], [2, 0]],
+            Self::Tet10 => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+        }
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn nodes(self) -> usize {
+        self.corners() + self.edges().len()
+    }
+}
+
+/// Named numbers at points or cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Name, without unit.
+    pub name: String,
+    /// Unit, empty if it has none. In the file the array is called `name [unit]`.
+    pub unit: String,
+    /// Numbers per point or cell: 1 scalar, 3 vector, 9 tensor by rows.
+    pub components: usize,
+    /// The numbers of the first point or cell, of the second, and so on.
+    pub values: Vec<f64>,
+}
+
+impl Field {
+    /// Name and unit as ParaView shows them.
+    fn label(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+}
+
+/// Points, cells of one shape, and fields on both.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Positions [m].
+    pub points: Vec<Vec3>,
+    /// Points of all cells, [`CellType::nodes`] each, in VTK's order.
+    pub cells: Vec<usize>,
+    /// Shape of all cells.
+    pub cell_type: CellType,
+    /// Fields at the points.
+    pub point_fields: Vec<Field>,
+    /// Fields of the cells.
+    pub cell_fields: Vec<Field>,
+}
+
+impl Grid {
+    /// Number of cells.
+    #[must_use]
+    pub fn cell_count(&self) -> usize {
+        self.cells.len() / self.cell_type.nodes()
+    }
+}

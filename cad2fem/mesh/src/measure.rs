@@ -1,0 +1,162 @@
+//! Lengths, areas, volumes and the quality of elements.
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::topology::{TET_EDGES, tet_edges};
+use crate::{SurfaceMesh, TetMesh, Vec3};
+
+/// Area of a triangle [m²].
+#[must_use]
+pub fn triangle_area(a: Vec3, b: Vec3, c: Vec3) -> f64 {
+    (b - a).cross(&(c - a)).norm() / 2.0
+}
+
+/// Unit normal of a triangle, pointing to where it is counter-clockwise; zero
+/// for a triangle without area.
+#[must_use]
+pub fn triangle_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+}
+
+/// Area of a surface [m²].
+#[must_use]
+pub fn area(surface: &SurfaceMesh) -> f64 {
+    (0..surface.triangles.len())
+        .map(|t| surface.corners(t))
+        .map(|[a, b, c]| triangle_area(a, b, c))
+        .sum()
+}
+
+/// Signed volume inside a closed surface [m³], positive if its triangles are
+/// counter-clockwise from outside: Σ det(a, b, c) / 6 by the divergence theorem.
+#[must_use]
+pub fn enclosed_volume(surface: &SurfaceMesh) -> f64 {
+    // Any reference point is right; one of the surface keeps the terms small.
+    let Some(&origin) = surface.vertices.first() else { return 0.0 };
+    (0..surface.triangles.len())
+        .map(|t| surface.corners(t))
+        .map(|[a, b, c]| tet_volume(origin, a, b, c))
+        .sum()
+}
+
+/// Signed volume of a tetrahedron [m³]: det(b−a, c−a, d−a) / 6.
+#[must_use]
+pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
+    Matrix3::from_columns(&[b - a, c - a, d - a]).determinant() / 6.0
+}
+
+/// Volume of a tetrahedral mesh [m³].
+#[must_use]
+pub fn volume(mesh: &TetMesh) -> f64 {
+    (0..mesh.tets.len())
+        .map(|t| mesh.corners(t))
+        .map(|[a, b, c, d]| tet_volume(a, b, c, d))
+        .sum()
+}
+
+/// Lowest and highest corner of the axis-aligned bounding box [m]; (+∞, −∞) for
+/// no points.
+#[must_use]
+pub fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    points.iter().fold(empty, |(low, high), p| (low.inf(p), high.sup(p)))
+}
+
+/// Length of the diagonal of the bounding box [m]; zero for no points.
+#[must_use]
+pub fn diagonal(points: &[Vec3]) -> f64 {
+    if points.is_empty() {
+        return 0.0;
+    }
+    let (low, high) = bounds(points);
+    (high - low).norm()
+}
+
+/// Radius ratio 3 r/R of a tetrahedron, r the radius of the inscribed and R of
+/// the circumscribed sphere: 1 if regular, 0 if flat, negative if inverted.
+///
+/// With the edges p, q, s at one corner, r = 3V / ΣA and
+/// R = |p²(q×s) + q²(s×p) + s²(p×q)| / 12|V|.
+#[must_use]
+pub fn radius_ratio(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
+    let (p, q, s) = (b - a, c - a, d - a);
+    let volume = tet_volume(a, b, c, d);
+    let areas = [[a, b, c], [a, b, d], [a, c, d], [b, c, d]].map(|[x, y, z]| triangle_area(x, y, z));
+    let spread = p.norm_squared() * q.cross(&s)
+        + q.norm_squared() * s.cross(&p)
+        + s.norm_squared() * p.cross(&q);
+    let scale = areas.iter().sum::<f64>() * spread.norm();
+    if scale > 0.0 { 108.0 * volume * volume.abs() / scale } else { 0.0 }
+}
+
+/// Dihedral angles of a tetrahedron [deg] along its edges in the order of
+/// [`TET_EDGES`], in 0..180 whatever its orientation.
+///
+/// At an edge e with the other two corners at x and y from its start the angle
+/// is that between e×x and e×y, taken with atan2 so that it is accurate near 0
+/// and 180.
+#[must_use]
+pub fn dihedral_angles(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [f64; 6] {
+    let corners = [a, b, c, d];
+    // The corners that are not on edge k are those of edge 5 - k.
+    std::array::from_fn(|k| {
+        let [i, j] = TET_EDGES[k].map(|v| corners[v]);
+        let [x, y] = TET_EDGES[5 - k].map(|v| corners[v] - i);
+        let edge = j - i;
+        let (m, n) = (edge.cross(&x), edge.cross(&y));
+        m.cross(&n).norm().atan2(m.dot(&n)).to_degrees()
+    })
+}
+
+/// Quality of a tetrahedral mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Smallest dihedral angle [deg].
+    pub min_dihedral: f64,
+    /// Largest dihedral angle [deg].
+    pub max_dihedral: f64,
+    /// Smallest radius ratio, negative if a tetrahedron is inverted [1].
+    pub radius_ratio_min: f64,
+    /// First percentile of the radius ratio [1].
+    pub radius_ratio_p1: f64,
+    /// Mean radius ratio [1].
+    pub radius_ratio_mean: f64,
+    /// Shortest edge [m].
+    pub edge_min: f64,
+    /// Mean edge [m].
+    pub edge_mean: f64,
+    /// Longest edge [m].
+    pub edge_max: f64,
+}
+
+/// Quality of a mesh; all zero if it has no tetrahedra.
+#[must_use]
+pub fn quality(mesh: &TetMesh) -> Quality {
+    if mesh.tets.is_empty() {
+        return Quality::default();
+    }
+    let tets = (0..mesh.tets.len()).map(|t| mesh.corners(t));
+    let (angle_min, angle_max) = tets
+        .clone()
+        .flat_map(|[a, b, c, d]| dihedral_angles(a, b, c, d))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let mut ratios: Vec<f64> = tets.map(|[a, b, c, d]| radius_ratio(a, b, c, d)).collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    let mut edges: Vec<f64> = tet_edges(&mesh.tets)
+        .iter()
+        .map(|&[a, b]| (mesh.vertices[b] - mesh.vertices[a]).norm())
+        .collect();
+    edges.sort_unstable_by(f64::total_cmp);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    Quality {
+        min_dihedral: angle_min,
+        max_dihedral: angle_max,
+        radius_ratio_min: ratios[0],
+        radius_ratio_p1: ratios[ratios.len() / 100],
+        radius_ratio_mean: mean(&ratios),
+        edge_min: edges[0],
+        edge_mean: mean(&edges),
+        edge_max: edges[edges.len() - 1],
+    }
+}

@@ -1,0 +1,244 @@
+//! Edges, facets, neighbours, components and boundaries.
+//!
+//! Everything here is combinatorial: no coordinate is looked at. Results come
+//! in an order that depends on the vertex ids only.
+
+use std::collections::BTreeMap;
+
+use crate::{SurfaceMesh, TetMesh, Vec3, facet_key};
+
+/// Facets of a tetrahedron of positive volume, each counter-clockwise seen
+/// from outside; facet `i` is opposite to corner `i`.
+pub const TET_FACETS: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// Edges of a tetrahedron as pairs of corners.
+pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// The boundary of a tetrahedral mesh.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Boundary {
+    /// Vertex ids of the tetrahedral mesh, counter-clockwise from outside,
+    /// smallest first; facets are sorted by their sorted ids.
+    pub facets: Vec<[usize; 3]>,
+    /// The tetrahedron behind each facet.
+    pub tet_of: Vec<usize>,
+}
+
+impl Boundary {
+    /// The boundary as a surface without unused vertices, and for each of its
+    /// vertices the id in `mesh`.
+    #[must_use]
+    pub fn surface(&self, mesh: &TetMesh) -> (SurfaceMesh, Vec<usize>) {
+        submesh(&mesh.vertices, &self.facets)
+    }
+}
+
+/// The facets with exactly one incident tetrahedron, oriented out of the solid.
+#[must_use]
+pub fn boundary(mesh: &TetMesh) -> Boundary {
+    let mut sides = Vec::with_capacity(4 * mesh.tets.len());
+    for (t, tet) in mesh.tets.iter().enumerate() {
+        for corners in TET_FACETS {
+            let facet = corners.map(|c| tet[c]);
+            sides.push((facet_key(facet), facet, t));
+        }
+    }
+    sides.sort_unstable();
+    let single = sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+    let (facets, tet_of) = single.map(|side| (smallest_first(side[0].1), side[0].2)).unzip();
+    Boundary { facets, tet_of }
+}
+
+/// Rotates a triangle so that its smallest vertex id comes first.
+fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// The surface made of `facets` without the vertices they do not use, and for
+/// each of its vertices the index in `vertices`. Vertices keep their order.
+#[must_use]
+pub fn submesh(vertices: &[Vec3], facets: &[[usize; 3]]) -> (SurfaceMesh, Vec<usize>) {
+    let mut used: Vec<usize> = facets.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut new_id = vec![usize::MAX; vertices.len()];
+    for (new, &old) in used.iter().enumerate() {
+        new_id[old] = new;
+    }
+    let surface = SurfaceMesh {
+        vertices: used.iter().map(|&v| vertices[v]).collect(),
+        triangles: facets.iter().map(|f| f.map(|v| new_id[v])).collect(),
+    };
+    (surface, used)
+}
+
+/// The three edges of a triangle in its direction.
+#[must_use]
+pub fn directed_edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// Sorted edge → the triangles that have it, ascending.
+#[must_use]
+pub fn edge_facets(triangles: &[[usize; 3]]) -> BTreeMap<[usize; 2], Vec<usize>> {
+    let mut edges = BTreeMap::<_, Vec<usize>>::new();
+    for (t, &triangle) in triangles.iter().enumerate() {
+        for [a, b] in directed_edges(triangle) {
+            edges.entry([a.min(b), a.max(b)]).or_default().push(t);
+        }
+    }
+    edges
+}
+
+/// Edges with exactly one triangle, in the direction of that triangle, sorted
+/// by their sorted ids.
+#[must_use]
+pub fn boundary_edges(triangles: &[[usize; 3]]) -> Vec<[usize; 2]> {
+    let mut edges: Vec<_> = triangles
+        .iter()
+        .flat_map(|&t| directed_edges(t))
+        .map(|[a, b]| ([a.min(b), a.max(b)], [a, b]))
+        .collect();
+    edges.sort_unstable();
+    let single = edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+    single.map(|edge| edge[0].1).collect()
+}
+
+/// The rims of an open, consistently oriented surface: closed loops of vertices
+/// along the boundary edges. Loops that touch at a vertex are separated there,
+/// so no loop visits a vertex twice. Boundary edges that close no loop, which
+/// exist only if neighbours disagree in orientation, are left out.
+#[must_use]
+pub fn boundary_loops(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
+    let mut next = BTreeMap::<usize, Vec<usize>>::new();
+    for [a, b] in boundary_edges(triangles) {
+        next.entry(a).or_default().push(b);
+    }
+    let starts: Vec<usize> = next.keys().copied().collect();
+    let mut loops = Vec::new();
+    for start in starts {
+        let mut path = vec![start];
+        while let Some(to) = path.last().and_then(|v| next.get_mut(v)).and_then(Vec::pop) {
+            match path.iter().position(|&v| v == to) {
+                Some(i) => {
+                    loops.push(path.split_off(i));
+                    path.push(to);
+                }
+                None => path.push(to),
+            }
+        }
+    }
+    loops
+}
+
+/// Edge-connected components: lists of ascending triangle indices, ordered by
+/// their first triangle.
+#[must_use]
+pub fn components(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
+    let mut sets = DisjointSets::new(triangles.len());
+    for facets in edge_facets(triangles).values() {
+        for &t in &facets[1..] {
+            sets.join(facets[0], t);
+        }
+    }
+    sets.groups()
+}
+
+/// Whether the triangles form an oriented manifold, with or without rims: no
+/// repeated vertex in a triangle, at most two triangles at an edge and those in
+/// opposite directions, one fan of triangles at every vertex.
+#[must_use]
+pub fn is_manifold(triangles: &[[usize; 3]]) -> bool {
+    let collapsed = triangles.iter().any(|&[a, b, c]| a == b || b == c || c == a);
+    let mut directed: Vec<_> = triangles.iter().flat_map(|&t| directed_edges(t)).collect();
+    directed.sort_unstable();
+    let repeated = directed.windows(2).any(|pair| pair[0] == pair[1]);
+    !collapsed && !repeated && pinched_vertices(triangles).is_empty()
+}
+
+/// Vertices whose triangles do not form a single fan, ascending: two sheets
+/// touch there in a point only.
+#[must_use]
+pub fn pinched_vertices(triangles: &[[usize; 3]]) -> Vec<usize> {
+    let corner = |t: usize, v: usize| triangles[t].iter().position(|&w| w == v).map(|k| 3 * t + k);
+    let mut corners = DisjointSets::new(3 * triangles.len());
+    for (edge, facets) in edge_facets(triangles) {
+        for v in edge {
+            for pair in facets.windows(2) {
+                if let (Some(a), Some(b)) = (corner(pair[0], v), corner(pair[1], v)) {
+                    corners.join(a, b);
+                }
+            }
+        }
+    }
+    let mut fans: Vec<[usize; 2]> = (0..3 * triangles.len())
+        .map(|c| [triangles[c / 3][c % 3], corners.representative(c)])
+        .collect();
+    fans.sort_unstable();
+    fans.dedup();
+    let mut pinched: Vec<usize> =
+        fans.windows(2).filter(|pair| pair[0][0] == pair[1][0]).map(|pair| pair[0][0]).collect();
+    pinched.dedup();
+    pinched
+}
+
+/// The edges of tetrahedra, each once, sorted.
+#[must_use]
+pub fn tet_edges(tets: &[[usize; 4]]) -> Vec<[usize; 2]> {
+    let mut edges: Vec<[usize; 2]> = tets
+        .iter()
+        .flat_map(|tet| TET_EDGES.map(|[i, j]| [tet[i].min(tet[j]), tet[i].max(tet[j])]))
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+/// The other end of every edge at each of `n` vertices, in the order of `edges`.
+#[must_use]
+pub fn vertex_neighbours(n: usize, edges: &[[usize; 2]]) -> Vec<Vec<usize>> {
+    let mut neighbours = vec![Vec::new(); n];
+    for &[a, b] in edges {
+        neighbours[a].push(b);
+        neighbours[b].push(a);
+    }
+    neighbours
+}
+
+/// Disjoint sets of 0..n; the representative of a set is its smallest member.
+struct DisjointSets {
+    parent: Vec<usize>,
+}
+
+impl DisjointSets {
+    fn new(n: usize) -> Self {
+        Self { parent: (0..n).collect() }
+    }
+
+    fn representative(&mut self, mut i: usize) -> usize {
+        while self.parent[i] != i {
+            self.parent[i] = self.parent[self.parent[i]];
+            i = self.parent[i];
+        }
+        i
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.representative(a), self.representative(b));
+        self.parent[a.max(b)] = a.min(b);
+    }
+
+    fn groups(&mut self) -> Vec<Vec<usize>> {
+        let mut groups = BTreeMap::<usize, Vec<usize>>::new();
+        for i in 0..self.parent.len() {
+            groups.entry(self.representative(i)).or_default().push(i);
+        }
+        groups.into_values().collect()
+    }
+}
