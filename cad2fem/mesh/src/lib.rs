@@ -4,6 +4,7 @@
 //! tetrahedra have positive volume, indices start at zero.
 
 pub mod bvh;
+pub mod check;
 pub mod cli;
 pub mod inside;
 pub mod io;

@@ -1,8 +1,10 @@
 //! Lengths, areas, volumes and the quality of elements.
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::bvh::SurfaceBvh;
 use crate::topology::{TET_EDGES, tet_edges};
 use crate::{SurfaceMesh, TetMesh, Vec3};
 
@@ -159,4 +161,42 @@ pub fn quality(mesh: &TetMesh) -> Quality {
         edge_mean: mean(&edges),
         edge_max: edges[edges.len() - 1],
     }
+}
+
+/// One-sided Hausdorff distance [m]: the largest distance from a point of `from`
+/// to `to`, over the vertices of `from` and about `samples` points spread evenly
+/// over its area. It is a lower bound that converges as samples are added.
+#[must_use]
+pub fn hausdorff(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> f64 {
+    if from.triangles.is_empty() {
+        return 0.0;
+    }
+    if to.triangles.is_empty() {
+        return f64::INFINITY;
+    }
+    let target = SurfaceBvh::new(to);
+    let mut points = from.vertices.clone();
+    points.extend(spread(from, samples));
+    points.par_iter().map(|p| target.closest(p).distance).reduce(|| 0.0, f64::max)
+}
+
+/// About `count` points spread evenly by area.
+fn spread(surface: &SurfaceMesh, count: usize) -> Vec<Vec3> {
+    // Roberts' R2 sequence: powers of the plastic number fill the unit square evenly.
+    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    let density = count as f64 / area(surface);
+    let mut points = Vec::with_capacity(count + 1);
+    let mut due = 0.0;
+    for t in 0..surface.triangles.len() {
+        let [a, b, c] = surface.corners(t);
+        due += density * triangle_area(a, b, c);
+        while points.len() as f64 + 1.0 <= due {
+            let i = points.len() as f64;
+            let (u, v) = ((i * STEP[0]).fract(), (i * STEP[1]).fract());
+            // The half of the square beyond the diagonal is folded back.
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            points.push(a + (b - a) * u + (c - a) * v);
+        }
+    }
+    points
 }

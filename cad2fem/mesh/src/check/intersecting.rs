@@ -1,0 +1,23 @@
+//! Triangles meet nowhere but in the vertices and edges they share.
+
+use super::{Finding, at};
+use crate::SurfaceMesh;
+use crate::bvh::self_intersecting_pairs;
+
+pub const NAME: &str = "intersecting";
+
+/// Pairs of triangles that meet in more than the vertices and edge they share,
+/// decided exactly; sorted.
+#[must_use]
+pub fn self_intersections(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
+    self_intersecting_pairs(surface)
+}
+
+pub fn find(surface: &SurfaceMesh) -> Vec<Finding> {
+    let pairs = self_intersections(surface);
+    let Some(&(s, t)) = pairs.first() else { return Vec::new() };
+    let (count, place) = (pairs.len(), at(&surface.centroid(s)));
+    let message =
+        format!("{count} pairs of triangles intersect, first triangles {s} and {t} at {place}");
+    vec![Finding { rule: NAME, message, count }]
+}

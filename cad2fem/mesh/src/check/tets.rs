@@ -1,0 +1,104 @@
+//! Rules for tetrahedral meshes.
+
+use super::{Finding, at};
+use crate::measure::tet_volume;
+use crate::topology::TET_FACETS;
+use crate::{TetMesh, facet_key};
+
+/// What is wrong with a tetrahedral mesh: it is empty or not finite, indices do
+/// not exist, volumes are not positive, more than two tetrahedra or two on the
+/// same side share a facet, vertices are used by no tetrahedron.
+#[must_use]
+pub fn check_tets(mesh: &TetMesh) -> Vec<Finding> {
+    let unusable: Vec<Finding> = [finite(mesh), indices(mesh)].into_iter().flatten().collect();
+    if !unusable.is_empty() {
+        return unusable;
+    }
+    [volumes(mesh), conforming(mesh), unused(mesh)].into_iter().flatten().collect()
+}
+
+fn finite(mesh: &TetMesh) -> Option<Finding> {
+    let bad = |v: &usize| mesh.vertices[*v].iter().any(|x| !x.is_finite());
+    let bad: Vec<usize> = (0..mesh.vertices.len()).filter(bad).collect();
+    let (&v, count) = (bad.first()?, bad.len());
+    let place = at(&mesh.vertices[v]);
+    let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
+    Some(Finding { rule: "finite", message, count })
+}
+
+fn indices(mesh: &TetMesh) -> Option<Finding> {
+    let n = mesh.vertices.len();
+    if mesh.tets.is_empty() {
+        let message = format!("the mesh is empty: {n} vertices, no tetrahedra");
+        return Some(Finding { rule: "indices", message, count: 1 });
+    }
+    let lost = |t: &usize| mesh.tets[*t].iter().any(|&v| v >= n);
+    let lost: Vec<usize> = (0..mesh.tets.len()).filter(lost).collect();
+    let (&t, count) = (lost.first()?, lost.len());
+    let corners = mesh.tets[t];
+    let message = format!(
+        "{count} tetrahedra have vertices that do not exist, first tetrahedron {t} with \
+         {corners:?} of {n} vertices"
+    );
+    Some(Finding { rule: "indices", message, count })
+}
+
+fn volumes(mesh: &TetMesh) -> Option<Finding> {
+    let volume = |t: usize| {
+        let [a, b, c, d] = mesh.corners(t);
+        tet_volume(a, b, c, d)
+    };
+    let bad: Vec<usize> = (0..mesh.tets.len()).filter(|&t| volume(t) <= 0.0).collect();
+    let (&t, count) = (bad.first()?, bad.len());
+    let centroid = mesh.corners(t).iter().sum::<crate::Vec3>() / 4.0;
+    let message = format!(
+        "{count} of {} tetrahedra have no positive volume, first tetrahedron {t} with {:.3e} m³ \
+         at {}",
+        mesh.tets.len(),
+        volume(t),
+        at(&centroid)
+    );
+    Some(Finding { rule: "volume", message, count })
+}
+
+/// With positive volumes, two tetrahedra on different sides of a facet see it
+/// with opposite orientations.
+fn conforming(mesh: &TetMesh) -> Option<Finding> {
+    let mut sides: Vec<([usize; 3], bool)> = mesh
+        .tets
+        .iter()
+        .flat_map(|tet| TET_FACETS.map(|corners| corners.map(|c| tet[c])))
+        .map(|facet| (facet_key(facet), is_even(facet)))
+        .collect();
+    sides.sort_unstable();
+    let mut crowded: Vec<[usize; 3]> =
+        sides.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0].0).collect();
+    crowded.dedup();
+    let (&[a, b, c], count) = (crowded.first()?, crowded.len());
+    let centroid = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
+    let message = format!(
+        "{count} facets have two tetrahedra on the same side, first facet {a}-{b}-{c} at {}",
+        at(&centroid)
+    );
+    Some(Finding { rule: "conforming", message, count })
+}
+
+/// Whether the vertices are an even permutation of their ascending order.
+fn is_even([a, b, c]: [usize; 3]) -> bool {
+    !((a < b) ^ (b < c) ^ (c < a))
+}
+
+fn unused(mesh: &TetMesh) -> Option<Finding> {
+    let mut used = vec![false; mesh.vertices.len()];
+    for &v in mesh.tets.iter().flatten() {
+        used[v] = true;
+    }
+    let unused: Vec<usize> = (0..used.len()).filter(|&v| !used[v]).collect();
+    let (&v, count) = (unused.first()?, unused.len());
+    let message = format!(
+        "{count} of {} vertices belong to no tetrahedron, first vertex {v} at {}",
+        mesh.vertices.len(),
+        at(&mesh.vertices[v])
+    );
+    Some(Finding { rule: "unused", message, count })
+}
