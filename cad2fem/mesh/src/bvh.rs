@@ -125,29 +125,19 @@ pub fn self_intersecting_pairs(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
 
 fn pair_intersects(surface: &SurfaceMesh, i: usize, j: usize) -> bool {
     let (s, t) = (surface.triangles[i], surface.triangles[j]);
-    let at = |v: usize| &surface.vertices[v];
+    let at = |v: &usize| &surface.vertices[*v];
     let common: Vec<usize> = s.into_iter().filter(|v| t.contains(v)).collect();
-    let others = |triangle: [usize; 3]| triangle.into_iter().filter(|v| !common.contains(v));
-    match common[..] {
-        [] => triangles_intersect(&surface.corners(i), &surface.corners(j)),
-        [v] => {
-            let opposite = |triangle| {
-                let edge: Vec<usize> = others(triangle).collect();
-                match edge[..] {
-                    [a, b] => Some([at(a), at(b)]),
-                    _ => None,
-                }
-            };
-            match (opposite(s), opposite(t)) {
-                (Some(ab), Some(cd)) => corner_sharing_intersect(at(v), ab, cd),
-                _ => false,
-            }
-        }
-        [u, v] => match (others(s).next(), others(t).next()) {
-            (Some(a), Some(b)) => edge_sharing_intersect(at(u), at(v), at(a), at(b)),
-            _ => false,
-        },
-        _ => true,
+    let rest = |triangle: &[usize; 3]| -> Vec<&Vec3> {
+        triangle.iter().filter(|v| !common.contains(v)).map(at).collect()
+    };
+    match (&common[..], &rest(&s)[..], &rest(&t)[..]) {
+        ([], _, _) => triangles_intersect(&surface.corners(i), &surface.corners(j)),
+        ([v], [a, b], [c, d]) => corner_sharing_intersect(at(v), [a, b], [c, d]),
+        ([u, v], [a], [b]) => edge_sharing_intersect(at(u), at(v), a, b),
+        // The same triangle twice.
+        ([_, _, _], _, _) => true,
+        // A vertex repeated within a triangle: degenerate, not intersecting.
+        _ => false,
     }
 }
 
@@ -252,4 +242,129 @@ fn ray_meets_triangle(origin: &Vec3, direction: &Vec3, corners: &[Vec3; 3]) -> O
     }
     let s = (u * sheared[0].2 + v * sheared[1].2 + w * sheared[2].2) / total;
     (s >= 0.0).then_some(s)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::solid::Solid;
+
+    /// Points that fill the cube [−r, r]³ evenly and never regularly.
+    fn scattered(count: usize, r: f64) -> impl Iterator<Item = Vec3> {
+        // Weyl sequence of square roots of primes.
+        let step = Vec3::new(2.0_f64.sqrt(), 3.0_f64.sqrt(), 5.0_f64.sqrt());
+        (1..=count).map(move |i| (step * i as f64).map(|x| (2.0 * x.fract() - 1.0) * r))
+    }
+
+    fn ball() -> SurfaceMesh {
+        Solid::sphere(&Vec3::zeros(), 0.03, 32).to_surface()
+    }
+
+    #[test]
+    fn closest_point_is_that_of_an_exhaustive_search() {
+        let surface = ball();
+        let tree = SurfaceBvh::new(&surface);
+        for p in scattered(200, 0.05) {
+            let found = tree.closest(&p);
+            let distances = (0..surface.triangles.len())
+                .map(|t| (closest_on_triangle(&p, &surface.corners(t)) - p).norm());
+            let best = distances.fold(f64::INFINITY, f64::min);
+            assert_eq!(found.distance, best);
+            assert_eq!(found.distance, (found.point - p).norm());
+            let on = closest_on_triangle(&found.point, &surface.corners(found.triangle));
+            assert!((on - found.point).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn closest_point_on_each_region_of_a_triangle() {
+        let t = [Vec3::zeros(), Vec3::x(), Vec3::y()];
+        for (query, expected) in [
+            ([-1.0, -1.0, 1.0], [0.0, 0.0, 0.0]),
+            ([2.0, -0.5, 0.0], [1.0, 0.0, 0.0]),
+            ([-0.5, 2.0, 0.0], [0.0, 1.0, 0.0]),
+            ([0.25, -1.0, 1.0], [0.25, 0.0, 0.0]),
+            ([-1.0, 0.25, 1.0], [0.0, 0.25, 0.0]),
+            ([1.0, 1.0, 1.0], [0.5, 0.5, 0.0]),
+            ([0.25, 0.25, 3.0], [0.25, 0.25, 0.0]),
+        ] {
+            assert_eq!(closest_on_triangle(&query.into(), &t), Vec3::from(expected));
+        }
+    }
+
+    #[test]
+    fn rays_enter_and_leave_a_closed_surface_in_turn() {
+        let surface = ball();
+        let tree = SurfaceBvh::new(&surface);
+        for (p, direction) in scattered(200, 0.015).zip(scattered(400, 1.0).skip(200)) {
+            // From inside: one way out forward, one backward.
+            let forward = tree.ray(&p, &direction);
+            let backward = tree.ray(&p, &-direction);
+            assert_eq!((forward.len(), backward.len()), (1, 1));
+            let through = tree.ray(&(p - direction), &direction);
+            assert_eq!(through.len(), 2);
+            assert!(through[0].0 < through[1].0);
+            let end = p + direction * forward[0].0;
+            assert!(tree.closest(&end).distance < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_ray_through_vertices_and_edges_is_not_lost() {
+        let surface = ball();
+        let tree = SurfaceBvh::new(&surface);
+        for v in &surface.vertices {
+            assert!(!tree.ray(&Vec3::zeros(), v).is_empty());
+        }
+        for t in &surface.triangles {
+            let middle = (surface.vertices[t[0]] + surface.vertices[t[1]]) / 2.0;
+            assert!(!tree.ray(&Vec3::zeros(), &middle).is_empty());
+        }
+    }
+
+    #[test]
+    fn overlapping_boxes_are_all_found() {
+        let boxes = |seed: usize| -> Vec<(Vec3, Vec3)> {
+            let corners = scattered(seed + 60, 1.0).skip(seed);
+            corners.map(|p| (p, p + Vec3::new(0.3, 0.2, 0.4))).collect()
+        };
+        let (a, b) = (boxes(0), boxes(100));
+        let mut expected = Vec::new();
+        for (i, p) in a.iter().enumerate() {
+            for (j, q) in b.iter().enumerate() {
+                if (0..3).all(|k| p.0[k] <= q.1[k] && q.0[k] <= p.1[k]) {
+                    expected.push((i, j));
+                }
+            }
+        }
+        assert!(expected.len() > 10);
+        assert_eq!(overlapping_pairs(&a, &b), expected);
+    }
+
+    #[test]
+    fn self_intersections_are_found_and_not_invented() {
+        let mut surface = ball();
+        assert_eq!(self_intersecting_pairs(&surface), []);
+        // A spike through the far side, from a vertex of the near side.
+        let spike = (0..surface.vertices.len())
+            .max_by(|&a, &b| surface.vertices[a].z.total_cmp(&surface.vertices[b].z))
+            .unwrap();
+        surface.vertices[spike] = Vec3::new(0.001, 0.002, -0.05);
+        let pairs = self_intersecting_pairs(&surface);
+        assert!(!pairs.is_empty());
+        for (i, j) in pairs {
+            let at_spike = |t: usize| surface.triangles[t].contains(&spike);
+            assert!(at_spike(i) || at_spike(j));
+        }
+    }
+
+    #[test]
+    fn a_folded_or_repeated_triangle_intersects_its_neighbour() {
+        let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(0.75, 0.5, 0.0)];
+        let folded = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [1, 0, 3]] };
+        assert_eq!(self_intersecting_pairs(&folded), [(0, 1)]);
+        let repeated = SurfaceMesh { triangles: vec![[0, 1, 2], [2, 0, 1]], ..folded };
+        assert_eq!(self_intersecting_pairs(&repeated), [(0, 1)]);
+    }
 }

@@ -143,3 +143,61 @@ fn solid_angle(p: &Vec3, triangle: &[Vec3; 3]) -> f64 {
     let denominator = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
     2.0 * triple.atan2(denominator)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::Solid;
+
+    /// A ball with a smaller ball cut out of it, off centre.
+    fn shell() -> SurfaceMesh {
+        let ball = Solid::sphere(&Vec3::zeros(), 0.03, 48);
+        ball.difference(&Solid::sphere(&Vec3::new(0.01, 0.0, 0.0), 0.01, 32)).to_surface()
+    }
+
+    fn grid() -> impl Iterator<Item = Vec3> {
+        let n = 12;
+        (0..n * n * n).map(move |i| {
+            let cell = Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64);
+            cell.map(|x| (x + 0.37) * 0.08 / n as f64 - 0.04)
+        })
+    }
+
+    #[test]
+    fn the_hierarchy_sums_what_the_triangles_sum() {
+        let mut surface = shell();
+        let check = |surface: &SurfaceMesh| {
+            let all: Vec<_> = (0..surface.triangles.len()).map(|t| surface.corners(t)).collect();
+            let winding = WindingNumber::new(surface);
+            for p in grid() {
+                let direct = solid_angles(&p, &all) / (2.0 * TAU);
+                // Rounding of some thousand angles: 5000 ε ~ 1e-12.
+                assert!((winding.at(&p) - direct).abs() < 1e-12, "{p:?}: {direct}");
+            }
+        };
+        check(&surface);
+        // Open: every third triangle is missing. Then with triangles doubled.
+        surface.triangles = surface.triangles.chunks(3).flat_map(|t| t[1..].to_vec()).collect();
+        check(&surface);
+        surface.triangles.extend_from_within(100..400);
+        check(&surface);
+    }
+
+    #[test]
+    fn cavities_are_outside() {
+        let winding = WindingNumber::new(&shell());
+        for p in grid() {
+            let (r, s) = (p.norm(), (p - Vec3::new(0.01, 0.0, 0.0)).norm());
+            // The polyhedra are inscribed: leave out the layer of their sagitta.
+            if (0.0299..0.03).contains(&r) || (0.0098..0.01).contains(&s) {
+                continue;
+            }
+            assert_eq!(winding.contains(&p), r < 0.03 && s > 0.01, "{p:?}");
+        }
+    }
+
+    #[test]
+    fn an_empty_surface_contains_nothing() {
+        assert!(!WindingNumber::new(&SurfaceMesh::default()).contains(&Vec3::zeros()));
+    }
+}

@@ -112,9 +112,83 @@ pub fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> boo
 #[must_use]
 pub fn edge_sharing_intersect(u: &Vec3, v: &Vec3, a: &Vec3, b: &Vec3) -> bool {
     let same_side = |axis| {
-        orient2d(axis, u, v, a).signum() * orient2d(axis, u, v, b).signum() > 0.0
-            && orient2d(axis, u, v, a) != 0.0
-            && orient2d(axis, u, v, b) != 0.0
+        let (side_a, side_b) = (orient2d(axis, u, v, a), orient2d(axis, u, v, b));
+        (side_a > 0.0 && side_b > 0.0) || (side_a < 0.0 && side_b < 0.0)
     };
     orient3d(u, v, a, b) == 0.0 && (0..3).any(same_side)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn p(x: f64, y: f64, z: f64) -> Vec3 {
+        Vec3::new(x, y, z)
+    }
+
+    fn flat() -> [Vec3; 3] {
+        [p(0.0, 0.0, 0.0), p(1.0, 0.0, 0.0), p(0.0, 1.0, 0.0)]
+    }
+
+    #[test]
+    fn orientation_is_exact_where_naive_arithmetic_is_not() {
+        // Points on the plane z = x moved off it by one unit in the last place.
+        let (a, b, c) = (p(0.1, 0.1, 0.1), p(0.7, 0.3, 0.7), p(0.3, 0.9, 0.3));
+        let x: f64 = 1.3;
+        assert!(orient3d(&a, &b, &c, &p(x, 12.0, x)) == 0.0);
+        assert!(orient3d(&a, &b, &c, &p(x, 12.0, x.next_up())) > 0.0);
+        assert!(orient3d(&a, &b, &c, &p(x, 12.0, x.next_down())) < 0.0);
+        let [a, b, c] = flat();
+        assert_eq!(orient3d(&a, &b, &c, &p(0.0, 0.0, 1.0)), 1.0);
+    }
+
+    #[test]
+    fn piercing_touching_and_missing() {
+        let at = |z: f64| [p(0.2, 0.2, z), p(0.3, 0.2, 1.0), p(0.2, 0.3, 1.0)];
+        assert!(triangles_intersect(&flat(), &at(-1.0)));
+        assert!(triangles_intersect(&flat(), &at(0.0)));
+        assert!(!triangles_intersect(&flat(), &at(f64::MIN_POSITIVE)));
+        let beside = at(-1.0).map(|q| q + p(0.0, 0.9, 0.0));
+        assert!(!triangles_intersect(&flat(), &beside));
+    }
+
+    #[test]
+    fn coplanar_triangles_in_any_plane() {
+        // (x, y) ↦ three planes, one of them seen edge-on along two axes.
+        let planes: [fn(f64, f64) -> Vec3; 3] =
+            [|x, y| p(x, y, 0.25), |x, y| p(0.5, x, y), |x, y| p(x, y, x + y)];
+        for plane in planes {
+            let triangle = |x: f64, y: f64, s: f64| [plane(x, y), plane(x + s, y), plane(x, y + s)];
+            let big = triangle(0.0, 0.0, 1.0);
+            assert!(triangles_intersect(&big, &triangle(0.25, 0.25, 0.125)), "contained");
+            assert!(triangles_intersect(&triangle(0.25, 0.25, 0.125), &big), "containing");
+            assert!(triangles_intersect(&big, &triangle(-0.5, 0.25, 1.0)), "crossing");
+            assert!(triangles_intersect(&big, &triangle(1.0, 0.0, 1.0)), "touching");
+            assert!(!triangles_intersect(&big, &triangle(0.75, 0.5, 1.0)), "apart");
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_are_segments() {
+        let needle = |z: f64| [p(0.1, 0.1, z), p(0.1, 0.1, z + 1.0), p(0.1, 0.1, z + 2.0)];
+        assert!(triangles_intersect(&flat(), &needle(-1.5)));
+        assert!(!triangles_intersect(&flat(), &needle(0.5)));
+        let level = [p(0.0, 0.0, 0.0), p(0.5, 0.5, 0.0), p(1.0, 1.0, 0.0)];
+        assert!(triangles_intersect(&level, &needle(-1.5)));
+        assert!(!triangles_intersect(&level, &needle(0.5)));
+        assert!(!triangles_intersect(&level, &needle(-1.5).map(|q| q + p(0.5, 0.0, 0.0))));
+    }
+
+    #[test]
+    fn neighbours_meet_only_beyond_what_they_share() {
+        let [v, a, b] = flat();
+        let (c, d) = (p(-1.0, 0.0, 0.0), p(-1.0, -1.0, 0.0));
+        assert!(!corner_sharing_intersect(&v, [&a, &b], [&c, &d]));
+        assert!(!corner_sharing_intersect(&v, [&a, &b], [&p(0.0, 0.0, 1.0), &c]));
+        assert!(corner_sharing_intersect(&v, [&a, &b], [&p(1.0, 1.0, 1.0), &p(1.0, 1.0, -1.0)]));
+        assert!(corner_sharing_intersect(&v, [&a, &b], [&p(0.25, 0.25, 0.0), &p(9.0, 8.0, 0.0)]));
+        assert!(edge_sharing_intersect(&v, &a, &b, &p(5.0, 0.1, 0.0)));
+        assert!(!edge_sharing_intersect(&v, &a, &b, &p(5.0, 0.1, 1e-300)));
+        assert!(!edge_sharing_intersect(&v, &a, &b, &p(5.0, -0.1, 0.0)));
+    }
 }

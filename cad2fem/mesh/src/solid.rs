@@ -334,20 +334,29 @@ impl Solid {
         Self { kernel: Manifold::hull(&points) }
     }
 
-    /// The set f < 0 within the box `bounds` = (min, max) [m]: f is negative
-    /// inside, as a signed distance is. The lattice is body-centred cubic with
-    /// triangle edges of about `edge_length` [m] (marching tetrahedra).
+    /// The set f < 0 within the box `bounds` = (min, max) [m], closed along the
+    /// box where it reaches beyond: f is negative inside, as a signed distance is.
     ///
-    /// `f` is called from many threads.
+    /// Marching tetrahedra on a body-centred cubic lattice with triangle edges of
+    /// about `edge_length` [m]; vertices lie within a thousandth of that from the
+    /// zero of `f` along their lattice edge. `f` is called from many threads.
     #[must_use]
     pub fn level_set(
         f: impl Fn(Vec3) -> f64 + Sync,
         bounds: (Vec3, Vec3),
         edge_length: f64,
     ) -> Self {
-        let bounds = KernelBox { min: to_kernel(&bounds.0), max: to_kernel(&bounds.1) };
         let positive_inside = |p: KernelVec3| -f(from_kernel(p));
-        Self { kernel: Manifold::level_set(positive_inside, bounds, edge_length) }
+        let bounds = KernelBox { min: to_kernel(&bounds.0), max: to_kernel(&bounds.1) };
+        let (level, tolerance) = (0.0, 1e-3 * edge_length);
+        let kernel = Manifold::level_set_with_tolerance(
+            positive_inside,
+            bounds,
+            edge_length,
+            level,
+            tolerance,
+        );
+        Self { kernel }
     }
 }
 
@@ -376,3 +385,6 @@ fn frame(w: &Vec3) -> Matrix3<f64> {
     let u = (e - w * w.dot(&e)).normalize();
     Matrix3::from_columns(&[u, w.cross(&u), *w])
 }
+
+#[cfg(test)]
+mod tests;
