@@ -1,0 +1,221 @@
+//! Closing a planar hole: a polygon cut into triangles.
+//!
+//! The polygon is projected to its plane (Newell's normal) and ears are clipped,
+//! each time the one whose smallest angle is largest, so that collinear rim
+//! vertices do not leave triangles without area.
+
+use mesh::Vec3;
+
+/// A triangulated polygon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cap {
+    /// Triangles of polygon indices, in the polygon's own direction.
+    pub triangles: Vec<[usize; 3]>,
+    /// Unit normal; the polygon is counter-clockwise around it [1].
+    pub normal: Vec3,
+    /// Mean of the polygon's vertices [m].
+    pub mean: Vec3,
+    /// Largest distance of a vertex from the plane through `mean` [m].
+    pub deviation: f64,
+}
+
+/// Why a polygon cannot be closed.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum CapError {
+    /// Its projection has no area.
+    #[error("the rim of {vertices} vertices encloses no area")]
+    Degenerate {
+        /// Vertices of the polygon.
+        vertices: usize,
+    },
+    /// Its projection crosses itself.
+    #[error("the rim of {vertices} vertices crosses itself when seen along its normal")]
+    Crossing {
+        /// Vertices of the polygon.
+        vertices: usize,
+    },
+}
+
+/// Closes a polygon.
+///
+/// # Errors
+/// [`CapError`] if its projection is not a simple polygon.
+pub fn close(polygon: &[Vec3]) -> Result<Cap, CapError> {
+    let vertices = polygon.len();
+    let mean = polygon.iter().sum::<Vec3>() / vertices as f64;
+    let area: Vec3 = (0..vertices)
+        .map(|i| (polygon[i] - mean).cross(&(polygon[(i + 1) % vertices] - mean)))
+        .sum();
+    let reach = polygon.iter().map(|p| (p - mean).norm_squared()).fold(0.0, f64::max);
+    if vertices < 3 || area.norm() <= 1e-9 * reach {
+        return Err(CapError::Degenerate { vertices });
+    }
+    let normal = area.normalize();
+    let deviation = polygon.iter().map(|p| (p - mean).dot(&normal).abs()).fold(0.0, f64::max);
+    let flat = flatten(polygon, &mean, &normal);
+    let triangles = clip_ears(&flat).ok_or(CapError::Crossing { vertices })?;
+    Ok(Cap { triangles, normal, mean, deviation })
+}
+
+/// The circle inscribed in a polygon: its centre [m] and radius [m].
+///
+/// The centre is searched on a grid over the bounding box that shrinks around
+/// the best point; `normal` is that of the [`Cap`].
+#[must_use]
+pub fn inscribed_circle(polygon: &[Vec3], normal: &Vec3) -> (Vec3, f64) {
+    const SIDE: i32 = 8;
+    const ROUNDS: usize = 12;
+    let mean = polygon.iter().sum::<Vec3>() / polygon.len() as f64;
+    let flat = flatten(polygon, &mean, normal);
+    let mut best = ([0.0, 0.0], distance_inside(&flat, [0.0, 0.0]));
+    let mut half = flat.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for _ in 0..ROUNDS {
+        let centre = best.0;
+        for i in -SIDE..=SIDE {
+            for j in -SIDE..=SIDE {
+                let offset = |k: i32| f64::from(k) / f64::from(SIDE) * half;
+                let p = [centre[0] + offset(i), centre[1] + offset(j)];
+                let distance = distance_inside(&flat, p);
+                if distance > best.1 {
+                    best = (p, distance);
+                }
+            }
+        }
+        half /= 2.0;
+    }
+    let [u, v] = axes(normal);
+    (mean + u * best.0[0] + v * best.0[1], best.1)
+}
+
+/// Two unit vectors with u × v = normal.
+fn axes(normal: &Vec3) -> [Vec3; 2] {
+    let mut seed = Vec3::zeros();
+    seed[normal.iamin()] = 1.0;
+    let u = (seed - normal * normal.dot(&seed)).normalize();
+    [u, normal.cross(&u)]
+}
+
+fn flatten(polygon: &[Vec3], origin: &Vec3, normal: &Vec3) -> Vec<[f64; 2]> {
+    let [u, v] = axes(normal);
+    polygon.iter().map(|p| [(p - origin).dot(&u), (p - origin).dot(&v)]).collect()
+}
+
+/// Distance to the polygon, negative outside.
+fn distance_inside(polygon: &[[f64; 2]], p: [f64; 2]) -> f64 {
+    let mut inside = false;
+    let mut nearest = f64::INFINITY;
+    for (i, &a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        if (a[1] > p[1]) != (b[1] > p[1])
+            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        {
+            inside = !inside;
+        }
+        nearest = nearest.min(distance_to_segment(p, a, b));
+    }
+    if inside { nearest } else { -nearest }
+}
+
+fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length = d[0] * d[0] + d[1] * d[1];
+    let t = if length > 0.0 { ((d[0] * e[0] + d[1] * e[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (e[0] - t * d[0]).hypot(e[1] - t * d[1])
+}
+
+/// Triangles of a counter-clockwise simple polygon; none if it is not simple.
+fn clip_ears(polygon: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
+    let mut left: Vec<usize> = (0..polygon.len()).collect();
+    let mut triangles = Vec::with_capacity(polygon.len() - 2);
+    while left.len() > 2 {
+        let n = left.len();
+        let corner = |i: usize| [left[(i + n - 1) % n], left[i], left[(i + 1) % n]];
+        let (best, quality) = (0..n)
+            .map(|i| (i, smallest_sine(corner(i).map(|v| polygon[v]))))
+            .filter(|&(i, quality)| quality > 0.0 && is_ear(polygon, &left, corner(i)))
+            .fold((0, 0.0), |best, ear| if ear.1 > best.1 { ear } else { best });
+        if quality <= 0.0 {
+            return None;
+        }
+        triangles.push(corner(best));
+        left.remove(best);
+    }
+    Some(triangles)
+}
+
+/// Whether no other remaining vertex lies in the closed triangle.
+fn is_ear(polygon: &[[f64; 2]], left: &[usize], corner: [usize; 3]) -> bool {
+    let [a, b, c] = corner.map(|v| polygon[v]);
+    left.iter().filter(|v| !corner.contains(v)).all(|&v| {
+        let p = polygon[v];
+        turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0
+    })
+}
+
+/// Smallest sine of the angles of a triangle, not positive unless counter-clockwise.
+fn smallest_sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let (ab, bc, ca) = (length(a, b), length(b, c), length(c, a));
+    let longest_two = ab * bc * ca / ab.min(bc).min(ca);
+    turn(a, b, c) / longest_two.max(f64::MIN_POSITIVE)
+}
+
+/// Twice the signed area of a triangle.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let point = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
+    robust::orient2d(point(a), point(b), point(c))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn lifted(points: &[[f64; 2]]) -> Vec<Vec3> {
+        points.iter().map(|p| Vec3::new(p[0], 2.0, p[1])).collect()
+    }
+
+    fn area(polygon: &[Vec3], cap: &Cap) -> f64 {
+        let signed = |&[a, b, c]: &[usize; 3]| {
+            let (ab, ac) = (polygon[b] - polygon[a], polygon[c] - polygon[a]);
+            ab.cross(&ac).dot(&cap.normal) / 2.0
+        };
+        cap.triangles.iter().map(signed).sum()
+    }
+
+    #[test]
+    fn a_concave_polygon_with_collinear_vertices_is_covered_once() {
+        // An L, every edge halved: area 3, ten sides of which many are collinear.
+        let corners = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
+        let mut points = Vec::new();
+        for (i, &a) in corners.iter().enumerate() {
+            let b = corners[(i + 1) % corners.len()];
+            points.extend([a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]]);
+        }
+        let polygon = lifted(&points);
+        let cap = close(&polygon).unwrap();
+        assert_eq!(cap.triangles.len(), points.len() - 2);
+        assert!((area(&polygon, &cap) - 3.0).abs() < 1e-14);
+        assert!(cap.deviation < 1e-15);
+        for t in &cap.triangles {
+            let [a, b, c] = t.map(|v| polygon[v]);
+            assert!((b - a).cross(&(c - a)).norm() > 0.1, "a sliver: {t:?}");
+        }
+    }
+
+    #[test]
+    fn the_inscribed_circle_of_a_rectangle_touches_its_long_sides() {
+        let polygon = lifted(&[[0., 0.], [5., 0.], [5., 2.], [0., 2.]]);
+        let (centre, radius) = inscribed_circle(&polygon, &close(&polygon).unwrap().normal);
+        assert!((radius - 1.0).abs() < 1e-3);
+        assert!((centre.z - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_no_polygon_is_refused() {
+        let line = lifted(&[[0., 0.], [1., 0.], [2., 0.]]);
+        assert_eq!(close(&line), Err(CapError::Degenerate { vertices: 3 }));
+        let bow = lifted(&[[0., 0.], [3., 2.], [3., 0.], [0., 1.]]);
+        assert_eq!(close(&bow), Err(CapError::Crossing { vertices: 4 }));
+    }
+}

@@ -1,0 +1,93 @@
+//! How the mold stands: which way is up, which way the shells are pulled.
+
+use mesh::measure::bounds;
+use mesh::{SurfaceMesh, Vec3};
+
+use crate::config::{Config, Parting};
+use crate::frame::{Frame, Pull};
+use crate::skin::Skin;
+
+/// A direction computed from the mesh counts as a coordinate axis within this angle's cosine (1°).
+const NEARLY: f64 = 0.99985;
+
+/// An inlet faces down within this angle's cosine (5°).
+const DOWN: f64 = 0.9962;
+
+/// Why the mold cannot stand as asked.
+#[derive(Debug, thiserror::Error)]
+pub enum LayoutError {
+    /// Neither along nor across.
+    #[error(
+        "parting.pull makes an angle of {angle:.2}° with up; it must be along up (upper and lower shell) \
+         or across it (left and right shell on a base)"
+    )]
+    Askew {
+        /// Angle between the two [degrees].
+        angle: f64,
+    },
+    /// An inlet that cannot hold a core from below.
+    #[error(
+        "the inlet at ({x:.5}, {y:.5}, {z:.5}) m faces {angle:.1}° away from straight down, at most 5° are allowed: \
+         set `up` opposite to the inlet; inlets that face different ways cannot be molded",
+        x = centre.x, y = centre.y, z = centre.z
+    )]
+    Inlet {
+        /// Its centre in the design [m].
+        centre: Vec3,
+        /// Angle between its normal and down [degrees].
+        angle: f64,
+    },
+}
+
+/// The mold's frame for a design, with the filled part standing on z = 0.
+///
+/// # Errors
+/// [`LayoutError`] if the directions of the configuration do not fit.
+pub fn frame(skin: &Skin, config: &Config) -> Result<(Frame, Pull), LayoutError> {
+    let up = config.up.map_or_else(|| away_from_inlet(skin), Vec3::from).normalize();
+    for inlet in skin.cores.iter().flat_map(|core| &core.inlets) {
+        let cosine = -inlet.normal.dot(&up);
+        if cosine < DOWN {
+            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            return Err(LayoutError::Inlet { centre: inlet.centre, angle });
+        }
+    }
+    let pull = match &config.parting {
+        Parting::Plane(plane) => {
+            plane.pull.map_or_else(|| thinnest_across(&up, &skin.filled), Vec3::from)
+        }
+        Parting::HeightField(field) => field.pull.map_or(up, Vec3::from),
+    };
+    let (mut frame, pull) = Frame::new(up, pull)
+        .map_err(|cosine| LayoutError::Askew { angle: cosine.acos().to_degrees() })?;
+    let (low, high) = bounds(&placed(&skin.filled, &frame).vertices);
+    let middle = (low + high) / 2.0;
+    frame.origin = frame.rotation.transpose() * Vec3::new(middle.x, middle.y, low.z);
+    Ok((frame, pull))
+}
+
+/// A surface of the design in the mold's frame.
+#[must_use]
+pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
+    SurfaceMesh {
+        vertices: surface.vertices.iter().map(|p| frame.point(p)).collect(),
+        triangles: surface.triangles.clone(),
+    }
+}
+
+/// Opposite to the first inlet, or the coordinate axis that is nearly so.
+fn away_from_inlet(skin: &Skin) -> Vec3 {
+    let up = -skin.cores[0].inlets[0].normal;
+    let mut axis = Vec3::zeros();
+    let k = up.iamax();
+    axis[k] = up[k].signum();
+    if axis.dot(&up) >= NEARLY { axis } else { up }
+}
+
+/// The direction across `up` in which the part is thinnest, of two.
+fn thinnest_across(up: &Vec3, filled: &SurfaceMesh) -> Vec3 {
+    let (frame, _) = Frame::new(*up, *up).expect("a direction is along itself");
+    let (low, high) = bounds(&placed(filled, &frame).vertices);
+    let row = usize::from(high.y - low.y < high.x - low.x);
+    frame.rotation.row(row).transpose()
+}

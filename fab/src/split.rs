@@ -1,0 +1,166 @@
+//! Dividing the mold's material into shells along the parting surface.
+
+use mesh::Vec3;
+use mesh::check::Finding;
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, measure};
+use nalgebra::Matrix3x4;
+
+use crate::columns::{Grid, Span, spans};
+use crate::config::{HeightField, Keys};
+use crate::frame::Turn;
+use crate::parting::{Pad, Terrain};
+use crate::parts::{Frustum, key};
+
+/// Parting solids reach this far beyond the block, so that no faces coincide [m].
+const BEYOND: f64 = 1e-3;
+
+/// Curved partings are simplified within this distance [m].
+const SIMPLIFY: f64 = 5e-6;
+
+/// A parting surface inside a block, in coordinates with z along the pull.
+#[derive(Clone)]
+pub struct Split {
+    /// The side the pull points away from.
+    pub below: Solid,
+    /// Where keys stand on it.
+    pub feet: [Vec3; 4],
+    /// What a person should know about it.
+    pub findings: Vec<Finding>,
+}
+
+/// The rectangle in which a parting surface and its keys lie.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Site {
+    /// Lowest corner of the block [m].
+    pub min: Vec3,
+    /// Highest corner of the block [m].
+    pub max: Vec3,
+    /// Lowest and highest corner of the rectangle with the keys in its corners [m].
+    pub keys: [[f64; 2]; 2],
+}
+
+impl Split {
+    /// A plane at height `z` [m].
+    #[must_use]
+    pub fn plane(site: &Site, z: f64, keys: &Keys) -> Self {
+        let beyond = Vec3::repeat(BEYOND);
+        let mut top = site.max + beyond;
+        top.z = z;
+        let feet =
+            key::sites(site.keys[0], site.keys[1], keys).map(|[x, y]| Vec3::new(x, y, z));
+        Self { below: Solid::cube(&(site.min - beyond), &top), feet, findings: Vec::new() }
+    }
+
+    /// A height field for the part bounded by `filled`.
+    #[must_use]
+    pub fn height_field(
+        site: &Site,
+        filled: &SurfaceMesh,
+        settings: &HeightField,
+        keys: &Keys,
+    ) -> Self {
+        let corner = |p: &Vec3| [p.x, p.y];
+        let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
+        let spans = spans(filled, &grid);
+        let sites = key::sites(site.keys[0], site.keys[1], keys);
+        let pads = sites.map(|centre| Pad { centre, half: key::land(keys) });
+        let findings = undercut_columns(&grid, &spans);
+        let terrain = Terrain::new(grid, &spans, &pads, settings);
+        let feet = sites.map(|[x, y]| Vec3::new(x, y, terrain.height_near([x, y])));
+        let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
+        let below = Solid::from_surface(&terrain.surface(low))
+            .expect("a height field over a grid is closed and faces outward")
+            .simplify(SIMPLIFY);
+        Self { below, feet, findings }
+    }
+
+    /// The split with its coordinates turned.
+    #[must_use]
+    pub fn turned(self, turn: Turn) -> Self {
+        let map = affine(turn);
+        Self {
+            below: self.below.transform(&map),
+            feet: self.feet.map(|p| turn.0 * p),
+            findings: self.findings,
+        }
+    }
+}
+
+/// A turn as an affine map.
+#[must_use]
+pub fn affine(turn: Turn) -> Matrix3x4<f64> {
+    turn.0.insert_column(3, 0.0)
+}
+
+/// A frustum with its coordinates turned.
+#[must_use]
+pub fn turned(frustum: &Frustum, turn: Turn) -> Frustum {
+    Frustum { base: turn.0 * frustum.base, axis: turn.0 * frustum.axis, ..frustum.clone() }
+}
+
+/// Tells how much of the part's outline hides something below it.
+fn undercut_columns(grid: &Grid, spans: &[Option<Span>]) -> Vec<Finding> {
+    let covered = spans.iter().flatten().count();
+    let hidden = spans.iter().flatten().filter(|s| s.intervals > 1).count();
+    if hidden == 0 {
+        return Vec::new();
+    }
+    let mm2 = hidden as f64 * grid.step * grid.step * 1e6;
+    let percent = 100.0 * hidden as f64 / covered as f64;
+    vec![Finding {
+        rule: "undercut",
+        message: format!(
+            "{mm2:.1} mm² ({percent:.1} %) of the part's outline along the pull cover more than one layer: \
+             the silicone must be peeled out there"
+        ),
+        count: hidden,
+    }]
+}
+
+/// Both sides of a split, each in one piece.
+pub struct Sides {
+    /// The side the pull points to.
+    pub above: Solid,
+    /// The other side.
+    pub below: Solid,
+    /// What was moved from one to the other.
+    pub findings: Vec<Finding>,
+}
+
+/// Divides `material` by a split. Crumbs, pieces cut off on one side, go to the
+/// other side, to which they are attached by the parting surface.
+#[must_use]
+pub fn divide(material: &Solid, split: &Split) -> Sides {
+    let mut above = material.difference(&split.below);
+    let mut below = material.intersection(&split.below);
+    let mut findings = Vec::new();
+    let crumbs = |solid: &Solid| solid.decompose().into_iter().skip(1).collect::<Vec<_>>();
+    for crumb in crumbs(&above) {
+        findings.push(moved("below", &crumb));
+        above = above.difference(&crumb);
+        below = below.union(&crumb);
+    }
+    for crumb in crumbs(&below) {
+        findings.push(moved("above", &crumb));
+        below = below.difference(&crumb);
+        above = above.union(&crumb);
+    }
+    Sides { above, below, findings }
+}
+
+fn moved(side: &str, crumb: &Solid) -> Finding {
+    let (low, high) = measure::bounds(&crumb.to_surface().vertices);
+    let at = (low + high) / 2.0 * 1e3;
+    Finding {
+        rule: "crumb",
+        message: format!(
+            "{:.4} mm³ around ({:.2}, {:.2}, {:.2}) mm cut off by the parting went to the shell {side}",
+            crumb.volume() * 1e9,
+            at.x,
+            at.y,
+            at.z
+        ),
+        count: 1,
+    }
+}
