@@ -10,6 +10,8 @@ use std::process::ExitCode;
 use clap::{ArgAction, Args};
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
+use crate::io::IoError;
+
 /// How much a program tells on stderr; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Verbosity {
@@ -66,10 +68,13 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
-        .any(|cause| cause.kind() == ErrorKind::BrokenPipe)
+    error.chain().any(|cause| {
+        let system = match cause.downcast_ref() {
+            Some(IoError::System { cause, .. }) => Some(cause),
+            _ => cause.downcast_ref::<std::io::Error>(),
+        };
+        system.is_some_and(|system| system.kind() == ErrorKind::BrokenPipe)
+    })
 }
 
 /// Nobody is left to be told if stderr itself cannot be written.
@@ -100,4 +105,33 @@ impl Log for StderrLogger {
     }
 
     fn flush(&self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::{Context, anyhow};
+
+    use super::*;
+
+    #[test]
+    fn unusable_results_exit_with_1_wherever_they_are_in_the_chain() {
+        let unusable = || Unusable("3 inverted tetrahedra".into());
+        assert_eq!(exit_code(&anyhow!("no such file")), 2);
+        assert_eq!(exit_code(&unusable().into()), 1);
+        let wrapped = Err::<(), _>(unusable()).context("volume.msh").context("tetmesh");
+        assert_eq!(exit_code(&wrapped.unwrap_err()), 1);
+        let attached = Err::<(), _>(anyhow!("cause")).context(unusable()).context("outer");
+        assert_eq!(exit_code(&attached.unwrap_err()), 1);
+    }
+
+    #[test]
+    fn only_a_closed_reader_is_forgiven() {
+        let broken = || std::io::Error::from(ErrorKind::BrokenPipe);
+        let direct = Err::<(), _>(broken()).context("table");
+        assert!(is_broken_pipe(&direct.unwrap_err()));
+        let file = IoError::System { path: "/dev/stdout".into(), action: "write", cause: broken() };
+        assert!(is_broken_pipe(&file.into()));
+        let full = std::io::Error::from(ErrorKind::StorageFull);
+        assert!(!is_broken_pipe(&full.into()));
+    }
 }

@@ -200,3 +200,130 @@ fn spread(surface: &SurfaceMesh, count: usize) -> Vec<Vec3> {
     }
     points
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A few roundings of numbers of order one.
+    const ROUNDING: f64 = 1e-14;
+
+    fn regular_tet() -> [Vec3; 4] {
+        [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from)
+    }
+
+    fn octahedron() -> SurfaceMesh {
+        let axis = |i: usize| {
+            let mut v = Vec3::zeros();
+            v[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
+            v
+        };
+        SurfaceMesh {
+            vertices: (0..6).map(axis).collect(),
+            triangles: vec![
+                [0, 2, 4],
+                [2, 1, 4],
+                [1, 3, 4],
+                [3, 0, 4],
+                [2, 0, 5],
+                [1, 2, 5],
+                [3, 1, 5],
+                [0, 3, 5],
+            ],
+        }
+    }
+
+    #[test]
+    fn a_regular_tetrahedron_has_the_known_measures() {
+        let [a, b, c, d] = regular_tet();
+        // Edge 2√2: volume s³/(6√2) = 8/3, facets √3 s²/4 = 2√3.
+        assert!((tet_volume(a, b, c, d) - 8.0 / 3.0).abs() < ROUNDING);
+        assert!((triangle_area(a, b, c) - 2.0 * 3.0_f64.sqrt()).abs() < ROUNDING);
+        assert!((radius_ratio(a, b, c, d) - 1.0).abs() < ROUNDING);
+        assert!((radius_ratio(a, b, d, c) + 1.0).abs() < ROUNDING);
+        let known = (1.0_f64 / 3.0).acos().to_degrees();
+        assert!((known - 70.5288).abs() < 1e-4);
+        for angle in dihedral_angles(a, b, c, d) {
+            assert!((angle - known).abs() < 100.0 * ROUNDING);
+        }
+    }
+
+    #[test]
+    fn dihedral_angles_belong_to_their_edges() {
+        // The corner of a cube: right angles at the three edges from the origin.
+        let [o, x, y, z] = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let slanted = (1.0 / 3.0_f64.sqrt()).acos().to_degrees();
+        let known = [90.0, 90.0, 90.0, slanted, slanted, slanted];
+        for (angle, known) in dihedral_angles(o, x, y, z).into_iter().zip(known) {
+            assert!((angle - known).abs() < 100.0 * ROUNDING);
+        }
+        // Circumradius √3/2, inscribed radius 1/(3+√3): 3 r/R = 2√3/(3+√3) = √3 − 1.
+        assert!((radius_ratio(o, x, y, z) - (3.0_f64.sqrt() - 1.0)).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn angles_of_slivers_are_accurate() {
+        // A square whose opposite corners are lifted by h: the angles at its sides
+        // are about √2 h, far below what an arc cosine resolves.
+        let h = 1e-9;
+        let [a, b] = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+        let [c, d] = [Vec3::new(0.0, -1.0, h), Vec3::new(0.0, 1.0, h)];
+        let smallest = dihedral_angles(a, b, c, d).into_iter().fold(180.0, f64::min);
+        let known = (2.0_f64.sqrt() * h).to_degrees();
+        assert!((smallest / known - 1.0).abs() < 1e-6);
+        assert_eq!(radius_ratio(a, b, b, d), 0.0);
+    }
+
+    #[test]
+    fn an_octahedron_has_the_known_measures_far_from_the_origin() {
+        let mut surface = octahedron();
+        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < ROUNDING);
+        assert!((area(&surface) - 4.0 * 3.0_f64.sqrt()).abs() < ROUNDING);
+        surface.vertices.iter_mut().for_each(|v| *v += Vec3::repeat(1024.0));
+        // The shift is exact, and so are the differences the volume is made of.
+        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < ROUNDING);
+        surface.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        assert!((enclosed_volume(&surface) + 4.0 / 3.0).abs() < ROUNDING);
+        assert!((diagonal(&surface.vertices) - 12.0_f64.sqrt()).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn quality_sums_up_all_tetrahedra() {
+        let mut vertices = regular_tet().to_vec();
+        vertices.extend([Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()]);
+        let found = quality(&TetMesh { vertices, tets: vec![[0, 1, 2, 3], [4, 5, 6, 7]] });
+        let worst = 3.0_f64.sqrt() - 1.0;
+        assert!((found.radius_ratio_min - worst).abs() < ROUNDING);
+        assert!((found.radius_ratio_mean - f64::midpoint(1.0, worst)).abs() < ROUNDING);
+        assert!((found.max_dihedral - 90.0).abs() < 100.0 * ROUNDING);
+        assert!((found.edge_min - 1.0).abs() < ROUNDING);
+        assert!((found.edge_max - 8.0_f64.sqrt()).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn hausdorff_is_one_sided_and_sees_inside_triangles() {
+        let patch = |z: f64, size: f64| SurfaceMesh {
+            vertices: vec![
+                Vec3::new(0.0, 0.0, z),
+                Vec3::new(size, 0.0, z),
+                Vec3::new(0.0, size, z),
+            ],
+            triangles: vec![[0, 1, 2]],
+        };
+        let (small, large) = (patch(0.0, 1.0), patch(0.5, 3.0));
+        assert!((hausdorff(&small, &large, 100) - 0.5).abs() < ROUNDING);
+        // From the far corners: 2 along the plane and 0.5 across.
+        assert!((hausdorff(&large, &small, 100) - 4.25_f64.sqrt()).abs() < ROUNDING);
+        // A roof whose vertices all lie on the target, but its middle does not.
+        let gap = SurfaceMesh {
+            vertices: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.0, -1.0]]
+                .map(Vec3::from)
+                .to_vec(),
+            triangles: vec![[0, 3, 2], [3, 1, 2]],
+        };
+        let lid = SurfaceMesh { triangles: vec![[0, 1, 2]], ..gap.clone() };
+        let known = hausdorff(&lid, &gap, 100_000);
+        let coarse = hausdorff(&lid, &gap, 1000);
+        assert!(known > 0.3 && (coarse / known - 1.0).abs() < 0.05, "{coarse} {known}");
+    }
+}

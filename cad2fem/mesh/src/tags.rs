@@ -53,3 +53,19 @@ impl Tags {
         self.facets.iter().filter(|&(_, &i)| i == id).map(|(&f, _)| f).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_are_known_in_any_order_of_their_vertices() {
+        let mut tags = Tags::new(vec!["seat".into(), "cavity".into()]);
+        tags.set([7, 2, 5], 2);
+        tags.set([3, 2, 1], 2);
+        assert_eq!(tags.get([5, 7, 2]), Some(2));
+        assert_eq!(tags.get([5, 7, 3]), None);
+        assert_eq!(tags.facets_of(2), [[1, 2, 3], [2, 5, 7]]);
+        assert_eq!((tags.id("cavity"), tags.id("throat")), (Some(2), None));
+    }
+}

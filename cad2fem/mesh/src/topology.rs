@@ -87,27 +87,50 @@ pub fn directed_edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
 /// Sorted edge → the triangles that have it, ascending.
 #[must_use]
 pub fn edge_facets(triangles: &[[usize; 3]]) -> BTreeMap<[usize; 2], Vec<usize>> {
-    let mut edges = BTreeMap::<_, Vec<usize>>::new();
-    for (t, &triangle) in triangles.iter().enumerate() {
-        for [a, b] in directed_edges(triangle) {
-            edges.entry([a.min(b), a.max(b)]).or_default().push(t);
+    let sides = edge_sides(triangles);
+    let same_edge = sides.chunk_by(|a, b| a.edge == b.edge);
+    same_edge.map(|same| (same[0].edge, same.iter().map(|side| side.triangle).collect())).collect()
+}
+
+/// A triangle at one of its edges.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct EdgeSide {
+    /// Ends of the edge, ascending.
+    edge: [usize; 2],
+    triangle: usize,
+    /// The corners of the triangle where the edge, in its direction, starts and ends.
+    corners: [usize; 2],
+}
+
+impl EdgeSide {
+    /// The corner at the lower and at the higher end of the edge.
+    fn ascending_corners(self, triangles: &[[usize; 3]]) -> [usize; 2] {
+        let [from, to] = self.corners;
+        let swapped = triangles[self.triangle][from] != self.edge[0];
+        if swapped { [to, from] } else { [from, to] }
+    }
+}
+
+/// All edges of all triangles, sorted, so that triangles at an edge are neighbours.
+fn edge_sides(triangles: &[[usize; 3]]) -> Vec<EdgeSide> {
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    for (triangle, t) in triangles.iter().enumerate() {
+        for corners in [[0, 1], [1, 2], [2, 0]] {
+            let [a, b] = corners.map(|c| t[c]);
+            sides.push(EdgeSide { edge: [a.min(b), a.max(b)], triangle, corners });
         }
     }
-    edges
+    sides.sort_unstable();
+    sides
 }
 
 /// Edges with exactly one triangle, in the direction of that triangle, sorted
 /// by their sorted ids.
 #[must_use]
 pub fn boundary_edges(triangles: &[[usize; 3]]) -> Vec<[usize; 2]> {
-    let mut edges: Vec<_> = triangles
-        .iter()
-        .flat_map(|&t| directed_edges(t))
-        .map(|[a, b]| ([a.min(b), a.max(b)], [a, b]))
-        .collect();
-    edges.sort_unstable();
-    let single = edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-    single.map(|edge| edge[0].1).collect()
+    let sides = edge_sides(triangles);
+    let single = sides.chunk_by(|a, b| a.edge == b.edge).filter(|same| same.len() == 1);
+    single.map(|side| side[0].corners.map(|c| triangles[side[0].triangle][c])).collect()
 }
 
 /// The rims of an open, consistently oriented surface: closed loops of vertices
@@ -142,10 +165,8 @@ pub fn boundary_loops(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
 #[must_use]
 pub fn components(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
     let mut sets = DisjointSets::new(triangles.len());
-    for facets in edge_facets(triangles).values() {
-        for &t in &facets[1..] {
-            sets.join(facets[0], t);
-        }
+    for pair in edge_sides(triangles).windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
+        sets.join(pair[0].triangle, pair[1].triangle);
     }
     sets.groups()
 }
@@ -166,16 +187,12 @@ pub fn is_manifold(triangles: &[[usize; 3]]) -> bool {
 /// touch there in a point only.
 #[must_use]
 pub fn pinched_vertices(triangles: &[[usize; 3]]) -> Vec<usize> {
-    let corner = |t: usize, v: usize| triangles[t].iter().position(|&w| w == v).map(|k| 3 * t + k);
     let mut corners = DisjointSets::new(3 * triangles.len());
-    for (edge, facets) in edge_facets(triangles) {
-        for v in edge {
-            for pair in facets.windows(2) {
-                if let (Some(a), Some(b)) = (corner(pair[0], v), corner(pair[1], v)) {
-                    corners.join(a, b);
-                }
-            }
-        }
+    for pair in edge_sides(triangles).windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
+        let [a, b] = [pair[0], pair[1]]
+            .map(|side| side.ascending_corners(triangles).map(|c| 3 * side.triangle + c));
+        corners.join(a[0], b[0]);
+        corners.join(a[1], b[1]);
     }
     let mut fans: Vec<[usize; 2]> = (0..3 * triangles.len())
         .map(|c| [triangles[c / 3][c % 3], corners.representative(c)])
@@ -240,5 +257,105 @@ impl DisjointSets {
             groups.entry(self.representative(i)).or_default().push(i);
         }
         groups.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::{enclosed_volume, volume};
+
+    /// The unit cube as six tetrahedra around the diagonal from vertex 0 to 7 (Kuhn).
+    fn cube() -> TetMesh {
+        let bit = |v: usize, axis: usize| ((v >> axis) & 1) as f64;
+        TetMesh {
+            vertices: (0..8).map(|v| Vec3::new(bit(v, 0), bit(v, 1), bit(v, 2))).collect(),
+            tets: vec![
+                [0, 1, 3, 7],
+                [0, 3, 2, 7],
+                [0, 2, 6, 7],
+                [0, 6, 4, 7],
+                [0, 4, 5, 7],
+                [0, 5, 1, 7],
+            ],
+        }
+    }
+
+    #[test]
+    fn the_boundary_of_a_cube_is_closed_and_faces_outward() {
+        let cube = cube();
+        let boundary = boundary(&cube);
+        let (surface, map) = boundary.surface(&cube);
+        assert_eq!(boundary.facets.len(), 12);
+        assert_eq!(map, (0..8).collect::<Vec<_>>());
+        assert!(is_manifold(&surface.triangles));
+        assert!(boundary_edges(&surface.triangles).is_empty());
+        // Products of zeros and ones: no rounding.
+        assert_eq!(enclosed_volume(&surface), volume(&cube));
+        for (facet, &t) in boundary.facets.iter().zip(&boundary.tet_of) {
+            assert!(facet.iter().all(|v| cube.tets[t].contains(v)));
+            assert!(facet[0] < facet[1] && facet[0] < facet[2]);
+        }
+        // 12 edges of the cube, 6 face diagonals, 1 space diagonal.
+        assert_eq!(tet_edges(&cube.tets).len(), 19);
+    }
+
+    #[test]
+    fn a_submesh_drops_unused_vertices_and_keeps_the_order() {
+        let points: Vec<Vec3> = (0..6).map(|i| Vec3::repeat(f64::from(i))).collect();
+        let (surface, map) = submesh(&points, &[[5, 1, 3]]);
+        assert_eq!(map, [1, 3, 5]);
+        assert_eq!(surface.triangles, [[2, 0, 1]]);
+        assert_eq!(surface.corners(0), [points[5], points[1], points[3]]);
+    }
+
+    #[test]
+    fn rims_are_closed_loops_in_the_direction_of_their_triangles() {
+        // An annulus: outer square 0..4, inner square 4..8, counter-clockwise.
+        let mut ring = Vec::new();
+        for i in 0..4 {
+            let j = (i + 1) % 4;
+            ring.push([i, j, 4 + j]);
+            ring.push([i, 4 + j, 4 + i]);
+        }
+        let loops = boundary_loops(&ring);
+        assert_eq!(loops, [vec![0, 1, 2, 3], vec![4, 7, 6, 5]]);
+        assert!(is_manifold(&ring));
+    }
+
+    #[test]
+    fn loops_that_touch_in_a_vertex_are_separated() {
+        let bow_tie = [[0, 1, 2], [0, 3, 4]];
+        let mut loops = boundary_loops(&bow_tie);
+        loops.iter_mut().for_each(|l| l.sort_unstable());
+        loops.sort_unstable();
+        assert_eq!(loops, [[0, 1, 2], [0, 3, 4]]);
+        assert_eq!(pinched_vertices(&bow_tie), [0]);
+        assert!(!is_manifold(&bow_tie));
+    }
+
+    #[test]
+    fn two_tetrahedra_that_share_a_vertex_are_pinched_there() {
+        let shell = |[a, b, c, d]: [usize; 4]| TET_FACETS.map(|f| f.map(|i| [a, b, c, d][i]));
+        let mut triangles = shell([0, 1, 2, 3]).to_vec();
+        assert!(is_manifold(&triangles));
+        triangles.extend(shell([3, 4, 5, 6]));
+        assert_eq!(pinched_vertices(&triangles), [3]);
+        assert_eq!(components(&triangles), [[0, 1, 2, 3], [4, 5, 6, 7]]);
+    }
+
+    #[test]
+    fn manifolds_need_two_opposite_triangles_at_an_edge() {
+        assert!(is_manifold(&[[0, 1, 2], [1, 0, 3]]));
+        assert!(!is_manifold(&[[0, 1, 2], [0, 1, 3]]));
+        assert!(!is_manifold(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]));
+        assert!(!is_manifold(&[[0, 1, 1]]));
+    }
+
+    #[test]
+    fn edges_know_their_triangles_whatever_their_direction() {
+        let edges = edge_facets(&[[0, 1, 2], [3, 2, 1], [1, 2, 4]]);
+        assert_eq!(edges[&[1, 2]], [0, 1, 2]);
+        assert_eq!(edges.len(), 7);
     }
 }

@@ -50,18 +50,17 @@ fn parse_binary(records: &[u8], count: usize) -> Parsed<SurfaceMesh> {
 fn parse_ascii(bytes: &[u8]) -> Parsed<SurfaceMesh> {
     let mut cursor = Cursor::new(bytes);
     let mut weld = Weld::with_capacity(0);
-    cursor.line(); // solid and its name, which may be any text
+    let mut complete = false;
     loop {
         match cursor.word() {
             Some("facet") => weld.add(ascii_facet(&mut cursor)?),
-            Some("endsolid") => {
+            // The name of the solid follows, which may be any text.
+            Some(word @ ("solid" | "endsolid")) => {
+                complete = word == "endsolid";
                 cursor.line();
             }
-            Some("solid") => {
-                cursor.line();
-            }
-            Some(other) => return Err(unexpected(&cursor, "facet", Some(other))),
-            None => return Ok(weld.finish()),
+            None if complete => return Ok(weld.finish()),
+            other => return Err(unexpected(&cursor, "facet or endsolid", other)),
         }
     }
 }

@@ -79,6 +79,9 @@ fn tags_of(raw: &Raw, mesh: &TetMesh, index: &HashMap<u64, usize>) -> Parsed<Tag
     let names: BTreeMap<i32, &String> = raw.names.iter().map(|(n, name)| (*n, name)).collect();
     let name = |n: &i32| names.get(n).map_or_else(|| n.to_string(), ToString::to_string);
     let mut tags = Tags::new(numbers.iter().map(name).collect());
+    if let Some(i) = (1..tags.names.len()).find(|&i| tags.names[..i].contains(&tags.names[i])) {
+        return Err(format!("two physical groups of triangles are called {:?}", tags.names[i]));
+    }
     let id: BTreeMap<i32, u32> = numbers.into_iter().zip(1..).collect();
 
     let mut strangers = 0;

@@ -19,7 +19,7 @@ pub fn write_vtu(path: &Path, grid: &Grid) -> Result<(), IoError> {
 
 fn require_sound(grid: &Grid) -> Result<(), String> {
     let (points, nodes) = (grid.points.len(), grid.cell_type.nodes());
-    if grid.cells.len() % nodes != 0 {
+    if !grid.cells.len().is_multiple_of(nodes) {
         return Err(format!("{} cell nodes do not divide into {nodes}", grid.cells.len()));
     }
     if let Some(i) = grid.cells.iter().position(|&p| p >= points) {
