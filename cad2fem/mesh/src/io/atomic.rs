@@ -47,3 +47,68 @@ pub fn write_atomic(
 fn is_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files_in(folder: &Path) -> usize {
+        std::fs::read_dir(folder).expect("the folder exists").count()
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("deep/result.txt");
+        write_atomic(&path, |out| write!(out, "old")).expect("a fresh file");
+        let full = write_atomic(&path, |out| {
+            write!(out, "half of the new")?;
+            out.flush()?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        let message = full.expect_err("the closure failed").to_string();
+        assert!(message.contains("result.txt") && message.contains("cannot write"), "{message}");
+        assert_eq!(std::fs::read_to_string(&path).expect("the old file"), "old");
+        assert_eq!(files_in(&folder.path().join("deep")), 1);
+        write_atomic(&path, |out| write!(out, "new")).expect("the folder is writable");
+        assert_eq!(std::fs::read_to_string(&path).expect("the new file"), "new");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_device_is_written_to_and_not_replaced() {
+        let path = Path::new("/dev/full");
+        let full = write_atomic(path, |out| write!(out, "x")).expect_err("it is always full");
+        assert!(full.to_string().contains("No space left"), "{full}");
+        assert!(is_device(path));
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let taken = folder.path().join("taken");
+        std::fs::create_dir(&taken).expect("a folder");
+        let error = write_atomic(&taken, |out| write!(out, "x")).expect_err("it is a folder");
+        assert!(error.to_string().contains("taken"), "{error}");
+        assert_eq!(files_in(folder.path()), 1);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    #[ignore = "mounts a file system, which needs root"]
+    fn a_full_disk_is_an_error_and_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mount = |program: &str, arguments: &[&str]| {
+            let mut command = std::process::Command::new(program);
+            command.args(arguments).arg(folder.path()).status().is_ok_and(|s| s.success())
+        };
+        assert!(mount("mount", &["-t", "tmpfs", "-o", "size=64k", "tmpfs"]), "cannot mount");
+        let path = folder.path().join("large.bin");
+        let result = write_atomic(&path, |out| out.write_all(&[0; 1 << 20]));
+        let left = files_in(folder.path());
+        assert!(mount("umount", &[]), "cannot unmount");
+        let message = result.expect_err("1 MiB does not fit into 64 KiB").to_string();
+        assert!(message.contains("large.bin") && message.contains("No space left"), "{message}");
+        assert_eq!(left, 0);
+    }
+}

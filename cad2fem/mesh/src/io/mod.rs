@@ -165,3 +165,6 @@ fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
 fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     std::fs::read(path).map_err(|cause| IoError::system(path, "read", cause))
 }
+
+#[cfg(test)]
+mod tests;

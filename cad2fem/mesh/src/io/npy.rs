@@ -82,3 +82,53 @@ fn shape_of(header: &str) -> Option<Vec<usize>> {
     let axes = axes.split(',').map(str::trim).filter(|axis| !axis.is_empty());
     axes.map(|axis| axis.parse().ok()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_of_any_rank_come_back_bit_for_bit() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.npy");
+        let values = [0.1, -0.0, f64::MIN_POSITIVE, f64::INFINITY, 1e300, -7.0];
+        for shape in [vec![6], vec![2, 3], vec![1, 3, 2], vec![6, 1]] {
+            write_f64(&path, &values, &shape).expect("writable");
+            let (read, read_shape) = read_f64(&path).expect("what was written");
+            assert_eq!(read.map_bits(), values.to_vec().map_bits());
+            assert_eq!(read_shape, shape);
+        }
+        write_f64(&path, &[], &[0, 3]).expect("an empty array");
+        assert_eq!(read_f64(&path).expect("an empty array"), (vec![], vec![0, 3]));
+        write_f64(&path, &[5.0], &[]).expect("a number");
+        assert_eq!(read_f64(&path).expect("a number"), (vec![5.0], vec![]));
+    }
+
+    trait MapBits {
+        fn map_bits(self) -> Vec<u64>;
+    }
+
+    impl MapBits for Vec<f64> {
+        fn map_bits(self) -> Vec<u64> {
+            self.into_iter().map(f64::to_bits).collect()
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.npy");
+        assert!(write_f64(&path, &[1.0, 2.0], &[3]).is_err());
+        assert!(!path.exists());
+        write_f64(&path, &[1.0, 2.0], &[2]).expect("writable");
+        let bytes = std::fs::read(&path).expect("readable");
+        // The data begin at a multiple of 64 bytes, as the format demands.
+        assert_eq!(bytes.len(), 128 + 16);
+        for length in 0..bytes.len() {
+            assert!(parse(&bytes[..length]).is_err(), "{length}");
+        }
+        let other = String::from_utf8_lossy(&bytes[..128]).replace("<f8", "<f4");
+        let message = parse(other.as_bytes()).expect_err("32 bits");
+        assert!(message.contains("<f8") || message.contains("begin"), "{message}");
+    }
+}

@@ -152,10 +152,15 @@ pub fn write(surface: &SurfaceMesh, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(&header)?;
     out.write_all(&count.to_le_bytes())?;
     for t in 0..surface.triangles.len() {
-        let [a, b, c] = surface.corners(t);
+        // The normal of the rounded corners, so that a file read and written again
+        // is the same file.
+        let [a, b, c] = surface.corners(t).map(|corner| corner.map(|x| f64::from(x as f32)));
         let mut record = [0; RECORD];
         let numbers = [triangle_normal(a, b, c), a, b, c].into_iter().flat_map(<[f64; 3]>::from);
         for (i, x) in numbers.enumerate() {
+            if !x.is_finite() {
+                return Err(io::Error::other("coordinates beyond 3.4e38 do not fit into STL"));
+            }
             record[4 * i..4 * i + 4].copy_from_slice(&(x as f32).to_le_bytes());
         }
         out.write_all(&record)?;

@@ -87,3 +87,6 @@ fn parse(bytes: &[u8]) -> Parsed<Raw> {
     }
     Ok(raw)
 }
+
+#[cfg(test)]
+mod tests;
