@@ -1,0 +1,11 @@
+//! Distances between surfaces and what is built on them: barriers and sums
+//! over the pairs of features that are close.
+//!
+//! Source: Li et al. 2020, "Incremental Potential Contact",
+//! doi:10.1145/3386569.3392425.
+
+pub mod barrier;
+pub mod distance;
+pub mod mollifier;
+pub mod pairs;
+pub mod potential;

@@ -1,0 +1,70 @@
+//! Sum of a function of distance over pairs of features.
+//!
+//! E(x) = Σ_k m_k β(d_k²)
+//!
+//! d_k   distance of pair k [m]
+//! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
+//! β     function of the squared distance, e.g. a barrier [m⁴]
+//!
+//! Every pair has the same weight whatever the size of its features, so E grows
+//! with the number of facets.
+
+use std::ops::Range;
+
+use mesh::Vec3;
+
+use super::mollifier::mollifier;
+use super::pairs::Pair;
+
+/// β(d²) and its derivative.
+pub type Density<'a> = &'a (dyn Fn(f64) -> (f64, f64) + Sync);
+
+/// E [unit of β].
+#[must_use]
+pub fn value(pairs: &[Pair], x: &[Vec3], density: Density) -> f64 {
+    let part = |range: Range<usize>| pairs[range].iter().map(|p| pair_value(p, x, density)).sum();
+    let mut total = 0.0;
+    crate::parallel::map_merge(pairs.len(), part, |_, part: f64| total += part);
+    total
+}
+
+/// Adds `weight` ∂E/∂x, three components per vertex. E must be finite.
+pub fn add_gradient(pairs: &[Pair], x: &[Vec3], density: Density, weight: f64, out: &mut [f64]) {
+    let part = |range: Range<usize>| -> Vec<[Vec3; 4]> {
+        pairs[range].iter().map(|p| pair_gradient(p, x, density)).collect()
+    };
+    crate::parallel::map_merge(pairs.len(), part, |range, gradients| {
+        for (pair, gradient) in pairs[range].iter().zip(gradients) {
+            for (v, g) in pair.corners().into_iter().zip(gradient) {
+                for k in 0..3 {
+                    out[3 * v + k] += weight * g[k];
+                }
+            }
+        }
+    });
+}
+
+fn pair_value(pair: &Pair, x: &[Vec3], density: Density) -> f64 {
+    let corners = pair.gather(x);
+    let (beta, _) = density(pair.closest(&corners).d2);
+    match pair {
+        // also where the edges are parallel: touching is not admissible
+        _ if beta.is_infinite() => beta,
+        Pair::PointTriangle(_) => beta,
+        Pair::EdgeEdge(_) => mollifier(&corners).0 * beta,
+    }
+}
+
+fn pair_gradient(pair: &Pair, x: &[Vec3], density: Density) -> [Vec3; 4] {
+    let corners = pair.gather(x);
+    let closest = pair.closest(&corners);
+    let (beta, slope) = density(closest.d2);
+    let d2 = closest.d2_gradient();
+    match pair {
+        Pair::PointTriangle(_) => d2.map(|g| slope * g),
+        Pair::EdgeEdge(_) => {
+            let (m, dm) = mollifier(&corners);
+            std::array::from_fn(|i| m * slope * d2[i] + beta * dm[i])
+        }
+    }
+}

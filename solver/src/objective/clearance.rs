@@ -1,0 +1,110 @@
+//! Keeps the rest surface from touching itself.
+//!
+//! J = Σ_k m_k b(d_k², d̂²)
+//!
+//! d_k   distance of pair k of features of the surface without a common
+//!       vertex [m]
+//! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
+//! d̂     activation distance [m]
+//! b     log barrier of [`barrier`](crate::contact::barrier) [m⁴]
+//!
+//! J is in m⁴: with d̂ = 5·10⁻⁵ m and weight one, as in the published scenes, it
+//! is about 10⁻¹⁷ and only its becoming infinite matters. Facets that have
+//! already passed through each other are not detected here, see
+//! [`validity`](crate::optimize::validity).
+//!
+//! Source: Li et al. 2020, doi:10.1145/3386569.3392425, applied to the rest shape.
+
+use mesh::Vec3;
+
+use super::{Equilibrium, Objective};
+use crate::contact::barrier::log_barrier;
+use crate::contact::pairs::{Features, pairs_within};
+use crate::contact::potential;
+
+/// Barrier between parts of one surface.
+pub struct Clearance {
+    name: String,
+    surface: Features,
+    activation: f64,
+}
+
+impl Clearance {
+    /// The term of a set of facets, usually the whole boundary, that acts below
+    /// `activation` [m].
+    #[must_use]
+    pub fn new(name: String, facets: &[[usize; 3]], activation: f64) -> Self {
+        Self { name, surface: Features::new(facets), activation }
+    }
+
+    /// J at rest positions; infinite where two features touch.
+    #[must_use]
+    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
+        let pairs = pairs_within(&self.surface, rest, self.activation);
+        potential::value(&pairs, rest, &|d2| self.density(d2))
+    }
+
+    /// Adds `weight` ∂J/∂X, three components per vertex; J must be finite.
+    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
+        let pairs = pairs_within(&self.surface, rest, self.activation);
+        potential::add_gradient(&pairs, rest, &|d2| self.density(d2), weight, out);
+    }
+
+    fn density(&self, d2: f64) -> (f64, f64) {
+        log_barrier(d2, self.activation * self.activation)
+    }
+}
+
+impl Objective for Clearance {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.value_at(at.rest)
+    }
+
+    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
+
+    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        self.add_gradient_at(at.rest, weight, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{check_gradient, flat, points, square};
+
+    /// A strip folded over to a hairpin, 0.1 between its legs.
+    fn hairpin() -> (Vec<Vec3>, Vec<[usize; 3]>) {
+        let strip = square(10, 0.2);
+        let bend = |v: &Vec3| {
+            let angle = (std::f64::consts::PI * (v.x - 0.5) / 0.2).clamp(-1.6, 1.6);
+            let along = (v.x - 0.5).abs().max(0.1) - 0.1 + 0.05 * angle.cos();
+            Vec3::new(along, v.y, 0.05 * angle.sin())
+        };
+        (strip.vertices.iter().map(bend).collect(), strip.triangles)
+    }
+
+    #[test]
+    fn gradient_belongs_to_the_value() {
+        let (x, facets) = hairpin();
+        let term = Clearance::new("clearance".into(), &facets, 0.12);
+        let mut gradient = vec![0.0; 3 * x.len()];
+        term.add_gradient_at(&x, 5.0, &mut gradient);
+        let value = |y: &[f64]| 5.0 * term.value_at(&points(y));
+        check_gradient(&flat(&x), &gradient, 1e-4, value);
+    }
+
+    #[test]
+    fn a_flat_sheet_costs_nothing_and_touching_is_infinite() {
+        let sheet = square(6, 0.0);
+        let term = Clearance::new("clearance".into(), &sheet.triangles, 0.05);
+        assert!(term.value_at(&sheet.vertices) == 0.0);
+        let mut folded = sheet.vertices;
+        let (first, last) = (0, folded.len() - 1);
+        folded[first] = folded[last];
+        assert!(term.value_at(&folded).is_infinite());
+    }
+}

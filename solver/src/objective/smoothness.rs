@@ -1,0 +1,155 @@
+//! Smoothness of a part of the rest surface.
+//!
+//! scale invariant   J = Σ_v |S_v / ℓ_v|²       [1]
+//! plain             J = Σ_v |S_v / n_v|²       [m²]
+//!
+//! S_v = Σ_w (X_v − X_w)   over the n_v neighbours w of v along edges [m]
+//! ℓ_v = Σ_w |X_v − X_w|   [m]
+//!
+//! Neighbours are those within the chosen facets, so that a vertex on the rim
+//! sees one side only. The scale-invariant form does not change with the size
+//! of the model; both change with the number of vertices, and with them the
+//! balance to other terms.
+//!
+//! Source: Huang et al., "Differentiable solver for time-dependent deformation
+//! problems with contact", arXiv:2205.13643, scale-invariant smoothing.
+
+use mesh::{Vec3, topology};
+
+use super::{Equilibrium, Objective};
+
+/// How the neighbour vector is normalised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SmoothnessForm {
+    /// By the sum of the edge lengths.
+    #[default]
+    ScaleInvariant,
+    /// By the number of edges.
+    Plain,
+}
+
+/// Penalty on vertices away from the middle of their neighbours.
+pub struct Smoothness {
+    name: String,
+    form: SmoothnessForm,
+    /// Vertex ids with their neighbours, ascending.
+    stars: Vec<(usize, Vec<usize>)>,
+}
+
+impl Smoothness {
+    /// The term of a set of facets.
+    #[must_use]
+    pub fn new(name: String, facets: &[[usize; 3]], form: SmoothnessForm) -> Self {
+        let mut sides: Vec<[usize; 2]> =
+            topology::edge_facets(facets).into_keys().flat_map(|[a, b]| [[a, b], [b, a]]).collect();
+        sides.sort_unstable();
+        let stars = sides
+            .chunk_by(|a, b| a[0] == b[0])
+            .map(|star| (star[0][0], star.iter().map(|side| side[1]).collect()))
+            .collect();
+        Self { name, form, stars }
+    }
+
+    /// J at rest positions.
+    #[must_use]
+    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
+        let one = |(v, star): &(usize, Vec<usize>)| {
+            let (sum, length) = self.neighbour_vector(rest, *v, star);
+            (sum / length).norm_squared()
+        };
+        self.stars.iter().map(one).sum()
+    }
+
+    /// Adds `weight` ∂J/∂X, three components per vertex.
+    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
+        for (v, star) in &self.stars {
+            let (sum, length) = self.neighbour_vector(rest, *v, star);
+            let s = sum / length;
+            for &w in star {
+                // ∂ℓ/∂X_v of one edge; the plain form divides by a constant
+                let unit = match self.form {
+                    SmoothnessForm::ScaleInvariant => unit(&(rest[*v] - rest[w])),
+                    SmoothnessForm::Plain => Vec3::zeros(),
+                };
+                let g = (2.0 * weight / length) * (s - s.norm_squared() * unit);
+                for k in 0..3 {
+                    out[3 * v + k] += g[k];
+                    out[3 * w + k] -= g[k];
+                }
+            }
+        }
+    }
+
+    /// S_v, and the length or number it is divided by.
+    fn neighbour_vector(&self, rest: &[Vec3], v: usize, star: &[usize]) -> (Vec3, f64) {
+        let sum = star.iter().map(|&w| rest[v] - rest[w]).sum();
+        let length = match self.form {
+            SmoothnessForm::ScaleInvariant => {
+                let total: f64 = star.iter().map(|&w| (rest[v] - rest[w]).norm()).sum();
+                total.max(f64::MIN_POSITIVE)
+            }
+            SmoothnessForm::Plain => star.len() as f64,
+        };
+        (sum, length)
+    }
+}
+
+/// Direction of an edge; zero for an edge without length.
+fn unit(edge: &Vec3) -> Vec3 {
+    edge.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+}
+
+impl Objective for Smoothness {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.value_at(at.rest)
+    }
+
+    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
+
+    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        self.add_gradient_at(at.rest, weight, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{check_gradient, flat, points, sphere, square};
+
+    const FORMS: [SmoothnessForm; 2] = [SmoothnessForm::ScaleInvariant, SmoothnessForm::Plain];
+
+    #[test]
+    fn gradient_belongs_to_the_value() {
+        let surface = square(5, 0.3);
+        for form in FORMS {
+            let term = Smoothness::new("s".into(), &surface.triangles, form);
+            let mut gradient = vec![0.0; 3 * surface.vertices.len()];
+            term.add_gradient_at(&surface.vertices, 2.0, &mut gradient);
+            let value = |x: &[f64]| 2.0 * term.value_at(&points(x));
+            check_gradient(&flat(&surface.vertices), &gradient, 0.01, value);
+        }
+    }
+
+    #[test]
+    fn a_regular_patch_is_smooth_inside_and_the_size_does_not_matter() {
+        let surface = square(6, 0.0);
+        let inner: Vec<[usize; 3]> = surface.triangles.clone();
+        let term = Smoothness::new("s".into(), &inner, SmoothnessForm::ScaleInvariant);
+        let mut gradient = vec![0.0; 3 * surface.vertices.len()];
+        term.add_gradient_at(&surface.vertices, 1.0, &mut gradient);
+        // a vertex two rings inside feels neither the rim nor its neighbours
+        let middle = 3 * 7 + 3;
+        assert!(gradient[3 * middle..3 * middle + 3].iter().all(|g| g.abs() < 1e-13));
+
+        let ball = sphere(2);
+        let term = Smoothness::new("s".into(), &ball.triangles, SmoothnessForm::ScaleInvariant);
+        let large: Vec<Vec3> = ball.vertices.iter().map(|v| v * 1e3).collect();
+        let (a, b) = (term.value_at(&ball.vertices), term.value_at(&large));
+        assert!(a > 0.0 && (a - b).abs() < 1e-12 * a);
+    }
+}

@@ -1,0 +1,99 @@
+//! Small surfaces, and gradient checks, for unit tests.
+
+use mesh::{SurfaceMesh, Vec3};
+
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::math::taylor::taylor;
+
+/// The square [0, 1]² in the plane z = 0, n cells per side; interior vertices
+/// are moved by up to `jitter` of a cell.
+pub fn square(n: usize, jitter: f64) -> SurfaceMesh {
+    let mut random = Random::new(11);
+    let h = 1.0 / n as f64;
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for j in 0..=n {
+        for i in 0..=n {
+            let move_by = jitter * h * random.vector();
+            let inside = |k: usize| f64::from(u8::from(k > 0 && k < n));
+            let (dx, dy) = (inside(i) * move_by.x, inside(j) * move_by.y);
+            vertices.push(Vec3::new(i as f64 * h + dx, j as f64 * h + dy, 0.0));
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let v = j * (n + 1) + i;
+            triangles.push([v, v + 1, v + n + 2]);
+            triangles.push([v, v + n + 2, v + n + 1]);
+        }
+    }
+    SurfaceMesh { vertices, triangles }
+}
+
+/// The unit sphere: an octahedron refined `levels` times.
+pub fn sphere(levels: usize) -> SurfaceMesh {
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let vertices = axes.iter().flat_map(|a| [*a, -a]).collect();
+    let triangles =
+        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let mut surface = SurfaceMesh { vertices, triangles: triangles.to_vec() };
+    for _ in 0..levels {
+        surface = refine(&surface);
+        surface.vertices = surface.vertices.iter().map(|v| v.normalize()).collect();
+    }
+    surface
+}
+
+/// The part z > −0.3 of the unit sphere, whose rim is ragged.
+pub fn cap(levels: usize) -> SurfaceMesh {
+    let sphere = sphere(levels);
+    let high = |t: &&[usize; 3]| t.iter().all(|&v| sphere.vertices[v].z > -0.3);
+    let facets: Vec<_> = sphere.triangles.iter().filter(high).copied().collect();
+    mesh::topology::submesh(&sphere.vertices, &facets).0
+}
+
+/// Splits every triangle into four at the middles of its edges.
+fn refine(surface: &SurfaceMesh) -> SurfaceMesh {
+    let mut vertices = surface.vertices.clone();
+    let mut middle = std::collections::BTreeMap::new();
+    let mut between = |a: usize, b: usize| {
+        *middle.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+            vertices.push((vertices[a] + vertices[b]) / 2.0);
+            vertices.len() - 1
+        })
+    };
+    let mut triangles = Vec::new();
+    for &[a, b, c] in &surface.triangles {
+        let (p, q, r) = (between(a, b), between(b, c), between(c, a));
+        triangles.extend([[a, p, r], [p, b, q], [r, q, c], [p, q, r]]);
+    }
+    SurfaceMesh { vertices, triangles }
+}
+
+/// Asserts Taylor slopes of 2 ± 0.1 along the gradient and two random
+/// directions, each of length `size` in the maximum norm.
+pub fn check_gradient(x: &[f64], gradient: &[f64], size: f64, value: impl Fn(&[f64]) -> f64) {
+    let mut random = Random::new(13);
+    let mut directions = vec![gradient.to_vec()];
+    directions.extend((0..2).map(|_| random.numbers(x.len())));
+    for mut q in directions {
+        let largest = q.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        assert!(largest > 0.0, "the gradient vanishes");
+        q.iter_mut().for_each(|v| *v *= size / largest);
+        let along = |e: f64| -> Result<f64, std::convert::Infallible> {
+            Ok(value(&x.iter().zip(&q).map(|(a, b)| a + e * b).collect::<Vec<_>>()))
+        };
+        let Ok(result) = taylor(1.0, 7, dot(gradient, &q), along);
+        assert!((result.slope - 2.0).abs() < 0.1, "{result:?}");
+    }
+}
+
+/// Components of points, one after the other.
+pub fn flat(points: &[Vec3]) -> Vec<f64> {
+    points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
+}
+
+/// Points from their components.
+pub fn points(flat: &[f64]) -> Vec<Vec3> {
+    flat.chunks_exact(3).map(Vec3::from_column_slice).collect()
+}
