@@ -1,1 +1,11 @@
-//! x
+//! Selections → named boundary tags.
+//!
+//! A tag file lists selections in order; every boundary facet of the mesh goes
+//! to the first selection that holds its centroid. Lengths are metres.
+
+pub mod assign;
+pub mod cmd;
+pub mod config;
+pub mod facets;
+pub mod select;
+pub mod wall;

@@ -1,0 +1,161 @@
+//! Selections in order → one owner per facet.
+
+use anyhow::{Context as _, Result, anyhow};
+use mesh::Tags;
+use mesh::cli::Unusable;
+
+use crate::config::{Config, Tag};
+use crate::facets::Facets;
+use crate::select::{SELECTORS, Selector, Sources, nearest_patches};
+use crate::wall;
+
+/// Relative difference between selected and input area that is worth a warning.
+const AREA_TOLERANCE: f64 = 0.03;
+
+/// What the selections of a tag file make of a boundary.
+pub struct Assignment {
+    /// Index of the tag that each facet belongs to.
+    pub owners: Vec<Option<usize>>,
+    /// Per tag: how it got its facets.
+    pub tallies: Vec<Tally>,
+}
+
+/// How one tag got its facets.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Facets that the selector holds.
+    pub selected: usize,
+    /// Those of them that an earlier tag already had.
+    pub contested: usize,
+    /// Single facets that were missing inside a pressure wall and were added.
+    pub pinholes: usize,
+    /// Area of the final tag [m²].
+    pub area: f64,
+    /// Area of the input patch [m²], where there is one.
+    pub expected_area: Option<f64>,
+}
+
+impl Tally {
+    /// |area − expected| / expected if that is more than 3 %.
+    #[must_use]
+    pub fn area_mismatch(&self) -> Option<f64> {
+        let expected = self.expected_area?;
+        let relative = (self.area - expected).abs() / expected;
+        (relative > AREA_TOLERANCE).then_some(relative)
+    }
+}
+
+impl Assignment {
+    /// Facets without a tag.
+    #[must_use]
+    pub fn left_over(&self) -> usize {
+        self.owners.iter().filter(|o| o.is_none()).count()
+    }
+
+    /// Ids and names for the facets, in the order of the tag file.
+    #[must_use]
+    pub fn tags(&self, config: &Config, facets: &Facets) -> Tags {
+        let mut tags = Tags::new(config.tags.iter().map(|t| t.name.clone()).collect());
+        for (triangle, owner) in facets.triangles.iter().zip(&self.owners) {
+            if let Some(id) = owner.and_then(|o| tags.id(&config.tags[o].name)) {
+                tags.set(*triangle, id);
+            }
+        }
+        tags
+    }
+}
+
+/// Gives every facet to the first selection that holds it, fills pinholes of
+/// pressure walls and checks that the result can be simulated.
+///
+/// # Errors
+/// If a selection cannot be read; [`Unusable`] if a tag is empty or a pressure
+/// wall is not a manifold patch whose rim is fixed.
+pub fn assign(config: &Config, facets: &Facets, mut sources: Sources) -> Result<Assignment> {
+    let selectors = config
+        .tags
+        .iter()
+        .map(|tag| build(tag, &mut sources).with_context(|| label(tag)))
+        .collect::<Result<Vec<_>>>()?;
+    sources.nearest = nearest_patches(facets, &sources);
+
+    let mut owners = vec![None; facets.len()];
+    let mut tallies = Vec::new();
+    for (index, (tag, selector)) in config.tags.iter().zip(&selectors).enumerate() {
+        let selected = selector.select(facets, &sources).with_context(|| label(tag))?;
+        let mut tally = claim(index, &selected, &mut owners);
+        if tally.selected == tally.contested {
+            return Err(empty(config, index, &tally, &owners, &selected, || {
+                selector.advice(facets, &sources)
+            }));
+        }
+        tally.expected_area = selector.expected_area(&sources);
+        tallies.push(tally);
+    }
+    for (index, tag) in config.tags.iter().enumerate().filter(|(_, tag)| tag.pressure) {
+        tallies[index].pinholes = wall::fill_pinholes(facets, &mut owners, index);
+        wall::check(facets, &owners, index, config)
+            .map_err(|message| anyhow!(Unusable(format!("{}: {message}", label(tag)))))?;
+    }
+    for (owner, area) in owners.iter().zip(&facets.areas) {
+        if let Some(o) = owner {
+            tallies[*o].area += area;
+        }
+    }
+    Ok(Assignment { owners, tallies })
+}
+
+fn label(tag: &Tag) -> String {
+    format!("[[tag]] `{}`", tag.name)
+}
+
+fn build(tag: &Tag, sources: &mut Sources) -> Result<Box<dyn Selector>> {
+    let entry = SELECTORS
+        .iter()
+        .find(|entry| entry.key == tag.selector)
+        .expect("the selector of a Tag is a key of SELECTORS");
+    (entry.build)(&tag.value, sources)
+}
+
+/// Takes the selected facets that have no owner yet.
+fn claim(index: usize, selected: &[bool], owners: &mut [Option<usize>]) -> Tally {
+    let mut tally = Tally::default();
+    for (owner, _) in owners.iter_mut().zip(selected).filter(|(_, selected)| **selected) {
+        tally.selected += 1;
+        if owner.is_some() {
+            tally.contested += 1;
+        } else {
+            *owner = Some(index);
+        }
+    }
+    tally
+}
+
+/// The error for a tag without facets.
+fn empty(
+    config: &Config,
+    index: usize,
+    tally: &Tally,
+    owners: &[Option<usize>],
+    selected: &[bool],
+    advice: impl FnOnce() -> String,
+) -> anyhow::Error {
+    let label = label(&config.tags[index]);
+    if tally.selected == 0 {
+        return anyhow!(Unusable(format!("{label}: empty selection: {}", advice())));
+    }
+    let taken =
+        |o: usize| (0..owners.len()).filter(|&f| selected[f] && owners[f] == Some(o)).count();
+    let takers: Vec<String> = (0..index)
+        .map(|o| (o, taken(o)))
+        .filter(|&(_, count)| count > 0)
+        .map(|(o, count)| format!("`{}` ({count})", config.tags[o].name))
+        .collect();
+    anyhow!(Unusable(format!(
+        "{label}: empty selection: all its {} facets belong to earlier tags: {}\n  \
+         the first selection wins; put `{}` before them or make the selections disjoint",
+        tally.selected,
+        takers.join(", "),
+        config.tags[index].name
+    )))
+}

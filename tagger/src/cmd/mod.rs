@@ -1,0 +1,68 @@
+//! The verbs of `tagger`, one file each.
+
+pub mod show;
+pub mod tag;
+pub mod transfer;
+
+use std::path::Path;
+
+use anyhow::Result;
+use clap::Subcommand;
+use mesh::{Tags, TetMesh, io, measure, topology};
+use serde::Serialize;
+
+/// What `tagger` can do.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Select boundary facets and name them.
+    Tag(tag::Args),
+    /// Print a table of the tags of a mesh.
+    Show(show::Args),
+    /// Carry tags to a mesh with the same boundary.
+    Transfer(transfer::Args),
+}
+
+impl Verb {
+    /// Runs the verb.
+    ///
+    /// # Errors
+    /// Whatever went wrong, with the file and what to do about it.
+    pub fn run(self) -> Result<()> {
+        match self {
+            Self::Tag(args) => tag::run(&args),
+            Self::Show(args) => show::run(&args),
+            Self::Transfer(args) => transfer::run(&args),
+        }
+    }
+}
+
+/// What `tags.json` says about each tag, in order of ids from 1.
+#[derive(Serialize)]
+struct Legend<'a> {
+    names: &'a [String],
+    ids: Vec<u32>,
+    /// Number of facets.
+    facets: Vec<usize>,
+    /// Area [m²].
+    areas: Vec<f64>,
+}
+
+/// Writes a tagged mesh, and `tags.txt` and `tags.json` beside it.
+fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
+    let ids: Vec<u32> = tags.names.iter().filter_map(|name| tags.id(name)).collect();
+    let facets: Vec<_> = ids.iter().map(|&id| tags.facets_of(id)).collect();
+    let area = |f: &Vec<_>| measure::area(&topology::submesh(&mesh.vertices, f).0);
+    let legend = Legend {
+        names: &tags.names,
+        ids,
+        facets: facets.iter().map(Vec::len).collect(),
+        areas: facets.iter().map(area).collect(),
+    };
+    io::write_tags(&path.with_file_name("tags.txt"), tags)?;
+    io::write_atomic(&path.with_file_name("tags.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, &legend)?;
+        writeln!(out)
+    })?;
+    io::write_tets(path, mesh, tags)?;
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! `tagger show`: a table of the tags of a mesh.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use mesh::io::vtu::{self, CellType, Field, Grid};
+use mesh::{Tags, TetMesh, io, measure, topology};
+
+/// Prints tag, id, facets, area, components and boundary loops.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Tagged mesh (Gmsh .msh with physical groups of triangles).
+    tagged: PathBuf,
+    /// Also write the boundary with its tag ids for `ParaView`.
+    #[arg(long)]
+    vtu: Option<PathBuf>,
+}
+
+struct Row {
+    name: String,
+    id: u32,
+    facets: usize,
+    area: f64,
+    components: usize,
+    loops: usize,
+}
+
+/// Runs `tagger show`.
+///
+/// # Errors
+/// If the mesh cannot be read or the table cannot be printed.
+pub fn run(args: &Args) -> Result<()> {
+    let file = io::read_tets(&args.tagged)?;
+    let boundary = topology::boundary(&file.mesh).facets;
+    let mut rows: Vec<Row> = file
+        .tags
+        .names
+        .iter()
+        .filter_map(|name| file.tags.id(name).map(|id| (name.as_str(), id)))
+        .chain([("(none)", 0)])
+        .map(|(name, id)| row(name, id, &file.mesh, &boundary, &file.tags))
+        .collect();
+    rows.retain(|row| row.id > 0 || row.facets > 0);
+    print(&rows)?;
+    if let Some(path) = &args.vtu {
+        vtu::write_vtu(path, &grid(&file.mesh, &boundary, &file.tags))?;
+    }
+    Ok(())
+}
+
+fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags) -> Row {
+    let facets: Vec<[usize; 3]> =
+        boundary.iter().copied().filter(|&f| tags.get(f).unwrap_or(0) == id).collect();
+    Row {
+        name: name.to_owned(),
+        id,
+        facets: facets.len(),
+        area: measure::area(&topology::submesh(&mesh.vertices, &facets).0),
+        components: topology::components(&facets).len(),
+        loops: topology::boundary_loops(&facets).len(),
+    }
+}
+
+fn print(rows: &[Row]) -> std::io::Result<()> {
+    let width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(3);
+    let mut out = std::io::stdout().lock();
+    writeln!(
+        out,
+        "{:width$}  {:>3}  {:>7}  {:>12}  {:>10}  {:>5}",
+        "tag", "id", "facets", "area [mm²]", "components", "loops"
+    )?;
+    for Row { name, id, facets, area, components, loops } in rows {
+        let area = 1e6 * area;
+        writeln!(
+            out,
+            "{name:width$}  {id:>3}  {facets:>7}  {area:>12.3}  {components:>10}  {loops:>5}"
+        )?;
+    }
+    out.flush()
+}
+
+/// The boundary as triangles with the tag id, 0 for none.
+fn grid(mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags) -> Grid {
+    let (surface, _) = topology::submesh(&mesh.vertices, boundary);
+    let ids = boundary.iter().map(|&f| f64::from(tags.get(f).unwrap_or(0))).collect();
+    Grid {
+        points: surface.vertices,
+        cells: surface.triangles.into_iter().flatten().collect(),
+        cell_type: CellType::Tri3,
+        point_fields: vec![],
+        cell_fields: vec![Field {
+            name: "tag".into(),
+            unit: String::new(),
+            components: 1,
+            values: ids,
+        }],
+    }
+}

@@ -1,0 +1,81 @@
+//! `tagger tag`: select and assign.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use log::{info, warn};
+use mesh::{io, measure};
+
+use crate::assign::{self, Assignment};
+use crate::config::Config;
+use crate::facets::Facets;
+use crate::select::Sources;
+
+/// Selection distance relative to the diagonal of the mesh.
+const RELATIVE_EPSILON: f64 = 1e-3;
+
+/// Gives every boundary facet to the first selection that holds its centroid.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Tetrahedral mesh (Gmsh .msh), in metres.
+    volume: PathBuf,
+    /// Tag file: an ordered list of [[tag]].
+    #[arg(long)]
+    config: PathBuf,
+    /// Folder of the selection files [default: that of the tag file].
+    #[arg(long)]
+    patches: Option<PathBuf>,
+    /// Tagged mesh to write; tags.txt and tags.json appear beside it.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+/// Runs `tagger tag`.
+///
+/// # Errors
+/// If an input is bad, a tag is empty or a pressure wall cannot be simulated.
+pub fn run(args: &Args) -> Result<()> {
+    let config = Config::read(&args.config)?;
+    let mesh = io::read_tets(&args.volume)?.mesh;
+    if mesh.tets.is_empty() {
+        bail!("{}: no tetrahedra, so there is no boundary to tag", args.volume.display());
+    }
+    let facets = Facets::of(&mesh);
+    let diagonal = measure::diagonal(&mesh.vertices);
+    let epsilon = config.epsilon.unwrap_or(RELATIVE_EPSILON * diagonal);
+    let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
+    let mut sources = Sources::new(folder, epsilon);
+    if let Some(surface) = &config.surface {
+        sources.surface = Some(io::read_surface(&folder.join(surface))?);
+    }
+    info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
+    let assignment = assign::assign(&config, &facets, sources)?;
+    report(&config, &assignment, &facets);
+    super::write_tagged(&args.output, &mesh, &assignment.tags(&config, &facets))
+}
+
+fn report(config: &Config, assignment: &Assignment, facets: &Facets) {
+    for (index, (tag, tally)) in config.tags.iter().zip(&assignment.tallies).enumerate() {
+        let count = assignment.owners.iter().filter(|&&o| o == Some(index)).count();
+        info!(
+            "{}: {count} facets, {:.3} mm², {} contested, {} pinholes filled",
+            tag.name,
+            1e6 * tally.area,
+            tally.contested,
+            tally.pinholes
+        );
+        if let (Some(mismatch), Some(expected)) = (tally.area_mismatch(), tally.expected_area) {
+            warn!(
+                "{}: area {:.3} mm² differs by {:.1} % from the {:.3} mm² of its patch (3 % is usual \
+                 at most): is the mesh too coarse for its rim, or does another selection overlap?",
+                tag.name,
+                1e6 * tally.area,
+                100.0 * mismatch,
+                1e6 * expected
+            );
+        }
+    }
+    let contested: usize = assignment.tallies.iter().map(|t| t.contested).sum();
+    let left_over = assignment.left_over();
+    info!("{contested} contested, {left_over} of {} facets left over", facets.len());
+}

@@ -1,0 +1,168 @@
+//! `tags.toml`: an ordered list of selections.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use serde::Deserialize;
+
+use crate::select::SELECTORS;
+
+/// Keys of a `[[tag]]` besides the selectors.
+const TAG_KEYS: [&str; 3] = ["name", "pressure", "rim"];
+
+/// A tag file.
+#[derive(Debug)]
+pub struct Config {
+    /// Selection distance ε [m]; 1e-3 of the diagonal of the mesh if absent.
+    pub epsilon: Option<f64>,
+    /// File of the whole model surface, which competes with the patches.
+    pub surface: Option<PathBuf>,
+    /// Selections; the first that holds a facet wins.
+    pub tags: Vec<Tag>,
+}
+
+/// One `[[tag]]`.
+#[derive(Debug)]
+pub struct Tag {
+    /// Name, unique in the file.
+    pub name: String,
+    /// Key of the selector, a row of [`SELECTORS`].
+    pub selector: &'static str,
+    /// Value of that key.
+    pub value: toml::Value,
+    /// Whether this is the wall of a pressurised cavity.
+    pub pressure: bool,
+    /// Name of the fixed tag that holds the rim of an open pressure wall.
+    pub rim: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    epsilon: Option<f64>,
+    surface: Option<PathBuf>,
+    #[serde(default)]
+    tag: Vec<toml::Table>,
+}
+
+impl Config {
+    /// Reads and checks a tag file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, a key is unknown or has a wrong value, a
+    /// name is used twice or a rim names no tag.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("{}: cannot be read", path.display()))?;
+        Self::parse(&text).with_context(|| path.display().to_string())
+    }
+
+    fn parse(text: &str) -> Result<Self> {
+        let file: File = toml::from_str(text)?;
+        ensure!(!file.tag.is_empty(), "no [[tag]]: at least one selection is needed");
+        if let Some(epsilon) = file.epsilon {
+            ensure!(epsilon > 0.0 && epsilon.is_finite(), "epsilon = {epsilon} must be positive");
+        }
+        let tags: Vec<Tag> = file
+            .tag
+            .into_iter()
+            .enumerate()
+            .map(|(i, table)| Tag::parse(table).with_context(|| format!("[[tag]] {}", i + 1)))
+            .collect::<Result<_>>()?;
+        check_names(&tags)?;
+        Ok(Self { epsilon: file.epsilon, surface: file.surface, tags })
+    }
+}
+
+impl Tag {
+    fn parse(mut table: toml::Table) -> Result<Self> {
+        let keys: Vec<&str> = TAG_KEYS.into_iter().chain(SELECTORS.iter().map(|s| s.key)).collect();
+        if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
+            bail!("unknown key `{key}`; known: {}", keys.join(", "));
+        }
+        let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
+        let (selector, second) = (given.next(), given.next());
+        if let (Some(a), Some(b)) = (selector, second) {
+            bail!("both `{a}` and `{b}`: a tag has exactly one selector");
+        }
+        let forms = || SELECTORS.iter().map(|s| format!("\n  {} = {}", s.key, s.meaning));
+        let selector = selector
+            .ok_or_else(|| anyhow!("no selector; one of:{}", forms().collect::<String>()))?;
+        let name = take::<String>(&mut table, "name")?
+            .filter(|name| !name.is_empty())
+            .ok_or_else(|| anyhow!("`name` is missing"))?;
+        let pressure = take(&mut table, "pressure")?.unwrap_or(false);
+        let rim: Option<String> = take(&mut table, "rim")?;
+        ensure!(rim.is_none() || pressure, "`rim` needs `pressure = true`");
+        let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
+        Ok(Self { name, selector, value, pressure, rim })
+    }
+}
+
+/// Removes and converts the value of a key.
+fn take<T: serde::de::DeserializeOwned>(table: &mut toml::Table, key: &str) -> Result<Option<T>> {
+    let Some(value) = table.remove(key) else { return Ok(None) };
+    value.try_into().map(Some).map_err(|e| anyhow!("`{key}`: {}", e.message().trim()))
+}
+
+fn check_names(tags: &[Tag]) -> Result<()> {
+    let names: Vec<&str> = tags.iter().map(|t| t.name.as_str()).collect();
+    for (i, tag) in tags.iter().enumerate() {
+        ensure!(!names[..i].contains(&names[i]), "the name `{}` is used twice", names[i]);
+        if let Some(rim) = &tag.rim {
+            ensure!(
+                names.contains(&rim.as_str()) && *rim != tag.name,
+                "[[tag]] `{}`: rim = \"{rim}\" is not another tag; tags: {}",
+                tag.name,
+                names.join(", ")
+            );
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_selectors_in_order() {
+        let config = Config::parse(
+            "epsilon = 2e-4\n\
+             [[tag]]\nname = \"seat\"\npatch = \"seat.stl\"\n\
+             [[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\nrim = \"seat\"\n",
+        )
+        .unwrap();
+        assert_eq!(config.epsilon, Some(2e-4));
+        let read: Vec<_> = config.tags.iter().map(|t| (t.name.as_str(), t.selector)).collect();
+        assert_eq!(read, [("seat", "patch"), ("cavity", "component")]);
+        assert_eq!(config.tags[1].rim.as_deref(), Some("seat"));
+    }
+
+    #[test]
+    fn names_what_is_wrong() {
+        let cases = [
+            ("", "at least one selection"),
+            ("sigma = 1\n", "unknown field `sigma`"),
+            ("epsilon = -1.0\n[[tag]]\nname = \"a\"\ncomponent = 0\n", "must be positive"),
+            ("[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n", "known: name, pressure, rim, patch"),
+            ("[[tag]]\nname = \"a\"\n", "no selector; one of"),
+            ("[[tag]]\nname = \"a\"\ncomponent = 0\npatch = \"a\"\n", "exactly one selector"),
+            ("[[tag]]\ncomponent = 0\n", "`name` is missing"),
+            ("[[tag]]\nname = \"a\"\ncomponent = 0\nrim = \"b\"\n", "needs `pressure = true`"),
+            (
+                "[[tag]]\nname = \"a\"\ncomponent = 0\npressure = true\nrim = \"b\"\n",
+                "not another tag; tags: a",
+            ),
+            (
+                "[[tag]]\nname = \"a\"\ncomponent = 0\n[[tag]]\nname = \"a\"\ncomponent = 1\n",
+                "used twice",
+            ),
+        ];
+        for (text, expected) in cases {
+            let message = format!("{:#}", Config::parse(text).unwrap_err());
+            assert!(message.contains(expected), "{text:?} gave: {message}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Facets that lie on an open surface patch.
+//!
+//! A facet belongs to a patch if, among the triangles of *all* patches (and of
+//! the model surface, if given) that face the same way (dot product > 0) and
+//! are within ε of its centroid, the nearest is one of the patch. The mesher
+//! moves the boundary by less than ε, facing the same way keeps walls thinner
+//! than 2ε apart, and competing with the other patches keeps a selection from
+//! bleeding past its rim. Ties (a shared rim) go to the patch declared first.
+
+use anyhow::{Result, ensure};
+use mesh::bvh::SurfaceBvh;
+use mesh::{SurfaceMesh, Vec3, io, measure};
+
+use super::{Entry, Selector, Sources, extent, path_of};
+use crate::facets::Facets;
+
+/// Row of [`super::SELECTORS`].
+pub const ENTRY: Entry = Entry {
+    key: "patch",
+    meaning: "the file of an open surface (stl, obj, ply), for facets that lie on it",
+    build,
+};
+
+/// Distances that differ by less than this part of ε are a tie.
+const TIE: f64 = 1e-6;
+
+struct Patch {
+    /// Index into [`Sources::patches`].
+    index: usize,
+}
+
+fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
+    let path = path_of(value, &ENTRY, sources)?;
+    let surface = io::read_surface(&path)?;
+    ensure!(!surface.triangles.is_empty(), "{}: the patch has no triangle", path.display());
+    sources.patches.push((path, surface));
+    Ok(Box::new(Patch { index: sources.patches.len() - 1 }))
+}
+
+impl Selector for Patch {
+    fn select(&self, _: &Facets, sources: &Sources) -> Result<Vec<bool>> {
+        Ok(sources.nearest.iter().map(|&owner| owner == Some(self.index)).collect())
+    }
+
+    fn expected_area(&self, sources: &Sources) -> Option<f64> {
+        Some(measure::area(&sources.patches[self.index].1))
+    }
+
+    fn advice(&self, facets: &Facets, sources: &Sources) -> String {
+        let (path, surface) = &sources.patches[self.index];
+        let bvh = SurfaceBvh::new(surface);
+        let distances: Vec<f64> =
+            facets.centroids.iter().map(|c| bvh.closest(c).distance).collect();
+        let near = distances.iter().filter(|&&d| d <= sources.epsilon).count();
+        let path = path.display();
+        if near > 0 {
+            return format!(
+                "{near} facets lie within epsilon = {:.3e} m of {path}, but they face the other way \
+                 or belong to a nearer or earlier patch; turn the patch or change the order",
+                sources.epsilon
+            );
+        }
+        let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        format!(
+            "the nearest facet is {nearest:.3e} m from {path}, epsilon is {:.3e} m; {}",
+            sources.epsilon,
+            extent(facets)
+        )
+    }
+}
+
+/// All input triangles in one tree, each with the patch that owns it.
+struct Inputs {
+    surface: SurfaceMesh,
+    normals: Vec<Vec3>,
+    /// Index of the patch; the number of patches for the model surface.
+    owners: Vec<usize>,
+    bvh: SurfaceBvh,
+}
+
+impl Inputs {
+    fn new(sources: &Sources) -> Self {
+        let mut surface = SurfaceMesh::default();
+        let mut owners = Vec::new();
+        let patches = sources.patches.iter().map(|(_, patch)| patch);
+        for (owner, patch) in patches.chain(&sources.surface).enumerate() {
+            let offset = surface.vertices.len();
+            surface.vertices.extend(&patch.vertices);
+            surface.triangles.extend(patch.triangles.iter().map(|t| t.map(|v| v + offset)));
+            owners.resize(surface.triangles.len(), owner);
+        }
+        let normals = (0..surface.triangles.len())
+            .map(|t| surface.corners(t))
+            .map(|[a, b, c]| measure::triangle_normal(a, b, c))
+            .collect();
+        Self { bvh: SurfaceBvh::new(&surface), surface, normals, owners }
+    }
+
+    /// The owner of the nearest triangle within `epsilon` that faces `normal`.
+    fn owner(&self, centroid: &Vec3, normal: &Vec3, epsilon: f64) -> Option<usize> {
+        let reach = Vec3::repeat(epsilon);
+        let mut near: Vec<(f64, usize)> = self
+            .bvh
+            .overlaps(&(centroid - reach), &(centroid + reach))
+            .into_iter()
+            .filter(|&t| self.normals[t].dot(normal) > 0.0)
+            .map(|t| (distance(centroid, self.surface.corners(t)), self.owners[t]))
+            .filter(|&(d, _)| d <= epsilon)
+            .collect();
+        let best = near.iter().map(|&(d, _)| d).fold(f64::INFINITY, f64::min);
+        near.retain(|&(d, _)| d <= best + TIE * epsilon);
+        near.into_iter().map(|(_, owner)| owner).min()
+    }
+}
+
+/// The patch that each facet belongs to, if any.
+#[must_use]
+pub fn nearest_patches(facets: &Facets, sources: &Sources) -> Vec<Option<usize>> {
+    if sources.patches.is_empty() {
+        return vec![None; facets.len()];
+    }
+    let inputs = Inputs::new(sources);
+    (0..facets.len())
+        .map(|f| inputs.owner(&facets.centroids[f], &facets.normals[f], sources.epsilon))
+        .map(|owner| owner.filter(|&o| o < sources.patches.len()))
+        .collect()
+}
+
+/// Distance from a point to a triangle [m], by the Voronoi region of the point
+/// (Ericson, Real-Time Collision Detection, 5.1.5).
+fn distance(p: &Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
+    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
+    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    let closest = if d1 <= 0.0 && d2 <= 0.0 {
+        a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        a + ab * (d1 / (d1 - d3))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        a + ac * (d2 / (d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
+    } else {
+        a + (ab * vb + ac * vc) / (va + vb + vc)
+    };
+    (p - closest).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_in_every_voronoi_region() {
+        let triangle = [Vec3::zeros(), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
+        let cases = [
+            (Vec3::new(1.0, 1.0, 2.0), 2.0),
+            (Vec3::new(-3.0, -4.0, 0.0), 5.0),
+            (Vec3::new(7.0, 0.0, 4.0), 5.0),
+            (Vec3::new(0.0, 9.0, 12.0), 13.0),
+            (Vec3::new(2.0, -3.0, 4.0), 5.0),
+            (Vec3::new(-3.0, 2.0, 4.0), 5.0),
+            (Vec3::new(3.0, 3.0, 0.0), 2.0_f64.sqrt()),
+        ];
+        for (p, expected) in cases {
+            // a handful of products of small integers: a few units in the last place
+            assert!((distance(&p, triangle) - expected).abs() < 1e-14, "{p}");
+        }
+    }
+}

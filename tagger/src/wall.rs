@@ -1,0 +1,135 @@
+//! Pressure walls: what makes the volume behind a wall well defined.
+//!
+//! The pressure potential −p V needs a closed volume. A wall that is closed
+//! has one; an open wall has one up to a constant if its rim does not move.
+//! A quadratic edge has a node between its ends, so it is not enough that the
+//! ends are fixed: every edge of the rim must belong to a fixed facet.
+
+use std::collections::BTreeSet;
+
+use mesh::topology;
+
+use crate::config::Config;
+use crate::facets::Facets;
+use crate::select::point;
+
+/// Adds single facets that are surrounded by the wall on all three sides and
+/// belong to no earlier tag; returns how many.
+///
+/// A mesher may move one facet out of the reach of a selection, which would
+/// leave a hole of one triangle in the wall.
+pub fn fill_pinholes(facets: &Facets, owners: &mut [Option<usize>], wall: usize) -> usize {
+    let edges = topology::edge_facets(&facets.triangles);
+    let surrounded = |f: usize| {
+        topology::directed_edges(facets.triangles[f])
+            .into_iter()
+            .all(|side| edges[&sorted(side)].iter().any(|&n| n != f && owners[n] == Some(wall)))
+    };
+    let holes: Vec<usize> = (0..facets.len())
+        .filter(|&f| owners[f].is_none_or(|owner| owner > wall) && surrounded(f))
+        .collect();
+    for &f in &holes {
+        owners[f] = Some(wall);
+    }
+    holes.len()
+}
+
+/// Checks that a wall is a manifold patch, closed or with a fixed rim.
+///
+/// # Errors
+/// A message with the boundary loops, their lengths and the first offending vertex.
+pub fn check(
+    facets: &Facets,
+    owners: &[Option<usize>],
+    wall: usize,
+    config: &Config,
+) -> Result<(), String> {
+    let triangles = owned(facets, owners, wall);
+    check_manifold(facets, &triangles)?;
+    let loops = topology::boundary_loops(&triangles);
+    if loops.is_empty() {
+        return Ok(());
+    }
+    let Some(rim) = &config.tags[wall].rim else {
+        return Err(format!(
+            "the pressure wall is open: {} boundary loops{}\n  \
+             name the fixed tag that closes it with `rim = \"...\"`, or select the whole wall",
+            loops.len(),
+            describe(facets, &loops, &vec![Vec::new(); loops.len()])
+        ));
+    };
+    let fixed = config.tags.iter().position(|t| t.name == *rim).ok_or("its rim names no tag")?;
+    let fixed_edges: BTreeSet<[usize; 2]> = owned(facets, owners, fixed)
+        .into_iter()
+        .flat_map(topology::directed_edges)
+        .map(sorted)
+        .collect();
+    let free: Vec<Vec<usize>> = loops
+        .iter()
+        .map(|l| edges_of(l).filter(|&e| !fixed_edges.contains(&sorted(e))).map(|e| e[0]).collect())
+        .collect();
+    let count: usize = free.iter().map(Vec::len).sum();
+    if count == 0 {
+        return Ok(());
+    }
+    Err(format!(
+        "{count} edges of the rim of the pressure wall do not lie on `{rim}`; {} boundary loops{}\n  \
+         a rim that moves leaves the pressure volume undefined; extend `{rim}` up to the wall, \
+         or the wall up to `{rim}`",
+        loops.len(),
+        describe(facets, &loops, &free)
+    ))
+}
+
+fn check_manifold(facets: &Facets, triangles: &[[usize; 3]]) -> Result<(), String> {
+    if topology::is_manifold(triangles) {
+        return Ok(());
+    }
+    let edges = topology::edge_facets(triangles);
+    let crowded: Vec<_> = edges.iter().filter(|(_, on)| on.len() > 2).collect();
+    let pinched = topology::pinched_vertices(triangles);
+    let first = crowded.first().map(|(e, _)| e[0]).or(pinched.first().copied());
+    let place = first.map_or(String::new(), |v| {
+        format!(", first at vertex {v} at {} m", point(&facets.vertices[v]))
+    });
+    Err(format!(
+        "the pressure wall is not a manifold patch: {} edges with more than two facets, \
+         {} vertices where it touches itself{place}\n  \
+         mesh more finely there, or select a patch that does not touch itself",
+        crowded.len(),
+        pinched.len()
+    ))
+}
+
+/// One line per loop: edges, length, and where it leaves the fixed tag.
+fn describe(facets: &Facets, loops: &[Vec<usize>], free: &[Vec<usize>]) -> String {
+    let length = |l: &[usize]| -> f64 {
+        edges_of(l).map(|[a, b]| (facets.vertices[b] - facets.vertices[a]).norm()).sum()
+    };
+    let place = |v: usize| format!("vertex {v} at {} m", point(&facets.vertices[v]));
+    loops
+        .iter()
+        .zip(free)
+        .map(|(l, free)| {
+            let what = match free.first() {
+                Some(&v) => format!("{} edges not fixed, first {}", free.len(), place(v)),
+                None => format!("first {}", place(l[0])),
+            };
+            format!("\n  loop of {} edges, {:.3} mm, {what}", l.len(), 1e3 * length(l))
+        })
+        .collect()
+}
+
+fn owned(facets: &Facets, owners: &[Option<usize>], tag: usize) -> Vec<[usize; 3]> {
+    let triangles = facets.triangles.iter().zip(owners);
+    triangles.filter(|(_, owner)| **owner == Some(tag)).map(|(t, _)| *t).collect()
+}
+
+fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// The edges of a closed loop of vertices.
+fn edges_of(vertices: &[usize]) -> impl Iterator<Item = [usize; 2]> {
+    vertices.iter().enumerate().map(|(i, &v)| [v, vertices[(i + 1) % vertices.len()]])
+}

@@ -1,0 +1,339 @@
+//! The program as its users run it, on a block of 5 × 5 × 5 cubes of 1 mm with
+//! a blind hole from below: seat = underside, cavity = wall of the hole.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, io, topology};
+use tempfile::TempDir;
+
+const CUBES: usize = 5;
+const SIDE: f64 = 1e-3;
+
+/// Cubes of the hole, open at the underside z = 0.
+fn hole([x, y, z]: [usize; 3]) -> bool {
+    x == 2 && y == 2 && z < 3
+}
+
+/// Six tetrahedra per cube around its diagonal (Kuhn), conforming across cubes.
+fn block() -> TetMesh {
+    const PATHS: [[usize; 3]; 6] =
+        [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+    let n = CUBES + 1;
+    let id = |[x, y, z]: [usize; 3]| x + n * (y + n * z);
+    let cells = (0..CUBES.pow(3)).map(|i| [i % CUBES, i / CUBES % CUBES, i / CUBES / CUBES]);
+    let mut tets = Vec::new();
+    for cell in cells.filter(|&c| !hole(c)) {
+        for path in PATHS {
+            let mut at = cell;
+            let mut tet = [id(at); 4];
+            for (corner, axis) in path.into_iter().enumerate() {
+                at[axis] += 1;
+                tet[corner + 1] = id(at);
+            }
+            tets.push(tet);
+        }
+    }
+    let point = |i: usize| SIDE * Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64);
+    let mut mesh = TetMesh { vertices: (0..n * n * n).map(point).collect(), tets };
+    for t in 0..mesh.tets.len() {
+        let [a, b, c, d] = mesh.corners(t);
+        if (b - a).cross(&(c - a)).dot(&(d - a)) < 0.0 {
+            mesh.tets[t].swap(2, 3);
+        }
+    }
+    mesh
+}
+
+fn in_hole(c: &Vec3) -> bool {
+    let margin = 1e-3 * SIDE;
+    let across = |v: f64| v > 2.0 * SIDE - margin && v < 3.0 * SIDE + margin;
+    c.z > margin && c.z < 3.0 * SIDE + margin && across(c.x) && across(c.y)
+}
+
+fn on_seat(c: &Vec3) -> bool {
+    c.z < 1e-3 * SIDE
+}
+
+fn on_skin(c: &Vec3) -> bool {
+    !in_hole(c) && !on_seat(c)
+}
+
+/// The facets of the boundary whose centroid is picked.
+fn patch(mesh: &TetMesh, pick: impl Fn(&Vec3) -> bool) -> SurfaceMesh {
+    let centroid = |f: &[usize; 3]| f.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0;
+    let facets: Vec<_> =
+        topology::boundary(mesh).facets.into_iter().filter(|f| pick(&centroid(f))).collect();
+    topology::submesh(&mesh.vertices, &facets).0
+}
+
+struct Scene {
+    dir: TempDir,
+}
+
+impl Scene {
+    /// A folder with volume.msh and the three patches.
+    fn new() -> Self {
+        let scene = Self { dir: tempfile::tempdir().unwrap() };
+        let mesh = block();
+        io::write_tets(&scene.path("volume.msh"), &mesh, &Tags::default()).unwrap();
+        scene.write_patch("seat.obj", &patch(&mesh, on_seat));
+        scene.write_patch("cavity.obj", &patch(&mesh, in_hole));
+        scene.write_patch("skin.obj", &patch(&mesh, on_skin));
+        scene
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    fn write_patch(&self, name: &str, surface: &SurfaceMesh) {
+        io::write_surface(&self.path(name), surface).unwrap();
+    }
+
+    fn run(&self, args: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_tagger"))
+            .args(args)
+            .current_dir(self.dir.path())
+            .output()
+            .unwrap()
+    }
+
+    fn tag(&self, config: &str) -> Output {
+        fs::write(self.path("tags.toml"), config).unwrap();
+        self.run(&["tag", "volume.msh", "--config", "tags.toml", "-o", "tagged.msh"])
+    }
+
+    /// Checks the exit code and that stderr holds all of `expected`, and that a
+    /// failure leaves no result.
+    fn fails(&self, output: &Output, code: i32, expected: &[&str]) {
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        for e in expected {
+            assert!(told.contains(e), "{e:?} is not in: {told}");
+        }
+        assert!(!told.contains("panicked"), "{told}");
+        assert!(!self.path("tagged.msh").exists());
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn succeeded(output: &Output) -> String {
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    told
+}
+
+const PATCHES: &str = r#"
+    [[tag]]
+    name = "seat"
+    patch = "seat.obj"
+    [[tag]]
+    name = "cavity"
+    patch = "cavity.obj"
+    pressure = true
+    rim = "seat"
+    [[tag]]
+    name = "skin"
+    patch = "skin.obj"
+"#;
+
+fn facet_count(path: &Path, name: &str) -> usize {
+    let file = io::read_tets(path).unwrap();
+    file.tags.facets_of(file.tags.id(name).unwrap()).len()
+}
+
+#[test]
+fn patches_partition_the_boundary() {
+    let scene = Scene::new();
+    let told = succeeded(&scene.tag(PATCHES));
+    assert!(told.contains("0 contested, 0 of 324 facets left over"), "{told}");
+    let tagged = scene.path("tagged.msh");
+    // two triangles per square: 25 − 1 below, 4 × 3 + 1 in the hole, 5 × 25 outside
+    let counts = ["seat", "cavity", "skin"].map(|name| facet_count(&tagged, name));
+    assert_eq!(counts, [48, 26, 250]);
+    let list = io::read_tags(&scene.path("tags.txt")).unwrap();
+    assert_eq!(list, io::read_tets(&tagged).unwrap().tags);
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(scene.path("tags.json")).unwrap()).unwrap();
+    assert_eq!(json["names"][1], "cavity");
+    assert_eq!(json["ids"][1], 2);
+    // 13 squares of 1 mm², summed with rounding of order 1e-16 relative
+    assert!((json["areas"][1].as_f64().unwrap() - 13e-6).abs() < 1e-18);
+}
+
+#[test]
+fn table_shows_areas_components_and_loops() {
+    let scene = Scene::new();
+    succeeded(&scene.tag(PATCHES));
+    let output = scene.run(&["show", "tagged.msh", "--vtu", "tags.vtu"]);
+    succeeded(&output);
+    let table = text(&output.stdout);
+    let row = |name: &str| -> Vec<String> {
+        let line = table.lines().find(|l| l.starts_with(name)).unwrap();
+        line.split_whitespace().map(str::to_owned).collect()
+    };
+    assert_eq!(row("seat"), ["seat", "1", "48", "24.000", "1", "2"]);
+    assert_eq!(row("cavity"), ["cavity", "2", "26", "13.000", "1", "1"]);
+    let grid = io::vtu::read_vtu(&scene.path("tags.vtu")).unwrap();
+    assert_eq!(grid.cell_count(), 324);
+}
+
+#[test]
+fn other_selectors_pick_the_same_facets() {
+    let scene = Scene::new();
+    let config = r#"
+        [[tag]]
+        name = "seat"
+        plane = { point = [0, 0, 0], normal = [0, 0, -2] }
+        [[tag]]
+        name = "cavity"
+        box = { min = [0.0019, 0.0019, 0.0], max = [0.0031, 0.0031, 0.0031] }
+        pressure = true
+        rim = "seat"
+        [[tag]]
+        name = "skin"
+        component = 0
+    "#;
+    let told = succeeded(&scene.tag(config));
+    assert!(told.contains("skin: 250 facets") && told.contains("74 contested, 0 of 324"), "{told}");
+}
+
+#[test]
+fn closed_volume_selects_by_winding_number() {
+    let scene = Scene::new();
+    // a slab around the underside, turned inside out on purpose
+    let slab =
+        mesh::solid::Solid::cube(&Vec3::new(-1e-4, -1e-4, -1e-4), &Vec3::new(5.1e-3, 5.1e-3, 1e-4));
+    let mut surface = slab.to_surface();
+    surface.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    scene.write_patch("slab.obj", &surface);
+    succeeded(&scene.tag("[[tag]]\nname = \"seat\"\nvolume = \"slab.obj\"\n"));
+    assert_eq!(facet_count(&scene.path("tagged.msh"), "seat"), 48);
+}
+
+#[test]
+fn empty_selection_says_how_far_away_it_is() {
+    let scene = Scene::new();
+    let mut far = patch(&block(), on_seat);
+    far.vertices.iter_mut().for_each(|v| v.z -= 0.01);
+    scene.write_patch("far.obj", &far);
+    let output = scene.tag("[[tag]]\nname = \"far\"\npatch = \"far.obj\"\n");
+    scene.fails(&output, 1, &["`far`: empty selection", "1.000e-2 m", "epsilon is 8.660e-6 m"]);
+}
+
+#[test]
+fn inside_out_patch_is_named_as_such() {
+    let scene = Scene::new();
+    let mut turned = patch(&block(), on_seat);
+    turned.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    scene.write_patch("turned.obj", &turned);
+    let output = scene.tag("[[tag]]\nname = \"seat\"\npatch = \"turned.obj\"\n");
+    scene.fails(&output, 1, &["48 facets lie within epsilon", "face the other way"]);
+}
+
+#[test]
+fn first_selection_wins_and_a_tag_left_without_facets_is_an_error() {
+    let scene = Scene::new();
+    let output = scene.tag(
+        "[[tag]]\nname = \"all\"\ncomponent = 0\n[[tag]]\nname = \"seat\"\npatch = \"seat.obj\"\n",
+    );
+    scene.fails(&output, 1, &["`seat`: empty selection: all its 48 facets", "`all` (48)"]);
+}
+
+#[test]
+fn open_selection_volume_is_refused() {
+    let scene = Scene::new();
+    let output = scene.tag("[[tag]]\nname = \"seat\"\nvolume = \"seat.obj\"\n");
+    // the outer border has 4 × 5 edges, the hole 4
+    scene.fails(&output, 2, &["not closed: 24 boundary edges, first", "cad2fem offset"]);
+}
+
+#[test]
+fn rim_must_lie_on_the_fixed_tag() {
+    let scene = Scene::new();
+    // a seat that ends one square before the mouth of the hole at one side
+    let short = patch(&block(), |c| on_seat(c) && c.x < 2.0 * SIDE);
+    scene.write_patch("short.obj", &short);
+    let output = scene.tag(&PATCHES.replace("seat.obj", "short.obj"));
+    scene.fails(
+        &output,
+        1,
+        &["3 edges of the rim", "`seat`", "1 boundary loops", "4 edges, 4.000 mm", "first vertex"],
+    );
+}
+
+#[test]
+fn open_wall_without_rim_is_refused() {
+    let scene = Scene::new();
+    let output = scene.tag("[[tag]]\nname = \"cavity\"\npatch = \"cavity.obj\"\npressure = true\n");
+    scene.fails(&output, 1, &["the pressure wall is open: 1 boundary loops", "rim ="]);
+}
+
+#[test]
+fn pinhole_in_a_wall_is_filled() {
+    let scene = Scene::new();
+    let mut wall = patch(&block(), in_hole);
+    let top = |t: &[usize; 3]| t.iter().all(|&v| wall.vertices[v].z > 2.9 * SIDE);
+    let hole = wall.triangles.iter().position(top).unwrap();
+    wall.triangles.remove(hole);
+    scene.write_patch("cavity.obj", &wall);
+    let told = succeeded(&scene.tag(PATCHES));
+    assert!(told.contains("cavity: 26 facets, 13.000 mm², 0 contested, 1 pinholes"), "{told}");
+}
+
+#[test]
+fn area_mismatch_is_a_warning() {
+    let scene = Scene::new();
+    let config = format!("[[tag]]\nname = \"half\"\nbox = {{ min = [-1, -1, -1], max = [0.002, 1, 1e-6] }}\n{PATCHES}")
+        .replace("pressure = true\n    rim = \"seat\"", "");
+    let told = succeeded(&scene.tag(&config));
+    assert!(told.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{told}");
+}
+
+#[test]
+fn unknown_key_lists_the_known_ones() {
+    let scene = Scene::new();
+    let output = scene.tag("[[tag]]\nname = \"seat\"\nptach = \"seat.obj\"\n");
+    scene.fails(&output, 2, &["tags.toml", "[[tag]] 1", "unknown key `ptach`", "patch, volume"]);
+}
+
+#[test]
+fn truncated_mesh_and_missing_patch_are_input_errors() {
+    let scene = Scene::new();
+    let whole = fs::read(scene.path("volume.msh")).unwrap();
+    fs::write(scene.path("volume.msh"), &whole[..whole.len() / 2]).unwrap();
+    scene.fails(&scene.tag(PATCHES), 2, &["volume.msh"]);
+    fs::write(scene.path("volume.msh"), &whole).unwrap();
+    scene.fails(&scene.tag(&PATCHES.replace("skin.obj", "none.obj")), 2, &["none.obj"]);
+}
+
+#[test]
+fn tags_follow_a_new_interior_but_not_a_new_boundary() {
+    let scene = Scene::new();
+    succeeded(&scene.tag(PATCHES));
+    // the same block with its vertices numbered backwards
+    let mesh = block();
+    let last = mesh.vertices.len() - 1;
+    let renumbered = TetMesh {
+        vertices: mesh.vertices.iter().rev().copied().collect(),
+        tets: mesh.tets.iter().map(|t| t.map(|v| last - v)).collect(),
+    };
+    io::write_tets(&scene.path("new.msh"), &renumbered, &Tags::default()).unwrap();
+    succeeded(&scene.run(&["transfer", "tagged.msh", "new.msh", "-o", "carried.msh"]));
+    assert_eq!(facet_count(&scene.path("carried.msh"), "cavity"), 26);
+    let mut moved = renumbered;
+    moved.vertices[last] += Vec3::new(1e-9, 0.0, 0.0);
+    io::write_tets(&scene.path("moved.msh"), &moved, &Tags::default()).unwrap();
+    let output = scene.run(&["transfer", "tagged.msh", "moved.msh", "-o", "never.msh"]);
+    assert_eq!(output.status.code(), Some(2));
+    let told = text(&output.stderr);
+    assert!(told.contains("boundary facets have no exact twin"), "{told}");
+    assert!(!scene.path("never.msh").exists());
+}
