@@ -44,11 +44,7 @@ pub struct Unusable(pub String);
 ///
 /// An error is printed as `name: outermost: ...: innermost cause`. A reader that
 /// closed our standard output early, as `head` does, is no error.
-pub fn run(
-    name: &str,
-    verbosity: Verbosity,
-    f: impl FnOnce() -> anyhow::Result<()>,
-) -> ExitCode {
+pub fn run(name: &str, verbosity: Verbosity, f: impl FnOnce() -> anyhow::Result<()>) -> ExitCode {
     // Fails only if a logger is there already, which is then as good as ours.
     if log::set_logger(&StderrLogger).is_ok() {
         log::set_max_level(verbosity.level());
@@ -109,7 +105,7 @@ impl Log for StderrLogger {
 
 #[cfg(test)]
 mod tests {
-    use anyhow::{Context, anyhow};
+    use anyhow::anyhow;
 
     use super::*;
 
@@ -118,17 +114,17 @@ mod tests {
         let unusable = || Unusable("3 inverted tetrahedra".into());
         assert_eq!(exit_code(&anyhow!("no such file")), 2);
         assert_eq!(exit_code(&unusable().into()), 1);
-        let wrapped = Err::<(), _>(unusable()).context("volume.msh").context("tetmesh");
-        assert_eq!(exit_code(&wrapped.unwrap_err()), 1);
-        let attached = Err::<(), _>(anyhow!("cause")).context(unusable()).context("outer");
-        assert_eq!(exit_code(&attached.unwrap_err()), 1);
+        let wrapped = anyhow::Error::from(unusable()).context("volume.msh").context("tetmesh");
+        assert_eq!(exit_code(&wrapped), 1);
+        let attached = anyhow!("cause").context(unusable()).context("outer");
+        assert_eq!(exit_code(&attached), 1);
     }
 
     #[test]
     fn only_a_closed_reader_is_forgiven() {
         let broken = || std::io::Error::from(ErrorKind::BrokenPipe);
-        let direct = Err::<(), _>(broken()).context("table");
-        assert!(is_broken_pipe(&direct.unwrap_err()));
+        let direct = anyhow::Error::from(broken()).context("table");
+        assert!(is_broken_pipe(&direct));
         let file = IoError::System { path: "/dev/stdout".into(), action: "write", cause: broken() };
         assert!(is_broken_pipe(&file.into()));
         let full = std::io::Error::from(ErrorKind::StorageFull);

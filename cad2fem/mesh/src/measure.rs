@@ -51,10 +51,7 @@ pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
 /// Volume of a tetrahedral mesh [m³].
 #[must_use]
 pub fn volume(mesh: &TetMesh) -> f64 {
-    (0..mesh.tets.len())
-        .map(|t| mesh.corners(t))
-        .map(|[a, b, c, d]| tet_volume(a, b, c, d))
-        .sum()
+    (0..mesh.tets.len()).map(|t| mesh.corners(t)).map(|[a, b, c, d]| tet_volume(a, b, c, d)).sum()
 }
 
 /// Lowest and highest corner of the axis-aligned bounding box [m]; (+∞, −∞) for
@@ -84,7 +81,8 @@ pub fn diagonal(points: &[Vec3]) -> f64 {
 pub fn radius_ratio(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     let (p, q, s) = (b - a, c - a, d - a);
     let volume = tet_volume(a, b, c, d);
-    let areas = [[a, b, c], [a, b, d], [a, c, d], [b, c, d]].map(|[x, y, z]| triangle_area(x, y, z));
+    let areas =
+        [[a, b, c], [a, b, d], [a, c, d], [b, c, d]].map(|[x, y, z]| triangle_area(x, y, z));
     let spread = p.norm_squared() * q.cross(&s)
         + q.norm_squared() * s.cross(&p)
         + s.norm_squared() * p.cross(&q);
@@ -213,13 +211,9 @@ mod tests {
     }
 
     fn octahedron() -> SurfaceMesh {
-        let axis = |i: usize| {
-            let mut v = Vec3::zeros();
-            v[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
-            v
-        };
+        let axes = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
         SurfaceMesh {
-            vertices: (0..6).map(axis).collect(),
+            vertices: axes.to_vec(),
             triangles: vec![
                 [0, 2, 4],
                 [2, 1, 4],

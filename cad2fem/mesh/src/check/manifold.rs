@@ -9,8 +9,10 @@ pub const NAME: &str = "manifold";
 pub fn find(surface: &SurfaceMesh) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |count, message| findings.push(Finding { rule: NAME, message, count });
-    let crowded: Vec<_> =
-        edge_facets(&surface.triangles).into_iter().filter(|(_, facets)| facets.len() > 2).collect();
+    let crowded: Vec<_> = edge_facets(&surface.triangles)
+        .into_iter()
+        .filter(|(_, facets)| facets.len() > 2)
+        .collect();
     if let Some(([a, b], facets)) = crowded.first() {
         let place = at(&((surface.vertices[*a] + surface.vertices[*b]) / 2.0));
         let (count, most) = (crowded.len(), facets.len());

@@ -93,3 +93,6 @@ pub fn run(surface: &SurfaceMesh, rules: &[&str]) -> Vec<Finding> {
 fn at(p: &Vec3) -> String {
     format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,9 +15,9 @@ const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
-    let announced = bytes.get(80..HEADER).map(|n| {
-        u32::from_le_bytes(n.try_into().expect("the range has four bytes")) as usize
-    });
+    let announced = bytes
+        .get(80..HEADER)
+        .map(|n| u32::from_le_bytes(n.try_into().expect("the range has four bytes")) as usize);
     let size = announced.map(|n| HEADER + RECORD * n);
     let looks_ascii = bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0);
     if size != Some(bytes.len()) && looks_ascii {

@@ -97,3 +97,50 @@ fn parse_line(line: &str) -> Option<(u64, [usize; 3])> {
     let fine = numbers.next().is_none() && a != b && b != c && c != a;
     fine.then_some((id, facet))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_and_their_names_come_back() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("tags.txt");
+        let mut tags = Tags::new(vec!["seat".into(), "empty".into(), "cavity \"Ω\"".into()]);
+        tags.set([9, 1, 4], 3);
+        tags.set([2, 1, 0], 1);
+        write_tags(&path, &tags).expect("writable");
+        assert_eq!(read_text(&path).expect("readable"), "1 0 1 2\n3 1 4 9\n");
+        assert_eq!(read_tags(&path).expect("what was written"), tags);
+        let legend = read_text(&folder.path().join("tags.json")).expect("readable");
+        assert!(legend.contains("\"empty\""), "{legend}");
+    }
+
+    #[test]
+    fn ids_without_names_are_called_by_their_number() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("selections.txt");
+        std::fs::write(&path, "2147483647 0 1 2\n7 2 1 3\n7 3 2 1\n\n").expect("writable");
+        let tags = read_tags(&path).expect("valid");
+        assert_eq!(tags.names, ["7", "2147483647"]);
+        assert_eq!((tags.get([0, 1, 2]), tags.get([1, 2, 3])), (Some(2), Some(1)));
+    }
+
+    #[test]
+    fn bad_lines_are_named() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("tags.txt");
+        let message = |text: &str| {
+            std::fs::write(&path, text).expect("writable");
+            read_tags(&path).expect_err("bad").to_string()
+        };
+        for bad in ["1 0 1", "1 0 1 2 3", "1 0 1 1", "-1 0 1 2", "one 0 1 2"] {
+            let message = message(&format!("1 5 6 7\n{bad}\n"));
+            assert!(message.contains("tags.txt: line 2") && message.contains(bad), "{message}");
+        }
+        assert!(message("1 0 1 2\n2 2 1 0\n").contains("is tagged \"1\" and \"2\""));
+        std::fs::write(folder.path().join("tags.json"), "{\"names\":[\"a\"],\"facets\":[1]}")
+            .expect("writable");
+        assert!(message("2 0 1 2\n").contains("has id 2, names exist for 1 to 1"));
+    }
+}

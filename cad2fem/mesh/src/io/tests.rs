@@ -120,7 +120,11 @@ fn bad_content_is_named() {
         ("stl", "solid\nfacet normal 0 0 0 outer loop vertex 0 0 x", "\"x\""),
         ("stl", "solid\nendsolid\n", "empty"),
         ("ply", "ply\n", "header"),
-        ("ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n", "empty"),
+        (
+            "ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
+            "empty",
+        ),
     ];
     for (extension, content, needed) in cases {
         let message = parse(format(extension), content.as_bytes()).expect_err(needed);
@@ -130,7 +134,8 @@ fn bad_content_is_named() {
 
 #[test]
 fn polygons_and_relative_indices_are_understood() {
-    let text = b"# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\ng s\nf -4/1 2//1 3/1/1 4\n";
+    let text =
+        b"# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\ng s\nf -4/1 2//1 3/1/1 4\n";
     let square = parse(format("obj"), text).expect("a square");
     assert_eq!(square.triangles, [[0, 1, 2], [0, 2, 3]]);
     let text = b"ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\n\

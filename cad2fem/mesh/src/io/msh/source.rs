@@ -103,9 +103,8 @@ impl<'a> Source<'a> {
         for _ in 0..count {
             let line = self.cursor.line().ok_or("the file is truncated")?;
             let line = std::str::from_utf8(line).map_err(|_| "a physical name is not UTF-8")?;
-            let (dimension, number, name) = physical_name(line).ok_or_else(|| {
-                format!("{line:?} is not of the form: dimension number \"name\"")
-            })?;
+            let (dimension, number, name) = physical_name(line)
+                .ok_or_else(|| format!("{line:?} is not of the form: dimension number \"name\""))?;
             if dimension == 2 {
                 names.push((number, name.to_string()));
             }

@@ -57,6 +57,22 @@ fn a_truncated_file_is_an_error_wherever_it_ends() {
     }
 }
 
+#[test]
+fn corrupted_bytes_are_errors_or_other_meshes_but_never_panics() {
+    for bytes in [written(), binary_41()] {
+        for i in 0..bytes.len() {
+            for value in [0, 1, b'9', b'-', b'\n', 0x7f, 0xff] {
+                let mut corrupted = bytes.clone();
+                corrupted[i] = value;
+                if let Ok(file) = read(&corrupted) {
+                    assert!(file.mesh.vertices.iter().flatten().all(|x| x.is_finite()));
+                    assert_eq!(file.mesh.tets.len(), file.bodies.len());
+                }
+            }
+        }
+    }
+}
+
 /// Format 4.1, big-endian binary: an inverted second-order tetrahedron whose
 /// surface 5 is in physical group 7, and a node that only a line uses.
 fn binary_41() -> Vec<u8> {

@@ -15,8 +15,7 @@ use crate::{Tags, TetMesh};
 /// If the mesh is empty, a coordinate is not finite, an index is out of range, a
 /// name contains a quote or a line end, or the file cannot be written.
 pub fn write_tets(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<(), IoError> {
-    require_sound(mesh, tags)
-        .map_err(|m| IoError::content(path, format!("not written: {m}")))?;
+    require_sound(mesh, tags).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
     write_atomic(path, |out| write(mesh, tags, out))
 }
 

@@ -100,3 +100,6 @@ impl Grid {
         self.cells.len() / self.cell_type.nodes()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -18,7 +18,7 @@ pub fn read_vtu(path: &Path) -> Result<Grid, IoError> {
     parse(&bytes).map_err(|m| IoError::content(path, m))
 }
 
-fn parse(bytes: &[u8]) -> Parsed<Grid> {
+pub(super) fn parse(bytes: &[u8]) -> Parsed<Grid> {
     const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
     let mut cursor = Cursor::new(bytes);
     if !cursor.skip_past(APPENDED) || !cursor.skip_past(b"_") {
@@ -36,8 +36,7 @@ fn parse(bytes: &[u8]) -> Parsed<Grid> {
         match tag.split([' ', '>']).next().unwrap_or("") {
             name @ ("PointData" | "CellData" | "Points" | "Cells") => group = name,
             "Piece" => {
-                counts =
-                    Some((number(tag, "NumberOfPoints")?, number(tag, "NumberOfCells")?));
+                counts = Some((number(tag, "NumberOfPoints")?, number(tag, "NumberOfCells")?));
             }
             "DataArray" => arrays.push(Array::parse(group, tag, data)?),
             _ => {}
@@ -107,7 +106,9 @@ fn assemble(arrays: &[Array], points: usize, cells: usize) -> Parsed<Grid> {
         Some(&first) => CellType::ALL
             .into_iter()
             .find(|&t| types.iter().all(|&other| other == first) && t as u8 == first)
-            .ok_or_else(|| format!("cells must be all of one type, 5, 10, 22 or 24; found {first}"))?,
+            .ok_or_else(|| {
+                format!("cells must be all of one type, 5, 10, 22 or 24; found {first}")
+            })?,
     };
     let connectivity = find("Cells", "connectivity")?.data.chunks_exact(8);
     let connectivity: Vec<usize> = connectivity
@@ -144,7 +145,10 @@ fn number(tag: &str, name: &str) -> Parsed<usize> {
 fn attribute(tag: &str, name: &str) -> Option<String> {
     let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
     let (value, _) = rest.split_once('"')?;
-    let plain =
-        value.replace("&quot;", "\"").replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
+    let plain = value
+        .replace("&quot;", "\"")
+        .replace("&gt;", ">")
+        .replace("&lt;", "<")
+        .replace("&amp;", "&");
     Some(plain)
 }

@@ -48,11 +48,7 @@ struct Array {
 }
 
 impl Array {
-    fn floats<'a>(
-        label: &str,
-        components: usize,
-        values: impl Iterator<Item = &'a f64>,
-    ) -> Self {
+    fn floats<'a>(label: &str, components: usize, values: impl Iterator<Item = &'a f64>) -> Self {
         let name = escape(label);
         Self {
             attributes: format!(

@@ -1,0 +1,102 @@
+//! Grids to files and back.
+
+use std::path::PathBuf;
+
+use super::*;
+
+/// Places of the nodes in a cell with corners at the origin and on the axes, as
+/// VTK defines them (vtkQuadraticTetra, vtkQuadraticTriangle).
+const VTK_PLACES: [[f64; 3]; 10] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.0, 0.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.0],
+    [0.0, 0.0, 0.5],
+    [0.5, 0.0, 0.5],
+    [0.0, 0.5, 0.5],
+];
+
+#[test]
+fn nodes_of_quadratic_cells_are_where_vtk_wants_them() {
+    let places = VTK_PLACES.map(Vec3::from);
+    let middle = |[i, j]: [usize; 2]| (places[i] + places[j]) / 2.0;
+    let tet: Vec<Vec3> = CellType::Tet10.edges().iter().map(|&edge| middle(edge)).collect();
+    assert_eq!(tet, places[4..]);
+    // The triangle is the facet z = 0, its nodes without those of the apex.
+    let triangle: Vec<Vec3> = CellType::Tri6.edges().iter().map(|&edge| middle(edge)).collect();
+    assert_eq!(triangle, places[4..7]);
+}
+
+fn field(name: &str, unit: &str, components: usize, count: usize) -> Field {
+    let values = (0..count * components).map(|i| 0.1 * i as f64 - 1.0 / 3.0).collect();
+    Field { name: name.into(), unit: unit.into(), components, values }
+}
+
+fn grid(cell_type: CellType) -> Grid {
+    Grid {
+        points: VTK_PLACES.map(Vec3::from).to_vec(),
+        // The same cell twice, from different points.
+        cells: (0..cell_type.nodes()).chain((0..cell_type.nodes()).rev()).collect(),
+        cell_type,
+        point_fields: vec![field("displacement", "m", 3, 10), field("a < b & \"c\"", "", 1, 10)],
+        cell_fields: vec![field("stress", "Pa", 9, 2), field("detF [odd", "1", 1, 2)],
+    }
+}
+
+fn written(grid: &Grid) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.vtu");
+    write_vtu(&path, grid).expect("writable");
+    (folder, path)
+}
+
+#[test]
+fn what_is_written_comes_back_bit_for_bit() {
+    for cell_type in CellType::ALL {
+        let grid = grid(cell_type);
+        let (_folder, path) = written(&grid);
+        assert_eq!(read_vtu(&path).expect("what was written"), grid);
+    }
+}
+
+#[test]
+fn a_truncated_file_is_an_error_wherever_its_data_end() {
+    let (_folder, path) = written(&grid(CellType::Tet10));
+    let bytes = std::fs::read(&path).expect("readable");
+    let end = bytes.len() - "\n</AppendedData>\n</VTKFile>\n".len();
+    for length in 0..end {
+        assert!(read::parse(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_not_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.vtu");
+    type Damage = fn(&mut Grid);
+    let broken: [(&str, Damage); 4] = [
+        ("field \"stress\" has 17 values, not 2 × 9", |g| g.cell_fields[0].values.truncate(17)),
+        ("field \"displacement\" is NaN at index 5", |g| g.point_fields[0].values[5] = f64::NAN),
+        ("cell 1 refers to point 10 of 10", |g| g.cells[4] = 10),
+        ("do not divide into 4", |g| g.cells.truncate(7)),
+    ];
+    for (needed, damage) in broken {
+        let mut grid = grid(CellType::Tet4);
+        damage(&mut grid);
+        let message = write_vtu(&path, &grid).expect_err(needed).to_string();
+        assert!(message.contains(needed), "{needed:?} is not in: {message}");
+    }
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_time_series_names_its_files() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.pvd");
+    write_pvd(&path, &[(0.0, "step0.vtu".into()), (0.1, "R&D/step1.vtu".into())]).expect("fine");
+    let text = std::fs::read_to_string(&path).expect("readable");
+    assert!(text.contains("timestep=\"0.1\" part=\"0\" file=\"R&amp;D/step1.vtu\""), "{text}");
+}
