@@ -106,10 +106,8 @@ fn edges(
     radius: f64,
     wanted: impl Fn(usize, usize) -> bool + Sync,
 ) -> Vec<Pair> {
-    let candidates = overlapping_pairs(
-        &boxes(&a.edges, x, radius, |&e| e),
-        &boxes(&b.edges, x, 0.0, |&e| e),
-    );
+    let candidates =
+        overlapping_pairs(&boxes(&a.edges, x, radius, |&e| e), &boxes(&b.edges, x, 0.0, |&e| e));
     close(&candidates, x, radius, |i, j| {
         let ([p, q], [r, s]) = (a.edges[i], b.edges[j]);
         let apart = p != r && p != s && q != r && q != s;
@@ -127,7 +125,8 @@ fn boxes<T, const N: usize>(
     let grow = Vec3::repeat(margin);
     let bounds = |feature: &T| {
         let points = corners(feature).map(|v| x[v]);
-        let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+        let (low, high) =
+            points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
         (low - grow, high + grow)
     };
     features.iter().map(bounds).collect()

@@ -33,8 +33,8 @@ impl Clearance {
     /// The term of a set of facets, usually the whole boundary, that acts below
     /// `activation` [m].
     #[must_use]
-    pub fn new(name: String, facets: &[[usize; 3]], activation: f64) -> Self {
-        Self { name, surface: Features::new(facets), activation }
+    pub fn new(name: &str, facets: &[[usize; 3]], activation: f64) -> Self {
+        Self { name: name.to_owned(), surface: Features::new(facets), activation }
     }
 
     /// J at rest positions; infinite where two features touch.
@@ -58,6 +58,13 @@ impl Clearance {
 impl Objective for Clearance {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
+        if self.value_at(rest).is_finite() {
+            return Ok(());
+        }
+        Err("two parts of the rest surface touch; keep them apart".to_owned())
     }
 
     fn value(&self, at: &Equilibrium) -> f64 {
@@ -90,7 +97,7 @@ mod tests {
     #[test]
     fn gradient_belongs_to_the_value() {
         let (x, facets) = hairpin();
-        let term = Clearance::new("clearance".into(), &facets, 0.12);
+        let term = Clearance::new("clearance", &facets, 0.12);
         let mut gradient = vec![0.0; 3 * x.len()];
         term.add_gradient_at(&x, 5.0, &mut gradient);
         let value = |y: &[f64]| 5.0 * term.value_at(&points(y));
@@ -100,7 +107,7 @@ mod tests {
     #[test]
     fn a_flat_sheet_costs_nothing_and_touching_is_infinite() {
         let sheet = square(6, 0.0);
-        let term = Clearance::new("clearance".into(), &sheet.triangles, 0.05);
+        let term = Clearance::new("clearance", &sheet.triangles, 0.05);
         assert!(term.value_at(&sheet.vertices) == 0.0);
         let mut folded = sheet.vertices;
         let (first, last) = (0, folded.len() - 1);

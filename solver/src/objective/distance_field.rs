@@ -19,7 +19,7 @@
 //! Beyond the border of an open target the distance is to the border.
 
 use std::collections::HashMap;
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3};
@@ -29,7 +29,7 @@ use crate::parallel::map_merge;
 /// What is interpolated between lattice points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum FieldKind {
+pub enum DistanceKind {
     /// The squared distance: smooth at the target.
     #[default]
     Squared,
@@ -41,13 +41,15 @@ pub enum FieldKind {
 type Node = [i64; 3];
 
 /// Distance to a target surface, known on a lattice that is filled on demand.
+/// Clones share the lattice.
+#[derive(Clone)]
 pub struct DistanceField {
-    target: SurfaceBvh,
+    target: Arc<SurfaceBvh>,
     spacing: f64,
-    kind: FieldKind,
+    kind: DistanceKind,
     /// Values of the lattice points asked for so far; a value depends on the
     /// lattice point alone, so the order of filling plays no part.
-    lattice: RwLock<HashMap<Node, f64>>,
+    lattice: Arc<RwLock<HashMap<Node, f64>>>,
 }
 
 impl DistanceField {
@@ -56,10 +58,10 @@ impl DistanceField {
     /// # Panics
     /// If the target has no triangle or the spacing is not positive.
     #[must_use]
-    pub fn new(target: &SurfaceMesh, spacing: f64, kind: FieldKind) -> Self {
+    pub fn new(target: &SurfaceMesh, spacing: f64, kind: DistanceKind) -> Self {
         assert!(!target.triangles.is_empty(), "a target needs at least one triangle");
         assert!(spacing > 0.0, "lattice spacing {spacing} m is not positive");
-        Self { target: SurfaceBvh::new(target), spacing, kind, lattice: RwLock::default() }
+        Self { target: Arc::new(SurfaceBvh::new(target)), spacing, kind, lattice: Arc::default() }
     }
 
     /// Computes the lattice values that the points need, in parallel, so that
@@ -101,8 +103,8 @@ impl DistanceField {
         }
         gradient /= self.spacing;
         match self.kind {
-            FieldKind::Squared => (value, gradient),
-            FieldKind::Scalar => (value * value, 2.0 * value * gradient),
+            DistanceKind::Squared => (value, gradient),
+            DistanceKind::Scalar => (value * value, 2.0 * value * gradient),
         }
     }
 
@@ -124,8 +126,8 @@ impl DistanceField {
         let x = Vec3::from(node.map(|i| i as f64 * self.spacing));
         let distance = self.target.closest(&x).distance;
         match self.kind {
-            FieldKind::Squared => distance * distance,
-            FieldKind::Scalar => distance,
+            DistanceKind::Squared => distance * distance,
+            DistanceKind::Scalar => distance,
         }
     }
 }
@@ -182,8 +184,8 @@ mod tests {
         let n = Vec3::new(1.0, -2.0, 0.7).normalize();
         let offset = 1.3e-4;
         let target = plane(&n, offset);
-        let squared = DistanceField::new(&target, SPACING, FieldKind::Squared);
-        let scalar = DistanceField::new(&target, SPACING, FieldKind::Scalar);
+        let squared = DistanceField::new(&target, SPACING, DistanceKind::Squared);
+        let scalar = DistanceField::new(&target, SPACING, DistanceKind::Scalar);
         let mut random = Random::new(21);
         for _ in 0..200 {
             let x = 5e-3 * random.vector();
@@ -208,8 +210,8 @@ mod tests {
                 .0
         };
         // lattice values ½, ½ and slopes −½, ½ around the kink give 0.375 δ
-        assert!((at(FieldKind::Scalar).sqrt() - 0.375 * SPACING).abs() < 1e-12);
-        assert!(at(FieldKind::Squared).abs() < 1e-18);
+        assert!((at(DistanceKind::Scalar).sqrt() - 0.375 * SPACING).abs() < 1e-12);
+        assert!(at(DistanceKind::Squared).abs() < 1e-18);
     }
 
     #[test]
@@ -217,7 +219,7 @@ mod tests {
         let mut target = sphere(3);
         target.vertices.iter_mut().for_each(|v| *v *= 0.01);
         let mut random = Random::new(22);
-        for kind in [FieldKind::Squared, FieldKind::Scalar] {
+        for kind in [DistanceKind::Squared, DistanceKind::Scalar] {
             let field = DistanceField::new(&target, SPACING, kind);
             for _ in 0..20 {
                 // inside one cell, where the interpolant is smooth
@@ -247,8 +249,8 @@ mod tests {
     fn filling_beforehand_changes_nothing() {
         let target = sphere(2);
         let (lazy, filled) = (
-            DistanceField::new(&target, 0.05, FieldKind::Squared),
-            DistanceField::new(&target, 0.05, FieldKind::Squared),
+            DistanceField::new(&target, 0.05, DistanceKind::Squared),
+            DistanceField::new(&target, 0.05, DistanceKind::Squared),
         );
         let mut random = Random::new(23);
         let points: Vec<Vec3> = (0..50).map(|_| random.vector()).collect();

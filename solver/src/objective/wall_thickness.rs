@@ -29,27 +29,16 @@ use crate::contact::barrier::{log_barrier, quadratic};
 use crate::contact::pairs::{Features, Pair, pairs_between};
 use crate::contact::potential;
 
-/// The function of distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ThicknessForm {
-    /// Finite, whatever the distance.
-    Quadratic {
-        /// d̂ [m].
-        activation: f64,
-    },
-    /// A wall that cannot be passed.
-    Log {
-        /// d₀ [m].
-        minimum: f64,
-        /// d̂, on top of the minimum [m].
-        activation: f64,
-    },
+/// The function of distance, with lengths in [m].
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Quadratic { activation: f64 },
+    Log { minimum: f64, activation: f64 },
 }
 
-impl ThicknessForm {
+impl Form {
     /// Distance from which on the term is zero [m].
-    #[must_use]
-    pub fn range(&self) -> f64 {
+    fn range(&self) -> f64 {
         match self {
             Self::Quadratic { activation } => *activation,
             Self::Log { minimum, activation } => minimum + activation,
@@ -83,28 +72,53 @@ pub struct SidesTouch {
 /// Penalty on thin walls.
 pub struct WallThickness {
     name: String,
-    form: ThicknessForm,
+    form: Form,
     inner: Features,
     outer: Features,
 }
 
 impl WallThickness {
-    /// The term of the wall between two sets of facets.
+    /// The quadratic form between two sets of facets, zero from `activation` on
+    /// [m].
     ///
     /// # Errors
-    /// [`SidesTouch`] if a vertex belongs to both.
-    pub fn new(
-        name: String,
+    /// [`SidesTouch`] if a vertex belongs to both sets.
+    pub fn quadratic(
+        name: &str,
         inner: &[[usize; 3]],
         outer: &[[usize; 3]],
-        form: ThicknessForm,
+        activation: f64,
+    ) -> Result<Self, SidesTouch> {
+        Self::new(name, inner, outer, Form::Quadratic { activation })
+    }
+
+    /// The log form between two sets of facets: infinite up to `minimum`, zero
+    /// from `minimum + activation` on [m].
+    ///
+    /// # Errors
+    /// [`SidesTouch`] if a vertex belongs to both sets.
+    pub fn log(
+        name: &str,
+        inner: &[[usize; 3]],
+        outer: &[[usize; 3]],
+        minimum: f64,
+        activation: f64,
+    ) -> Result<Self, SidesTouch> {
+        Self::new(name, inner, outer, Form::Log { minimum, activation })
+    }
+
+    fn new(
+        name: &str,
+        inner: &[[usize; 3]],
+        outer: &[[usize; 3]],
+        form: Form,
     ) -> Result<Self, SidesTouch> {
         let (inner, outer) = (Features::new(inner), Features::new(outer));
         let on_both = |v: &&usize| outer.vertices.binary_search(v).is_ok();
         let shared: Vec<usize> = inner.vertices.iter().filter(on_both).copied().collect();
         match shared.first() {
             Some(&first) => Err(SidesTouch { count: shared.len(), first }),
-            None => Ok(Self { name, form, inner, outer }),
+            None => Ok(Self { name: name.to_owned(), form, inner, outer }),
         }
     }
 
@@ -145,6 +159,15 @@ impl Objective for WallThickness {
         &self.name
     }
 
+    fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
+        let Form::Log { minimum, .. } = self.form else { return Ok(()) };
+        let found = self.min_distance(rest);
+        if found > minimum {
+            return Ok(());
+        }
+        Err(format!("the wall is {found:.3e} m thin, and must be thicker than {minimum:.3e} m"))
+    }
+
     fn value(&self, at: &Equilibrium) -> f64 {
         self.value_at(at.rest)
     }
@@ -173,16 +196,14 @@ mod tests {
         (x, a.triangles, outer)
     }
 
-    const FORMS: [ThicknessForm; 2] = [
-        ThicknessForm::Quadratic { activation: 0.16 },
-        ThicknessForm::Log { minimum: 0.04, activation: 0.12 },
-    ];
+    const FORMS: [Form; 2] =
+        [Form::Quadratic { activation: 0.16 }, Form::Log { minimum: 0.04, activation: 0.12 }];
 
     #[test]
     fn gradient_belongs_to_the_value() {
         let (x, inner, outer) = plates(0.15);
         for form in FORMS {
-            let wall = WallThickness::new("wall".into(), &inner, &outer, form).unwrap();
+            let wall = WallThickness::new("wall", &inner, &outer, form).unwrap();
             let mut gradient = vec![0.0; 3 * x.len()];
             wall.add_gradient_at(&x, 3.0, &mut gradient);
             let value = |y: &[f64]| 3.0 * wall.value_at(&points(y));
@@ -195,22 +216,26 @@ mod tests {
     #[test]
     fn a_single_pair_has_its_closed_form() {
         let x = [
-            [0.0, 0.0, 0.1], [0.0, 0.0, 9.0], [0.1, 0.0, 9.0],
-            [-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0],
+            [0.0, 0.0, 0.1],
+            [0.0, 0.0, 9.0],
+            [0.1, 0.0, 9.0],
+            [-9.0, -9.0, 0.0],
+            [9.0, -9.0, 0.0],
+            [0.0, 9.0, 0.0],
         ]
         .map(Vec3::from);
         let value = |form| {
-            let wall = WallThickness::new("wall".into(), &[[0, 1, 2]], &[[3, 4, 5]], form);
+            let wall = WallThickness::new("wall", &[[0, 1, 2]], &[[3, 4, 5]], form);
             wall.unwrap().value_at(&x)
         };
-        let quadratic = value(ThicknessForm::Quadratic { activation: 0.12 });
+        let quadratic = value(Form::Quadratic { activation: 0.12 });
         assert!((quadratic - (0.0144_f64 - 0.01).powi(2)).abs() < 1e-16);
         // s = 0.01 − 0.0064, ŝ = 0.0016 + 2 · 0.08 · 0.04
         let (s, activation) = (0.0036_f64, 0.008_f64);
         let expected = -(s - activation).powi(2) * (s / activation).ln();
-        let log = value(ThicknessForm::Log { minimum: 0.08, activation: 0.04 });
+        let log = value(Form::Log { minimum: 0.08, activation: 0.04 });
         assert!((log - expected).abs() < 1e-16);
-        assert!(value(ThicknessForm::Log { minimum: 0.11, activation: 0.04 }).is_infinite());
+        assert!(value(Form::Log { minimum: 0.11, activation: 0.04 }).is_infinite());
     }
 
     #[test]
@@ -220,7 +245,7 @@ mod tests {
         let mut x: Vec<Vec3> = ball.vertices.iter().map(|v| v * 0.7).collect();
         x.extend(&ball.vertices);
         let outer: Vec<_> = ball.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
-        let wall = WallThickness::new("wall".into(), &ball.triangles, &outer, FORMS[0]).unwrap();
+        let wall = WallThickness::new("wall", &ball.triangles, &outer, FORMS[0]).unwrap();
         // facets of the outer sphere sag by h²/8 at most, h < 0.22
         let gap = wall.min_distance(&x);
         assert!(gap < 0.3 && gap > 0.3 - 0.22_f64.powi(2) / 8.0 * 1.4, "{gap}");
@@ -230,7 +255,7 @@ mod tests {
     fn sides_that_touch_are_refused() {
         let surface = square(2, 0.0);
         let (inner, outer) = surface.triangles.split_at(2);
-        let error = WallThickness::new("wall".into(), inner, outer, FORMS[0]).err().unwrap();
+        let error = WallThickness::new("wall", inner, outer, FORMS[0]).err().unwrap();
         assert_eq!(error, SidesTouch { count: 3, first: 1 });
     }
 }
