@@ -7,10 +7,8 @@ use crate::config::{Config, Parting};
 use crate::frame::{Frame, Pull};
 use crate::skin::Skin;
 
-/// A direction computed from the mesh counts as a coordinate axis within this angle's cosine (1°).
-const NEARLY: f64 = 0.99985;
-
-/// An inlet faces down within this angle's cosine (5°).
+/// An inlet faces down, and the way up is a coordinate axis, within this angle's
+/// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
 const DOWN: f64 = 0.9962;
 
 /// Why the mold cannot stand as asked.
@@ -81,7 +79,7 @@ fn away_from_inlet(skin: &Skin) -> Vec3 {
     let mut axis = Vec3::zeros();
     let k = up.iamax();
     axis[k] = up[k].signum();
-    if axis.dot(&up) >= NEARLY { axis } else { up }
+    if axis.dot(&up) >= DOWN { axis } else { up }
 }
 
 /// The direction across `up` in which the part is thinnest, of two.

@@ -7,14 +7,18 @@
 //! Lengths are metres until the files for printing, which are in millimetres.
 
 pub mod cap;
+pub mod cmd;
 pub mod columns;
 pub mod config;
+pub mod export;
 pub mod frame;
 pub mod layout;
 pub mod maxima;
 pub mod mold;
 pub mod parting;
 pub mod parts;
+pub mod report;
 pub mod skin;
 pub mod split;
 pub mod venting;
+pub mod verify;

@@ -1,1 +1,25 @@
-fn main() {}
+//! The program `fab`.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use fab::cmd::Verb;
+use mesh::cli::Verbosity;
+
+/// Printable molds from an optimised body.
+///
+/// Reads metres, writes millimetres. Exit codes: 0 the mold can be printed, 1 it must
+/// not be, 2 usage or input error.
+#[derive(Debug, Parser)]
+#[command(name = "fab", version)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+    #[command(flatten)]
+    verbosity: Verbosity,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    mesh::cli::run("fab", cli.verbosity, || cli.verb.run())
+}

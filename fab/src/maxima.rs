@@ -23,8 +23,7 @@ pub struct Peak {
 /// are ignored. Equal heights are ordered by index.
 #[must_use]
 pub fn peaks(heights: &[f64], neighbours: &[Vec<usize>], persistence: f64) -> Vec<Peak> {
-    let mut order: Vec<usize> =
-        (0..heights.len()).filter(|&v| !neighbours[v].is_empty()).collect();
+    let mut order: Vec<usize> = (0..heights.len()).filter(|&v| !neighbours[v].is_empty()).collect();
     order.sort_by(|&a, &b| heights[b].total_cmp(&heights[a]).then(a.cmp(&b)));
     // rank[v] orders components by birth: the smaller, the higher its maximum.
     let mut rank = vec![usize::MAX; heights.len()];

@@ -6,6 +6,7 @@ use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
+use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Parting};
 use crate::frame::{Frame, Pull, Turn};
@@ -37,7 +38,8 @@ pub struct Piece {
 }
 
 /// What a channel or gap is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Purpose {
     /// Silicone in.
     Sprue,
@@ -205,6 +207,7 @@ impl Mold {
         };
         let back = turn.inverse();
         let feet = split.feet;
+        self.findings.extend(split.findings.iter().cloned());
         let mut sides = divide(material, &split.turned(back));
         self.findings.append(&mut sides.findings);
         for foot in feet {

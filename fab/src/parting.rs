@@ -191,9 +191,8 @@ fn blur(grid: &Grid, heights: &mut [f64], sigma: f64) {
 fn hold_inside(grid: &Grid, heights: &mut [f64], spans: &[Option<Span>]) {
     let mut inside: Vec<bool> = spans.iter().map(Option::is_some).collect();
     for _ in 0..INSIDE {
-        inside = (0..grid.len())
-            .map(|v| inside[v] && grid.neighbours(v).all(|n| inside[n]))
-            .collect();
+        inside =
+            (0..grid.len()).map(|v| inside[v] && grid.neighbours(v).all(|n| inside[n])).collect();
     }
     for (v, span) in spans.iter().enumerate() {
         if let (true, Some(span)) = (inside[v], span) {

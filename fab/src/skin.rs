@@ -200,10 +200,7 @@ impl Skin {
             .sum();
         let boundary = enclosed_volume(&self.cast);
         if (tets - boundary).abs() > ROUNDING * tets {
-            return Err(SkinError::Overlap {
-                tets_mm3: tets * 1e9,
-                boundary_mm3: boundary * 1e9,
-            });
+            return Err(SkinError::Overlap { tets_mm3: tets * 1e9, boundary_mm3: boundary * 1e9 });
         }
         Ok(())
     }
@@ -226,8 +223,7 @@ fn split(
     let id = tags.id(cavity);
     let (wall, outer): (Facets, Facets) = boundary.iter().partition(|&&f| tags.get(f) == id);
     if wall.len() < tagged.len() {
-        let on_boundary: BTreeSet<[usize; 3]> =
-            wall.iter().map(|&f| mesh::facet_key(f)).collect();
+        let on_boundary: BTreeSet<[usize; 3]> = wall.iter().map(|&f| mesh::facet_key(f)).collect();
         let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
         return Err(SkinError::Inside {
             tag: cavity.into(),

@@ -47,8 +47,7 @@ impl Split {
         let beyond = Vec3::repeat(BEYOND);
         let mut top = site.max + beyond;
         top.z = z;
-        let feet =
-            key::sites(site.keys[0], site.keys[1], keys).map(|[x, y]| Vec3::new(x, y, z));
+        let feet = key::sites(site.keys[0], site.keys[1], keys).map(|[x, y]| Vec3::new(x, y, z));
         Self { below: Solid::cube(&(site.min - beyond), &top), feet, findings: Vec::new() }
     }
 
@@ -69,9 +68,11 @@ impl Split {
         let terrain = Terrain::new(grid, &spans, &pads, settings);
         let feet = sites.map(|[x, y]| Vec3::new(x, y, terrain.height_near([x, y])));
         let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
-        let below = Solid::from_surface(&terrain.surface(low))
-            .expect("a height field over a grid is closed and faces outward")
-            .simplify(SIMPLIFY);
+        let proof = "a height field over a grid is closed and faces outward";
+        let fine = Solid::from_surface(&terrain.surface(low)).expect(proof);
+        // Imported anew, because a simplified solid keeps its tolerance and would
+        // pass it on to every shell that it cuts.
+        let below = Solid::from_surface(&fine.simplify(SIMPLIFY).to_surface()).expect(proof);
         Self { below, feet, findings }
     }
 

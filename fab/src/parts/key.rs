@@ -65,9 +65,8 @@ mod tests {
         let keys = Keys::default();
         let sites = sites([-0.05, -0.04], [0.05, 0.04], &keys);
         let turned = sites.map(|[x, y]| [-x, -y]);
-        let far = |p: [f64; 2]| {
-            sites.iter().all(|q| (p[0] - q[0]).hypot(p[1] - q[1]) > keys.radius)
-        };
+        let far =
+            |p: [f64; 2]| sites.iter().all(|q| (p[0] - q[0]).hypot(p[1] - q[1]) > keys.radius);
         assert!(turned.iter().any(|&p| far(p)));
     }
 

@@ -1,0 +1,29 @@
+//! The verbs, one per file.
+
+pub mod mold;
+pub mod verify;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+/// What `fab` can do.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Tagged volume mesh → printable mold parts and mold.json
+    Mold(mold::Args),
+    /// Read a mold back from its files and prove it right
+    Verify(verify::Args),
+}
+
+impl Verb {
+    /// Runs the verb.
+    ///
+    /// # Errors
+    /// What the verb says.
+    pub fn run(&self) -> Result<()> {
+        match self {
+            Self::Mold(args) => mold::run(args),
+            Self::Verify(args) => verify::run(args),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! `fab verify`: reads a mold back from its files and proves it right.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use mesh::cli::Unusable;
+
+use crate::verify::{Status, verify};
+
+/// Arguments of `fab verify`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder with mold.json and its parts
+    pub folder: PathBuf,
+    /// The design, if it is no longer where mold.json says
+    #[arg(long)]
+    pub design: Option<PathBuf>,
+}
+
+/// Prints one line per check on standard output.
+///
+/// # Errors
+/// If the folder has no readable report; [`Unusable`] if a check fails.
+pub fn run(args: &Args) -> Result<()> {
+    let lines = verify(&args.folder, args.design.as_deref())?;
+    let mut out = std::io::stdout().lock();
+    for line in &lines {
+        writeln!(out, "{line}")?;
+    }
+    let failed = lines.iter().filter(|line| line.status == Status::Fail).count();
+    if failed > 0 {
+        let folder = args.folder.display();
+        let message = format!("{folder}: {failed} of {} checks failed", lines.len());
+        return Err(Unusable(message).into());
+    }
+    Ok(())
+}

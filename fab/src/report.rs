@@ -1,0 +1,280 @@
+//! `mold.json`: what was made, in millimetres, for people and for `fab verify`.
+
+use std::path::{Component, Path, PathBuf};
+
+use mesh::io::{IoError, sha256_file, write_atomic};
+use mesh::measure::{area, enclosed_volume};
+use mesh::{SurfaceMesh, Vec3};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::config::Config;
+use crate::export::MM;
+use crate::frame::{Frame, Turn};
+use crate::mold::{Feature, Mold, Piece, Purpose};
+
+/// Name of the report in the folder of a mold.
+pub const FILE: &str = "mold.json";
+
+/// Name of the file with the body that is cast.
+pub const CAST: &str = "reference/cast.stl";
+
+/// A point or direction.
+pub type Triple = [f64; 3];
+
+/// Everything `fab mold` tells about a mold.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Program and version.
+    pub program: String,
+    /// Unit of every length in this file and in the STL files.
+    pub units: String,
+    /// The body.
+    pub input: Input,
+    /// From the design [m] to the mold [mm]: three rows of (R | t).
+    pub design_to_mold: [[f64; 4]; 3],
+    /// The outside of the closed mold.
+    pub block: Bounds,
+    /// Least thickness of the mold around the part [mm].
+    pub wall: f64,
+    /// Printed parts; taken apart in reverse order.
+    pub parts: Vec<Part>,
+    /// What is cast.
+    pub cast: Cast,
+    /// Channels and gaps.
+    pub features: Vec<Outline>,
+    /// What a person should know.
+    pub findings: Vec<Note>,
+}
+
+/// Where the body came from.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// The mesh, relative to the folder of this file.
+    pub path: PathBuf,
+    /// SHA-256 of its content.
+    pub sha256: String,
+    /// Tag of the cavity's wall.
+    pub cavity: String,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// Lowest corner [mm].
+    pub min: Triple,
+    /// Highest corner [mm].
+    pub max: Triple,
+}
+
+/// A printed part.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub file: String,
+    /// What it does.
+    pub role: Role,
+    /// Rotation from the file, which has +z up on the printer, to the closed mold [1].
+    pub to_mold: [Triple; 3],
+    /// Direction in which it leaves the closed mold [1].
+    pub leaves: Triple,
+    /// Volume of the written surface [mm³].
+    pub volume: f64,
+    /// Area of the written surface [mm²].
+    pub area: f64,
+    /// Triangles of the written surface.
+    pub triangles: usize,
+}
+
+/// What a part does.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Shapes the outside.
+    Shell,
+    /// Shapes the cavity.
+    Core,
+}
+
+/// What is cast.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cast {
+    /// Its file, in the closed mold.
+    pub file: String,
+    /// Volume of the body [mm³].
+    pub volume: f64,
+    /// Silicone to fill the mold with its sprue and vents, without waste [mL].
+    pub silicone_ml: f64,
+}
+
+/// The outline of a channel or gap: a frustum.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outline {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// Centre of the base [mm].
+    pub base: Triple,
+    /// From there to the centre of the top [mm].
+    pub axis: Triple,
+    /// Radius of the base [mm].
+    pub base_radius: f64,
+    /// Radius of the top [mm].
+    pub top_radius: f64,
+}
+
+/// A finding.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Note {
+    /// Its kind.
+    pub rule: String,
+    /// In words, with numbers.
+    pub message: String,
+    /// How many times.
+    pub count: usize,
+}
+
+impl Report {
+    /// The report of a mold whose parts are still to be added.
+    #[must_use]
+    pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
+        let volume = enclosed_volume(cast);
+        let outside = mold.block.solid().difference(&mold.cast);
+        let channels: f64 = mold
+            .features
+            .iter()
+            .filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent))
+            .map(|f| f.frustum.solid().intersection(&outside).volume() * MM.powi(3))
+            .sum();
+        Self {
+            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
+            units: "mm".into(),
+            input,
+            design_to_mold: in_millimetres(&mold.frame),
+            block: Bounds { min: mm(&mold.block.min), max: mm(&mold.block.max) },
+            wall: config.wall * MM,
+            parts: Vec::new(),
+            cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
+            features: mold.features.iter().map(outline).collect(),
+            findings: mold
+                .findings
+                .iter()
+                .map(|f| Note { rule: f.rule.into(), message: f.message.clone(), count: f.count })
+                .collect(),
+        }
+    }
+
+    /// Adds a part written as `surface` after `turn`.
+    pub fn add_part(&mut self, piece: &Piece, role: Role, turn: Turn, surface: &SurfaceMesh) {
+        self.parts.push(Part {
+            name: piece.name.clone(),
+            file: format!("{}.stl", piece.name),
+            role,
+            to_mold: rows(&turn.inverse().0),
+            leaves: piece.leaves.into(),
+            volume: enclosed_volume(surface),
+            area: area(surface),
+            triangles: surface.triangles.len(),
+        });
+    }
+
+    /// Reads the report of the mold in `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not such a report.
+    pub fn read(folder: &Path) -> Result<Self, IoError> {
+        let path = folder.join(FILE);
+        let text = mesh::io::read_text(&path)?;
+        let report: Self =
+            serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
+        let plain =
+            |file: &&str| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
+        if let Some(file) = report.files().find(|file| !plain(file)) {
+            let message = format!("lists {file:?}; files must lie in its own folder");
+            return Err(IoError::content(&path, message));
+        }
+        Ok(report)
+    }
+
+    /// Writes the report into `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
+        write_atomic(&folder.join(FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+
+    /// Files other than the report, relative to its folder.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.parts.iter().map(|p| p.file.as_str()).chain([self.cast.file.as_str()])
+    }
+}
+
+impl Input {
+    /// Names and hashes the mesh at `path` for a report in `folder`.
+    ///
+    /// # Errors
+    /// If the mesh cannot be read.
+    pub fn new(path: &Path, folder: &Path, cavity: &str) -> Result<Self, IoError> {
+        Ok(Self { path: relative(path, folder), sha256: sha256_file(path)?, cavity: cavity.into() })
+    }
+}
+
+/// `path` as seen from `folder`; unchanged if the two have no common root.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let (Ok(to), Ok(from)) = (std::path::absolute(path), std::path::absolute(folder)) else {
+        return path.to_path_buf();
+    };
+    let common = to.components().zip(from.components()).take_while(|(a, b)| a == b).count();
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(to.components().skip(common)).collect()
+}
+
+fn outline(feature: &Feature) -> Outline {
+    Outline {
+        purpose: feature.purpose,
+        base: mm(&feature.frustum.base),
+        axis: mm(&feature.frustum.axis),
+        base_radius: feature.frustum.base_radius * MM,
+        top_radius: feature.frustum.top_radius * MM,
+    }
+}
+
+fn in_millimetres(frame: &Frame) -> [[f64; 4]; 3] {
+    let shift = -(frame.rotation * frame.origin) * MM;
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| if j < 3 { frame.rotation[(i, j)] * MM } else { shift[i] })
+    })
+}
+
+fn rows(m: &Matrix3<f64>) -> [Triple; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)] + 0.0))
+}
+
+fn mm(p: &Vec3) -> Triple {
+    (p * MM).map(|x| x + 0.0).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_relative_to_the_folder() {
+        let path = relative(Path::new("/a/b/design.msh"), Path::new("/a/mold"));
+        assert_eq!(path, Path::new("../b/design.msh"));
+        let path = relative(Path::new("/a/mold/design.msh"), Path::new("/a/mold"));
+        assert_eq!(path, Path::new("design.msh"));
+    }
+}

@@ -1,0 +1,129 @@
+//! Silicone gets in, air gets out, the core is held, keys engage, walls are thick enough.
+
+use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
+use mesh::solid::Solid;
+
+use super::Line;
+use super::set::Set;
+use crate::mold::Purpose;
+use crate::parts::SEGMENTS;
+use crate::report::Outline;
+
+/// Least part of a key's or stub's seat that must be filled.
+const FILLED: f64 = 0.5;
+
+/// All checks of features.
+pub fn checks(set: &Set) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket] {
+        let same = set.report.features.iter().filter(|f| f.purpose == purpose);
+        for (i, outline) in same.enumerate() {
+            let name = format!("{} {}", purpose.name(), i + 1);
+            match purpose {
+                Purpose::Sprue | Purpose::Vent => lines.extend(open(set, &name, outline)),
+                Purpose::Key => lines.push(engaged(set, &name, outline)),
+                Purpose::Socket => lines.extend(seated(set, &name, outline)),
+            }
+        }
+        if purpose == Purpose::Sprue && lines.is_empty() {
+            lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
+        }
+    }
+    lines.push(wall(set));
+    lines
+}
+
+impl Purpose {
+    /// Its name in checks.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sprue => "sprue",
+            Self::Vent => "vent",
+            Self::Key => "key",
+            Self::Socket => "socket",
+        }
+    }
+}
+
+/// A channel leads from the top of the mold into the body, and nothing is in it.
+fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
+    let channel = outline.exact();
+    let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
+    let top = set.bounds.1.z;
+    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
+    let through = channel.intersection(&set.cavity).decompose().into_iter().find(reaches_top);
+    let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
+    vec![
+        Line::at_most(
+            format!("{name}: blocked"),
+            blocked,
+            set.volume_rounding(channel.area()),
+            "mm³",
+        ),
+        // A mouth as deep as the rounding is no mouth.
+        Line::at_least(
+            format!("{name}: reaches the cavity"),
+            inside,
+            set.volume_rounding(set.cast.area),
+            "mm³ within",
+        ),
+    ]
+}
+
+/// A cone fills most of its seat, and leaves a gap.
+fn engaged(set: &Set, name: &str, outline: &Outline) -> Line {
+    let seat = outline.exact();
+    let filled: f64 = set.shells.iter().map(|s| s.solid.intersection(&seat).volume()).sum();
+    let part = filled / seat.volume();
+    let found = format!("{:.1} % filled", 100.0 * part);
+    let needed = "at least 50 % and less than all";
+    Line::new(format!("{name}: engaged"), (FILLED..1.0 - 1e-6).contains(&part), found, needed)
+}
+
+/// The core's stub reaches down into its socket and fills most of it.
+fn seated(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
+    let socket = outline.exact();
+    let depth = set.cast.solid.bounds().0.z - set.bounds.0.z;
+    let below = Vec3::new(set.bounds.1.x, set.bounds.1.y, set.bounds.0.z + depth);
+    let hole = socket.intersection(&Solid::cube(&set.bounds.0, &below));
+    let stubs = set.cores.iter().map(|core| core.solid.intersection(&hole));
+    let stub = stubs.max_by(|a, b| a.volume().total_cmp(&b.volume()));
+    let (length, part) = stub.filter(|s| !s.is_empty()).map_or((0.0, 0.0), |stub| {
+        let (low, high) = stub.bounds();
+        (high.z - low.z, stub.volume() / hole.volume())
+    });
+    vec![
+        Line::at_least(format!("{name}: stub length"), length, FILLED * depth, "mm"),
+        Line::at_least(format!("{name}: stub fills"), 100.0 * part, 100.0 * FILLED, "%"),
+    ]
+}
+
+/// Least distance of the body and of the keys' seats from the outside, and of
+/// the seats from the body.
+fn wall(set: &Set) -> Line {
+    let surface = set.cast.solid.to_surface();
+    let (low, high) = set.bounds;
+    let inset = |p: &Vec3| (p - low).min().min((high - p).min());
+    let body = surface.vertices.iter().map(inset).fold(f64::INFINITY, f64::min);
+    let bvh = SurfaceBvh::new(&surface);
+    let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
+    let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
+    let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
+    Line::at_least("wall: least", body.min(beside), set.report.wall - set.rounding, "mm")
+}
+
+impl Outline {
+    /// The frustum as it was cut [mm].
+    #[must_use]
+    pub fn exact(&self) -> Solid {
+        Solid::cylinder(
+            &Vec3::from(self.base),
+            &Vec3::from(self.axis),
+            self.base_radius,
+            self.top_radius,
+            SEGMENTS,
+        )
+    }
+}

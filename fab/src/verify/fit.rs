@@ -1,0 +1,175 @@
+//! The parts fit each other, and between them they leave the designed body.
+
+use std::path::Path;
+
+use mesh::bvh::SurfaceBvh;
+use mesh::inside::WindingNumber;
+use mesh::io::{read_tets, sha256_file};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3, measure, topology};
+
+use super::set::{Body, Set};
+use super::{Line, Status};
+use crate::report::Report;
+
+/// Largest distance between the cast and the designed surface, besides rounding [mm].
+const SURFACE: f64 = 5e-3;
+
+/// Points per surface at which that distance is measured, besides its vertices.
+const SAMPLES: usize = 20_000;
+
+/// All checks of fit.
+pub fn checks(set: &Set, folder: &Path, design: Option<&Path>) -> Vec<Line> {
+    let mut lines = vec![block(set)];
+    lines.extend(overlaps(set));
+    // Channels and gaps, where the body does not reach into them.
+    let voids = set.cavity.intersection(&set.channels).difference(&set.cast.solid);
+    lines.push(balance(set, &voids));
+    lines.push(leaks(set, &voids));
+    lines.extend(surface(set, &voids, folder, design));
+    lines
+}
+
+/// The shells fill the block of the report.
+fn block(set: &Set) -> Line {
+    let (min, max) = set.bounds;
+    let [told_min, told_max] = [set.report.block.min, set.report.block.max].map(Vec3::from);
+    let off = (min - told_min).amax().max((max - told_max).amax());
+    Line::at_most("block: size", off, set.rounding, "mm off")
+}
+
+/// No two bodies share a volume.
+fn overlaps(set: &Set) -> Vec<Line> {
+    let bodies: Vec<&Body> = set.parts().chain([&set.cast]).collect();
+    let mut lines = Vec::new();
+    for (i, a) in bodies.iter().enumerate() {
+        for b in &bodies[i + 1..] {
+            let shared = a.solid.intersection(&b.solid).volume();
+            let limit = set.volume_rounding(a.area + b.area);
+            lines.push(Line::at_most(
+                format!("overlap: {} and {}", a.name, b.name),
+                shared,
+                limit,
+                "mm³",
+            ));
+        }
+    }
+    lines
+}
+
+/// Block − parts − voids = cast, in volumes of the written surfaces.
+fn balance(set: &Set, voids: &Solid) -> Line {
+    let size = set.bounds.1 - set.bounds.0;
+    let parts: f64 = set.parts().map(|body| body.volume).sum();
+    let rest = size.x * size.y * size.z - parts - voids.volume();
+    let area: f64 = set.parts().map(|body| body.area).sum::<f64>() + set.cast.area + voids.area();
+    let limit = set.volume_rounding(area);
+    let name = "balance: block-parts-voids-cast";
+    Line::at_most(name, (rest - set.cast.volume).abs(), limit, "mm³")
+}
+
+/// Nothing but the cast, channels and gaps is empty.
+fn leaks(set: &Set, voids: &Solid) -> Line {
+    let other = set.cavity.difference(&set.cast.solid).difference(voids);
+    let limit = set.volume_rounding(set.cavity.area());
+    Line::at_most("leaks: empty elsewhere", other.volume(), limit, "mm³")
+}
+
+/// What the parts leave has the surface of the design.
+fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Vec<Line> {
+    let path = design.map_or_else(|| folder.join(&set.report.input.path), Path::to_path_buf);
+    let hash = match sha256_file(&path) {
+        Ok(hash) => hash,
+        Err(error) => {
+            let needed = "the design; give its place with --design";
+            return vec![Line::new("design: readable", false, error.to_string(), needed)];
+        }
+    };
+    let same = hash == set.report.input.sha256;
+    let mut lines = vec![Line::new(
+        "design: unchanged",
+        same,
+        format!("sha256 {}", &hash[..12]),
+        &format!("{} as molded", set.report.input.sha256.get(..12).unwrap_or_default()),
+    )];
+    if !same {
+        return lines;
+    }
+    match read_tets(&path) {
+        Ok(msh) => {
+            let boundary = topology::boundary(&msh.mesh).surface(&msh.mesh).0;
+            lines.extend(distances(set, voids, &placed(boundary, &set.report)));
+        }
+        Err(error) => {
+            lines.push(Line::new("design: readable", false, error.to_string(), "a mesh"));
+        }
+    }
+    lines
+}
+
+/// The design in the mold's millimetres.
+fn placed(mut surface: SurfaceMesh, report: &Report) -> SurfaceMesh {
+    let m = report.design_to_mold;
+    for p in &mut surface.vertices {
+        let row = |r: [f64; 4]| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
+        *p = Vec3::new(row(m[0]), row(m[1]), row(m[2]));
+    }
+    surface
+}
+
+/// Distances between the largest body that the parts leave and the design, both ways.
+fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
+    let bodies = set.cavity.difference(voids).decompose();
+    let Some(body) = bodies.first() else {
+        return vec![Line::new("surface", false, "no cavity left".into(), "the designed body")];
+    };
+    let left = body.to_surface();
+    let limit = SURFACE + 2.0 * set.rounding;
+    let there = deviation(&left, design, limit);
+    let back = measure::hausdorff(design, &left, SAMPLES);
+    let left_area = body.area() + set.cavity.area();
+    let off = (body.volume() - measure::enclosed_volume(design)).abs();
+    vec![
+        Line::at_most("surface: mold to design", there, limit, "mm"),
+        Line::at_most("surface: design to mold", back, limit, "mm"),
+        Line::at_most("volume: mold and design", off, set.volume_rounding(left_area), "mm³"),
+        crumbs(set, &bodies[1..]),
+    ]
+}
+
+/// Largest distance of `from` to `to`, without films thinner than `film`: where
+/// parts touch, rounding leaves gaps of a few nanometres that can be connected
+/// with the body.
+///
+/// Measured at the centroid of each triangle and near its corners. A place far
+/// from `to` belongs to a film if the point `film` below it is not inside `from`.
+fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
+    const NEAR_CORNER: f64 = 0.9;
+    let bvh = SurfaceBvh::new(to);
+    let inside = WindingNumber::new(from);
+    let mut worst: f64 = 0.0;
+    for t in 0..from.triangles.len() {
+        let [a, b, c] = from.corners(t);
+        let below = measure::triangle_normal(a, b, c) * film;
+        let centre = from.centroid(t);
+        let near = [a, b, c].map(|corner| centre + (corner - centre) * NEAR_CORNER);
+        for p in near.into_iter().chain([centre]) {
+            let distance = bvh.closest(&p).distance;
+            if distance > worst && (distance <= film || inside.contains(&(p - below))) {
+                worst = distance;
+            }
+        }
+    }
+    worst
+}
+
+/// Other bodies the parts leave are films of rounding between touching faces.
+fn crumbs(set: &Set, others: &[Solid]) -> Line {
+    let volume: f64 = others.iter().map(Solid::volume).sum();
+    let limit = set.volume_rounding(set.cavity.area());
+    let mut line = Line::at_most("cavity: other bodies", volume, limit, "mm³");
+    if line.status == Status::Ok {
+        line.found = format!("{} in {} films", line.found, others.len());
+    }
+    line
+}

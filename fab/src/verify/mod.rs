@@ -1,0 +1,115 @@
+//! Proofs that a written mold is right, each with its number.
+//!
+//! Everything is read back from the files, in the millimetres they are in. What
+//! cannot be exact is compared with a bound on the rounding of the files: a
+//! coordinate below c [mm] is off by at most c·2⁻²⁴, so that a vertex moves by at
+//! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
+
+mod channels;
+mod fit;
+mod pull;
+mod set;
+mod surfaces;
+
+use std::path::Path;
+
+use mesh::io::IoError;
+
+pub use set::Set;
+
+use crate::report::Report;
+
+/// How a check came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It holds.
+    Ok,
+    /// It holds, but a person should know.
+    Warn,
+    /// It does not hold.
+    Fail,
+}
+
+/// One check of one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// How it came out.
+    pub status: Status,
+    /// What was checked.
+    pub name: String,
+    /// What was found, with its unit.
+    pub found: String,
+    /// What was needed.
+    pub needed: String,
+}
+
+impl Line {
+    /// A check that holds if `holds`.
+    #[must_use]
+    pub fn new(name: impl Into<String>, holds: bool, found: String, needed: &str) -> Self {
+        let status = if holds { Status::Ok } else { Status::Fail };
+        Self { status, name: name.into(), found, needed: needed.into() }
+    }
+
+    /// A measure that must not exceed a limit.
+    #[must_use]
+    pub fn at_most(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
+        let found = format!("{} {unit}", number(value));
+        Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
+    }
+
+    /// A measure that must reach a limit.
+    #[must_use]
+    pub fn at_least(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
+        let found = format!("{} {unit}", number(value));
+        Self::new(name, value >= limit, found, &format!("at least {} {unit}", number(limit)))
+    }
+}
+
+impl std::fmt::Display for Line {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let status = match self.status {
+            Status::Ok => "ok  ",
+            Status::Warn => "warn",
+            Status::Fail => "FAIL",
+        };
+        write!(f, "{status}  {:<28}  {:<34}  {}", self.name, self.found, self.needed)
+    }
+}
+
+/// Four significant digits, never in scientific notation above 10⁻⁴.
+fn number(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        a if a < 1e-4 => format!("{x:.1e}"),
+        a if a < 1.0 => format!("{x:.4}"),
+        a if a < 1e3 => format!("{x:.3}"),
+        _ => format!("{x:.1}"),
+    }
+}
+
+/// All checks of the mold in `folder`; `design` replaces the path of the design
+/// in the report. Checks that need sound parts are left out if a part is not.
+///
+/// # Errors
+/// If there is no readable report in the folder.
+pub fn verify(folder: &Path, design: Option<&Path>) -> Result<Vec<Line>, IoError> {
+    let report = Report::read(folder)?;
+    let (mut lines, files) = set::read(folder, report);
+    let Some(files) = files else { return Ok(lines) };
+    lines.extend(surfaces::checks(&files));
+    if lines.iter().any(|line| line.status == Status::Fail) {
+        lines.push(Line::new(
+            "remaining checks",
+            false,
+            "not run".into(),
+            "files and surfaces without failures",
+        ));
+        return Ok(lines);
+    }
+    let set = Set::new(files);
+    lines.extend(fit::checks(&set, folder, design));
+    lines.extend(channels::checks(&set));
+    lines.extend(pull::checks(&set));
+    Ok(lines)
+}

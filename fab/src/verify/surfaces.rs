@@ -1,0 +1,68 @@
+//! Every written surface is valid and in one piece.
+
+use mesh::check::{self, CHECKS};
+use mesh::{SurfaceMesh, topology};
+
+use super::Line;
+use super::set::Files;
+use crate::report::Report;
+
+/// The rules of [`mesh::check`], the number of pieces and the numbers of the report.
+pub fn checks(files: &Files) -> Vec<Line> {
+    let Files { report, parts, cast } = files;
+    let names = report.parts.iter().map(|part| part.name.as_str());
+    let mut lines: Vec<Line> = names
+        .zip(parts)
+        .chain([("cast", cast)])
+        .flat_map(|(name, surface)| valid(name, surface))
+        .collect();
+    lines.extend(as_reported(report, parts, cast));
+    lines
+}
+
+fn valid(name: &str, surface: &SurfaceMesh) -> Vec<Line> {
+    let mut lines: Vec<Line> = CHECKS
+        .iter()
+        .map(|rule| {
+            let findings = check::run(surface, &[rule.name]);
+            let count: usize = findings.iter().map(|f| f.count).sum();
+            let found = match findings.first() {
+                Some(finding) => finding.message.clone(),
+                None => format!("{count} offending"),
+            };
+            Line::new(format!("{name}: {}", rule.name), findings.is_empty(), found, rule.demands)
+        })
+        .collect();
+    let pieces = topology::components(&surface.triangles).len();
+    let found = format!("{pieces} connected");
+    lines.push(Line::new(
+        format!("{name}: pieces"),
+        pieces == 1,
+        found,
+        "1 connected piece, no crumbs",
+    ));
+    lines
+}
+
+/// The surfaces have the volumes that were reported when they were written.
+fn as_reported(report: &Report, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Vec<Line> {
+    // Summed in the same order over the same triangles, but turned, which may
+    // exchange the products in a determinant: rounding only.
+    const ROUNDING: f64 = 1e-12;
+    let volumes = report.parts.iter().map(|p| (p.name.as_str(), p.volume));
+    volumes
+        .chain([("cast", report.cast.volume)])
+        .zip(parts.iter().chain([cast]))
+        .map(|((name, told), surface)| {
+            let volume = mesh::measure::enclosed_volume(surface);
+            let found = format!("{volume:.4} mm³");
+            let holds = (volume - told).abs() <= ROUNDING * told;
+            Line::new(
+                format!("{name}: volume"),
+                holds,
+                found,
+                &format!("{told:.4} mm³ as reported"),
+            )
+        })
+        .collect()
+}
