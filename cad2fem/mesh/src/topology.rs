@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use crate::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
 /// Facets of a tetrahedron of positive volume, each counter-clockwise seen
@@ -36,16 +38,14 @@ impl Boundary {
 /// The facets with exactly one incident tetrahedron, oriented out of the solid.
 #[must_use]
 pub fn boundary(mesh: &TetMesh) -> Boundary {
-    let mut sides = Vec::with_capacity(4 * mesh.tets.len());
-    for (t, tet) in mesh.tets.iter().enumerate() {
-        for corners in TET_FACETS {
-            let facet = corners.map(|c| tet[c]);
-            sides.push((facet_key(facet), facet, t));
-        }
-    }
-    sides.sort_unstable();
+    let facet = |t: usize, i: usize| TET_FACETS[i].map(|c| mesh.tets[t][c]);
+    let mut sides: Vec<_> = (0..mesh.tets.len())
+        .flat_map(|t| [0, 1, 2, 3].map(|i| (facet_key(facet(t, i)), t, i)))
+        .collect();
+    sides.par_sort_unstable();
     let single = sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-    let (facets, tet_of) = single.map(|side| (smallest_first(side[0].1), side[0].2)).unzip();
+    let (facets, tet_of) =
+        single.map(|side| (smallest_first(facet(side[0].1, side[0].2)), side[0].1)).unzip();
     Boundary { facets, tet_of }
 }
 
@@ -120,7 +120,7 @@ fn edge_sides(triangles: &[[usize; 3]]) -> Vec<EdgeSide> {
             sides.push(EdgeSide { edge: [a.min(b), a.max(b)], triangle, corners });
         }
     }
-    sides.sort_unstable();
+    sides.par_sort_unstable();
     sides
 }
 

@@ -8,10 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::{IoError, read_text, write_atomic};
 use crate::Tags;
 
-/// The content of the JSON file: names and numbers of facets, in order of ids.
+/// The content of the JSON file, in order of ids. Programs may add what they know.
 #[derive(Serialize, Deserialize)]
 struct Legend {
     names: Vec<String>,
+    /// Numbers of facets, for the reader's eyes only.
+    #[serde(default)]
     facets: Vec<usize>,
 }
 
@@ -139,7 +141,7 @@ mod tests {
             assert!(message.contains("tags.txt: line 2") && message.contains(bad), "{message}");
         }
         assert!(message("1 0 1 2\n2 2 1 0\n").contains("is tagged \"1\" and \"2\""));
-        std::fs::write(folder.path().join("tags.json"), "{\"names\":[\"a\"],\"facets\":[1]}")
+        std::fs::write(folder.path().join("tags.json"), "{\"names\":[\"a\"],\"areas\":[1]}")
             .expect("writable");
         assert!(message("2 0 1 2\n").contains("has id 2, names exist for 1 to 1"));
     }

@@ -26,11 +26,12 @@ impl<'a> Source<'a> {
 
     /// Reads `$MeshFormat`; the major version, 2 or 4.
     pub fn header(&mut self) -> Parsed<u32> {
-        let first = self.cursor.word();
-        if first != Some("$MeshFormat") {
+        let first = self.cursor.word().unwrap_or("nothing");
+        if first != "$MeshFormat" {
+            let first: String = first.chars().take(40).collect();
             return Err(format!("not a Gmsh file: it begins with {first:?}, not \"$MeshFormat\""));
         }
-        let version = self.cursor.word().unwrap_or("");
+        let version = self.cursor.word().unwrap_or("nothing");
         let major = match version {
             "2" | "2.0" | "2.1" | "2.2" => 2,
             "4.1" => 4,
@@ -42,8 +43,8 @@ impl<'a> Source<'a> {
             }
         };
         let binary = self.cursor.word();
-        let size = self.cursor.word();
-        if size != Some("8") {
+        let size = self.cursor.word().unwrap_or("nothing");
+        if size != "8" {
             return Err(format!("numbers of {size:?} bytes in $MeshFormat; 8 are needed"));
         }
         self.cursor.line();

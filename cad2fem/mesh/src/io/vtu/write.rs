@@ -49,13 +49,12 @@ struct Array {
 
 impl Array {
     fn floats<'a>(label: &str, components: usize, values: impl Iterator<Item = &'a f64>) -> Self {
-        let name = escape(label);
-        Self {
-            attributes: format!(
-                "type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\""
-            ),
-            data: values.flat_map(|x| x.to_le_bytes()).collect(),
+        let mut attributes = format!("type=\"Float64\" Name=\"{}\"", escape(label));
+        // One component is the default; named, some readers make it a column.
+        if components > 1 {
+            attributes += &format!(" NumberOfComponents=\"{components}\"");
         }
+        Self { attributes, data: values.flat_map(|x| x.to_le_bytes()).collect() }
     }
 
     fn field(field: &Field) -> Self {
