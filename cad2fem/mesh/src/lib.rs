@@ -12,6 +12,7 @@ pub mod measure;
 pub mod predicates;
 pub mod solid;
 pub mod topology;
+
 mod surface;
 mod tags;
 mod tet;
