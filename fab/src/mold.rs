@@ -8,13 +8,13 @@ use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Parting};
+use crate::config::{Config, Parting, Sprue};
 use crate::frame::{Frame, Pull, Turn};
 use crate::layout::{LayoutError, frame, placed};
 use crate::parts::block::Block;
 use crate::parts::core::{Print, PrintError};
 use crate::parts::key::Key;
-use crate::parts::{Frustum, key, sprue, vent};
+use crate::parts::{Frustum, channel, key};
 use crate::skin::{Inlet, Skin};
 use crate::split::{Site, Split, affine, divide, turned};
 use crate::venting::{self, VentError};
@@ -79,6 +79,12 @@ pub struct Mold {
     pub findings: Vec<Finding>,
 }
 
+/// The filled part in the mold's frame.
+struct Part {
+    surface: SurfaceMesh,
+    solid: Solid,
+}
+
 /// Why a mold cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum MoldError {
@@ -118,7 +124,7 @@ impl Mold {
         let (frame, pull) = frame(skin, config)?;
         let filled = placed(&skin.filled, &frame);
         let block = Block::around(measure::bounds(&filled.vertices), config, pull);
-        let material = block.solid().difference(&Solid::from_surface(&filled)?);
+        let part = Part { solid: Solid::from_surface(&filled)?, surface: filled };
         let mut mold = Self {
             cast: Solid::from_surface(&placed(&skin.cast, &frame))?,
             frame,
@@ -129,38 +135,35 @@ impl Mold {
             findings: Vec::new(),
         };
         match pull {
-            Pull::Z => mold.add_upper_and_lower(&material, &filled, config),
-            Pull::Y => mold.add_sides_on_base(&material, &filled, skin, config),
+            Pull::Z => mold.add_upper_and_lower(&part, config),
+            Pull::Y => mold.add_sides_on_base(&part, skin, config),
         }
         mold.add_cores(skin, config)?;
-        mold.add_channels(skin, &filled, config)?;
+        mold.add_channels(skin, &part.surface, config)?;
         mold.require_single_pieces()?;
         Ok(mold)
     }
 
-    fn add_upper_and_lower(&mut self, material: &Solid, filled: &SurfaceMesh, config: &Config) {
+    fn add_upper_and_lower(&mut self, part: &Part, config: &Config) {
         let flat = |p: &Vec3| [p.x, p.y];
         let keys = [flat(&self.block.min), flat(&self.block.max)];
-        let [upper, lower] = self.part(material, filled, keys, Pull::Z, config);
+        let [upper, lower] = self.part(&self.block.solid(), part, keys, Pull::Z, config);
         self.add_shell("upper", upper, Vec3::z());
         self.add_shell("lower", lower, -Vec3::z());
     }
 
-    fn add_sides_on_base(
-        &mut self,
-        material: &Solid,
-        filled: &SurfaceMesh,
-        skin: &Skin,
-        config: &Config,
-    ) {
+    fn add_sides_on_base(&mut self, part: &Part, skin: &Skin, config: &Config) {
         let Block { min, max } = self.block.clone();
-        let joint = seat_height(filled, skin, &self.frame);
-        let (sides, mut base) = material.split_by_plane(&Vec3::z(), joint);
+        let joint = seat_height(&part.surface, skin, &self.frame);
+        // Cut from boxes of their own: a plane through a flat seat would leave
+        // a film without thickness on it.
+        let mut base = Solid::cube(&min, &Vec3::new(max.x, max.y, joint)).difference(&part.solid);
+        let sides = Solid::cube(&Vec3::new(min.x, min.y, joint), &max);
         // Seen along the pull, x runs to the right and z down. The base keys
         // need the lowest strip.
         let base_keys = joint + 2.0 * key::land(&config.keys) + config.keys.height;
         let keys = [[min.x, -max.z], [max.x, -base_keys]];
-        let [mut left, mut right] = self.part(&sides, filled, keys, Pull::Y, config);
+        let [mut left, mut right] = self.part(&sides, part, keys, Pull::Y, config);
         let sites = key::sites([min.x, min.y], [max.x, max.y], &config.keys);
         for [x, y] in sites {
             let key = Key::new(Vec3::new(x, y, joint), &config.keys);
@@ -179,12 +182,13 @@ impl Mold {
         self.shells.push(Piece { name: name.into(), solid, leaves });
     }
 
-    /// Divides material along the parting surface and adds keys: the shell the
-    /// pull points to, with the holes, and the other, with the cones.
+    /// Divides a region of the block along the parting surface, takes the part out
+    /// and adds keys: the shell the pull points to, with the holes, and the other,
+    /// with the cones.
     fn part(
         &mut self,
-        material: &Solid,
-        filled: &SurfaceMesh,
+        region: &Solid,
+        part: &Part,
         keys: [[f64; 2]; 2],
         pull: Pull,
         config: &Config,
@@ -200,15 +204,16 @@ impl Mold {
                 Split::plane(&site, z, &config.keys)
             }
             Parting::HeightField(field) => {
-                let vertices = filled.vertices.iter().map(|p| turn.0 * p).collect();
-                let turned = SurfaceMesh { vertices, triangles: filled.triangles.clone() };
+                let vertices = part.surface.vertices.iter().map(|p| turn.0 * p).collect();
+                let triangles = part.surface.triangles.clone();
+                let turned = SurfaceMesh { vertices, triangles };
                 Split::height_field(&site, &turned, field, &config.keys)
             }
         };
         let back = turn.inverse();
         let feet = split.feet;
         self.findings.extend(split.findings.iter().cloned());
-        let mut sides = divide(material, &split.turned(back));
+        let mut sides = divide(region, &part.solid, &split.turned(back));
         self.findings.append(&mut sides.findings);
         for foot in feet {
             let key = Key::new(foot, &config.keys);
@@ -261,11 +266,12 @@ impl Mold {
         let places = venting::places(skin, &self.frame, &bvh, config)?;
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
-        let inlet = sprue::sprue(&bvh, &places.sprue, end, &config.sprue);
-        self.add_channel(Purpose::Sprue, inlet);
+        let Sprue { radius, top_radius, .. } = config.sprue;
+        let funnel = channel(&bvh, &places.sprue, end, radius, top_radius);
+        self.add_channel(Purpose::Sprue, funnel);
+        let radius = config.vents.radius;
         for top in &places.vents {
-            let channel = vent::vent(&bvh, top, end, &config.vents);
-            self.add_channel(Purpose::Vent, channel);
+            self.add_channel(Purpose::Vent, channel(&bvh, top, end, radius, radius));
         }
         Ok(())
     }

@@ -24,7 +24,7 @@ pub struct Split {
     /// The side the pull points away from.
     pub below: Solid,
     /// Where keys stand on it.
-    pub feet: [Vec3; 4],
+    pub feet: [Vec3; 3],
     /// What a person should know about it.
     pub findings: Vec<Finding>,
 }
@@ -129,12 +129,14 @@ pub struct Sides {
     pub findings: Vec<Finding>,
 }
 
-/// Divides `material` by a split. Crumbs, pieces cut off on one side, go to the
-/// other side, to which they are attached by the parting surface.
+/// Divides `region` without the part by a split. Crumbs, pieces cut off on one
+/// side, go to the other side, to which they are attached by the parting surface.
 #[must_use]
-pub fn divide(material: &Solid, split: &Split) -> Sides {
-    let mut above = material.difference(&split.below);
-    let mut below = material.intersection(&split.below);
+pub fn divide(region: &Solid, part: &Solid, split: &Split) -> Sides {
+    // The part is subtracted last: where it lies flat on the parting surface,
+    // only a difference leaves no film without thickness.
+    let mut above = region.difference(&split.below).difference(part);
+    let mut below = region.intersection(&split.below).difference(part);
     let mut findings = Vec::new();
     let crumbs = |solid: &Solid| solid.decompose().into_iter().skip(1).collect::<Vec<_>>();
     for crumb in crumbs(&above) {

@@ -20,15 +20,13 @@ pub fn land(keys: &Keys) -> f64 {
     keys.radius + keys.clearance + RIM
 }
 
-/// Four places in the corners of a rectangle, of which one is moved along the
-/// first axis, so that pieces turned by 180° do not fit.
+/// Places in three corners of a rectangle: pieces turned by 180° do not fit.
 #[must_use]
-pub fn sites(low: [f64; 2], high: [f64; 2], keys: &Keys) -> [[f64; 2]; 4] {
+pub fn sites(low: [f64; 2], high: [f64; 2], keys: &Keys) -> [[f64; 2]; 3] {
     let inset = land(keys);
     let [x0, y0] = low.map(|x| x + inset);
     let [x1, y1] = high.map(|x| x - inset);
-    let moved = (3.0 * inset).min((x1 - x0) / 4.0);
-    [[x0 + moved, y0], [x1, y0], [x1, y1], [x0, y1]]
+    [[x1, y0], [x1, y1], [x0, y1]]
 }
 
 /// A key that stands on `foot` along z.

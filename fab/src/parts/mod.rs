@@ -3,10 +3,9 @@
 pub mod block;
 pub mod core;
 pub mod key;
-pub mod sprue;
-pub mod vent;
 
 use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 /// Sides of the prisms that stand for round features.
@@ -45,21 +44,33 @@ impl Frustum {
     }
 }
 
-/// Largest depth below `top` at which a disc around the vertical through `top`
-/// is looked for on the skin, in radii.
+/// Largest depth of a channel's mouth, in radii.
 const DEEPEST: f64 = 2.0;
 
-/// How far below `top` a vertical channel of this radius must begin so that its
-/// whole mouth lies in the part: the lowest place of the skin on its rim,
-/// down to [`DEEPEST`] radii.
+/// A channel reaches at least this far into the part [m].
+const MOUTH: f64 = 2e-4;
+
+/// The vertical channel above `top`, a point on top of the part, up to height `end` [m].
+///
+/// It begins below the lowest place of the skin on the rim of its mouth, but not
+/// deeper than [`DEEPEST`] radii, so that no film of the shell closes it.
 #[must_use]
-pub fn mouth_depth(skin: &mesh::bvh::SurfaceBvh, top: &Vec3, radius: f64) -> f64 {
-    let deepest = DEEPEST * radius;
+pub fn channel(
+    skin: &SurfaceBvh,
+    top: &Vec3,
+    end: f64,
+    base_radius: f64,
+    top_radius: f64,
+) -> Frustum {
+    let deepest = DEEPEST * base_radius;
     let depth_at = |k: usize| {
         let angle = std::f64::consts::TAU * k as f64 / SEGMENTS as f64;
-        let side = Vec3::new(angle.cos(), angle.sin(), 0.0) * radius;
-        let hits = skin.ray(&(top + side), &-Vec3::z());
-        hits.iter().map(|hit| hit.0).fold(f64::INFINITY, f64::min)
+        let side = Vec3::new(angle.cos(), angle.sin(), 0.0) * base_radius;
+        let above = top + side + Vec3::z() * deepest;
+        let hits = skin.ray(&above, &-Vec3::z());
+        hits.iter().map(|hit| hit.0 - deepest).fold(f64::INFINITY, f64::min)
     };
-    (0..SEGMENTS).map(depth_at).fold(0.0, |deep: f64, d| deep.max(d.min(deepest)))
+    let depth = (0..SEGMENTS).map(depth_at).fold(0.0, |deep: f64, d| deep.max(d.min(deepest)));
+    let base = top - Vec3::z() * (depth + MOUTH);
+    Frustum { base, axis: Vec3::z() * (end - base.z), base_radius, top_radius }
 }
