@@ -6,6 +6,7 @@
 pub mod bvh;
 pub mod check;
 pub mod cli;
+pub mod improve;
 pub mod inside;
 pub mod io;
 pub mod measure;

@@ -1,0 +1,247 @@
+//! A tetrahedral mesh under change: local replacements that keep its region.
+
+use super::shape::shape;
+use crate::topology::{TET_EDGES, TET_FACETS, boundary};
+use crate::{TetMesh, Vec3};
+
+/// Takes the place of a tetrahedron that has been removed.
+const REMOVED: [usize; 4] = [usize::MAX; 4];
+
+/// Tetrahedra with the list of those about each vertex.
+///
+/// Any set of tetrahedra may be replaced by another with the same boundary if all
+/// the new ones are positive: both then cover the same points exactly once.
+pub(super) struct Complex {
+    pub points: Vec<Vec3>,
+    /// Boundary vertices.
+    frozen: Vec<bool>,
+    tets: Vec<[usize; 4]>,
+    shapes: Vec<f64>,
+    /// Tetrahedra about each vertex; none once a vertex has been removed.
+    stars: Vec<Vec<usize>>,
+    removed_tets: Vec<usize>,
+    /// Changes so far, and their number when something about a vertex last changed.
+    changes: usize,
+    changed: Vec<usize>,
+    /// Interior vertices that can be removed before a boundary vertex has a
+    /// number beyond their count.
+    spare_vertices: usize,
+}
+
+impl Complex {
+    pub fn new(mesh: &TetMesh) -> Self {
+        let mut frozen = vec![false; mesh.vertices.len()];
+        for v in boundary(mesh).facets.into_iter().flatten() {
+            frozen[v] = true;
+        }
+        let mut complex = Self {
+            points: mesh.vertices.clone(),
+            spare_vertices: frozen.iter().rev().take_while(|&&f| !f).count(),
+            frozen,
+            tets: Vec::with_capacity(mesh.tets.len()),
+            shapes: Vec::with_capacity(mesh.tets.len()),
+            stars: vec![Vec::new(); mesh.vertices.len()],
+            removed_tets: Vec::new(),
+            changes: 0,
+            changed: vec![0; mesh.vertices.len()],
+        };
+        for &tet in &mesh.tets {
+            complex.add(tet);
+        }
+        complex
+    }
+
+    /// The mesh without what has been removed. Boundary vertices keep their
+    /// numbers, interior ones close the gaps in order.
+    pub fn into_mesh(mut self) -> TetMesh {
+        let interior: Vec<usize> = (0..self.points.len()).filter(|&v| !self.frozen[v]).collect();
+        let used = interior.iter().copied().filter(|&v| !self.stars[v].is_empty());
+        let mut number: Vec<usize> = (0..self.points.len()).collect();
+        for (&to, from) in interior.iter().zip(used) {
+            number[from] = to;
+            self.points[to] = self.points[from];
+        }
+        self.tets.retain(|&tet| tet != REMOVED);
+        let tets: Vec<_> = self.tets.iter().map(|tet| tet.map(|v| number[v])).collect();
+        self.points.truncate(tets.iter().flatten().max().map_or(0, |&v| v + 1));
+        TetMesh { vertices: self.points, tets }
+    }
+
+    /// The present time, counted in changes.
+    pub fn now(&self) -> usize {
+        self.changes
+    }
+
+    /// Whether a tetrahedron about `v` has changed since `time`.
+    pub fn changed_since(&self, v: usize, time: usize) -> bool {
+        self.changed[v] >= time
+    }
+
+    pub fn is_interior(&self, v: usize) -> bool {
+        !self.frozen[v]
+    }
+
+    /// Whether vertex `v` may be removed without renumbering the boundary.
+    pub fn can_remove(&self, v: usize) -> bool {
+        self.is_interior(v) && self.spare_vertices > 0
+    }
+
+    /// Vertices of tetrahedron `t`, if it has not been removed.
+    pub fn tet(&self, t: usize) -> Option<[usize; 4]> {
+        (self.tets[t] != REMOVED).then_some(self.tets[t])
+    }
+
+    pub fn shape(&self, t: usize) -> f64 {
+        self.shapes[t]
+    }
+
+    /// The smallest shape of some tetrahedra.
+    pub fn worst(&self, tets: &[usize]) -> f64 {
+        tets.iter().map(|&t| self.shapes[t]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The shape that a tetrahedron with these vertices would have.
+    pub fn shape_of(&self, tet: [usize; 4]) -> f64 {
+        shape(tet.map(|v| self.points[v]))
+    }
+
+    /// Tetrahedra with a shape below `limit`, worst first.
+    pub fn worse_than(&self, limit: f64) -> Vec<usize> {
+        let mut bad: Vec<usize> = (0..self.tets.len())
+            .filter(|&t| self.tets[t] != REMOVED && self.shapes[t] < limit)
+            .collect();
+        bad.sort_by(|&s, &t| self.shapes[s].total_cmp(&self.shapes[t]).then(s.cmp(&t)));
+        bad
+    }
+
+    /// Tetrahedra about vertex `v`.
+    pub fn star(&self, v: usize) -> &[usize] {
+        &self.stars[v]
+    }
+
+    /// Tetrahedra about the edge ab.
+    pub fn edge_star(&self, a: usize, b: usize) -> Vec<usize> {
+        self.stars[a].iter().copied().filter(|&t| self.tets[t].contains(&b)).collect()
+    }
+
+    /// The tetrahedron other than `t` on a facet of it.
+    pub fn across(&self, t: usize, [a, b, c]: [usize; 3]) -> Option<usize> {
+        let shares =
+            |&&s: &&usize| s != t && self.tets[s].contains(&b) && self.tets[s].contains(&c);
+        self.stars[a].iter().find(shares).copied()
+    }
+
+    /// Facets opposite vertex `v` of the tetrahedra about it, facing `v`.
+    pub fn link(&self, v: usize) -> Vec<[usize; 3]> {
+        let opposite = |&t: &usize| {
+            let tet = self.tets[t];
+            let corner = (0..4).find(|&k| tet[k] == v).expect("a tetrahedron about v");
+            let [a, b, c] = TET_FACETS[corner].map(|k| tet[k]);
+            [a, c, b]
+        };
+        self.stars[v].iter().map(opposite).collect()
+    }
+
+    /// The corners of [`Self::link`].
+    pub fn link_points(&self, v: usize) -> Vec<[Vec3; 3]> {
+        self.link(v).into_iter().map(|facet| facet.map(|u| self.points[u])).collect()
+    }
+
+    /// Replaces the tetrahedra `old` by `new`, which must have the same boundary, if
+    /// that makes the worst one better by the factor `gain` and leaves none inverted.
+    pub fn replace_if_better(&mut self, old: &[usize], new: &[[usize; 4]], gain: f64) -> bool {
+        let limit = gain * self.worst(old).max(0.0);
+        let better = new.iter().all(|&tet| self.shape_of(tet) > limit);
+        let accepted = better && !self.repeats(old, new);
+        if accepted {
+            self.replace(old, new);
+        }
+        accepted
+    }
+
+    /// Removes vertex `v`: replaces the tetrahedra about it by `new` if that makes
+    /// the worst one better.
+    pub fn remove_if_better(&mut self, v: usize, new: &[[usize; 4]]) -> bool {
+        let old = self.stars[v].clone();
+        let accepted = self.replace_if_better(&old, new, 1.0);
+        self.spare_vertices -= usize::from(accepted);
+        accepted
+    }
+
+    /// Adds a vertex: replaces the tetrahedra `old` by those between their boundary
+    /// `facets` and `point` if that makes the worst one better by the factor `gain`.
+    pub fn insert_if_better(
+        &mut self,
+        point: Vec3,
+        old: &[usize],
+        facets: &[[usize; 3]],
+        gain: f64,
+    ) -> bool {
+        let v = self.points.len();
+        self.points.push(point);
+        self.frozen.push(false);
+        self.stars.push(Vec::new());
+        self.changed.push(self.changes);
+        let new: Vec<_> = facets.iter().map(|&[a, b, c]| [a, b, c, v]).collect();
+        // A rejected vertex has no tetrahedra and disappears with the removed ones.
+        let accepted = self.replace_if_better(old, &new, gain);
+        self.spare_vertices += usize::from(accepted);
+        accepted
+    }
+
+    /// Whether an edge or a facet of `new` that `old` does not have exists already.
+    /// That cannot be as long as all tetrahedra are positive.
+    fn repeats(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
+        let old: Vec<[usize; 4]> = old.iter().map(|&t| self.tets[t]).collect();
+        let is_old = |part: &[usize]| old.iter().any(|tet| part.iter().all(|v| tet.contains(v)));
+        let exists = |part: &[usize]| {
+            let has_all = |&t: &usize| part.iter().all(|v| self.tets[t].contains(v));
+            self.stars[part[0]].iter().any(has_all)
+        };
+        let repeated = |part: &[usize]| !is_old(part) && exists(part);
+        new.iter().any(|tet| {
+            TET_EDGES.iter().any(|e| repeated(&e.map(|k| tet[k])))
+                || TET_FACETS.iter().any(|f| repeated(&f.map(|k| tet[k])))
+        })
+    }
+
+    fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
+        self.changes += 1;
+        for &t in old {
+            for v in self.tets[t] {
+                self.stars[v].retain(|&s| s != t);
+            }
+            self.tets[t] = REMOVED;
+            self.removed_tets.push(t);
+        }
+        for &tet in new {
+            self.add(tet);
+        }
+    }
+
+    /// Moves an interior vertex.
+    pub fn move_vertex(&mut self, v: usize, point: Vec3) {
+        self.points[v] = point;
+        self.changes += 1;
+        for &t in &self.stars[v] {
+            self.shapes[t] = shape(self.tets[t].map(|u| self.points[u]));
+            for u in self.tets[t] {
+                self.changed[u] = self.changes;
+            }
+        }
+    }
+
+    fn add(&mut self, tet: [usize; 4]) {
+        let t = self.removed_tets.pop().unwrap_or(self.tets.len());
+        if t == self.tets.len() {
+            self.tets.push(tet);
+            self.shapes.push(0.0);
+        }
+        self.tets[t] = tet;
+        self.shapes[t] = self.shape_of(tet);
+        for v in tet {
+            self.stars[v].push(t);
+            self.changed[v] = self.changes;
+        }
+    }
+}
