@@ -13,12 +13,43 @@ const TAG_KEYS: [&str; 3] = ["name", "pressure", "rim"];
 /// A tag file.
 #[derive(Debug)]
 pub struct Config {
-    /// Selection distance ε [m]; 1e-3 of the diagonal of the mesh if absent.
-    pub epsilon: Option<f64>,
+    /// Selection distance ε.
+    pub epsilon: Epsilon,
     /// File of the whole model surface, which competes with the patches.
     pub surface: Option<PathBuf>,
     /// Selections; the first that holds a facet wins.
     pub tags: Vec<Tag>,
+}
+
+/// Selection distance ε, which must exceed the envelope of the mesher.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Epsilon {
+    /// A length [m].
+    Absolute(f64),
+    /// A part of the diagonal of the bounding box of the mesh.
+    Relative(f64),
+}
+
+impl Epsilon {
+    /// The distance for a mesh with this diagonal [m].
+    #[must_use]
+    pub fn length(self, diagonal: f64) -> f64 {
+        match self {
+            Self::Absolute(length) => length,
+            Self::Relative(part) => part * diagonal,
+        }
+    }
+
+    fn of(file: &File) -> Result<Self> {
+        let given = match (file.epsilon, file.relative_epsilon) {
+            (Some(_), Some(_)) => bail!("both `epsilon` and `relative_epsilon`: give one of them"),
+            (Some(length), None) => Self::Absolute(length),
+            (None, part) => Self::Relative(part.unwrap_or(1e-3)),
+        };
+        let size = given.length(1.0);
+        ensure!(size > 0.0 && size.is_finite(), "epsilon = {size} must be positive");
+        Ok(given)
+    }
 }
 
 /// One `[[tag]]`.
@@ -40,6 +71,7 @@ pub struct Tag {
 #[serde(deny_unknown_fields)]
 struct File {
     epsilon: Option<f64>,
+    relative_epsilon: Option<f64>,
     surface: Option<PathBuf>,
     #[serde(default)]
     tag: Vec<toml::Table>,
@@ -60,9 +92,7 @@ impl Config {
     fn parse(text: &str) -> Result<Self> {
         let file: File = toml::from_str(text)?;
         ensure!(!file.tag.is_empty(), "no [[tag]]: at least one selection is needed");
-        if let Some(epsilon) = file.epsilon {
-            ensure!(epsilon > 0.0 && epsilon.is_finite(), "epsilon = {epsilon} must be positive");
-        }
+        let epsilon = Epsilon::of(&file)?;
         let tags: Vec<Tag> = file
             .tag
             .into_iter()
@@ -70,7 +100,7 @@ impl Config {
             .map(|(i, table)| Tag::parse(table).with_context(|| format!("[[tag]] {}", i + 1)))
             .collect::<Result<_>>()?;
         check_names(&tags)?;
-        Ok(Self { epsilon: file.epsilon, surface: file.surface, tags })
+        Ok(Self { epsilon, surface: file.surface, tags })
     }
 }
 
@@ -134,7 +164,7 @@ mod tests {
              [[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\nrim = \"seat\"\n",
         )
         .unwrap();
-        assert_eq!(config.epsilon, Some(2e-4));
+        assert_eq!(config.epsilon, Epsilon::Absolute(2e-4));
         let read: Vec<_> = config.tags.iter().map(|t| (t.name.as_str(), t.selector)).collect();
         assert_eq!(read, [("seat", "patch"), ("cavity", "component")]);
         assert_eq!(config.tags[1].rim.as_deref(), Some("seat"));
@@ -146,6 +176,7 @@ mod tests {
             ("", "at least one selection"),
             ("sigma = 1\n", "unknown field `sigma`"),
             ("epsilon = -1.0\n[[tag]]\nname = \"a\"\ncomponent = 0\n", "must be positive"),
+            ("epsilon = 1\nrelative_epsilon = 1\n[[tag]]\n", "give one of them"),
             ("[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n", "known: name, pressure, rim, patch"),
             ("[[tag]]\nname = \"a\"\n", "no selector; one of"),
             ("[[tag]]\nname = \"a\"\ncomponent = 0\npatch = \"a\"\n", "exactly one selector"),

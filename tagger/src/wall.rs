@@ -75,7 +75,8 @@ pub fn check(
     Err(format!(
         "{count} edges of the rim of the pressure wall do not lie on `{rim}`; {} boundary loops{}\n  \
          a rim that moves leaves the pressure volume undefined; extend `{rim}` up to the wall, \
-         or the wall up to `{rim}`",
+         or the wall up to `{rim}`;\n  \
+         if facets are missing there, the mesher moved them by more than epsilon: raise it",
         loops.len(),
         describe(facets, &loops, &free)
     ))

@@ -11,9 +11,6 @@ use crate::config::Config;
 use crate::facets::Facets;
 use crate::select::Sources;
 
-/// Selection distance relative to the diagonal of the mesh.
-const RELATIVE_EPSILON: f64 = 1e-3;
-
 /// Gives every boundary facet to the first selection that holds its centroid.
 #[derive(clap::Args)]
 pub struct Args {
@@ -42,7 +39,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let facets = Facets::of(&mesh);
     let diagonal = measure::diagonal(&mesh.vertices);
-    let epsilon = config.epsilon.unwrap_or(RELATIVE_EPSILON * diagonal);
+    let epsilon = config.epsilon.length(diagonal);
     let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
     let mut sources = Sources::new(folder, epsilon);
     if let Some(surface) = &config.surface {
