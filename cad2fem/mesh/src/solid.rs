@@ -214,7 +214,7 @@ impl Solid {
         (from_kernel(bounds.min), from_kernel(bounds.max))
     }
 
-    /// The connected bodies, each with the cavities inside it.
+    /// The connected bodies, each with the cavities inside it, largest first.
     #[must_use]
     pub fn decompose(&self) -> Vec<Self> {
         let shells = self.kernel.decompose().into_iter().map(|kernel| Self { kernel });
@@ -227,7 +227,7 @@ impl Solid {
                 cavities.push(shell);
             }
         }
-        // Smallest first: the first shell that contains a cavity is its own.
+        // Smallest first for now: the first shell that contains a cavity is its own.
         outer.sort_by(|a, b| a.0.total_cmp(&b.0));
         let winding: Vec<_> = outer
             .iter()
