@@ -1,6 +1,6 @@
 //! Small surfaces, and gradient checks, for unit tests.
 
-use mesh::{SurfaceMesh, Vec3};
+use mesh::{SurfaceMesh, TetMesh, Vec3};
 
 use crate::math::linear::dot;
 use crate::math::random::Random;
@@ -96,4 +96,46 @@ pub fn flat(points: &[Vec3]) -> Vec<f64> {
 /// Points from their components.
 pub fn points(flat: &[f64]) -> Vec<Vec3> {
     flat.chunks_exact(3).map(Vec3::from_column_slice).collect()
+}
+
+/// The cube [0, 1]³ in n³ cells of six tetrahedra; interior vertices are moved
+/// by up to `jitter` of a cell.
+pub fn cube(n: usize, jitter: f64) -> TetMesh {
+    let mut random = Random::new(12);
+    let h = 1.0 / n as f64;
+    let id = |i: usize, j: usize, k: usize| (k * (n + 1) + j) * (n + 1) + i;
+    let mut vertices = Vec::new();
+    for v in 0..(n + 1).pow(3) {
+        let grid = [v % (n + 1), v / (n + 1) % (n + 1), v / (n + 1).pow(2)];
+        let moved = jitter * h * random.vector();
+        let inside = grid.iter().all(|&i| i > 0 && i < n);
+        let at = Vec3::from(grid.map(|i| i as f64 * h));
+        vertices.push(if inside { at + moved } else { at });
+    }
+    // the six orders of steps along the axes from one corner to the opposite
+    // one; odd orders are mirrored
+    let paths = [
+        ([0, 1, 2], true),
+        ([1, 2, 0], true),
+        ([2, 0, 1], true),
+        ([0, 2, 1], false),
+        ([2, 1, 0], false),
+        ([1, 0, 2], false),
+    ];
+    let mut tets = Vec::new();
+    for cell in 0..n.pow(3) {
+        for (path, even) in paths {
+            let mut at = [cell % n, cell / n % n, cell / n.pow(2)];
+            let mut tet = [id(at[0], at[1], at[2]); 4];
+            for (step, axis) in path.into_iter().enumerate() {
+                at[axis] += 1;
+                tet[step + 1] = id(at[0], at[1], at[2]);
+            }
+            if !even {
+                tet.swap(1, 2);
+            }
+            tets.push(tet);
+        }
+    }
+    TetMesh { vertices, tets }
 }

@@ -1,0 +1,318 @@
+//! Bounded biharmonic weights: how much each handle moves each vertex.
+//!
+//! min ½ wᵀ Q w,   Q = L A⁻¹ L,   0 ≤ w ≤ 1
+//!
+//! w = 1 at the handle, 0 at the other handles and on the rim
+//!
+//! L   cotangent Laplacian [1]
+//! A   vertex areas, in units of the surface's area [1]
+//!
+//! One problem per handle, and one for the rim as a whole (1 on the rim, 0 at
+//! all handles). The rows are then divided by their sum, so that handles and rim
+//! add up to one at every vertex and the rim does not move. A component with
+//! neither rim nor handle stays where it is.
+//!
+//! The minimiser without bounds comes from one factorisation for all handles; a
+//! quadratic program is solved only where it leaves the bounds.
+//!
+//! Source: Jacobson et al. 2011, "Bounded biharmonic weights for real-time
+//! deformation", doi:10.1145/2010324.1964973.
+
+use std::collections::BTreeMap;
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT,
+};
+use mesh::SurfaceMesh;
+use rayon::prelude::*;
+
+use super::laplacian::{Rows, cotangent_laplacian};
+use crate::math::linear::{NotPositive, SparseSolver};
+use crate::math::ordering::nested_dissection;
+
+/// Violation of a bound that counts as rounding [1].
+const ROUNDING: f64 = 1e-9;
+/// Accuracy of a quadratic program [1]; what is left is clamped.
+const ACCURACY: f64 = 1e-10;
+/// Sum of a vertex's raw weights below which nothing moves it [1].
+const UNREACHED: f64 = 1e-6;
+
+/// Weights could not be computed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WeightError {
+    /// The energy has no unique minimum.
+    #[error("biharmonic energy: {0}; the surface has degenerate triangles, re-mesh it")]
+    Singular(#[from] NotPositive),
+    /// A quadratic program was not solved.
+    #[error(
+        "weights of handle {handle} at vertex {vertex}: the quadratic program ended as {status}"
+    )]
+    Unsolved {
+        /// Index of the handle.
+        handle: usize,
+        /// Its vertex.
+        vertex: usize,
+        /// The solver's word for it.
+        status: String,
+    },
+}
+
+/// Weights of all handles, `[handle][vertex]`, for handles at vertices off the
+/// rim.
+///
+/// # Errors
+/// [`WeightError`] if the surface is degenerate.
+pub fn bounded_biharmonic(
+    surface: &SurfaceMesh,
+    rim: &[usize],
+    handles: &[usize],
+) -> Result<Vec<Vec<f64>>, WeightError> {
+    let problem = Problem::new(surface, rim, handles);
+    let mut targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
+    if !rim.is_empty() {
+        targets.push(rim.to_vec());
+    }
+    let start = problem.unbounded(&targets)?;
+    // results come in the order of the handles, whatever the order of solving
+    let solved: Vec<_> =
+        targets.par_iter().zip(start).map(|(ones, w)| problem.bounded(ones, w)).collect();
+    let mut weights = Vec::new();
+    for (handle, result) in solved.into_iter().enumerate() {
+        let vertex = targets[handle][0];
+        weights.push(result.map_err(|status| WeightError::Unsolved { handle, vertex, status })?);
+    }
+    normalise(&mut weights);
+    weights.truncate(handles.len());
+    Ok(weights)
+}
+
+/// Divides by the sum at each vertex.
+fn normalise(weights: &mut [Vec<f64>]) {
+    let vertices = weights.first().map_or(0, Vec::len);
+    for v in 0..vertices {
+        let sum: f64 = weights.iter().map(|w| w[v]).sum();
+        let factor = if sum < UNREACHED { 0.0 } else { 1.0 / sum };
+        weights.iter_mut().for_each(|w| w[v] *= factor);
+    }
+}
+
+/// The energy with its unknowns.
+struct Problem {
+    energy: Rows,
+    /// Vertex of each unknown, ascending.
+    free: Vec<usize>,
+    /// Unknown of each vertex.
+    unknown: BTreeMap<usize, usize>,
+}
+
+impl Problem {
+    fn new(surface: &SurfaceMesh, rim: &[usize], handles: &[usize]) -> Self {
+        let (laplacian, areas) = cotangent_laplacian(surface);
+        let total: f64 = areas.iter().sum();
+        let smallest = f64::EPSILON * total / areas.len() as f64;
+        let mut energy = vec![BTreeMap::new(); areas.len()];
+        for (row, area) in laplacian.iter().zip(&areas) {
+            let scale = total / area.max(smallest);
+            for (&i, a) in row {
+                for (&j, b) in row {
+                    *energy[i].entry(j).or_insert(0.0) += scale * a * b;
+                }
+            }
+        }
+        let fixed = [rim, handles].concat();
+        let reached = reached_from(&laplacian, &fixed);
+        let free: Vec<usize> =
+            (0..areas.len()).filter(|v| reached[*v] && !fixed.contains(v)).collect();
+        let unknown = free.iter().enumerate().map(|(i, &v)| (v, i)).collect();
+        Self { energy, free, unknown }
+    }
+
+    /// ∂/∂w of the energy at the unknowns for w = 1 at `ones` and 0 elsewhere.
+    fn linear_term(&self, ones: &[usize]) -> Vec<f64> {
+        let mut q = vec![0.0; self.free.len()];
+        for &one in ones {
+            for (v, value) in &self.energy[one] {
+                if let Some(&i) = self.unknown.get(v) {
+                    q[i] += value;
+                }
+            }
+        }
+        q
+    }
+
+    /// One triangle of the energy on the unknowns in compressed columns:
+    /// rows `keep(row, column)`.
+    fn triangle(&self, keep: impl Fn(usize, usize) -> bool) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for (column, &v) in self.free.iter().enumerate() {
+            for (w, value) in &self.energy[v] {
+                if let Some(&row) = self.unknown.get(w).filter(|&&row| keep(row, column)) {
+                    rows.push(row);
+                    values.push(*value);
+                }
+            }
+            start.push(rows.len());
+        }
+        (start, rows, values)
+    }
+
+    /// Minimisers without bounds, one per list of vertices where w = 1.
+    fn unbounded(&self, targets: &[Vec<usize>]) -> Result<Vec<Vec<f64>>, NotPositive> {
+        if self.free.is_empty() {
+            return Ok(vec![Vec::new(); targets.len()]);
+        }
+        let neighbours = |&v: &usize| -> Vec<usize> {
+            let others = self.energy[v].keys().filter(|&&w| w != v);
+            others.filter_map(|w| self.unknown.get(w).copied()).collect()
+        };
+        let adjacency: Vec<Vec<usize>> = self.free.iter().map(neighbours).collect();
+        let (start, rows, values) = self.triangle(|row, column| row >= column);
+        let mut solver = SparseSolver::new(start, rows, &nested_dissection(&adjacency));
+        solver.factor_positive(values)?;
+        let solve = |ones: &Vec<usize>| {
+            let mut w: Vec<f64> = self.linear_term(ones).iter().map(|q| -q).collect();
+            solver.solve(&mut w);
+            w
+        };
+        Ok(targets.iter().map(solve).collect())
+    }
+
+    /// Weights of all vertices from the minimiser without bounds, which is kept
+    /// where it is within them.
+    fn bounded(&self, ones: &[usize], mut w: Vec<f64>) -> Result<Vec<f64>, String> {
+        if w.iter().any(|x| !(-ROUNDING..=1.0 + ROUNDING).contains(x)) {
+            w = self.quadratic_program(ones)?;
+        }
+        let mut weights = vec![0.0; self.energy.len()];
+        ones.iter().for_each(|&v| weights[v] = 1.0);
+        for (&v, x) in self.free.iter().zip(w) {
+            weights[v] = x.clamp(0.0, 1.0);
+        }
+        Ok(weights)
+    }
+
+    fn quadratic_program(&self, ones: &[usize]) -> Result<Vec<f64>, String> {
+        let n = self.free.len();
+        let (start, rows, values) = self.triangle(|row, column| row <= column);
+        let energy = CscMatrix::new(n, n, start, rows, values);
+        // −w + s = 0 and w + s = 1 with slacks s ≥ 0
+        let column_start = (0..=n).map(|i| 2 * i).collect();
+        let sides = (0..n).flat_map(|i| [i, n + i]).collect();
+        let bounds = CscMatrix::new(2 * n, n, column_start, sides, [-1.0, 1.0].repeat(n));
+        let limits = [vec![0.0; n], vec![1.0; n]].concat();
+        let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(2 * n)];
+        let settings = DefaultSettings {
+            verbose: false,
+            tol_gap_abs: ACCURACY,
+            tol_gap_rel: ACCURACY,
+            tol_feas: ACCURACY,
+            ..DefaultSettings::default()
+        };
+        let q = self.linear_term(ones);
+        let mut solver = DefaultSolver::new(&energy, &q, &bounds, &limits, &cones, settings)
+            .map_err(|e| e.to_string())?;
+        solver.solve();
+        match solver.solution.status {
+            SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(solver.solution.x),
+            status => Err(format!("{status:?}")),
+        }
+    }
+}
+
+/// Which vertices are connected to one of `sources`.
+fn reached_from(adjacency: &Rows, sources: &[usize]) -> Vec<bool> {
+    let mut reached = vec![false; adjacency.len()];
+    let mut pending = sources.to_vec();
+    while let Some(v) = pending.pop() {
+        if !std::mem::replace(&mut reached[v], true) {
+            pending.extend(adjacency[v].keys());
+        }
+    }
+    reached
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::design::sampling::{farthest_points, rim};
+    use crate::testing::{cap, sphere, square};
+    use mesh::Vec3;
+
+    #[test]
+    fn weights_are_bounded_add_up_and_vanish_on_the_rim() {
+        let surface = cap(3);
+        let rim = rim(&surface);
+        let handles = farthest_points(&surface, 6).unwrap();
+        let weights = bounded_biharmonic(&surface, &rim, &handles).unwrap();
+        for v in 0..surface.vertices.len() {
+            let sum: f64 = weights.iter().map(|w| w[v]).sum();
+            assert!(weights.iter().all(|w| (-1e-8..=1.0 + 1e-8).contains(&w[v])));
+            assert!(sum < 1.0 + 1e-8 && (!rim.contains(&v) || sum == 0.0), "vertex {v}: {sum}");
+        }
+        for (i, w) in weights.iter().enumerate() {
+            for (j, &h) in handles.iter().enumerate() {
+                assert!((w[h] - f64::from(u8::from(i == j))).abs() < 1e-8);
+            }
+        }
+    }
+
+    /// The conditions for the minimum under bounds: no slope where the weight
+    /// is free, a slope into the bound where it is not.
+    #[test]
+    fn weights_are_the_minimum_under_bounds() {
+        let surface = cap(3);
+        let rim = rim(&surface);
+        let handles = farthest_points(&surface, 6).unwrap();
+        let problem = Problem::new(&surface, &rim, &handles);
+        let targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
+        let mut active = 0;
+        for (ones, start) in targets.iter().zip(problem.unbounded(&targets).unwrap()) {
+            let w = problem.bounded(ones, start).unwrap();
+            for &v in &problem.free {
+                let slope: f64 = problem.energy[v].iter().map(|(&j, q)| q * w[j]).sum();
+                let scale = 1e-6 * problem.energy[v][&v];
+                active += usize::from(w[v] < 1e-7);
+                assert!(w[v] < 1e-5 || slope < scale, "{} {}", w[v], slope / scale);
+                assert!(w[v] > 1.0 - 1e-5 || slope > -scale, "{} {}", w[v], slope / scale);
+            }
+        }
+        assert!(active > 100, "only {active} weights at a bound");
+    }
+
+    #[test]
+    fn one_handle_without_rim_moves_everything() {
+        let ball = sphere(2);
+        let weights = bounded_biharmonic(&ball, &[], &[5]).unwrap();
+        assert!(weights[0].iter().all(|w| (w - 1.0).abs() < 1e-8));
+    }
+
+    #[test]
+    fn a_component_without_rim_or_handle_stays() {
+        let ball = sphere(1);
+        let n = ball.vertices.len();
+        let mut two = ball.clone();
+        two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
+        two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
+        let weights = bounded_biharmonic(&two, &[], &[0, 3]).unwrap();
+        for v in 0..2 * n {
+            let sum: f64 = weights.iter().map(|w| w[v]).sum();
+            let expected = if v < n { 1.0 } else { 0.0 };
+            assert!((sum - expected).abs() < 1e-8, "{sum}");
+        }
+    }
+
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        let surface = square(8, 0.2);
+        let mut small = surface.clone();
+        small.vertices.iter_mut().for_each(|v| *v *= 1e-3);
+        let rim = rim(&surface);
+        let handles = farthest_points(&surface, 3).unwrap();
+        let a = bounded_biharmonic(&surface, &rim, &handles).unwrap();
+        let b = bounded_biharmonic(&small, &rim, &handles).unwrap();
+        let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(differences.fold(0.0, f64::max) < 1e-6);
+    }
+}

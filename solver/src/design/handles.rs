@@ -1,0 +1,239 @@
+//! Shape of a surface patch by rigid motions of a few handles.
+//!
+//! v' = v + Σ_j w_j(v) (T_j v − v),   T_j v = c_j + R_j (v − c_j) + t_j
+//! R_j = R_z(α₃) R_y(α₂) R_x(α₁),     αₖ = θₖ / r_j
+//!
+//! w_j   bounded biharmonic weight of handle j, zero on the rim [1]
+//! c_j   the vertex at which handle j sits [m]
+//! t_j   translation [m]
+//! α     angles [rad]
+//! r_j   radius of the handle's support, r_j² = Σ_v w_j² |v − c_j|² / Σ_v w_j² [m]
+//!
+//! The variables of a handle are (θ₁, θ₂, θ₃, t_x, t_y, t_z), all in metres: a
+//! rotation variable is the path of a vertex at distance r_j, so that equal
+//! changes of any variable move the surface about equally far. θ = 0 is the
+//! shape as it is. The rim does not move, whatever the variables.
+//!
+//! Source: Gjoka et al. 2024, equation (17).
+
+use mesh::{Vec3, topology};
+
+use super::biharmonic::{WeightError, bounded_biharmonic};
+use super::sampling::{TooManyHandles, farthest_points, rim};
+
+type Mat3 = nalgebra::Matrix3<f64>;
+
+/// Variables per handle.
+const VARIABLES: usize = 6;
+
+/// Handles could not be placed on a patch.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HandleError {
+    /// More handles than vertices.
+    #[error(transparent)]
+    TooMany(#[from] TooManyHandles),
+    /// No weights for the handles.
+    #[error(transparent)]
+    Weights(#[from] WeightError),
+}
+
+/// Handles on a surface patch.
+#[derive(Clone, Debug)]
+pub struct Handles {
+    /// Vertex ids of the patch, ascending, rim included.
+    vertices: Vec<usize>,
+    centers: Vec<Vec3>,
+    radii: Vec<f64>,
+    /// Weights by handle, in the order of `vertices`.
+    weights: Vec<Vec<f64>>,
+}
+
+/// Spreads `count` handles evenly over a patch of a mesh at rest positions
+/// `rest` and computes their weights.
+///
+/// # Errors
+/// [`HandleError`] if the patch has too few vertices or is degenerate.
+pub fn sample_handles(
+    rest: &[Vec3],
+    patch: &[[usize; 3]],
+    count: usize,
+) -> Result<Handles, HandleError> {
+    let (surface, vertices) = topology::submesh(rest, patch);
+    let points = farthest_points(&surface, count)?;
+    let weights = bounded_biharmonic(&surface, &rim(&surface), &points)?;
+    let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
+    let radii =
+        centers.iter().zip(&weights).map(|(c, w)| radius(&surface.vertices, c, w)).collect();
+    Ok(Handles { vertices, centers, radii, weights })
+}
+
+/// Root mean square distance to `center`, weighted with w²; one if no vertex
+/// off the center has weight, where rotation has no effect.
+fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
+    let squares =
+        || vertices.iter().zip(weights).map(|(v, w)| (w * w, (v - center).norm_squared()));
+    let (moment, total) = squares().fold((0.0, 0.0), |(m, t), (w2, d2)| (m + w2 * d2, t + w2));
+    let radius = (moment / total).sqrt();
+    if radius > 0.0 { radius } else { 1.0 }
+}
+
+impl Handles {
+    /// Number of design variables: six per handle.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        VARIABLES * self.centers.len()
+    }
+
+    /// Vertex ids of the patch, ascending, rim included.
+    #[must_use]
+    pub fn vertices(&self) -> &[usize] {
+        &self.vertices
+    }
+
+    /// Rest positions of the handles [m].
+    #[must_use]
+    pub fn centers(&self) -> &[Vec3] {
+        &self.centers
+    }
+
+    /// Positions of the patch vertices for variables `theta` [m], from the rest
+    /// positions `rest` of the whole mesh with which the handles were made.
+    #[must_use]
+    pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(theta.len(), self.variables(), "six variables per handle");
+        let mut moved: Vec<Vec3> = self.vertices.iter().map(|&v| rest[v]).collect();
+        for (j, motion) in self.motions(theta).iter().enumerate() {
+            let turn = motion.rotation() - Mat3::identity();
+            for (i, &v) in self.vertices.iter().enumerate() {
+                let arm = rest[v] - self.centers[j];
+                moved[i] += self.weights[j][i] * (turn * arm + motion.translation);
+            }
+        }
+        moved
+    }
+
+    /// (∂v'/∂θ)ᵀ `bar` for cotangents of the patch vertices.
+    #[must_use]
+    pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
+        assert_eq!(bar.len(), self.vertices.len(), "one cotangent per patch vertex");
+        let mut gradient = Vec::with_capacity(self.variables());
+        for (j, motion) in self.motions(theta).iter().enumerate() {
+            // Σ w v̄ and Σ w v̄ (v − c)ᵀ hold all that the six variables see
+            let (mut force, mut moment) = (Vec3::zeros(), Mat3::zeros());
+            for (i, &v) in self.vertices.iter().enumerate() {
+                let pull = self.weights[j][i] * bar[i];
+                force += pull;
+                moment += pull * (rest[v] - self.centers[j]).transpose();
+            }
+            let slopes = motion.rotation_slopes();
+            gradient.extend(slopes.map(|slope| slope.dot(&moment) / self.radii[j]));
+            gradient.extend([force.x, force.y, force.z]);
+        }
+        gradient
+    }
+
+    fn motions(&self, theta: &[f64]) -> Vec<Motion> {
+        let motion = |(six, radius): (&[f64], &f64)| Motion {
+            angles: [six[0] / radius, six[1] / radius, six[2] / radius],
+            translation: Vec3::new(six[3], six[4], six[5]),
+        };
+        theta.chunks_exact(VARIABLES).zip(&self.radii).map(motion).collect()
+    }
+}
+
+/// A rigid motion about a handle's center.
+struct Motion {
+    /// Angles about x, y, z [rad].
+    angles: [f64; 3],
+    /// Translation [m].
+    translation: Vec3,
+}
+
+impl Motion {
+    /// R_z R_y R_x.
+    fn rotation(&self) -> Mat3 {
+        let [x, y, z] = self.axes();
+        z.0 * y.0 * x.0
+    }
+
+    /// ∂R/∂α₁, ∂R/∂α₂, ∂R/∂α₃.
+    fn rotation_slopes(&self) -> [Mat3; 3] {
+        let [x, y, z] = self.axes();
+        [z.0 * y.0 * x.1, z.0 * y.1 * x.0, z.1 * y.0 * x.0]
+    }
+
+    /// Rotation about each axis with its derivative.
+    fn axes(&self) -> [(Mat3, Mat3); 3] {
+        let mut axes = [(Mat3::identity(), Mat3::zeros()); 3];
+        for (k, (rotation, slope)) in axes.iter_mut().enumerate() {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (sin, cos) = self.angles[k].sin_cos();
+            for (matrix, on, off) in [(rotation, cos, sin), (slope, -sin, cos)] {
+                matrix[(i, i)] = on;
+                matrix[(j, j)] = on;
+                matrix[(i, j)] = -off;
+                matrix[(j, i)] = off;
+            }
+        }
+        axes
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::testing::{cap, check_gradient, sphere};
+
+    #[test]
+    fn zero_is_the_rest_shape_and_the_rim_never_moves() {
+        let surface = cap(3);
+        let handles = sample_handles(&surface.vertices, &surface.triangles, 5).unwrap();
+        let x = &surface.vertices;
+        assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
+        let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
+        assert!(rim(&surface).iter().all(|&v| moved[v] == x[v]));
+        let farthest = moved.iter().zip(x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(farthest > 0.1);
+    }
+
+    #[test]
+    fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
+        let ball = sphere(2);
+        let handles = sample_handles(&ball.vertices, &ball.triangles, 1).unwrap();
+        let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
+        let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
+        for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
+            // weights are one to 1e-8
+            assert!((a - b).abs() < 1e-7, "{a} {b}");
+        }
+    }
+
+    /// A quarter turn about x, then y, then z: e_z → −e_y → −e_y → e_x.
+    #[test]
+    fn rotations_are_about_x_then_y_then_z() {
+        let motion =
+            Motion { angles: [std::f64::consts::FRAC_PI_2; 3], translation: Vec3::zeros() };
+        assert!((motion.rotation() * Vec3::z() - Vec3::x()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn pull_back_is_the_gradient() {
+        let surface = cap(2);
+        let x = &surface.vertices;
+        let handles = sample_handles(x, &surface.triangles, 3).unwrap();
+        let theta: Vec<f64> =
+            Random::new(32).numbers(handles.variables()).iter().map(|t| 0.4 * t).collect();
+        // J = Σ (aᵥ·v' + ½ |v'|²)
+        let mut random = Random::new(33);
+        let a: Vec<Vec3> = x.iter().map(|_| random.vector()).collect();
+        let value = |theta: &[f64]| -> f64 {
+            let moved = handles.apply(theta, x);
+            moved.iter().zip(&a).map(|(v, a)| a.dot(v) + 0.5 * v.norm_squared()).sum()
+        };
+        let moved = handles.apply(&theta, x);
+        let bar: Vec<Vec3> = moved.iter().zip(&a).map(|(v, a)| a + v).collect();
+        check_gradient(&theta, &handles.pull_back(&theta, x, &bar), 1e-2, value);
+    }
+}

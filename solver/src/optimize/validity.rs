@@ -1,0 +1,143 @@
+//! Is a trial rest shape one that can be simulated and cast?
+//!
+//! Every tetrahedron must have a positive volume that is not negligible beside
+//! the mean, and the moving part of the boundary must not run through itself or
+//! through the rest of the boundary, which is decided exactly.
+
+use std::collections::BTreeSet;
+
+use mesh::bvh::self_intersecting_pairs;
+use mesh::measure::tet_volume;
+use mesh::{SurfaceMesh, Vec3, facet_key};
+
+/// Smallest volume of a tetrahedron in units of the mean volume [1].
+const SMALLEST: f64 = 1e-5;
+
+/// Why a rest shape is not valid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Invalid {
+    /// Elements are inverted or flat.
+    #[error(
+        "{count} elements are flat or inverted, the worst is {tet} at {} with a volume of \
+         {relative:.1e} of the mean; needed is {SMALLEST:.0e}", point(.at)
+    )]
+    Inverted {
+        /// Number of such elements.
+        count: usize,
+        /// The worst of them.
+        tet: usize,
+        /// Its volume in units of the mean.
+        relative: f64,
+        /// Its center [m].
+        at: Vec3,
+    },
+    /// The boundary meets itself.
+    #[error("{count} pairs of facets intersect, the first at {}", point(.at))]
+    Intersecting {
+        /// Number of pairs.
+        count: usize,
+        /// Center of a facet of the first pair [m].
+        at: Vec3,
+    },
+}
+
+fn point(p: &Vec3) -> String {
+    format!("({:.5}, {:.5}, {:.5}) m", p.x, p.y, p.z)
+}
+
+/// Checks vertex positions `rest` of a mesh with the given tetrahedra and
+/// boundary facets, of which `moving` are those that the design moves.
+///
+/// # Errors
+/// [`Invalid`] with what is wrong and where.
+pub fn check(
+    rest: &[Vec3],
+    tets: &[[usize; 4]],
+    boundary: &[[usize; 3]],
+    moving: &[[usize; 3]],
+) -> Result<(), Invalid> {
+    check_volumes(rest, tets)?;
+    check_intersections(rest, boundary, moving)
+}
+
+fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
+    let volume = |tet: &[usize; 4]| {
+        let [a, b, c, d] = tet.map(|v| rest[v]);
+        tet_volume(a, b, c, d)
+    };
+    let volumes: Vec<f64> = tets.iter().map(volume).collect();
+    let mean = volumes.iter().map(|v| v.abs()).sum::<f64>() / volumes.len() as f64;
+    // written so that a volume that is not a number is bad, too
+    let bad: Vec<usize> = (0..tets.len()).filter(|&t| !(volumes[t] > SMALLEST * mean)).collect();
+    match bad.iter().min_by(|&&a, &&b| volumes[a].total_cmp(&volumes[b])) {
+        None => Ok(()),
+        Some(&tet) => Err(Invalid::Inverted {
+            count: bad.len(),
+            tet,
+            relative: volumes[tet] / mean,
+            at: tets[tet].iter().map(|&v| rest[v]).sum::<Vec3>() / 4.0,
+        }),
+    }
+}
+
+fn check_intersections(
+    rest: &[Vec3],
+    boundary: &[[usize; 3]],
+    moving: &[[usize; 3]],
+) -> Result<(), Invalid> {
+    let moving: BTreeSet<[usize; 3]> = moving.iter().map(|&f| facet_key(f)).collect();
+    let moves = |facet: usize| moving.contains(&facet_key(boundary[facet]));
+    let surface = SurfaceMesh { vertices: rest.to_vec(), triangles: boundary.to_vec() };
+    let mut pairs = self_intersecting_pairs(&surface);
+    pairs.retain(|&(a, b)| moves(a) || moves(b));
+    match pairs.first() {
+        None => Ok(()),
+        Some(&(a, _)) => Err(Invalid::Intersecting { count: pairs.len(), at: surface.centroid(a) }),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::testing::cube;
+    use mesh::{TetMesh, topology};
+
+    fn run(mesh: &TetMesh, moving: &[[usize; 3]]) -> Result<(), Invalid> {
+        check(&mesh.vertices, &mesh.tets, &topology::boundary(mesh).facets, moving)
+    }
+
+    #[test]
+    fn an_inverted_element_is_named() {
+        let mut mesh = cube(3, 0.0);
+        let facets = topology::boundary(&mesh).facets;
+        assert_eq!(run(&mesh, &facets), Ok(()));
+        let inner = 21;
+        mesh.vertices[inner] += Vec3::new(0.5, 0.0, 0.0);
+        let error = run(&mesh, &facets).unwrap_err();
+        assert!(
+            matches!(error, Invalid::Inverted { count, relative, .. } if count > 1 && relative < 0.0)
+        );
+        mesh.vertices[inner].x = f64::NAN;
+        assert!(matches!(run(&mesh, &facets), Err(Invalid::Inverted { .. })));
+    }
+
+    /// Two cubes, one pushed into the other: no element is inverted.
+    #[test]
+    fn a_moving_facet_that_runs_into_another_is_found_and_resting_ones_are_not() {
+        let one = cube(2, 0.0);
+        let n = one.vertices.len();
+        let mut two = one.clone();
+        two.vertices.extend(one.vertices.iter().map(|v| 0.7 * v + Vec3::new(1.1, 0.1, 0.2)));
+        two.tets.extend(one.tets.iter().map(|t| t.map(|v| v + n)));
+        let facets = topology::boundary(&two).facets;
+        let (resting, moving): (Vec<_>, Vec<_>) = facets.iter().partition(|f| f[0] < n);
+        assert_eq!(run(&two, &moving), Ok(()));
+        two.vertices[n..].iter_mut().for_each(|v| v.x -= 0.2);
+        assert!(
+            matches!(run(&two, &moving), Err(Invalid::Intersecting { count, .. }) if count > 4)
+        );
+        assert!(run(&two, &resting).is_err());
+        assert_eq!(run(&two, &[]), Ok(()));
+    }
+}
