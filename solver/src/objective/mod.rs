@@ -1,8 +1,20 @@
 //! What to minimise, each term at one equilibrium.
 
+mod clearance;
+mod distance_field;
+mod smoothness;
+mod target;
+mod wall_thickness;
+
 use mesh::Vec3;
 
 use crate::element::FunctionSpace;
+
+pub use clearance::Clearance;
+pub use distance_field::{DistanceField, DistanceKind};
+pub use smoothness::Smoothness;
+pub use target::Target;
+pub use wall_thickness::{SidesTouch, WallThickness};
 
 /// Everything an objective may look at: a rest shape and its equilibrium.
 pub struct Equilibrium<'a> {
@@ -18,6 +30,13 @@ pub struct Equilibrium<'a> {
 pub trait Objective: Send + Sync {
     /// The user's name for this term.
     fn name(&self) -> &str;
+    /// Whether the rest shape alone is admissible.
+    ///
+    /// # Errors
+    /// Why it is not, with numbers.
+    fn admit(&self, _rest: &[Vec3]) -> Result<(), String> {
+        Ok(())
+    }
     /// J. Infinite where the rest shape is not admissible.
     fn value(&self, at: &Equilibrium) -> f64;
     /// Adds `weight` ∂J/∂u, three components per node.
