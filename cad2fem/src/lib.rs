@@ -1,1 +1,32 @@
-//! x
+//! From geometry to finite element meshes: implicit models and CAD files become
+//! closed surfaces in named regions, these become tetrahedra.
+//!
+//! - [`implicit`]: signed-distance primitives, smooth blends, regions
+//! - [`cad`]: gmsh scripts and STEP files
+//! - [`labelled`]: a surface in regions and its files
+//! - [`offset`]: open patch → closed selection volume
+//! - [`tetrahedralize`]: checks around a mesher, and its report
+//! - [`mesher`]: the external programs
+//! - [`planar`]: planar faces of the input stay planar
+//! - [`cache`]: meshes that were made before
+//! - [`render`]: shaded pictures
+//!
+//! Lengths are metres except inside [`implicit`], which works in the unit of the
+//! model file.
+
+pub mod cache;
+pub mod cad;
+pub mod cmd;
+pub mod config;
+pub mod implicit;
+pub mod labelled;
+pub mod mesher;
+pub mod offset;
+pub mod planar;
+pub mod render;
+pub mod report;
+pub mod tetrahedralize;
+pub mod units;
+
+/// Name and version, for reports.
+pub const PROGRAM: &str = concat!("cad2fem ", env!("CARGO_PKG_VERSION"));

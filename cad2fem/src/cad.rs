@@ -1,0 +1,71 @@
+//! CAD route: a gmsh/OpenCASCADE script or a STEP file → surface in patches.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use mesh::check::orient_by_nesting;
+
+use crate::labelled::LabelledSurface;
+use crate::mesher::gmsh::mesh_faces;
+use crate::mesher::python::Python;
+use crate::units::Unit;
+
+/// How a CAD file is read.
+#[derive(Clone, Debug)]
+pub struct CadOptions {
+    /// Unit of a `.geo` script; a STEP file states its own.
+    pub unit: Option<Unit>,
+    /// Numbers to set in a `.geo` script.
+    pub numbers: BTreeMap<String, f64>,
+    /// Longest edge [m].
+    pub edge_length: Option<f64>,
+    /// Longest time gmsh may take.
+    pub timeout: Duration,
+}
+
+/// Meshes the faces of a CAD file; one region per physical surface, of a STEP file
+/// one per face. Outer shells face outward, cavities inward.
+///
+/// # Errors
+/// If the unit is not clear, or gmsh cannot run or mesh the file.
+pub fn read(path: &Path, options: &CadOptions) -> Result<LabelledSurface> {
+    let scale = scale(path, options.unit)?;
+    let python = Python::find()?;
+    let edge_length = options.edge_length.map(|h| h / scale);
+    let faces = mesh_faces(&python, path, &options.numbers, edge_length, options.timeout)?;
+    let mut surface = faces.surface;
+    for v in &mut surface.vertices {
+        *v *= scale;
+    }
+    orient_by_nesting(&mut surface);
+    Ok(LabelledSurface { surface, names: faces.names, region: faces.patch })
+}
+
+/// Metres per unit of what gmsh returns.
+fn scale(path: &Path, unit: Option<Unit>) -> Result<f64> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    match (extension.as_str(), unit) {
+        ("geo", Some(unit)) => Ok(unit.metres()),
+        ("geo", None) => bail!("{}: a .geo script has no unit; say --unit mm", path.display()),
+        ("step" | "stp", None) => Ok(1.0),
+        ("step" | "stp", Some(_)) => {
+            bail!("{}: a STEP file states its unit; leave out --unit", path.display())
+        }
+        _ => bail!("{}: neither a .geo script nor a .step file", path.display()),
+    }
+}
+
+/// Reads `NAME=VALUE`.
+///
+/// # Errors
+/// If it is not a name, an equals sign and a finite number.
+pub fn parse_number(text: &str) -> Result<(String, f64)> {
+    let (name, value) = text.split_once('=').context("NAME=VALUE is needed")?;
+    let value: f64 = value.trim().parse().with_context(|| format!("{value:?} is not a number"))?;
+    if name.trim().is_empty() || !value.is_finite() {
+        bail!("a name and a finite number are needed, found {text:?}");
+    }
+    Ok((name.trim().to_owned(), value))
+}

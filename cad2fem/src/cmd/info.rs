@@ -1,0 +1,215 @@
+//! `cad2fem info`: counts, sizes, quality and validity of any surface or mesh.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use mesh::check::{Finding, check_surface, check_tets};
+use mesh::cli::Unusable;
+use mesh::io::{read_surface, read_tets};
+use mesh::measure::{
+    Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, volume,
+};
+use mesh::topology::{boundary, boundary_edges, boundary_loops, components};
+use mesh::{SurfaceMesh, Tags};
+use serde::Serialize;
+
+use crate::report::findings;
+
+/// Lengths are taken to be metres; findings are told, and with --check an error
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// .stl, .obj, .ply or .msh
+    file: PathBuf,
+    /// One line of JSON on stdout
+    #[arg(long)]
+    json: bool,
+    /// Exit with 1 if there are findings
+    #[arg(long)]
+    check: bool,
+}
+
+/// What is known about a file.
+#[derive(Debug, Serialize)]
+struct Info {
+    file: String,
+    vertices: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tets: Option<usize>,
+    /// Of the surface or of the boundary.
+    triangles: usize,
+    components: usize,
+    open_edges: usize,
+    open_loops: usize,
+    /// [m]
+    bounds: [[f64; 3]; 2],
+    /// [m]
+    diagonal: f64,
+    /// [m²]
+    area: f64,
+    /// Enclosed, signed; of an open surface there is none [m³].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<Quality>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tags: Vec<TagInfo>,
+    findings: Vec<FindingInfo>,
+}
+
+#[derive(Debug, Serialize)]
+struct TagInfo {
+    id: u32,
+    name: String,
+    facets: usize,
+    /// [m²]
+    area: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FindingInfo {
+    rule: &'static str,
+    count: usize,
+    message: String,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If the file cannot be read; with `--check` also if there are findings.
+pub fn run(args: &Args) -> Result<()> {
+    let is_mesh = args.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("msh"));
+    let (info, found) = if is_mesh { of_tets(args)? } else { of_surface(args)? };
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string(&info)?)?;
+    } else {
+        info.print(&mut out)?;
+    }
+    if args.check && !found.is_empty() {
+        let message = format!("{}:{}", args.file.display(), findings(&found));
+        return Err(Unusable(message).into());
+    }
+    Ok(())
+}
+
+fn of_surface(args: &Args) -> Result<(Info, Vec<Finding>)> {
+    let surface = read_surface(&args.file)?;
+    let found = check_surface(&surface);
+    let mut info = Info::of(args, &surface, &found);
+    info.volume = (info.open_edges == 0).then(|| enclosed_volume(&surface));
+    Ok((info, found))
+}
+
+fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
+    let file = read_tets(&args.file)?;
+    let found = check_tets(&file.mesh);
+    let (skin, _) = boundary(&file.mesh).surface(&file.mesh);
+    let mut info = Info::of(args, &skin, &found);
+    info.vertices = file.mesh.vertices.len();
+    info.tets = Some(file.mesh.tets.len());
+    info.volume = Some(volume(&file.mesh));
+    info.quality = Some(quality(&file.mesh));
+    info.tags = tags(&file.tags, &file.mesh.vertices);
+    Ok((info, found))
+}
+
+fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
+    let info = |(id, name): (u32, &String)| {
+        let facets = tags.facets_of(id);
+        let area = |f: &[usize; 3]| triangle_area(vertices[f[0]], vertices[f[1]], vertices[f[2]]);
+        let area = facets.iter().map(area).sum();
+        TagInfo { id, name: name.clone(), facets: facets.len(), area }
+    };
+    (1..).zip(&tags.names).map(info).collect()
+}
+
+impl Info {
+    fn of(args: &Args, surface: &SurfaceMesh, found: &[Finding]) -> Self {
+        let (min, max) = bounds(&surface.vertices);
+        let finding =
+            |f: &Finding| FindingInfo { rule: f.rule, count: f.count, message: f.message.clone() };
+        Self {
+            file: args.file.display().to_string(),
+            vertices: surface.vertices.len(),
+            tets: None,
+            triangles: surface.triangles.len(),
+            components: components(&surface.triangles).len(),
+            open_edges: boundary_edges(&surface.triangles).len(),
+            open_loops: boundary_loops(&surface.triangles).len(),
+            bounds: [min.into(), max.into()],
+            diagonal: diagonal(&surface.vertices),
+            area: area(surface),
+            volume: None,
+            quality: None,
+            tags: Vec::new(),
+            findings: found.iter().map(finding).collect(),
+        }
+    }
+
+    fn print(&self, out: &mut impl std::io::Write) -> std::io::Result<()> {
+        writeln!(out, "{}", self.file)?;
+        match self.tets {
+            Some(tets) => writeln!(
+                out,
+                "  {tets} tets, {} vertices, {} boundary facets",
+                self.vertices, self.triangles
+            )?,
+            None => writeln!(out, "  {} triangles, {} vertices", self.triangles, self.vertices)?,
+        }
+        writeln!(
+            out,
+            "  {} component(s), {} open edge(s) in {} loop(s)",
+            self.components, self.open_edges, self.open_loops
+        )?;
+        let [min, max] = self.bounds.map(|p| p.map(|x| x * 1e3));
+        writeln!(
+            out,
+            "  box {:.3} {:.3} {:.3} .. {:.3} {:.3} {:.3} mm, diagonal {:.3} mm",
+            min[0],
+            min[1],
+            min[2],
+            max[0],
+            max[1],
+            max[2],
+            self.diagonal * 1e3
+        )?;
+        write!(out, "  area {:.4} cm2", self.area * 1e4)?;
+        match self.volume {
+            Some(volume) => writeln!(out, ", volume {:.5} cm3", volume * 1e6)?,
+            None => writeln!(out, ", open: no volume")?,
+        }
+        if let Some(q) = &self.quality {
+            writeln!(
+                out,
+                "  radius ratio min {:.3}  p1 {:.3}  mean {:.3}\n  dihedral angles {:.1} .. {:.1} deg\n  \
+                 edges {:.3} / {:.3} / {:.3} mm (shortest, mean, longest)",
+                q.radius_ratio_min,
+                q.radius_ratio_p1,
+                q.radius_ratio_mean,
+                q.min_dihedral,
+                q.max_dihedral,
+                q.edge_min * 1e3,
+                q.edge_mean * 1e3,
+                q.edge_max * 1e3
+            )?;
+        }
+        for tag in &self.tags {
+            writeln!(
+                out,
+                "  tag {:>2} {:<12} {:>6} facets {:>10.4} cm2",
+                tag.id,
+                tag.name,
+                tag.facets,
+                tag.area * 1e4
+            )?;
+        }
+        for finding in &self.findings {
+            writeln!(out, "  {}: {}", finding.rule, finding.message)?;
+        }
+        if self.findings.is_empty() {
+            writeln!(out, "  no findings")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,45 @@
+//! The verbs, one per file.
+
+pub mod info;
+pub mod model;
+pub mod offset;
+pub mod picture;
+pub mod remesh;
+pub mod tetmesh;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+/// What `cad2fem` can do.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Implicit model or CAD file → closed surface and one patch per region
+    Model(model::Args),
+    /// Open patch → closed selection volume of thickness ±distance
+    Offset(offset::Args),
+    /// Closed surface → tetrahedra
+    Tetmesh(tetmesh::Args),
+    /// Improve the interior of a tetrahedral mesh, its surface untouched
+    Remesh(remesh::Args),
+    /// Counts, sizes, quality and validity of any surface or mesh
+    Info(info::Args),
+    /// Any surface, mesh or result → a shaded PNG, drawn without a display
+    Picture(picture::Args),
+}
+
+impl Verb {
+    /// Runs the verb.
+    ///
+    /// # Errors
+    /// What the verb says.
+    pub fn run(&self) -> Result<()> {
+        match self {
+            Self::Model(args) => model::run(args),
+            Self::Offset(args) => offset::run(args),
+            Self::Tetmesh(args) => tetmesh::run(args),
+            Self::Remesh(args) => remesh::run(args),
+            Self::Info(args) => info::run(args),
+            Self::Picture(args) => picture::run(args),
+        }
+    }
+}

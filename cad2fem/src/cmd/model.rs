@@ -1,0 +1,105 @@
+//! `cad2fem model`: implicit model or CAD file → closed surface and patches.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use mesh::SurfaceMesh;
+
+use crate::cad::{self, CadOptions, parse_number};
+use crate::implicit::{Fields, Model, ModelFile, assign, surface};
+use crate::labelled::LabelledSurface;
+use crate::report::Input;
+use crate::units::Unit;
+
+/// Writes DIR/model.stl, DIR/patches/<region>.stl, DIR/model.json, and the same in
+/// DIR/<variant>/ for every variant; lengths in metres
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Model: .toml (implicit), .geo (gmsh script) or .step
+    file: PathBuf,
+    /// Folder to write
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Implicit: keep ornaments (primitives with `fine = true`)
+    #[arg(long)]
+    fine: bool,
+    /// .geo: unit of its numbers
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// .geo: set a number that the script declares with DefineConstant
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_number)]
+    numbers: Vec<(String, f64)>,
+    /// CAD: longest edge [m]
+    #[arg(long, value_name = "M")]
+    edge_length: Option<f64>,
+    /// CAD: longest time gmsh may take [s]
+    #[arg(long, value_name = "S", default_value_t = 600)]
+    timeout: u64,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If the model cannot be read, is not a sound body, or files cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    match args.file.extension().and_then(|e| e.to_str()) {
+        Some("toml") => implicit(args),
+        _ => from_cad(args),
+    }
+}
+
+fn implicit(args: &Args) -> Result<()> {
+    if args.unit.is_some() || !args.numbers.is_empty() || args.edge_length.is_some() {
+        bail!("--unit, --set and --edge-length are for CAD files; a .toml model states its own");
+    }
+    let file = ModelFile::read(&args.file)?;
+    let input = Input::of(&args.file)?;
+    write(args, &file.model, &args.output, &input)?;
+    for (name, variant) in &file.variants {
+        log::info!("variant {name}");
+        write(args, variant, &args.output.join(name), &input)
+            .with_context(|| format!("variant {name:?}"))?;
+    }
+    Ok(())
+}
+
+fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()> {
+    let start = Instant::now();
+    let fields = Fields::new(model, args.fine);
+    let surface = surface(model, &fields).with_context(|| args.file.display().to_string())?;
+    let region = assign(model, &fields, &surface);
+    let scale = model.unit.metres();
+    let vertices = surface.vertices.iter().map(|v| v * scale).collect();
+    let labelled = LabelledSurface {
+        surface: SurfaceMesh { vertices, triangles: surface.triangles },
+        names: model.region_names(),
+        region,
+    };
+    finish(args, &labelled, folder, input.clone(), start)
+}
+
+fn from_cad(args: &Args) -> Result<()> {
+    let start = Instant::now();
+    let options = CadOptions {
+        unit: args.unit,
+        numbers: args.numbers.iter().cloned().collect(),
+        edge_length: args.edge_length,
+        timeout: Duration::from_secs(args.timeout),
+    };
+    let labelled = cad::read(&args.file, &options)?;
+    finish(args, &labelled, &args.output, Input::of(&args.file)?, start)
+}
+
+fn finish(
+    args: &Args,
+    labelled: &LabelledSurface,
+    folder: &Path,
+    input: Input,
+    start: Instant,
+) -> Result<()> {
+    let report =
+        labelled.write(folder, input, start).with_context(|| args.file.display().to_string())?;
+    report.log();
+    Ok(())
+}

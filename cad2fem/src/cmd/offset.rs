@@ -1,0 +1,64 @@
+//! `cad2fem offset`: open patch → closed selection volume.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use mesh::check::self_intersections;
+use mesh::io::{read_surface, write_surface};
+use mesh::measure::{diagonal, enclosed_volume};
+use mesh::topology::boundary_loops;
+
+use crate::offset::offset;
+
+/// Distance over the diagonal of the bounding box unless --distance is given.
+const RELATIVE_DISTANCE: f64 = 1e-3;
+
+/// Vertices move along their normals to both sides; walls close the rim
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Open patch [m]
+    patch: PathBuf,
+    /// Volume to write (.obj keeps full precision, .stl rounds to 32 bits)
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Distance to either side [m]; by default 1e-3 of the bounding box diagonal
+    #[arg(long, value_name = "M", conflicts_with = "diagonal_of")]
+    distance: Option<f64>,
+    /// Surface whose bounding box counts, instead of that of the patch
+    #[arg(long, value_name = "MODEL")]
+    diagonal_of: Option<PathBuf>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If the patch has no thickness to be given, or files cannot be read or written.
+pub fn run(args: &Args) -> Result<()> {
+    let patch = read_surface(&args.patch)?;
+    let distance = match (args.distance, &args.diagonal_of) {
+        (Some(distance), _) => distance,
+        (None, Some(model)) => RELATIVE_DISTANCE * diagonal(&read_surface(model)?.vertices),
+        (None, None) => RELATIVE_DISTANCE * diagonal(&patch.vertices),
+    };
+    let place = || args.patch.display().to_string();
+    let volume = offset(&patch, distance).with_context(place)?;
+    let crossings = self_intersections(&volume).len();
+    if crossings > 0 {
+        log::warn!(
+            "{}: {crossings} pairs of triangles of the volume intersect: the patch bends more \
+             sharply than the distance {distance:.3e} m; choose a smaller --distance",
+            place()
+        );
+    }
+    if boundary_loops(&patch.triangles).is_empty() {
+        log::info!("the patch is closed: the volume is a shell around it");
+    }
+    log::info!(
+        "distance {:.4} mm to either side, volume {:.5} cm3, {} triangles",
+        distance * 1e3,
+        enclosed_volume(&volume) * 1e6,
+        volume.triangles.len()
+    );
+    write_surface(&args.output, &volume)?;
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! `cad2fem tetmesh`: closed surface → tetrahedra.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use mesh::Tags;
+use mesh::io::{read_surface, write_atomic, write_tets};
+use mesh::measure::diagonal;
+use serde::Serialize;
+
+use crate::cache::Cache;
+use crate::config::{Config, Tetmesh};
+use crate::report::Input;
+use crate::tetrahedralize::{Job, Outcome, prepare, tetrahedralize};
+
+/// Settings come from --config, then from the flags; what neither says has a default.
+/// Writes OUT and OUT with the extension .report.json
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Closed surface [m]
+    surface: PathBuf,
+    /// Mesh to write (.msh)
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// cad2fem.toml
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// ftetwild or gmsh
+    #[arg(long)]
+    mesher: Option<String>,
+    /// Wanted edge length [m]
+    #[arg(long, value_name = "M", conflicts_with = "relative_edge_length")]
+    edge_length: Option<f64>,
+    /// Wanted edge length [diagonal of the bounding box]
+    #[arg(long, value_name = "F")]
+    relative_edge_length: Option<f64>,
+    /// Envelope around the input [m]
+    #[arg(long, value_name = "M", conflicts_with = "relative_envelope")]
+    envelope: Option<f64>,
+    /// Envelope around the input [diagonal of the bounding box]
+    #[arg(long, value_name = "F")]
+    relative_envelope: Option<f64>,
+    /// Energy at which an element is good enough, 3 is regular
+    #[arg(long, value_name = "E")]
+    stop_energy: Option<f64>,
+    /// Turn an inward-facing outer surface instead of refusing it
+    #[arg(long)]
+    orient: bool,
+    /// Longest time the mesher may take [s]
+    #[arg(long, value_name = "S", default_value_t = 1800)]
+    timeout: u64,
+    /// Neither use nor fill the cache of meshes
+    #[arg(long)]
+    no_cache: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    program: &'static str,
+    input: Input,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If the input is not a body, or the mesher or the verification of its result fails.
+pub fn run(args: &Args) -> Result<()> {
+    let settings = args.settings()?;
+    let input = Input::of(&args.surface)?;
+    let mut surface = read_surface(&args.surface)?;
+    let job = Job {
+        mesher: settings.tet_mesher()?,
+        options: settings.options(diagonal(&surface.vertices))?,
+        improve_passes: settings.improve_passes,
+        cache: if args.no_cache { None } else { Cache::open() },
+        timeout: Duration::from_secs(args.timeout),
+    };
+    let place = || args.surface.display().to_string();
+    prepare(&mut surface, args.orient).with_context(place)?;
+    let (mesh, outcome) = tetrahedralize(&surface, &job).with_context(place)?;
+    outcome.log();
+    write_tets(&args.output, &mesh, &Tags::default())?;
+    let report = Report { program: crate::PROGRAM, input, outcome };
+    let text = serde_json::to_string_pretty(&report)?;
+    write_atomic(&args.output.with_extension("report.json"), |out| writeln!(out, "{text}"))?;
+    Ok(())
+}
+
+impl Args {
+    /// The configuration with the flags on top.
+    fn settings(&self) -> Result<Tetmesh> {
+        let mut settings = Config::read(self.config.as_deref())?.tetmesh;
+        if let Some(mesher) = &self.mesher {
+            settings.mesher.clone_from(mesher);
+        }
+        if self.edge_length.or(self.relative_edge_length).is_some() {
+            settings.edge_length = self.edge_length;
+            settings.relative_edge_length = self.relative_edge_length;
+        }
+        if self.envelope.or(self.relative_envelope).is_some() {
+            settings.envelope = self.envelope;
+            settings.relative_envelope = self.relative_envelope;
+        }
+        settings.stop_energy = self.stop_energy.unwrap_or(settings.stop_energy);
+        Ok(settings)
+    }
+}

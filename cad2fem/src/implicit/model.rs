@@ -1,0 +1,339 @@
+//! The model file: primitives, cuts, regions and variants.
+//!
+//! Lengths are in the file's `unit` until [`crate::implicit::surface`] converts
+//! the finished surface to metres.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::Vec3;
+use mesh::io::read_text;
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::shape::{Bounds, Shape};
+use crate::units::Unit;
+
+/// An implicit model.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Unit of every length in the file.
+    pub unit: Unit,
+    /// Edge length of the triangles that are laid on the surface [unit].
+    pub grid: f64,
+    /// How far simplification may move the surface [unit].
+    #[serde(default)]
+    pub simplify: f64,
+    /// The body, cavities filled; built in the order of the file.
+    pub solid: Vec<Primitive>,
+    /// What is taken out of the body; built in the order of the file.
+    #[serde(default)]
+    pub cavity: Vec<Primitive>,
+    /// Planar faces.
+    #[serde(default)]
+    pub cut: Vec<Cut>,
+    /// Named parts of the surface; a triangle belongs to the first that takes it.
+    pub region: Vec<Region>,
+}
+
+/// One step in building a body.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Primitive {
+    /// Name, by which regions and variants refer to it.
+    pub name: String,
+    /// Geometry.
+    pub shape: Shape,
+    /// What it does to the body built so far.
+    #[serde(default)]
+    pub op: Op,
+    /// Width k of the smooth transition [unit].
+    #[serde(default)]
+    pub blend: f64,
+    /// Whether its mirror image in y = 0 follows right after it.
+    #[serde(default)]
+    pub mirror: bool,
+    /// Whether it is an ornament that a simulation does without.
+    #[serde(default)]
+    pub fine: bool,
+}
+
+/// What a primitive does to the body built so far.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Op {
+    /// Added.
+    #[default]
+    Union,
+    /// Taken away.
+    Difference,
+    /// Only what is in both stays.
+    Intersection,
+    /// The surface is raised where it lies inside the primitive.
+    Emboss {
+        /// Height, negative to engrave [unit].
+        height: f64,
+        /// Width over which the height fades at the primitive's surface [unit].
+        width: f64,
+    },
+}
+
+/// A plane that cuts the body after meshing, so that the face is exactly planar.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cut {
+    /// Name, by which regions refer to the face.
+    pub name: String,
+    /// Outward normal n of the face, not normalised.
+    pub normal: [f64; 3],
+    /// The body keeps n·p ≤ offset with n normalised [unit].
+    pub offset: f64,
+}
+
+/// A named part of the surface. A triangle is taken if all given conditions hold.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Name of the patch file.
+    pub name: String,
+    /// On the face of this cut.
+    pub cut: Option<String>,
+    /// On the wall of the cavity.
+    #[serde(default)]
+    pub cavity: bool,
+    /// On the outside, nearest to one of these primitives of the solid.
+    pub primitives: Option<Vec<String>>,
+    /// With the centroid in this box.
+    pub within: Option<Cuboid>,
+    /// Everything that is left.
+    #[serde(default)]
+    pub rest: bool,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cuboid {
+    /// Lower corner [unit].
+    pub min: [f64; 3],
+    /// Upper corner [unit].
+    pub max: [f64; 3],
+}
+
+/// A model file with its variants.
+#[derive(Clone, Debug)]
+pub struct ModelFile {
+    /// The model itself.
+    pub model: Model,
+    /// Variants: the name and the model with the overridden values.
+    pub variants: Vec<(String, Model)>,
+}
+
+impl ModelFile {
+    /// Reads and checks a model file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, has an unknown or missing key, or a value
+    /// that makes no sense.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(&read_text(path)?).with_context(|| path.display().to_string())
+    }
+
+    fn parse(text: &str) -> Result<Self> {
+        let mut table: Table = text.parse()?;
+        let overrides = take_variants(&mut table)?;
+        // A file without variants is parsed from its text: those messages carry lines.
+        let model: Model =
+            if overrides.is_empty() { toml::from_str(text)? } else { table.clone().try_into()? };
+        require_finite("", &Value::Table(table.clone()))?;
+        model.check()?;
+        let mut variants: Vec<(String, Model)> = Vec::new();
+        for (name, changes) in overrides {
+            ensure!(variants.iter().all(|(n, _)| *n != name), "variant {name:?} occurs twice");
+            let variant = vary(&table, changes).with_context(|| format!("variant {name:?}"))?;
+            variants.push((name, variant));
+        }
+        Ok(Self { model, variants })
+    }
+}
+
+/// Removes the variants from a model table: names and changes.
+fn take_variants(table: &mut Table) -> Result<Vec<(String, Table)>> {
+    let Some(variants) = table.remove("variant") else { return Ok(Vec::new()) };
+    let Value::Array(variants) = variants else { bail!("variants are written [[variant]]") };
+    let named = |variant: Value| {
+        let Value::Table(mut changes) = variant else { bail!("a variant is a table") };
+        match changes.remove("name") {
+            Some(Value::String(name)) => {
+                require_file_name(&name)?;
+                Ok((name, changes))
+            }
+            _ => bail!("a variant needs a name"),
+        }
+    };
+    variants.into_iter().map(named).collect()
+}
+
+/// The model with the primitives of `changes` overridden.
+fn vary(base: &Table, changes: Table) -> Result<Model> {
+    let mut table = base.clone();
+    for (list, primitives) in changes {
+        let (Value::Table(primitives), "solid" | "cavity") = (primitives, list.as_str()) else {
+            bail!("unknown key {list:?}; a variant changes primitives: [variant.solid.NAME]");
+        };
+        for (name, change) in primitives {
+            let target = table
+                .get_mut(&list)
+                .and_then(Value::as_array_mut)
+                .and_then(|a| a.iter_mut().find(|p| p.get("name") == Some(&name.clone().into())))
+                .with_context(|| format!("there is no {list} primitive {name:?}"))?;
+            merge(target, change);
+        }
+    }
+    require_finite("", &Value::Table(table.clone()))?;
+    let model: Model = table.try_into()?;
+    model.check()?;
+    Ok(model)
+}
+
+/// Replaces values of `target` by those of `change`, table by table.
+fn merge(target: &mut Value, change: Value) {
+    match (target, change) {
+        (Value::Table(target), Value::Table(change)) => {
+            for (key, value) in change {
+                match target.get_mut(&key) {
+                    Some(old) => merge(old, value),
+                    None => drop(target.insert(key, value)),
+                }
+            }
+        }
+        (target, change) => *target = change,
+    }
+}
+
+/// TOML has `nan` and `inf`; a length is neither.
+fn require_finite(key: &str, value: &Value) -> Result<()> {
+    match value {
+        Value::Float(x) => ensure!(x.is_finite(), "{key} is {x}; a finite number is needed"),
+        Value::Array(items) => items.iter().try_for_each(|v| require_finite(key, v))?,
+        Value::Table(table) => {
+            for (name, item) in table {
+                require_finite(&format!("{key}.{name}").trim_start_matches('.').to_owned(), item)?;
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// Names of regions and variants become names of files.
+fn require_file_name(name: &str) -> Result<()> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    ensure!(
+        !name.is_empty() && name != "patches" && name.chars().all(plain),
+        "name {name:?} must consist of letters, digits, - and _ (it names a file), and not be `patches`"
+    );
+    Ok(())
+}
+
+impl Model {
+    fn check(&self) -> Result<()> {
+        ensure!(self.grid > 0.0, "grid must be positive, found {}", self.grid);
+        ensure!(self.simplify >= 0.0, "simplify must not be negative, found {}", self.simplify);
+        check_primitives("solid", &self.solid)?;
+        check_primitives("cavity", &self.cavity)?;
+        ensure!(!self.solid.is_empty(), "a model needs at least one [[solid]] primitive");
+        for cut in &self.cut {
+            ensure!(Vec3::from(cut.normal).norm() > 0.0, "cut {:?}: the normal is zero", cut.name);
+        }
+        self.region.iter().try_for_each(|region| {
+            self.check_region(region).with_context(|| format!("region {:?}", region.name))
+        })
+    }
+
+    fn check_region(&self, region: &Region) -> Result<()> {
+        require_file_name(&region.name)?;
+        if let Some(cut) = &region.cut {
+            let known = names(self.cut.iter().map(|c| &c.name));
+            ensure!(self.cut.iter().any(|c| c.name == *cut), "no cut {cut:?}; cuts: {known}");
+        }
+        for name in region.primitives.iter().flatten() {
+            let known = names(self.solid.iter().map(|p| &p.name));
+            ensure!(
+                self.solid.iter().any(|p| p.name == *name && p.is_body()),
+                "no body {name:?} in [[solid]]; primitives: {known}"
+            );
+        }
+        let selective = region.cut.is_some()
+            || region.cavity
+            || region.primitives.is_some()
+            || region.within.is_some();
+        ensure!(
+            selective != region.rest,
+            "needs conditions (cut, cavity, primitives, within) or `rest = true`, not both"
+        );
+        Ok(())
+    }
+
+    /// Region names in the order of the file, each once.
+    #[must_use]
+    pub fn region_names(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for region in &self.region {
+            if !names.contains(&region.name) {
+                names.push(region.name.clone());
+            }
+        }
+        names
+    }
+
+    /// A box around the body, with room for blends and for a grid cell [unit].
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        let bodies = self.solid.iter().filter(|p| p.is_body());
+        let boxes = bodies.flat_map(|p| {
+            let images = [Some(&p.shape).cloned(), p.mirror.then(|| p.shape.mirrored())];
+            // A smooth union adds at most a quarter of its blend width.
+            let room = p.blend / 4.0 + 2.0 * self.grid;
+            images
+                .into_iter()
+                .flatten()
+                .filter_map(|s| s.bounds())
+                .map(move |(min, max)| (min.add_scalar(-room), max.add_scalar(room)))
+        });
+        let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        boxes.fold(empty, |a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+    }
+}
+
+impl Primitive {
+    /// Whether it adds volume, so that the surface may be nearest to it.
+    #[must_use]
+    pub fn is_body(&self) -> bool {
+        self.op == Op::Union && !matches!(self.shape, Shape::Crease { .. })
+    }
+}
+
+fn check_primitives(list: &str, primitives: &[Primitive]) -> Result<()> {
+    for (i, primitive) in primitives.iter().enumerate() {
+        let name = &primitive.name;
+        let place = || format!("{list} primitive {name:?}");
+        let twice = primitives[..i].iter().any(|p| p.name == *name);
+        ensure!(!twice, "{}: the name occurs twice", place());
+        ensure!(primitive.blend >= 0.0, "{}: blend {} is negative", place(), primitive.blend);
+        primitive.shape.check().map_err(anyhow::Error::msg).with_context(place)?;
+        ensure!(i > 0 || primitive.is_body(), "{}: the first primitive must be a body", place());
+        let crease = matches!(primitive.shape, Shape::Crease { .. });
+        let plain = primitive.op == Op::Union && primitive.blend == 0.0;
+        ensure!(!crease || plain, "{}: a crease takes neither op nor blend", place());
+        if let Op::Emboss { width, .. } = primitive.op {
+            ensure!(width > 0.0, "{}: width must be positive, found {width}", place());
+        }
+    }
+    Ok(())
+}
+
+fn names<'a>(items: impl Iterator<Item = &'a String>) -> String {
+    items.map(String::as_str).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,179 @@
+//! A closed surface whose triangles carry the name of a region, and its files:
+//! `model.stl`, `patches/<region>.stl` and the report `model.json`, written last.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use mesh::cli::Unusable;
+use mesh::io::{read_surface, write_atomic, write_surface};
+use mesh::measure::{area, bounds, enclosed_volume};
+use mesh::topology::{boundary_loops, components, submesh};
+use mesh::{SurfaceMesh, check};
+use serde::Serialize;
+
+use crate::report::{Input, findings};
+
+/// A closed surface [m] in named regions.
+pub struct LabelledSurface {
+    /// The surface [m].
+    pub surface: SurfaceMesh,
+    /// Region names.
+    pub names: Vec<String>,
+    /// For each triangle its region.
+    pub region: Vec<Option<usize>>,
+}
+
+/// Content of `model.json`.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    program: String,
+    input: Input,
+    vertices: usize,
+    triangles: usize,
+    /// [m²]
+    area: f64,
+    /// [m³]
+    volume: f64,
+    /// Corners of the bounding box [m].
+    bounds: [[f64; 3]; 2],
+    regions: Vec<RegionReport>,
+    /// What no region took.
+    unassigned: PatchReport,
+    wall_s: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct RegionReport {
+    name: String,
+    #[serde(flatten)]
+    patch: PatchReport,
+}
+
+#[derive(Debug, Serialize)]
+struct PatchReport {
+    triangles: usize,
+    /// [m²]
+    area: f64,
+    components: usize,
+    /// Closed loops of its rim.
+    loops: usize,
+}
+
+impl PatchReport {
+    fn of(patch: &SurfaceMesh) -> Self {
+        Self {
+            triangles: patch.triangles.len(),
+            area: area(patch),
+            components: components(&patch.triangles).len(),
+            loops: boundary_loops(&patch.triangles).len(),
+        }
+    }
+}
+
+impl LabelledSurface {
+    /// Triangles of a region, or those without, as an open surface.
+    fn patch(&self, region: Option<usize>) -> SurfaceMesh {
+        let triangles = self.surface.triangles.iter().zip(&self.region);
+        let chosen: Vec<_> = triangles.filter(|(_, r)| **r == region).map(|(&t, _)| t).collect();
+        submesh(&self.surface.vertices, &chosen).0
+    }
+
+    /// Writes the folder. `model.json` disappears first and comes back last, so that
+    /// it stands for a complete folder.
+    ///
+    /// # Errors
+    /// If a region is empty, if the surface as it reads back is not closed and
+    /// manifold ([`Unusable`]), or if a file cannot be written.
+    pub fn write(&self, folder: &Path, input: Input, start: Instant) -> Result<Report> {
+        let stamp = folder.join("model.json");
+        remove(&stamp)?;
+        let model = folder.join("model.stl");
+        write_surface(&model, &self.surface)?;
+        self.require_sound(&model)?;
+        let patches = folder.join("patches");
+        let regions = self.write_patches(&patches)?;
+        let (min, max) = bounds(&self.surface.vertices);
+        let report = Report {
+            program: crate::PROGRAM.into(),
+            input,
+            vertices: self.surface.vertices.len(),
+            triangles: self.surface.triangles.len(),
+            area: area(&self.surface),
+            volume: enclosed_volume(&self.surface),
+            bounds: [min.into(), max.into()],
+            regions,
+            unassigned: PatchReport::of(&self.patch(None)),
+            wall_s: start.elapsed().as_secs_f64(),
+        };
+        let text = serde_json::to_string_pretty(&report)?;
+        write_atomic(&stamp, |out| writeln!(out, "{text}"))?;
+        Ok(report)
+    }
+
+    /// Checks what a reader of the file will see: STL rounds to 32 bits.
+    fn require_sound(&self, model: &Path) -> Result<()> {
+        let found = check::check_surface(&read_surface(model)?);
+        if found.is_empty() {
+            return Ok(());
+        }
+        std::fs::remove_file(model)?;
+        Err(Unusable(format!("the surface is not usable:{}", findings(&found))).into())
+    }
+
+    fn write_patches(&self, folder: &Path) -> Result<Vec<RegionReport>> {
+        if folder.is_dir() {
+            std::fs::remove_dir_all(folder)
+                .with_context(|| format!("{}: cannot be replaced", folder.display()))?;
+        }
+        let mut reports = Vec::new();
+        for (index, name) in self.names.iter().enumerate() {
+            let patch = self.patch(Some(index));
+            if patch.triangles.is_empty() {
+                let message = format!("region {name:?} is empty: its conditions take no triangle");
+                return Err(Unusable(message).into());
+            }
+            write_surface(&folder.join(format!("{name}.stl")), &patch)?;
+            reports.push(RegionReport { name: name.clone(), patch: PatchReport::of(&patch) });
+        }
+        Ok(reports)
+    }
+}
+
+impl Report {
+    /// Tells the counts, areas and volumes.
+    pub fn log(&self) {
+        log::info!(
+            "{} triangles, area {:.2} cm2, volume {:.3} cm3",
+            self.triangles,
+            self.area * 1e4,
+            self.volume * 1e6
+        );
+        for RegionReport { name, patch } in &self.regions {
+            log::info!(
+                "  {name:<12} {:>6} triangles  {:>8.2} cm2  {} component(s), {} rim loop(s)",
+                patch.triangles,
+                patch.area * 1e4,
+                patch.components,
+                patch.loops
+            );
+        }
+        if self.unassigned.triangles > 0 {
+            log::warn!(
+                "{} triangles, {:.2} cm2, belong to no region; a region with `rest = true`, or one \
+                 more physical surface, takes them",
+                self.unassigned.triangles,
+                self.unassigned.area * 1e4
+            );
+        }
+    }
+}
+
+fn remove(file: &Path) -> Result<()> {
+    match std::fs::remove_file(file) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(e).with_context(|| format!("{}: cannot be replaced", file.display()))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,26 @@
+# Loads gmsh, or says which Debian packages its shared library needs.
+import json
+import sys
+
+import numpy
+
+try:
+    import gmsh
+except ImportError as error:
+    print(f"gmsh cannot be loaded ({error}); run `make setup`", file=sys.stderr)
+    sys.exit(3)
+except OSError as error:
+    print(
+        f"gmsh cannot be loaded ({error}); on Debian: "
+        "apt-get install libglu1-mesa libxft2 libxcursor1 libxinerama1 libxrender1",
+        file=sys.stderr,
+    )
+    sys.exit(3)
+
+
+def explain(message):
+    print(message, file=sys.stderr)
+    sys.exit(3)
+
+
+settings = json.load(open("settings.json"))

@@ -1,0 +1,45 @@
+# Fills the closed surface vertices.npy, triangles.npy; leaves points.npy, tets.npy.
+gmsh.initialize(readConfigFiles=False)
+gmsh.option.setNumber("General.NumThreads", settings["threads"])
+gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT
+gmsh.option.setNumber("Mesh.Optimize", 1)
+gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.4)
+gmsh.option.setNumber("Mesh.MeshSizeMax", settings["edge_length"])
+vertices = numpy.load("vertices.npy")
+triangles = numpy.load("triangles.npy").astype(numpy.int64)
+
+# The triangles themselves become the boundary of the volume.
+surface = gmsh.model.addDiscreteEntity(2)
+numbers = numpy.arange(1, len(vertices) + 1)
+gmsh.model.mesh.addNodes(2, surface, numbers, vertices.ravel())
+gmsh.model.mesh.addElementsByType(surface, 2, [], (triangles + 1).ravel())
+loop = gmsh.model.geo.addSurfaceLoop([surface])
+gmsh.model.geo.addVolume([loop])
+gmsh.model.geo.synchronize()
+fields = []
+for ball in settings["refine"]:
+    field = gmsh.model.mesh.field.add("Ball")
+    grown = 2 * (settings["edge_length"] - ball["edge_length"])
+    numbers = dict(zip(("XCenter", "YCenter", "ZCenter"), ball["center"]), Radius=ball["radius"],
+                   VIn=ball["edge_length"], VOut=settings["edge_length"], Thickness=max(grown, 0))
+    for key, value in numbers.items():
+        gmsh.model.mesh.field.setNumber(field, key, value)
+    fields.append(field)
+if fields:
+    smallest = gmsh.model.mesh.field.add("Min")
+    gmsh.model.mesh.field.setNumbers(smallest, "FieldsList", fields)
+    gmsh.model.mesh.field.setAsBackgroundMesh(smallest)
+try:
+    gmsh.model.mesh.generate(3)
+except Exception as error:
+    explain(f"gmsh cannot fill this surface ({error}); use mesher = \"ftetwild\"")
+
+tags, points, _ = gmsh.model.mesh.getNodes()
+_, corners = gmsh.model.mesh.getElementsByType(4)
+if len(corners) == 0:
+    explain("gmsh made no tetrahedra of this surface; use mesher = \"ftetwild\"")
+row = numpy.zeros(int(tags.max()) + 1)
+row[tags.astype(numpy.int64)] = numpy.arange(len(tags))
+numpy.save("points.npy", points.reshape(-1, 3))
+numpy.save("tets.npy", row[corners.astype(numpy.int64)].reshape(-1, 4))
+gmsh.finalize()

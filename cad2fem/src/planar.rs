@@ -1,0 +1,169 @@
+//! Planar faces stay planar.
+//!
+//! A mesher with an envelope leaves the vertices on the rim of a planar face up to
+//! an envelope beside its plane. Where the input is planar to rounding they are
+//! moved back along the normal, if their tetrahedra allow it: molds part and
+//! fittings seal on such faces.
+
+use mesh::bvh::SurfaceBvh;
+use mesh::measure::{area, diagonal, radius_ratio, triangle_area};
+use mesh::topology::{boundary, edge_facets};
+use mesh::{SurfaceMesh, TetMesh, Vec3};
+
+/// A planar face must cover this part of the surface.
+const MIN_AREA: f64 = 1e-3;
+/// Vertices of a planar face are this close to its plane [diagonal]; binary STL
+/// rounds to 6e-8.
+const FLAT: f64 = 5e-7;
+/// A tetrahedron may lose this part of its radius ratio.
+const MAX_LOSS: f64 = 0.5;
+
+/// Faces of a surface that are planar.
+struct Faces {
+    /// Unit normal and offset of each face.
+    planes: Vec<(Vec3, f64)>,
+    /// The planar face of each triangle.
+    of: Vec<Option<usize>>,
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flattened {
+    /// Vertices moved.
+    pub moved: usize,
+    /// Vertices left beside a plane, for the sake of their tetrahedra.
+    pub left: usize,
+}
+
+/// Moves boundary vertices onto the planar faces of `input` to which their facets
+/// belong, if that is no more than `reach` [m] along each normal.
+pub fn flatten(mesh: &mut TetMesh, input: &SurfaceMesh, reach: f64) -> Flattened {
+    let faces = Faces::of(input);
+    let planes_of = faces.at_vertices(mesh, input, reach);
+    let mut tets_of = vec![Vec::new(); mesh.vertices.len()];
+    for (t, tet) in mesh.tets.iter().enumerate() {
+        tet.iter().for_each(|&v| tets_of[v].push(t));
+    }
+    let mut done = Flattened { moved: 0, left: 0 };
+    for (v, planes) in planes_of.iter().enumerate().filter(|(_, planes)| !planes.is_empty()) {
+        let old = mesh.vertices[v];
+        let new = faces.project(old, planes);
+        if new == old {
+            continue;
+        }
+        let before: Vec<f64> = tets_of[v].iter().map(|&t| ratio(mesh, t)).collect();
+        mesh.vertices[v] = new;
+        let kept = |(&t, r): (&usize, &f64)| ratio(mesh, t) > MAX_LOSS * r;
+        if tets_of[v].iter().zip(&before).all(kept) {
+            done.moved += 1;
+        } else {
+            mesh.vertices[v] = old;
+            done.left += 1;
+        }
+    }
+    done
+}
+
+fn ratio(mesh: &TetMesh, t: usize) -> f64 {
+    let [a, b, c, d] = mesh.corners(t);
+    radius_ratio(a, b, c, d)
+}
+
+impl Faces {
+    fn of(surface: &SurfaceMesh) -> Self {
+        let areas: Vec<f64> = (0..surface.triangles.len())
+            .map(|t| {
+                let [a, b, c] = surface.corners(t);
+                triangle_area(a, b, c)
+            })
+            .collect();
+        // The largest triangles know their plane best.
+        let mut seeds: Vec<usize> = (0..areas.len()).collect();
+        seeds.sort_by(|&s, &t| areas[t].total_cmp(&areas[s]));
+        let (edges, flat) = (edge_facets(&surface.triangles), FLAT * diagonal(&surface.vertices));
+        let least = MIN_AREA * area(surface);
+        let mut faces = Self { planes: Vec::new(), of: vec![None; areas.len()] };
+        let mut tried = vec![false; areas.len()];
+        for seed in seeds {
+            if tried[seed] {
+                continue;
+            }
+            let [a, b, c] = surface.corners(seed);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            let plane = (normal, normal.dot(&a));
+            let face = flood(surface, &edges, &tried, seed, plane, flat);
+            if face.iter().map(|&t| areas[t]).sum::<f64>() >= least {
+                for &t in &face {
+                    tried[t] = true;
+                    faces.of[t] = Some(faces.planes.len());
+                }
+                faces.planes.push(plane);
+            }
+            tried[seed] = true;
+        }
+        faces
+    }
+
+    /// The planes on which each vertex of the mesh ought to be.
+    fn at_vertices(&self, mesh: &TetMesh, input: &SurfaceMesh, reach: f64) -> Vec<Vec<usize>> {
+        let nearest = SurfaceBvh::new(input);
+        let mut planes_of = vec![Vec::new(); mesh.vertices.len()];
+        for facet in boundary(mesh).facets {
+            let [a, b, c] = facet.map(|v| mesh.vertices[v]);
+            let triangle = nearest.closest(&((a + b + c) / 3.0)).triangle;
+            let Some(face) = self.of[triangle] else { continue };
+            let (normal, offset) = self.planes[face];
+            let along = (b - a).cross(&(c - a)).normalize().dot(&normal) > 0.7;
+            let near = [a, b, c].iter().all(|p| (normal.dot(p) - offset).abs() <= reach);
+            if along && near {
+                for v in facet {
+                    if !planes_of[v].contains(&face) {
+                        planes_of[v].push(face);
+                    }
+                }
+            }
+        }
+        planes_of
+    }
+
+    /// A point on all `planes`, by projecting onto each in turn.
+    fn project(&self, mut p: Vec3, planes: &[usize]) -> Vec3 {
+        // One plane needs one turn; edges and corners of a box converge at once,
+        // oblique ones geometrically.
+        for _ in 0..20 {
+            for &face in planes {
+                let (normal, offset) = self.planes[face];
+                p -= normal * (normal.dot(&p) - offset);
+            }
+        }
+        p
+    }
+}
+
+/// The triangles connected to `seed` that lie in `plane`.
+fn flood(
+    surface: &SurfaceMesh,
+    edges: &std::collections::BTreeMap<[usize; 2], Vec<usize>>,
+    taken: &[bool],
+    seed: usize,
+    (normal, offset): (Vec3, f64),
+    flat: f64,
+) -> Vec<usize> {
+    let in_plane =
+        |t: usize| surface.corners(t).iter().all(|p| (normal.dot(p) - offset).abs() <= flat);
+    let mut face = vec![seed];
+    let mut next = 0;
+    let mut seen = std::collections::BTreeSet::from([seed]);
+    while next < face.len() {
+        let [a, b, c] = surface.triangles[face[next]];
+        next += 1;
+        for (a, b) in [(a, b), (b, c), (c, a)] {
+            for &t in &edges[&[a.min(b), a.max(b)]] {
+                if !taken[t] && in_plane(t) && seen.insert(t) {
+                    face.push(t);
+                }
+            }
+        }
+    }
+    face
+}

@@ -1,0 +1,209 @@
+//! What a file holds, ready to be cut and painted.
+
+use std::collections::BTreeMap;
+
+use mesh::{Vec3, measure};
+
+use super::Facet;
+use super::color::Rgb;
+
+/// Cosine of the angle between facets above which an edge is drawn sharp (40°).
+const CREASE: f64 = 0.77;
+/// Length of the shortest chain of sharp edges that is drawn, relative to the diagonal.
+const CHAIN: f64 = 0.06;
+/// Height over longest side below which a triangle is a sliver.
+const SLIVER: f64 = 0.08;
+
+/// A triangle of a surface that shares its points with others.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Indices of its points, counter-clockwise from outside.
+    pub points: [usize; 3],
+    /// Field value at each corner; NaN where the triangle has its own colour.
+    pub values: [f64; 3],
+    /// Colour where there is no field value.
+    pub color: Rgb,
+    /// Bit i: the side from corner i to i + 1 is an edge of the mesh.
+    pub edges: u8,
+}
+
+/// The solid behind a surface: tetrahedra with 4 or 10 nodes in VTK order.
+#[derive(Clone, Debug, Default)]
+pub struct Cells {
+    /// Node positions.
+    pub points: Vec<Vec3>,
+    /// Nodes of each tetrahedron.
+    pub nodes: Vec<Vec<usize>>,
+    /// Field value at each node of each tetrahedron; NaN for none.
+    pub values: Vec<Vec<f64>>,
+    /// Colour where there is no field value.
+    pub color: Rgb,
+}
+
+/// A surface and, if it bounds a mesh, the solid inside.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// The surface.
+    pub facets: Vec<Facet>,
+    /// What a cut shows; none for a mere surface.
+    pub cells: Option<Cells>,
+    /// Whether a surface without cells is closed, so that a cut through it has a face.
+    pub closed: bool,
+}
+
+impl Shape {
+    /// Moves the shape.
+    pub fn translate(&mut self, by: &Vec3) {
+        for p in self.facets.iter_mut().flat_map(|f| &mut f.points) {
+            *p += by;
+        }
+        for p in self.cells.iter_mut().flat_map(|c| &mut c.points) {
+            *p += by;
+        }
+    }
+}
+
+/// Triangles with shading normals: the mean of the normals around a point,
+/// weighted by angle, over those neighbours that do not lie across a crease.
+#[must_use]
+pub fn shade(points: &[Vec3], triangles: &[Triangle]) -> Vec<Facet> {
+    let sides = sides(triangles);
+    let normals = facet_normals(points, triangles, &sides);
+    let around = incidence(points.len(), triangles);
+    let features = features(points, triangles, &normals, &sides);
+    let smooth = |t: usize, corner: usize| {
+        let v = triangles[t].points[corner];
+        let mut sum = Vec3::zeros();
+        for &n in around[v].iter().filter(|&&n| normals[t].dot(&normals[n]) > CREASE) {
+            sum += angle(points, &triangles[n], v) * normals[n];
+        }
+        sum.try_normalize(1e-12).unwrap_or(normals[t])
+    };
+    triangles
+        .iter()
+        .enumerate()
+        .map(|(t, triangle)| Facet {
+            points: triangle.points.map(|v| points[v]),
+            normals: [0, 1, 2].map(|corner| smooth(t, corner)),
+            values: triangle.values,
+            color: triangle.color,
+            edges: triangle.edges,
+            features: features[t],
+            section: false,
+        })
+        .collect()
+}
+
+/// A side of a triangle: the triangle, and the corner where the side starts.
+type Side = (usize, usize);
+
+/// Edges, ends in ascending order, and the sides on each.
+fn sides(triangles: &[Triangle]) -> BTreeMap<[usize; 2], Vec<Side>> {
+    let mut sides: BTreeMap<_, Vec<Side>> = BTreeMap::new();
+    for (t, triangle) in triangles.iter().enumerate() {
+        for i in 0..3 {
+            let (a, b) = (triangle.points[i], triangle.points[(i + 1) % 3]);
+            sides.entry([a.min(b), a.max(b)]).or_default().push((t, i));
+        }
+    }
+    sides
+}
+
+/// Unit normals. That of a sliver says little, so it takes the one of the
+/// largest triangle beside it.
+fn facet_normals(
+    points: &[Vec3],
+    triangles: &[Triangle],
+    sides: &BTreeMap<[usize; 2], Vec<Side>>,
+) -> Vec<Vec3> {
+    let corners = |t: &Triangle| t.points.map(|v| points[v]);
+    let doubled = |[a, b, c]: [Vec3; 3]| (b - a).cross(&(c - a));
+    let crosses: Vec<Vec3> = triangles.iter().map(|t| doubled(corners(t))).collect();
+    let sliver: Vec<bool> = triangles
+        .iter()
+        .zip(&crosses)
+        .map(|(t, cross)| {
+            let [a, b, c] = corners(t);
+            let longest =
+                [b - a, c - b, a - c].map(|e| e.norm_squared()).into_iter().fold(0.0, f64::max);
+            cross.norm() < SLIVER * longest
+        })
+        .collect();
+    let mut chosen: Vec<usize> = (0..triangles.len()).collect();
+    for on in sides.values() {
+        for (&(t, _), &(n, _)) in on.iter().flat_map(|a| on.iter().map(move |b| (a, b))) {
+            if sliver[t] && crosses[n].norm() > crosses[chosen[t]].norm() {
+                chosen[t] = n;
+            }
+        }
+    }
+    chosen.iter().map(|&t| crosses[t].try_normalize(0.0).unwrap_or_else(Vec3::z)).collect()
+}
+
+fn incidence(count: usize, triangles: &[Triangle]) -> Vec<Vec<usize>> {
+    let mut around = vec![Vec::new(); count];
+    for (t, triangle) in triangles.iter().enumerate() {
+        for v in triangle.points {
+            around[v].push(t);
+        }
+    }
+    around
+}
+
+/// Angle of a triangle at point `v` [rad].
+fn angle(points: &[Vec3], triangle: &Triangle, v: usize) -> f64 {
+    let i = triangle.points.iter().position(|&p| p == v).unwrap_or(0);
+    let [a, b, c] = [0, 1, 2].map(|k| points[triangle.points[(i + k) % 3]]);
+    (b - a).angle(&(c - a))
+}
+
+/// Per triangle, the sides that are creases or open and belong to a chain of
+/// some length: single sharp edges are flaws of a mesh, not of a shape.
+fn features(
+    points: &[Vec3],
+    triangles: &[Triangle],
+    normals: &[Vec3],
+    sides: &BTreeMap<[usize; 2], Vec<Side>>,
+) -> Vec<u8> {
+    let sharp = |on: &[Side]| match on[..] {
+        [(a, _), (b, _)] => normals[a].dot(&normals[b]) < CREASE,
+        _ => true,
+    };
+    let sides: Vec<(&[usize; 2], &Vec<Side>)> = sides.iter().filter(|(_, on)| sharp(on)).collect();
+    let edges: Vec<[usize; 2]> = sides.iter().map(|(edge, _)| **edge).collect();
+    let long = CHAIN * measure::diagonal(points);
+    let mut features = vec![0; triangles.len()];
+    for ((_, on), length) in sides.iter().zip(chain_lengths(points, &edges)) {
+        for &(t, i) in on.iter().filter(|_| length >= long) {
+            features[t] |= 1 << i;
+        }
+    }
+    features
+}
+
+/// For every edge, the total length of the edges that are connected with it.
+fn chain_lengths(points: &[Vec3], edges: &[[usize; 2]]) -> Vec<f64> {
+    let mut parent: Vec<usize> = (0..points.len()).collect();
+    fn root(parent: &mut [usize], mut v: usize) -> usize {
+        while parent[v] != v {
+            parent[v] = parent[parent[v]];
+            v = parent[v];
+        }
+        v
+    }
+    for &[a, b] in edges {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+        parent[a.max(b)] = a.min(b);
+    }
+    let mut lengths = vec![0.0; points.len()];
+    for &[a, b] in edges {
+        lengths[root(&mut parent, a)] += (points[b] - points[a]).norm();
+    }
+    edges.iter().map(|&[a, _]| lengths[root(&mut parent, a)]).collect()
+}
+
+/// Total area of facets [unit of the points, squared].
+#[must_use]
+pub fn area(facets: &[Facet]) -> f64 {
+    facets.iter().map(|f| measure::triangle_area(f.points[0], f.points[1], f.points[2])).sum()
+}

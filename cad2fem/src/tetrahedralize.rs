@@ -1,0 +1,247 @@
+//! Closed surface → tetrahedra: checks before and after the mesher.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail, ensure};
+use mesh::check::{check_tets, orient_by_nesting, run};
+use mesh::cli::Unusable;
+use mesh::improve::improve_interior;
+use mesh::measure::{Quality, area, enclosed_volume, hausdorff, quality, tet_volume, volume};
+use mesh::topology::{boundary, components, is_manifold, submesh};
+use mesh::{SurfaceMesh, TetMesh};
+use serde::Serialize;
+
+use crate::cache::{Cache, key};
+use crate::mesher::python::Python;
+use crate::mesher::{Options, TetMesher};
+use crate::planar::flatten;
+use crate::report::findings;
+
+/// Points at which distances between surfaces are measured.
+const SAMPLES: usize = 60_000;
+
+/// Part of the cache key; changes whenever the steps after the mesher change.
+const REVISION: u32 = 1;
+
+/// How a surface is to be meshed.
+pub struct Job<'a> {
+    /// Who meshes.
+    pub mesher: &'a dyn TetMesher,
+    /// What is asked of it.
+    pub options: Options,
+    /// Passes of our own improvement afterwards.
+    pub improve_passes: usize,
+    /// Where meshes are kept.
+    pub cache: Option<Cache>,
+    /// Longest time the mesher may take.
+    pub timeout: Duration,
+}
+
+/// What was made, and how good it is.
+#[derive(Debug, Serialize)]
+pub struct Outcome {
+    /// Mesher and its version.
+    pub mesher: String,
+    /// What was asked of it.
+    pub options: Options,
+    /// Passes of our own improvement.
+    pub improve_passes: usize,
+    /// Whether the mesh came from the cache.
+    pub cached: bool,
+    /// Vertices.
+    pub vertices: usize,
+    /// Tetrahedra.
+    pub tets: usize,
+    /// Triangles of the boundary.
+    pub boundary_facets: usize,
+    /// Connected shells of the boundary.
+    pub shells: usize,
+    /// Volume of the tetrahedra [m³].
+    pub volume: f64,
+    /// Volume enclosed by the input [m³].
+    pub input_volume: f64,
+    /// Largest allowed difference of the two, area × envelope [m³].
+    pub volume_tolerance: f64,
+    /// Largest distance of the boundary from the input [envelope].
+    pub hausdorff_to_input: f64,
+    /// Largest distance of the input from the boundary [envelope].
+    pub hausdorff_from_input: f64,
+    /// Quality of the elements.
+    pub quality: Quality,
+    /// Time to make or fetch and to verify the mesh [s].
+    pub wall_s: f64,
+}
+
+/// Checks that a surface bounds a body, and orients its shells by nesting: outer
+/// shells outward, cavities inward. A cavity that has to be turned is told; an
+/// outer shell only if `orient`, since it hints at a mistake.
+///
+/// # Errors
+/// If the surface is open, not manifold, self-intersecting, or faces inward.
+pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
+    let found = run(surface, &["closed", "manifold", "intersecting"]);
+    if !found.is_empty() {
+        bail!(
+            "it does not bound a body:{}\n  repair it where it was made; `cad2fem info` shows all \
+             findings",
+            findings(&found)
+        );
+    }
+    let given = surface.clone();
+    orient_by_nesting(surface);
+    for shell in components(&given.triangles) {
+        let volume = |s: &SurfaceMesh| {
+            let triangles: Vec<_> = shell.iter().map(|&t| s.triangles[t]).collect();
+            enclosed_volume(&submesh(&s.vertices, &triangles).0)
+        };
+        let turned = shell.iter().filter(|&&t| given.triangles[t] != surface.triangles[t]).count();
+        if turned == 0 {
+            continue;
+        }
+        let (volume, triangles) = (volume(surface), shell.len());
+        let kind = if volume > 0.0 { "outer surface" } else { "cavity" };
+        let what = format!(
+            "{turned} of {triangles} triangles of the {kind} of {:.4} cm3 face the wrong way",
+            volume.abs() * 1e6
+        );
+        ensure!(
+            volume < 0.0 || orient,
+            "{what}: an inward-facing body is often a mistake; --orient turns it"
+        );
+        log::info!("{what}: turned");
+    }
+    Ok(())
+}
+
+/// Fills a prepared surface with tetrahedra.
+///
+/// # Errors
+/// If the mesher cannot run or fails, or if its result is not a mesh of the body
+/// ([`Unusable`]).
+pub fn tetrahedralize(surface: &SurfaceMesh, job: &Job) -> Result<(TetMesh, Outcome)> {
+    let start = Instant::now();
+    let python = Python::find()?;
+    let version = python.version_of(job.mesher.package())?;
+    let mesher = format!("{} ({} {version})", job.mesher.name(), job.mesher.package());
+    let key =
+        key(surface, &(REVISION, &mesher, job.mesher.script(), &job.options, job.improve_passes))?;
+    let kept = job.cache.as_ref().and_then(|cache| cache.get(&key));
+    let cached = kept.is_some();
+    let mesh = match kept {
+        Some(mesh) => mesh,
+        None => {
+            let mut mesh = job.mesher.mesh(&python, surface, &job.options, job.timeout)?;
+            make_positive(&mut mesh);
+            let flattened = flatten(&mut mesh, surface, job.options.envelope);
+            if flattened.left > 0 {
+                log::warn!("{} vertices stay beside a planar face", flattened.left);
+            }
+            log::debug!("{} vertices moved onto planar faces", flattened.moved);
+            improve_interior(&mut mesh, job.improve_passes);
+            mesh
+        }
+    };
+    let mut outcome = verify(&mesh, surface, job, mesher)?;
+    if let (Some(cache), false) = (&job.cache, cached)
+        && let Err(error) = cache.put(&key, &mesh)
+    {
+        log::warn!("the mesh is not kept in the cache: {error:#}");
+    }
+    outcome.cached = cached;
+    outcome.wall_s = start.elapsed().as_secs_f64();
+    Ok((mesh, outcome))
+}
+
+fn make_positive(mesh: &mut TetMesh) {
+    for tet in &mut mesh.tets {
+        let [a, b, c, d] = tet.map(|v| mesh.vertices[v]);
+        if tet_volume(a, b, c, d) < 0.0 {
+            tet.swap(2, 3);
+        }
+    }
+}
+
+fn verify(mesh: &TetMesh, surface: &SurfaceMesh, job: &Job, mesher: String) -> Result<Outcome> {
+    let found = check_tets(mesh);
+    require(found.is_empty(), || format!("the mesh is not usable:{}", findings(&found)))?;
+    let (skin, _) = boundary(mesh).surface(mesh);
+    require(is_manifold(&skin.triangles), || "the boundary of the mesh is not manifold".into())?;
+    let shells = components(&skin.triangles).len();
+    let wanted = components(&surface.triangles).len();
+    require(shells == wanted, || {
+        format!("the boundary of the mesh has {shells} shells, the input has {wanted}")
+    })?;
+    let (volume, input_volume) = (volume(mesh), enclosed_volume(surface));
+    let tolerance = area(surface) * job.options.envelope;
+    require((volume - input_volume).abs() < tolerance, || {
+        format!(
+            "the tetrahedra fill {volume:.6e} m3, the surface encloses {input_volume:.6e} m3: more \
+             than area × envelope = {tolerance:.1e} m3 apart"
+        )
+    })?;
+    Ok(Outcome {
+        mesher,
+        options: job.options.clone(),
+        improve_passes: job.improve_passes,
+        cached: false,
+        vertices: mesh.vertices.len(),
+        tets: mesh.tets.len(),
+        boundary_facets: skin.triangles.len(),
+        shells,
+        volume,
+        input_volume,
+        volume_tolerance: tolerance,
+        hausdorff_to_input: hausdorff(&skin, surface, SAMPLES) / job.options.envelope,
+        hausdorff_from_input: hausdorff(surface, &skin, SAMPLES) / job.options.envelope,
+        quality: quality(mesh),
+        wall_s: 0.0,
+    })
+}
+
+fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Unusable> {
+    if holds { Ok(()) } else { Err(Unusable(message())) }
+}
+
+impl Outcome {
+    /// Tells the numbers.
+    pub fn log(&self) {
+        let q = &self.quality;
+        let origin = if self.cached { ", from the cache" } else { "" };
+        log::info!(
+            "{} tets, {} vertices, {} boundary facets in {} shell(s), {:.1} s{origin}",
+            self.tets,
+            self.vertices,
+            self.boundary_facets,
+            self.shells,
+            self.wall_s
+        );
+        log::info!(
+            "volume {:.4} cm3, input {:.4} cm3: {:+.3} % (up to {:.2} % allowed)",
+            self.volume * 1e6,
+            self.input_volume * 1e6,
+            100.0 * (self.volume / self.input_volume - 1.0),
+            100.0 * self.volume_tolerance / self.input_volume
+        );
+        log::info!(
+            "radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg; edges \
+             {:.2} / {:.2} / {:.2} mm",
+            q.radius_ratio_min,
+            q.radius_ratio_p1,
+            q.radius_ratio_mean,
+            q.min_dihedral,
+            q.max_dihedral,
+            q.edge_min * 1e3,
+            q.edge_mean * 1e3,
+            q.edge_max * 1e3
+        );
+        log::info!(
+            "distance boundary to input {:.2}, input to boundary {:.2} of the envelope {:.3} mm",
+            self.hausdorff_to_input,
+            self.hausdorff_from_input,
+            self.options.envelope * 1e3
+        );
+        if self.hausdorff_to_input.max(self.hausdorff_from_input) > 1.1 {
+            log::warn!("the boundary leaves the envelope; selections may miss facets");
+        }
+    }
+}
