@@ -198,6 +198,12 @@ impl Config {
                 lengths.push(("parting.cell", field.cell));
                 lengths.push(("parting.smoothing", field.smoothing));
                 ensure!(
+                    field.smoothing <= 50.0 * field.cell,
+                    "parting.smoothing is {}, must be at most 50 cells of {} m",
+                    field.smoothing,
+                    field.cell
+                );
+                ensure!(
                     (1.0..=89.0).contains(&field.max_slope),
                     "parting.max_slope is {}, must lie between 1 and 89 degrees",
                     field.max_slope
@@ -249,6 +255,7 @@ mod tests {
             ("[vents]\nradius = -1e-3", "vents.radius is -0.001"),
             ("up = [0, 0, 0]", "up is"),
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
+            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0012"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
         ] {
             let message = format!("{:#}", Config::parse(text).unwrap_err());

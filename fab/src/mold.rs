@@ -26,6 +26,9 @@ const BEYOND: f64 = 1e-3;
 /// diagonal of the inlet's plane.
 const SEAT: f64 = 2e-3;
 
+/// Columns of a height field; ten times those of a hand-sized part at the default spacing.
+const MOST_COLUMNS: f64 = 1e6;
+
 /// A printed part.
 #[derive(Clone)]
 pub struct Piece {
@@ -100,6 +103,18 @@ pub enum MoldError {
     /// A surface is refused by the solid kernel.
     #[error(transparent)]
     Solid(#[from] SolidError),
+    /// A grid too fine to work with.
+    #[error(
+        "parting.cell = {cell} m makes {columns:.1e} columns over the mold, at most {most:.1e} are allowed; enlarge it"
+    )]
+    Columns {
+        /// Spacing asked for [m].
+        cell: f64,
+        /// Columns it makes.
+        columns: f64,
+        /// Columns allowed.
+        most: f64,
+    },
     /// A shell fell apart.
     #[error(
         "the {name} shell has {count} separate pieces, the second of {volume_mm3:.3} mm³: \
@@ -135,8 +150,8 @@ impl Mold {
             findings: Vec::new(),
         };
         match pull {
-            Pull::Z => mold.add_upper_and_lower(&part, config),
-            Pull::Y => mold.add_sides_on_base(&part, skin, config),
+            Pull::Z => mold.add_upper_and_lower(&part, config)?,
+            Pull::Y => mold.add_sides_on_base(&part, skin, config)?,
         }
         mold.add_cores(skin, config)?;
         mold.add_channels(skin, &part.surface, config)?;
@@ -144,15 +159,21 @@ impl Mold {
         Ok(mold)
     }
 
-    fn add_upper_and_lower(&mut self, part: &Part, config: &Config) {
+    fn add_upper_and_lower(&mut self, part: &Part, config: &Config) -> Result<(), MoldError> {
         let flat = |p: &Vec3| [p.x, p.y];
         let keys = [flat(&self.block.min), flat(&self.block.max)];
-        let [upper, lower] = self.part(&self.block.solid(), part, keys, Pull::Z, config);
+        let [upper, lower] = self.part(&self.block.solid(), part, keys, Pull::Z, config)?;
         self.add_shell("upper", upper, Vec3::z());
         self.add_shell("lower", lower, -Vec3::z());
+        Ok(())
     }
 
-    fn add_sides_on_base(&mut self, part: &Part, skin: &Skin, config: &Config) {
+    fn add_sides_on_base(
+        &mut self,
+        part: &Part,
+        skin: &Skin,
+        config: &Config,
+    ) -> Result<(), MoldError> {
         let Block { min, max } = self.block.clone();
         let joint = seat_height(&part.surface, skin, &self.frame);
         // Cut from boxes of their own: a plane through a flat seat would leave
@@ -163,7 +184,7 @@ impl Mold {
         // need the lowest strip.
         let base_keys = joint + 2.0 * key::land(&config.keys) + config.keys.height;
         let keys = [[min.x, -max.z], [max.x, -base_keys]];
-        let [mut left, mut right] = self.part(&sides, part, keys, Pull::Y, config);
+        let [mut left, mut right] = self.part(&sides, part, keys, Pull::Y, config)?;
         let sites = key::sites([min.x, min.y], [max.x, max.y], &config.keys);
         for [x, y] in sites {
             let key = Key::new(Vec3::new(x, y, joint), &config.keys);
@@ -171,11 +192,12 @@ impl Mold {
             for shell in [&mut left, &mut right] {
                 *shell = shell.difference(&key.female.solid());
             }
-            self.features.push(Feature { purpose: Purpose::Key, frustum: key.female });
+            self.features.push(Feature { purpose: Purpose::Key, frustum: key.seat });
         }
         self.add_shell("left", left, Vec3::y());
         self.add_shell("right", right, -Vec3::y());
         self.add_shell("base", base, -Vec3::z());
+        Ok(())
     }
 
     fn add_shell(&mut self, name: &str, solid: Solid, leaves: Vec3) {
@@ -192,7 +214,7 @@ impl Mold {
         keys: [[f64; 2]; 2],
         pull: Pull,
         config: &Config,
-    ) -> [Solid; 2] {
+    ) -> Result<[Solid; 2], MoldError> {
         let turn = Turn::lowering(-pull.vector());
         let corners = [turn.0 * self.block.min, turn.0 * self.block.max];
         let (min, max) = measure::bounds(&corners);
@@ -204,6 +226,11 @@ impl Mold {
                 Split::plane(&site, z, &config.keys)
             }
             Parting::HeightField(field) => {
+                let columns = (max.x - min.x) * (max.y - min.y) / field.cell.powi(2);
+                if columns > MOST_COLUMNS {
+                    let (cell, most) = (field.cell, MOST_COLUMNS);
+                    return Err(MoldError::Columns { cell, columns, most });
+                }
                 let vertices = part.surface.vertices.iter().map(|p| turn.0 * p).collect();
                 let triangles = part.surface.triangles.clone();
                 let turned = SurfaceMesh { vertices, triangles };
@@ -220,10 +247,10 @@ impl Mold {
             let place = |cone: &Frustum| cone.solid().transform(&affine(back));
             sides.below = sides.below.union(&place(&key.male));
             sides.above = sides.above.difference(&place(&key.female));
-            let frustum = turned(&key.female, back);
+            let frustum = turned(&key.seat, back);
             self.features.push(Feature { purpose: Purpose::Key, frustum });
         }
-        [sides.above, sides.below]
+        Ok([sides.above, sides.below])
     }
 
     /// The height along the pull of a plane given in the design [m].

@@ -248,8 +248,8 @@ mod tests {
             (0..grid.len()).map(|v| on_edge(v).then(|| exact(v))).collect();
         let heights = extend(&grid, &fixed);
         // The five-point formula is exact on quadratics: only the iteration errs.
-        for v in 0..grid.len() {
-            assert!((heights[v] - exact(v)).abs() < 1e-5, "{v}");
+        for (v, height) in heights.iter().enumerate() {
+            assert!((height - exact(v)).abs() < 1e-5, "{v}");
         }
     }
 

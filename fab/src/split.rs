@@ -167,3 +167,38 @@ fn moved(side: &str, crumb: &Solid) -> Finding {
         count: 1,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn cube(half: f64, low: f64, high: f64) -> Solid {
+        Solid::cube(&Vec3::new(-half, -half, low), &Vec3::new(half, half, high))
+    }
+
+    #[test]
+    fn crumbs_go_to_the_other_side_without_a_seam() {
+        // A slab with a dent in its underside, parted through the dent: its upper
+        // half is cut off from the upper shell.
+        let part = cube(10.0, 0.0, 10.0).difference(&cube(3.0, -1.0, 3.0));
+        let region = cube(20.0, -10.0, 20.0);
+        let site = Site {
+            min: Vec3::new(-20.0, -20.0, -10.0),
+            max: Vec3::repeat(20.0),
+            keys: [[-20.0; 2], [20.0; 2]],
+        };
+        let split = Split::plane(&site, 1.0, &Keys::default());
+        let sides = divide(&region, &part, &split);
+        assert_eq!(sides.findings.len(), 1);
+        assert_eq!(sides.findings[0].rule, "crumb");
+        for side in [&sides.above, &sides.below] {
+            assert_eq!(side.decompose().len(), 1);
+            assert!(mesh::check::check_surface(&side.to_surface()).is_empty());
+        }
+        let below = 40.0 * 40.0 * 11.0 - 20.0 * 20.0 + 6.0 * 6.0 * 3.0;
+        assert!((sides.below.volume() - below).abs() < 1e-9);
+        let whole = region.difference(&part).volume();
+        assert!((sides.above.volume() + sides.below.volume() - whole).abs() < 1e-9);
+    }
+}

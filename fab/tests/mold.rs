@@ -1,42 +1,174 @@
-//! `fab mold` and `fab verify` on small bodies.
+//! `fab mold` and `fab verify` on small bodies, with good and bad input.
 
 #![allow(clippy::unwrap_used)]
 
 mod fixture;
 
-use fixture::{CHAMBER, Scene, TWO_TOPS, stderr, stdout};
+use std::process::{Command, Output};
+
+use fab::report::Report;
+use fixture::{CHAMBER, CLOSED, Scene, TWO_TOPS, fab, stderr, stdout};
+use mesh::Vec3;
+use mesh::io::{read_tets, write_tets};
 
 const PLANE: &str = "[parting]\nkind = \"plane\"\n";
-const HEIGHT_FIELD: &str = "[parting]\nkind = \"height-field\"\n";
 
-fn molds_and_verifies(scene: &Scene) -> String {
+fn mold_and_verify(scene: &Scene) -> Report {
     let molded = scene.mold();
     assert!(molded.status.success(), "{}", stderr(&molded));
     let verified = scene.verify();
     assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
-    stdout(&verified)
+    Report::read(&scene.path("mold")).unwrap()
+}
+
+fn names(report: &Report) -> Vec<&str> {
+    report.parts.iter().map(|part| part.name.as_str()).collect()
+}
+
+fn count(report: &Report, purpose: &str) -> usize {
+    report.features.iter().filter(|f| f.purpose.name() == purpose).count()
 }
 
 #[test]
-fn shells_on_a_base_with_a_planar_parting() {
-    let scene = Scene::new(&CHAMBER, PLANE);
-    let lines = molds_and_verifies(&scene);
-    println!("{lines}");
-    for part in ["left", "right", "base", "core"] {
-        assert!(scene.path("mold").join(format!("{part}.stl")).exists());
+fn shells_on_a_base() {
+    let report = mold_and_verify(&Scene::new(&CHAMBER, PLANE));
+    assert_eq!(names(&report), ["left", "right", "base", "core"]);
+    // Three between the shells and three on the base; one flat top.
+    assert_eq!((count(&report, "key"), count(&report, "sprue"), count(&report, "vent")), (6, 1, 0));
+    // 7 · 5 · 6 cubes less 27 + 2, of 64 mm³ each.
+    assert!((report.cast.volume - 181.0 * 64.0).abs() < 1e-9);
+}
+
+#[test]
+fn upper_and_lower_shell() {
+    let report = mold_and_verify(&Scene::new(&CHAMBER, ""));
+    assert_eq!(names(&report), ["upper", "lower", "core"]);
+    assert_eq!(count(&report, "key"), 3);
+}
+
+#[test]
+fn the_other_directions() {
+    for parting in [
+        "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.0101",
+        "[parting]\nkind = \"height-field\"\npull = [0, 1, 0]",
+        "up = [0, 0, 1]\n[parting]\nkind = \"plane\"\npull = [-1, 1, 0]",
+    ] {
+        mold_and_verify(&Scene::new(&CHAMBER, parting));
     }
 }
 
 #[test]
-fn upper_and_lower_shell_with_a_curved_parting() {
-    let scene = Scene::new(&CHAMBER, HEIGHT_FIELD);
-    let lines = molds_and_verifies(&scene);
-    println!("{lines}");
+fn every_top_gets_a_channel() {
+    let scene = Scene::new(&TWO_TOPS, "[sprue]\nat = [0.01, 0.014, 0]");
+    let report = mold_and_verify(&scene);
+    assert_eq!((count(&report, "sprue"), count(&report, "vent")), (1, 1));
+    // Parts of an earlier mold do not stay beside those of a new one.
+    std::fs::write(scene.path("mold.toml"), PLANE).unwrap();
+    assert_eq!(names(&mold_and_verify(&scene)), ["left", "right", "base", "core"]);
+    assert!(!scene.path("mold/upper.stl").exists());
 }
 
 #[test]
-fn every_top_gets_a_channel() {
-    let scene = Scene::new(&TWO_TOPS, HEIGHT_FIELD);
-    let lines = molds_and_verifies(&scene);
-    println!("{lines}");
+fn the_same_mold_again() {
+    let bytes = || {
+        let scene = Scene::new(&CHAMBER, "");
+        assert!(scene.mold().status.success());
+        ["mold.json", "upper.stl", "lower.stl", "core.stl"]
+            .map(|file| std::fs::read(scene.path("mold").join(file)).unwrap())
+    };
+    assert_eq!(bytes(), bytes());
+}
+
+fn assert_refused(output: &Output, message: &str) {
+    let said = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains(message), "{said:?} does not say {message:?}");
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+#[test]
+fn bad_configurations() {
+    for (config, message) in [
+        ("wal = 1", "unknown field `wal`, expected one of `cavity`, `up`, `wall`"),
+        ("cavity = \"hole\"", "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)"),
+        ("up = [1, 0, 0]", "faces 90.0° away from straight down"),
+        ("[parting]\nkind = \"plane\"\npull = [0, 1, 1]", "makes an angle of 45.00° with up"),
+        ("[sprue]\nat = [1, 0, 0]", "does not meet the part"),
+        ("[core]\nshoulder = 1.6e-3", "leaves a stub of radius 0.200 mm"),
+        ("[parting]\nkind = \"height-field\"\ncell = 2e-5\nsmoothing = 1e-4", "columns"),
+    ] {
+        assert_refused(&Scene::new(&CHAMBER, config).mold(), message);
+    }
+}
+
+#[test]
+fn bad_bodies() {
+    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³");
+    assert_refused(&Scene::new(&CLOSED, "cavity = \"skin\"").mold(), "separate pieces");
+    let spoil = |f: fn(&mut Vec3) -> bool| {
+        let scene = Scene::new(&CHAMBER, "");
+        let mut msh = read_tets(&scene.path("design.msh")).unwrap();
+        assert!(msh.mesh.vertices.iter_mut().any(f));
+        write_tets(&scene.path("design.msh"), &msh.mesh, &msh.tags).unwrap();
+        scene.mold()
+    };
+    // A corner of the inlet, lifted.
+    let lift = |p: &mut Vec3| {
+        let corner = (*p - Vec3::new(8e-3, 12e-3, 0.0)).norm() < 1e-9;
+        p.z += if corner { 1e-3 } else { 0.0 };
+        corner
+    };
+    assert_refused(&spoil(lift), "leaves its plane by");
+    // An inner vertex, moved through the opposite faces of its tetrahedra.
+    let invert = |p: &mut Vec3| {
+        let inner = (*p - Vec3::new(4e-3, 8e-3, 4e-3)).norm() < 1e-9;
+        p.x += if inner { 5e-3 } else { 0.0 };
+        inner
+    };
+    assert_refused(&spoil(invert), "some are inverted or overlap");
+}
+
+#[test]
+fn bad_files() {
+    let scene = Scene::new(&CHAMBER, "");
+    let design = scene.path("design.msh");
+    let text = std::fs::read_to_string(&design).unwrap();
+    std::fs::write(&design, &text[..text.len() / 2]).unwrap();
+    assert_refused(&scene.mold(), "design.msh");
+    std::fs::write(&design, text.replacen("0.004", "nan", 1)).unwrap();
+    assert_refused(&scene.mold(), "design.msh");
+    std::fs::remove_file(&design).unwrap();
+    assert_refused(&scene.mold(), "design.msh");
+    assert_refused(&scene.verify(), "mold.json");
+    // A file where the folder should be.
+    std::fs::write(&design, text).unwrap();
+    std::fs::write(scene.path("mold"), "").unwrap();
+    assert_refused(&scene.mold(), "mold");
+    assert_refused(&fab(&["mold"]), "Usage");
+}
+
+#[test]
+fn a_report_cannot_point_outside_its_folder() {
+    let scene = Scene::new(&CHAMBER, "");
+    let mut report = mold_and_verify(&scene);
+    report.parts[0].file = "../design.msh".into();
+    report.write(&scene.path("mold")).unwrap();
+    assert_refused(&scene.verify(), "files must lie in its own folder");
+}
+
+/// A limit on the size of files stands for a full disk.
+#[test]
+#[cfg(unix)]
+fn a_full_disk_leaves_no_half_mold() {
+    let scene = Scene::new(&CHAMBER, "");
+    let output = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 60; exec \"$0\" mold design.msh -o mold"])
+        .arg(env!("CARGO_BIN_EXE_fab"))
+        .current_dir(scene.path(""))
+        .output()
+        .unwrap();
+    assert_refused(&output, ".stl");
+    let left: Vec<_> = std::fs::read_dir(scene.path("mold")).unwrap().flatten().collect();
+    let names: Vec<_> = left.iter().map(|entry| entry.file_name()).collect();
+    assert!(names.iter().all(|name| name == "reference"), "{names:?}");
 }

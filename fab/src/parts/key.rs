@@ -36,21 +36,27 @@ pub struct Key {
     pub male: Frustum,
     /// The hole for it, from below the foot.
     pub female: Frustum,
+    /// The hole above the foot.
+    pub seat: Frustum,
 }
 
 impl Key {
     /// The key at a point of the joint.
     #[must_use]
     pub fn new(foot: Vec3, keys: &Keys) -> Self {
-        let (low, high) = (-ROOT * keys.height, keys.height);
+        let root = -ROOT * keys.height;
         let radius = |z: f64| keys.radius * (1.0 - (1.0 - TAPER) * z / keys.height);
-        let cone = |high: f64, clearance: f64| Frustum {
+        let cone = |low: f64, clearance: f64| Frustum {
             base: foot + Vec3::z() * low,
-            axis: Vec3::z() * (high - low),
+            axis: Vec3::z() * (keys.height + clearance - low),
             base_radius: radius(low) + clearance,
-            top_radius: radius(high) + clearance,
+            top_radius: radius(keys.height + clearance) + clearance,
         };
-        Self { male: cone(high, 0.0), female: cone(high + keys.clearance, keys.clearance) }
+        Self {
+            male: cone(root, 0.0),
+            female: cone(root, keys.clearance),
+            seat: cone(0.0, keys.clearance),
+        }
     }
 }
 
@@ -71,7 +77,7 @@ mod tests {
     #[test]
     fn the_hole_is_wider_and_deeper_than_the_key_by_the_clearance() {
         let keys = Keys::default();
-        let Key { male, female } = Key::new(Vec3::zeros(), &keys);
+        let Key { male, female, .. } = Key::new(Vec3::zeros(), &keys);
         assert!((female.base_radius - male.base_radius - keys.clearance).abs() < 1e-15);
         assert!((female.axis.z - male.axis.z - keys.clearance).abs() < 1e-15);
         assert!(male.solid().difference(&female.solid()).volume() < 1e-18);

@@ -1,0 +1,241 @@
+//! Every check of `fab verify` fails when the files are damaged in its way.
+
+#![allow(clippy::unwrap_used)]
+
+mod fixture;
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use fab::report::{Outline, Report};
+use fab::verify::{Line, Status, verify};
+use fixture::{CHAMBER, Scene, stderr};
+use mesh::io::{read_surface, write_surface};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+
+/// A sound mold with upper and lower shell.
+fn sound() -> &'static Scene {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    SCENE.get_or_init(|| {
+        let scene = Scene::new(&CHAMBER, "");
+        let output = scene.mold();
+        assert!(output.status.success(), "{}", stderr(&output));
+        scene
+    })
+}
+
+/// The lines of a copy of the sound mold after `damage`.
+fn after(damage: impl FnOnce(&Path)) -> Vec<Line> {
+    let from = sound().path("mold");
+    let folder = tempfile::tempdir().unwrap();
+    let mold = folder.path().join("mold");
+    std::fs::create_dir_all(mold.join("reference")).unwrap();
+    std::fs::copy(sound().path("design.msh"), folder.path().join("design.msh")).unwrap();
+    for file in ["mold.json", "upper.stl", "lower.stl", "core.stl", "reference/cast.stl"] {
+        std::fs::copy(from.join(file), mold.join(file)).unwrap();
+    }
+    damage(&mold);
+    verify(&mold, None).unwrap()
+}
+
+fn assert_status(lines: &[Line], name: &str, status: Status) {
+    let line = lines.iter().find(|line| line.name == name);
+    let line = line.unwrap_or_else(|| panic!("no line {name:?} in {lines:#?}"));
+    assert_eq!(line.status, status, "{line}");
+}
+
+fn assert_fails(lines: &[Line], name: &str) {
+    assert_status(lines, name, Status::Fail);
+}
+
+/// Changes a file, and tells its new volume to the report so that other checks run.
+fn change(mold: &Path, part: &str, f: impl FnOnce(SurfaceMesh) -> SurfaceMesh) {
+    let path = mold.join(format!("{part}.stl"));
+    let surface = f(read_surface(&path).unwrap());
+    write_surface(&path, &surface).unwrap();
+    let volume = mesh::measure::enclosed_volume(&read_surface(&path).unwrap());
+    retell(mold, |report| {
+        report.parts.iter_mut().filter(|p| p.name == part).for_each(|p| p.volume = volume);
+    });
+}
+
+fn change_solid(mold: &Path, part: &str, f: impl FnOnce(Solid) -> Solid) {
+    change(mold, part, |surface| f(Solid::from_surface(&surface).unwrap()).to_surface());
+}
+
+fn retell(mold: &Path, f: impl FnOnce(&mut Report)) {
+    let mut report = Report::read(mold).unwrap();
+    f(&mut report);
+    report.write(mold).unwrap();
+}
+
+fn moved(mut surface: SurfaceMesh, by: Vec3) -> SurfaceMesh {
+    surface.vertices.iter_mut().for_each(|p| *p += by);
+    surface
+}
+
+fn cube(min: [f64; 3], max: [f64; 3]) -> Solid {
+    Solid::cube(&Vec3::from(min), &Vec3::from(max))
+}
+
+fn feature(mold: &Path, name: &str) -> Outline {
+    let report = Report::read(mold).unwrap();
+    report.features.into_iter().find(|f| f.purpose.name() == name).unwrap()
+}
+
+#[test]
+fn an_undamaged_copy_passes() {
+    let lines = after(|_| ());
+    let bad: Vec<&Line> = lines.iter().filter(|line| line.status != Status::Ok).collect();
+    assert!(bad.is_empty(), "{bad:#?}");
+}
+
+#[test]
+fn files() {
+    let lines = after(|mold| {
+        std::fs::copy(mold.join("core.stl"), mold.join("stray.stl")).unwrap();
+    });
+    assert_fails(&lines, "files");
+    let lines = after(|mold| std::fs::remove_file(mold.join("upper.stl")).unwrap());
+    assert_fails(&lines, "upper.stl: readable");
+    let lines = after(|mold| {
+        let path = mold.join("upper.stl");
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 7]).unwrap();
+    });
+    assert_fails(&lines, "upper.stl: readable");
+    let lines = after(|mold| {
+        let path = mold.join("upper.stl");
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+        std::fs::write(&path, &bytes).unwrap();
+    });
+    assert_fails(&lines, "upper.stl: readable");
+}
+
+#[test]
+fn surfaces() {
+    let lines = after(|mold| {
+        change(mold, "core", |mut s| {
+            s.triangles.pop();
+            s
+        });
+    });
+    assert_fails(&lines, "core: closed");
+    let lines = after(|mold| {
+        change(mold, "core", |mut s| {
+            s.triangles[0].swap(0, 1);
+            s
+        });
+    });
+    assert_fails(&lines, "core: oriented");
+    // A triangle with a third vertex in the middle of its longest edge.
+    let lines = after(|mold| {
+        change(mold, "core", |mut s| {
+            // Whole coordinates, so that the middle is exact.
+            let whole = |&v: &usize| s.vertices[v].iter().all(|x| x.fract() == 0.0);
+            let [a, b, _] = *s.triangles.iter().find(|t| t.iter().all(whole)).unwrap();
+            s.vertices.push((s.vertices[a] + s.vertices[b]) / 2.0);
+            s.triangles.push([a, b, s.vertices.len() - 1]);
+            s
+        });
+    });
+    assert_fails(&lines, "core: degenerate");
+    assert_fails(&lines, "core: manifold");
+    let lines = after(|mold| {
+        change(mold, "core", |mut s| {
+            let highest =
+                (0..s.vertices.len()).max_by(|&a, &b| s.vertices[a].z.total_cmp(&s.vertices[b].z));
+            s.vertices[highest.unwrap()].z -= 30.0;
+            s
+        });
+    });
+    assert_fails(&lines, "core: intersecting");
+    let lines = after(|mold| {
+        let crumb = cube([30.0; 3], [30.1; 3]);
+        change_solid(mold, "core", |core| core.union(&crumb));
+    });
+    assert_fails(&lines, "core: pieces");
+    let lines = after(|mold| retell(mold, |report| report.parts[2].volume *= 1.0 + 1e-9));
+    assert_fails(&lines, "core: volume");
+    assert_fails(&lines, "remaining checks");
+}
+
+#[test]
+fn fit() {
+    let lines = after(|mold| change(mold, "core", |s| moved(s, Vec3::new(0.1, 0.0, 0.0))));
+    assert_fails(&lines, "overlap: core and cast");
+    assert_fails(&lines, "surface: mold to design");
+    assert_fails(&lines, "surface: design to mold");
+    let lines = after(|mold| change(mold, "upper", |s| moved(s, Vec3::new(0.0, 0.0, -1.0))));
+    assert_fails(&lines, "block: size");
+    // A hole in the lower shell, far from the body.
+    let hole = cube([-20.0, -20.0, -6.0], [-18.0, -18.0, -4.0]);
+    let lines = after(|mold| {
+        let open = hole.union(&cube([-19.5, -19.5, -20.0], [-18.5, -18.5, -5.0]));
+        change_solid(mold, "lower", |lower| lower.difference(&open));
+    });
+    assert_fails(&lines, "leaks: empty elsewhere");
+    assert_fails(&lines, "balance: block-parts-voids-cast");
+    assert_fails(&lines, "cavity: other bodies");
+    // A pit in the wall of the cavity.
+    let lines = after(|mold| {
+        let pit = cube([-1.0, -15.0, 2.0], [1.0, -13.0, 4.0]);
+        change_solid(mold, "lower", |lower| lower.difference(&pit));
+    });
+    assert_fails(&lines, "surface: mold to design");
+    assert_fails(&lines, "volume: mold and design");
+}
+
+#[test]
+fn design() {
+    let lines = after(|mold| std::fs::remove_file(mold.join("../design.msh")).unwrap());
+    assert_fails(&lines, "design: readable");
+    let lines = after(|mold| {
+        let path = mold.join("../design.msh");
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text + "\n").unwrap();
+    });
+    assert_fails(&lines, "design: unchanged");
+}
+
+#[test]
+fn channels() {
+    let lines = after(|mold| {
+        // The file of the upper shell is turned upside down about x.
+        let [x, y, z] = feature(mold, "sprue").base;
+        let plug = cube([x - 7.0, -y - 7.0, -z - 4.0], [x + 7.0, -y + 7.0, -z - 3.0]);
+        change_solid(mold, "upper", |upper| upper.union(&plug));
+    });
+    assert_fails(&lines, "sprue 1: blocked");
+    assert_fails(&lines, "sprue 1: reaches the cavity");
+    let lines = after(|mold| {
+        retell(mold, |report| report.features.retain(|f| f.purpose.name() != "sprue"))
+    });
+    assert_fails(&lines, "sprue");
+    let lines = after(|mold| {
+        let key = feature(mold, "key");
+        let foot = Vec3::from(key.base);
+        let cut =
+            Solid::cube(&(foot - Vec3::new(5.0, 5.0, 0.0)), &(foot + Vec3::new(5.0, 5.0, 5.0)));
+        change_solid(mold, "lower", |lower| lower.difference(&cut));
+    });
+    assert_fails(&lines, "key 1: engaged");
+    let lines = after(|mold| {
+        let stub = cube([-5.0, -5.0, -9.0], [5.0, 5.0, -1.0]);
+        change_solid(mold, "core", |core| core.difference(&stub));
+    });
+    assert_fails(&lines, "socket 1: stub length");
+    assert_fails(&lines, "socket 1: stub fills");
+    let lines = after(|mold| retell(mold, |report| report.wall = 5.1));
+    assert_fails(&lines, "wall: least");
+}
+
+#[test]
+fn demolding() {
+    // The lower shell taken away upward meets the upper one and the silicone.
+    let lines = after(|mold| retell(mold, |report| report.parts[1].leaves = [0.0, 0.0, 1.0]));
+    assert_fails(&lines, "lower: comes off");
+    assert_status(&lines, "lower: undercut", Status::Warn);
+}
