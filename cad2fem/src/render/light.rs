@@ -104,9 +104,9 @@ impl Lights {
     #[must_use]
     pub fn arriving(&self, points: &[Point]) -> Vec<Arriving> {
         let mut arriving = vec![Arriving::default(); points.len()];
+        let mut maps: Vec<DepthMap> = (0..BATCH).map(|_| DepthMap::empty()).collect();
         for batch in self.rays.chunks(BATCH) {
-            let maps: Vec<DepthMap> =
-                batch.par_iter().map(|ray| DepthMap::new(ray, &self.facets)).collect();
+            maps.par_iter_mut().zip(batch).for_each(|(map, ray)| map.fill(ray, &self.facets));
             arriving.par_iter_mut().zip(points).for_each(|(sum, point)| {
                 let position = single(&((point.position - self.center) * self.scale));
                 for (ray, map) in batch.iter().zip(&maps) {
@@ -159,27 +159,29 @@ impl Ray {
 }
 
 impl DepthMap {
-    fn new(ray: &Ray, facets: &[Occluder]) -> Self {
-        let mut map = Self { nearest: vec![f32::NEG_INFINITY; TEXELS * TEXELS], blocks: vec![] };
+    fn empty() -> Self {
+        let across = TEXELS / BLOCK;
+        let nothing = f32::NEG_INFINITY;
+        Self { nearest: vec![nothing; TEXELS * TEXELS], blocks: vec![nothing; across * across] }
+    }
+
+    /// Draws all facets as the light of a ray sees them.
+    fn fill(&mut self, ray: &Ray, facets: &[Occluder]) {
+        self.nearest.fill(f32::NEG_INFINITY);
+        self.blocks.fill(f32::NEG_INFINITY);
         for facet in facets.iter().filter(|f| !f.closed || dot(f.normal, ray.direction) > 0.0) {
             let on_map = facet.corners.map(|p| {
                 let [x, y] = ray.texel(p);
                 [x, y, dot(ray.direction, p)]
             });
-            map.draw(&on_map);
+            self.draw(&on_map);
         }
-        map.blocks = map.nearest_in_blocks();
-        map
-    }
-
-    fn nearest_in_blocks(&self) -> Vec<f32> {
-        let across = TEXELS / BLOCK;
-        let mut blocks = vec![f32::NEG_INFINITY; across * across];
-        for (i, depth) in self.nearest.iter().enumerate() {
-            let block = &mut blocks[i / TEXELS / BLOCK * across + i % TEXELS / BLOCK];
-            *block = block.max(*depth);
+        for (row, texels) in self.nearest.chunks_exact(TEXELS).enumerate() {
+            let blocks = &mut self.blocks[row / BLOCK * (TEXELS / BLOCK)..];
+            for (block, part) in blocks.iter_mut().zip(texels.chunks_exact(BLOCK)) {
+                *block = part.iter().fold(*block, |nearest, &depth| nearest.max(depth));
+            }
         }
-        blocks
     }
 
     fn draw(&mut self, [a, b, c]: &[[f32; 3]; 3]) {

@@ -21,6 +21,7 @@ pub mod raster;
 pub mod shape;
 pub mod sheet;
 pub mod view;
+pub mod zbuffer;
 
 use color::Rgb;
 use mesh::Vec3;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::camera::{Camera, Projected};
 use super::color::{Rgb, Scale, inside};
+use super::zbuffer::{NOTHING, Samples, area2};
 use super::{Facet, Piece};
 
 /// Samples along each side of a pixel.
@@ -16,7 +17,6 @@ pub const SAMPLES: usize = 3;
 const BAND: usize = 16;
 /// Cosine of the angle between normals below which samples are not merged (25°).
 const ALIKE: f32 = 0.9;
-const NOTHING: u32 = u32::MAX;
 /// Added to the number of a piece to name its cut face.
 const CAPS: u32 = 0xf000_0000;
 
@@ -126,7 +126,7 @@ impl<'a> Facets<'a> {
             let own = &members[members.partition_point(|&f| (f as usize) < from)
                 ..members.partition_point(|&f| (f as usize) < to)];
             if piece.cap.is_some() {
-                let mut alone = Samples { top: samples.top, ..Samples::like(&samples) };
+                let mut alone = Samples::like(&samples);
                 own.iter().for_each(|&f| alone.draw(f, &self.corners[f as usize]));
                 self.draw_cap(p, &mut alone);
                 samples.merge(&alone);
@@ -317,11 +317,6 @@ fn blend(values: &[Vec3; 3], weights: [f64; 3]) -> Vec3 {
     weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
 }
 
-/// Twice the area on the screen; positive if the front is seen (y points down).
-fn area2([a, b, c]: &[Projected; 3]) -> f64 {
-    (b.y - a.y) * (c.x - a.x) - (b.x - a.x) * (c.y - a.y)
-}
-
 /// Barycentric coordinates on the screen.
 fn screen_weights(corners: &[Projected; 3], x: f64, y: f64) -> [f64; 3] {
     let [a, b, c] = corners;
@@ -330,94 +325,4 @@ fn screen_weights(corners: &[Projected; 3], x: f64, y: f64) -> [f64; 3] {
         |p: &Projected, q: &Projected| ((p.y - y) * (q.x - x) - (p.x - x) * (q.y - y)) / area;
     let (u, v) = (part(b, c), part(c, a));
     [u, v, 1.0 - u - v]
-}
-
-/// The z-buffer of a band.
-struct Samples {
-    width: usize,
-    height: usize,
-    /// Row of the picture that is the first here.
-    top: usize,
-    ids: Vec<u32>,
-    nearness: Vec<f64>,
-}
-
-impl Samples {
-    fn new(width: usize, height: usize, top: usize) -> Self {
-        let count = width * height;
-        Self {
-            width,
-            height,
-            top,
-            ids: vec![NOTHING; count],
-            nearness: vec![f64::NEG_INFINITY; count],
-        }
-    }
-
-    fn like(other: &Self) -> Self {
-        Self::new(other.width, other.height, other.top)
-    }
-
-    /// Centre of a sample.
-    fn place(&self, index: usize) -> (f64, f64) {
-        let (x, y) = (index % self.width, self.top + index / self.width);
-        (x as f64 + 0.5, y as f64 + 0.5)
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for i in 0..self.ids.len() {
-            if other.nearness[i] > self.nearness[i] {
-                self.nearness[i] = other.nearness[i];
-                self.ids[i] = other.ids[i];
-            }
-        }
-    }
-
-    /// Draws one triangle row by row: each side bounds the span from one end.
-    fn draw(&mut self, id: u32, corners: &[Projected; 3]) {
-        let area = area2(corners);
-        if area == 0.0 || !area.is_finite() {
-            return;
-        }
-        let [a, b, c] = corners;
-        let gradient = |f: fn(&Projected) -> f64| {
-            let (du, dv) = (f(b) - f(a), f(c) - f(a));
-            let x = (dv * (b.y - a.y) - du * (c.y - a.y)) / area;
-            let y = (du * (c.x - a.x) - dv * (b.x - a.x)) / area;
-            (x, y)
-        };
-        let (slope_x, slope_y) = gradient(|p| p.nearness);
-        let low = a.y.min(b.y).min(c.y) - self.top as f64;
-        let high = a.y.max(b.y).max(c.y) - self.top as f64;
-        let first = (low - 0.5).ceil().max(0.0) as usize;
-        let last = ((high - 0.5).floor() + 1.0).clamp(0.0, self.height as f64) as usize;
-        for row in first..last {
-            let y = (self.top + row) as f64 + 0.5;
-            let Some((left, right)) = span(corners, y) else { continue };
-            let from = (left - 0.5).ceil().max(0.0) as usize;
-            let to = ((right - 0.5).floor() + 1.0).clamp(0.0, self.width as f64) as usize;
-            let start = a.nearness + slope_y * (y - a.y) + slope_x * (0.5 - a.x);
-            for x in from..to {
-                let nearness = start + slope_x * x as f64;
-                let index = row * self.width + x;
-                if nearness > self.nearness[index] {
-                    self.nearness[index] = nearness;
-                    self.ids[index] = id;
-                }
-            }
-        }
-    }
-}
-
-/// Where the line at height y enters and leaves a triangle.
-fn span(corners: &[Projected; 3], y: f64) -> Option<(f64, f64)> {
-    let mut span: Option<(f64, f64)> = None;
-    for side in 0..3 {
-        let (a, b) = (&corners[side], &corners[(side + 1) % 3]);
-        if (a.y <= y) != (b.y <= y) {
-            let x = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
-            span = Some(span.map_or((x, x), |(left, right)| (left.min(x), right.max(x))));
-        }
-    }
-    span
 }

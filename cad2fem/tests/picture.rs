@@ -1,0 +1,277 @@
+//! `cad2fem picture` as its users run it, judged by the pixels that it writes.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, io};
+use tempfile::TempDir;
+
+struct Folder(TempDir);
+
+/// A picture that was written: 8-bit sRGB.
+struct Picture {
+    width: usize,
+    height: usize,
+    bytes: Vec<u8>,
+}
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, args: &str) -> Output {
+        self.run_on(args, 2)
+    }
+
+    fn run_on(&self, args: &str, threads: usize) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_cad2fem"))
+            .arg("picture")
+            .args(args.split_whitespace())
+            .args(["-o", "out.png"])
+            .env("RAYON_NUM_THREADS", threads.to_string())
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    fn draw(&self, args: &str) -> Picture {
+        let output = self.run(args);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{args}: {told}");
+        let decoder = png::Decoder::new(BufReader::new(File::open(self.path("out.png")).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        Picture { width: info.width as usize, height: info.height as usize, bytes }
+    }
+
+    fn fails(&self, args: &str, expected: &[&str]) {
+        let output = self.run(args);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args}: {told}");
+        for e in expected {
+            assert!(told.contains(e), "{args}: {e:?} is not in: {told}");
+        }
+        assert!(!self.path("out.png").exists(), "{args}: a picture was left behind");
+    }
+}
+
+impl Picture {
+    fn at(&self, x: usize, y: usize) -> [i32; 3] {
+        let i = 3 * (y * self.width + x);
+        [0, 1, 2].map(|k| i32::from(self.bytes[i + k]))
+    }
+
+    fn center(&self) -> [i32; 3] {
+        self.at(self.width / 2, self.height / 2)
+    }
+
+    /// Pixels that differ from the background, which depends on the row alone.
+    fn drawn(&self) -> usize {
+        let differs = |x: usize, y: usize| distance(self.at(x, y), self.at(0, y)) > 2;
+        (0..self.height).map(|y| (0..self.width).filter(|&x| differs(x, y)).count()).sum()
+    }
+}
+
+fn distance(a: [i32; 3], b: [i32; 3]) -> i32 {
+    (0..3).map(|k| (a[k] - b[k]).abs()).max().unwrap()
+}
+
+fn cube() -> SurfaceMesh {
+    Solid::cube(&Vec3::zeros(), &Vec3::new(1.0, 1.0, 1.0)).to_surface()
+}
+
+/// A cube of six tetrahedra around its diagonal; the side z = 0 is tagged.
+fn cube_of_tets() -> (TetMesh, Tags) {
+    let bit = |i: usize, k: usize| f64::from(u8::from(i >> k & 1 == 1));
+    let vertices = (0..8).map(|i| Vec3::new(bit(i, 0), bit(i, 1), bit(i, 2))).collect();
+    let paths = [[1, 2, 4], [2, 4, 1], [4, 1, 2], [1, 4, 2], [4, 2, 1], [2, 1, 4]];
+    let mut tets: Vec<[usize; 4]> = paths.iter().map(|[a, b, _]| [0, *a, a + b, 7]).collect();
+    tets[3..].iter_mut().for_each(|t| t.swap(2, 3));
+    let mut tags = Tags::new(vec!["floor".into()]);
+    tags.set([0, 1, 3], 1);
+    tags.set([0, 2, 3], 1);
+    (TetMesh { vertices, tets }, tags)
+}
+
+/// The cube as a quadratic result: displacement (0, 0, x) and a cell field.
+fn result() -> Grid {
+    let (mesh, _) = cube_of_tets();
+    let mut points = Vec::new();
+    let mut cells = Vec::new();
+    for t in 0..mesh.tets.len() {
+        let corners = mesh.corners(t);
+        points.extend(corners);
+        let edges = CellType::Tet10.edges();
+        points.extend(edges.iter().map(|&[a, b]| 0.5 * (corners[a] + corners[b])));
+        cells.extend(points.len() - 10..points.len());
+    }
+    let shift = points.iter().flat_map(|p| [0.0, 0.0, p.x]).collect();
+    Grid {
+        point_fields: vec![field("displacement", "m", 3, shift)],
+        cell_fields: vec![field("pressure", "Pa", 1, vec![5.0; mesh.tets.len()])],
+        points,
+        cells,
+        cell_type: CellType::Tet10,
+    }
+}
+
+fn field(name: &str, unit: &str, components: usize, values: Vec<f64>) -> Field {
+    Field { name: name.into(), unit: unit.into(), components, values }
+}
+
+const PLAIN: &str = "--orthographic --no-ground --smooth --size 400x300";
+
+#[test]
+fn silhouettes_have_the_right_area() {
+    let folder = Folder::new();
+    let sphere = Solid::sphere(&Vec3::zeros(), 1.0, 128).to_surface();
+    io::write_surface(&folder.path("sphere.stl"), &sphere).unwrap();
+    io::write_surface(&folder.path("cube.obj"), &cube()).unwrap();
+    // 6 % of the height stays free on both sides
+    let side = 0.88 * 300.0;
+    let circle = folder.draw(&format!("sphere.stl {PLAIN}")).drawn() as f64;
+    let expected = std::f64::consts::FRAC_PI_4 * side * side;
+    // the rim covers pixels in part: less than half a pixel along the circumference
+    assert!((circle - expected).abs() < 0.5 * std::f64::consts::PI * side, "{circle} {expected}");
+    let square = folder.draw(&format!("cube.obj --view front {PLAIN}")).drawn() as f64;
+    assert!((square - side * side).abs() < 0.5 * 4.0 * side, "{square} {}", side * side);
+    // seen along its diagonal, a cube is a regular hexagon standing on a corner
+    let view = "--view 45,35.264389682754654";
+    let hexagon = folder.draw(&format!("cube.obj {view} {PLAIN}")).drawn() as f64;
+    let expected = 1.5 * 3.0_f64.sqrt() * (0.5 * side).powi(2);
+    // a slanting rim touches up to √2 as many pixels as it is long
+    assert!((hexagon - expected).abs() < 0.71 * 3.0 * side, "{hexagon} {expected}");
+}
+
+#[test]
+fn cut_surface_shows_its_face_and_cut_mesh_its_section() {
+    let folder = Folder::new();
+    io::write_surface(&folder.path("cube.stl"), &cube()).unwrap();
+    let (mesh, _) = cube_of_tets();
+    io::write_tets(&folder.path("cube.msh"), &mesh, &Tags::default()).unwrap();
+    let whole = folder.draw(&format!("cube.stl --view front {PLAIN}"));
+    for name in ["cube.stl", "cube.msh"] {
+        let cut = folder.draw(&format!("{name} --view front --cut y=0.5 {PLAIN}"));
+        // the same square is seen, of another colour, and evenly: the face is flat
+        assert!(cut.drawn().abs_diff(whole.drawn()) < 300, "{name}");
+        assert!(distance(cut.center(), whole.center()) > 20, "{name}");
+        assert!(distance(cut.center(), cut.at(150, 100)) < 12, "{name}");
+    }
+    let nothing = format!("cube.stl --cut 0,-1,0,-2 {PLAIN}");
+    fs::remove_file(folder.path("out.png")).unwrap();
+    folder.fails(&nothing, &["the cut removes everything"]);
+}
+
+#[test]
+fn open_surface_shows_its_inside_in_another_colour() {
+    let folder = Folder::new();
+    let mut open = cube();
+    let lid = |t: &[usize; 3]| t.iter().all(|&v| open.vertices[v].y < 0.5);
+    open.triangles = open.triangles.iter().copied().filter(|t| !lid(t)).collect();
+    io::write_surface(&folder.path("open.obj"), &open).unwrap();
+    let [r, g, _] = folder.draw(&format!("open.obj --view front {PLAIN}")).center();
+    let [back_r, back_g, _] = folder.draw(&format!("open.obj --view back {PLAIN}")).center();
+    assert!(r > g && back_g > back_r, "inside is warm, outside is green");
+}
+
+#[test]
+fn tags_have_their_colours_and_names() {
+    let folder = Folder::new();
+    let (mesh, tags) = cube_of_tets();
+    io::write_tets(&folder.path("cube.msh"), &mesh, &tags).unwrap();
+    let [r, g, b] = folder.draw(&format!("cube.msh --view bottom {PLAIN}")).center();
+    assert!(b > g && g > r, "the tagged floor has the first colour, blue: {r} {g} {b}");
+    let [r, g, b] = folder.draw(&format!("cube.msh --view top {PLAIN}")).center();
+    assert!((r - b).abs() < 12 && (r - g).abs() < 12, "the rest is grey: {r} {g} {b}");
+}
+
+#[test]
+fn results_are_deformed_and_coloured_by_value() {
+    let folder = Folder::new();
+    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
+    let rest = folder.draw(&format!("cube.vtu --view front --deform none {PLAIN}"));
+    // rest: a square; deformed: a parallelogram twice as high as wide, of the same width
+    assert!(rest.drawn() > 60_000);
+    let bent = folder.draw(&format!("cube.vtu --view front {PLAIN}"));
+    let half = 0.5 * (0.88_f64 * 300.0).powi(2) / 2.0;
+    assert!((bent.drawn() as f64 - half).abs() < 600.0, "{} {half}", bent.drawn());
+
+    let args = format!("cube.vtu --view front --deform none --color displacement.z {PLAIN}");
+    let picture = folder.draw(&args);
+    // viridis from dark blue at x = 0 to yellow at x = 1; the scale is at the right border
+    let places: Vec<usize> =
+        (0..400).filter(|&x| distance(picture.at(x, 150), picture.at(0, 150)) > 2).collect();
+    let [r, _, b] = picture.at(places[4], 150);
+    assert!(b > r, "dark blue at the left");
+    let right = places.iter().rposition(|&x| x < 300).unwrap();
+    let [r, _, b] = picture.at(places[right] - 8, 150);
+    assert!(r > b + 60, "yellow at the right: {r} {b}");
+
+    folder.draw(&format!("cube.vtu --color pressure --edges {PLAIN}"));
+    folder.draw(&format!("cube.vtu --color displacement --cut x=0.4 --range 0,2 {PLAIN}"));
+}
+
+#[test]
+fn same_picture_on_any_number_of_threads() {
+    let folder = Folder::new();
+    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
+    let picture = |threads| {
+        let output =
+            folder.run_on("cube.vtu cube.vtu --color displacement --size 320x200", threads);
+        assert!(output.status.success());
+        fs::read(folder.path("out.png")).unwrap()
+    };
+    let one = picture(1);
+    assert!(one == picture(2) && one == picture(3));
+}
+
+#[test]
+fn files_go_side_by_side_or_together() {
+    let folder = Folder::new();
+    io::write_surface(&folder.path("a.obj"), &cube()).unwrap();
+    let mut far = cube();
+    far.vertices.iter_mut().for_each(|v| v.x += 3.0);
+    io::write_surface(&folder.path("b.obj"), &far).unwrap();
+    let wide = "--orthographic --no-ground --smooth --size 600x300 --view front";
+    let one = folder.draw(&format!("a.obj b.obj --together {wide}"));
+    // two unit cubes with two between them: half of the width is empty, the colours differ
+    assert!(distance(one.center(), one.at(0, 150)) <= 2);
+    assert!(distance(one.at(80, 150), one.at(520, 150)) > 30);
+    let apart = folder.draw(&format!("a.obj b.obj --together --spread 1 {wide}"));
+    assert!(apart.drawn() < one.drawn() / 2, "farther apart, so drawn smaller");
+    let panels = folder.draw(&format!("a.obj b.obj --captions left,right {wide}"));
+    assert_eq!((panels.width, panels.height), (600, 300));
+}
+
+#[test]
+fn errors_say_what_would_work() {
+    let folder = Folder::new();
+    io::write_surface(&folder.path("cube.stl"), &cube()).unwrap();
+    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
+    let fields = "at points: displacement; in cells: pressure";
+    folder.fails("cube.vtu --color velocity", &["velocity", fields, "cube.vtu"]);
+    folder.fails("cube.vtu --color displacement.5", &["3 components"]);
+    folder.fails("cube.vtu --deform velocity", &["velocity", fields]);
+    folder.fails("cube.stl --color displacement", &["no file is a .vtu"]);
+    folder.fails("cube.stl --captions a,b", &["2 captions for 1 files"]);
+    folder.fails("cube.stl --view above", &["above", "iso, front"]);
+    folder.fails("cube.stl --cut w=3", &["x=V"]);
+    folder.fails("cube.stl --size 10x10", &["64 to"]);
+    folder.fails("cube.vtu --color pressure --range 2,1", &["the first must be smaller"]);
+    folder.fails("missing.stl", &["missing.stl"]);
+    fs::write(folder.path("broken.vtu"), &fs::read(folder.path("cube.vtu")).unwrap()[..300])
+        .unwrap();
+    folder.fails("broken.vtu", &["broken.vtu"]);
+}
