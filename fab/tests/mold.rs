@@ -7,7 +7,7 @@ mod fixture;
 use std::process::{Command, Output};
 
 use fab::report::Report;
-use fixture::{CHAMBER, CLOSED, Scene, TWO_TOPS, fab, stderr, stdout};
+use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 
@@ -69,6 +69,15 @@ fn every_top_gets_a_channel() {
 }
 
 #[test]
+fn two_cavities_have_two_cores() {
+    for parting in ["", PLANE] {
+        let report = mold_and_verify(&Scene::new(&TWO_CHAMBERS, parting));
+        assert!(names(&report).ends_with(&["core1", "core2"]));
+        assert_eq!(count(&report, "socket"), 2);
+    }
+}
+
+#[test]
 fn the_same_mold_again() {
     let bytes = || {
         let scene = Scene::new(&CHAMBER, "");
@@ -90,7 +99,10 @@ fn assert_refused(output: &Output, message: &str) {
 fn bad_configurations() {
     for (config, message) in [
         ("wal = 1", "unknown field `wal`, expected one of `cavity`, `up`, `wall`"),
-        ("cavity = \"hole\"", "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)"),
+        (
+            "cavity = \"hole\"",
+            "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)",
+        ),
         ("up = [1, 0, 0]", "faces 90.0° away from straight down"),
         ("[parting]\nkind = \"plane\"\npull = [0, 1, 1]", "makes an angle of 45.00° with up"),
         ("[sprue]\nat = [1, 0, 0]", "does not meet the part"),
