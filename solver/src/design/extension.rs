@@ -88,13 +88,12 @@ impl Extension {
     /// The transpose: moves the cotangents of the interior entries of `bar`, a
     /// list over all vertices, to the boundary entries and clears them.
     pub fn pull_back(&self, bar: &mut [Vec3]) {
-        for k in 0..3 {
-            let load = self.interior.iter().map(|&v| std::mem::take(&mut bar[v][k])).collect();
-            for (row, pull) in self.coupling.iter().zip(self.solve(load)) {
-                for &(w, c) in row {
-                    bar[w][k] -= c * pull;
-                }
-            }
+        let load = |k: usize| self.interior.iter().map(|&v| bar[v][k]).collect();
+        let pulls = [load(0), load(1), load(2)].map(|b| self.solve(b));
+        self.interior.iter().for_each(|&v| bar[v] = Vec3::zeros());
+        for (i, row) in self.coupling.iter().enumerate() {
+            let pull = Vec3::from_fn(|k, _| pulls[k][i]);
+            row.iter().for_each(|&(w, c)| bar[w] -= c * pull);
         }
     }
 

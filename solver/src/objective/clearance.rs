@@ -19,7 +19,7 @@ use mesh::Vec3;
 
 use super::{Equilibrium, Objective};
 use crate::contact::barrier::log_barrier;
-use crate::contact::pairs::{Features, pairs_within};
+use crate::contact::pairs::{Features, Pair, pairs_within};
 use crate::contact::potential;
 
 /// Barrier between parts of one surface.
@@ -61,10 +61,17 @@ impl Objective for Clearance {
     }
 
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        if self.value_at(rest).is_finite() {
-            return Ok(());
-        }
-        Err("two parts of the rest surface touch; keep them apart".to_owned())
+        let pairs = pairs_within(&self.surface, rest, self.activation);
+        let touches = |p: &&Pair| p.closest(&p.gather(rest)).d2 == 0.0;
+        let Some(first) = pairs.iter().find(touches) else { return Ok(()) };
+        let p = rest[first.corners()[0]];
+        Err(format!(
+            "{} pairs of the rest surface touch, the first at ({:.5}, {:.5}, {:.5}) m",
+            pairs.iter().filter(touches).count(),
+            p.x,
+            p.y,
+            p.z
+        ))
     }
 
     fn value(&self, at: &Equilibrium) -> f64 {

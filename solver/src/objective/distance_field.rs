@@ -15,8 +15,11 @@
 //! has a kink on the target, which smears to a minimum of up to 0.375 δ in place
 //! of zero.
 //!
-//! Limits: near a curved or creased target d̃² may lie a little below zero.
-//! Beyond the border of an open target the distance is to the border.
+//! Limits: where the target bends within δ, d̃² is off and may lie below zero.
+//! On a frog with toes of 2 mm radius the root mean square of the error on the
+//! target is 0.13 mm for δ = 1 mm and 0.05 mm for δ = 0.5 mm (scalar: 0.23 and
+//! 0.11 mm): choose δ below a third of the smallest radius. Beyond the border of
+//! an open target the distance is to the border.
 
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};

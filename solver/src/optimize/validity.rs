@@ -67,8 +67,8 @@ fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
     };
     let volumes: Vec<f64> = tets.iter().map(volume).collect();
     let mean = volumes.iter().map(|v| v.abs()).sum::<f64>() / volumes.len() as f64;
-    // written so that a volume that is not a number is bad, too
-    let bad: Vec<usize> = (0..tets.len()).filter(|&t| !(volumes[t] > SMALLEST * mean)).collect();
+    let is_bad = |&t: &usize| volumes[t].is_nan() || volumes[t] <= SMALLEST * mean;
+    let bad: Vec<usize> = (0..tets.len()).filter(is_bad).collect();
     match bad.iter().min_by(|&&a, &&b| volumes[a].total_cmp(&volumes[b])) {
         None => Ok(()),
         Some(&tet) => Err(Invalid::Inverted {
