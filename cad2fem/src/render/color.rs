@@ -63,7 +63,7 @@ pub fn inside(color: Rgb) -> Rgb {
 /// The cut face of a body whose outside has this colour.
 #[must_use]
 pub fn section(color: Rgb) -> Rgb {
-    mix(color, from_hex(0xfff6e6), 0.66)
+    mix(color, from_hex(0xfff6e6), 0.5)
 }
 
 /// How values become colours.

@@ -12,7 +12,7 @@ const CREASE: f64 = 0.77;
 /// Length of the shortest chain of sharp edges that is drawn, relative to the diagonal.
 const CHAIN: f64 = 0.06;
 /// Height over longest side below which a triangle is a sliver.
-const SLIVER: f64 = 0.08;
+const SLIVER: f64 = 0.1;
 
 /// A triangle of a surface that shares its points with others.
 #[derive(Clone, Copy, Debug)]
@@ -109,35 +109,48 @@ fn sides(triangles: &[Triangle]) -> BTreeMap<[usize; 2], Vec<Side>> {
     sides
 }
 
-/// Unit normals. That of a sliver says little, so it takes the one of the
-/// largest triangle beside it.
+/// Unit normals. That of a sliver says little: where two triangles beside it
+/// agree with each other but not with it, it takes their mean.
 fn facet_normals(
     points: &[Vec3],
     triangles: &[Triangle],
     sides: &BTreeMap<[usize; 2], Vec<Side>>,
 ) -> Vec<Vec3> {
-    let corners = |t: &Triangle| t.points.map(|v| points[v]);
-    let doubled = |[a, b, c]: [Vec3; 3]| (b - a).cross(&(c - a));
-    let crosses: Vec<Vec3> = triangles.iter().map(|t| doubled(corners(t))).collect();
-    let sliver: Vec<bool> = triangles
-        .iter()
-        .zip(&crosses)
-        .map(|(t, cross)| {
-            let [a, b, c] = corners(t);
-            let longest =
-                [b - a, c - b, a - c].map(|e| e.norm_squared()).into_iter().fold(0.0, f64::max);
-            cross.norm() < SLIVER * longest
-        })
-        .collect();
-    let mut chosen: Vec<usize> = (0..triangles.len()).collect();
+    let own: Vec<Vec3> = triangles.iter().map(|t| normal(points, t)).collect();
+    let mut beside: Vec<Vec<Vec3>> = vec![Vec::new(); triangles.len()];
     for on in sides.values() {
-        for (&(t, _), &(n, _)) in on.iter().flat_map(|a| on.iter().map(move |b| (a, b))) {
-            if sliver[t] && crosses[n].norm() > crosses[chosen[t]].norm() {
-                chosen[t] = n;
-            }
+        if let [(a, _), (b, _)] = on[..] {
+            beside[a].push(own[b]);
+            beside[b].push(own[a]);
         }
     }
-    chosen.iter().map(|&t| crosses[t].try_normalize(0.0).unwrap_or_else(Vec3::z)).collect()
+    let agree = |a: &Vec3, b: &Vec3| a.dot(b) > CREASE;
+    let outvoted = |t: usize| {
+        let pairs = [(0, 1), (1, 2), (2, 0)];
+        let pairs = pairs.iter().filter_map(|&(i, j)| beside[t].get(i).zip(beside[t].get(j)));
+        let mut against =
+            pairs.filter(|(a, b)| agree(a, b) && !agree(a, &own[t]) && !agree(b, &own[t]));
+        against.next().map(|(a, b)| (a + b).normalize())
+    };
+    (0..triangles.len())
+        .map(|t| {
+            Some(t)
+                .filter(|&t| is_sliver(points, &triangles[t]))
+                .and_then(outvoted)
+                .unwrap_or(own[t])
+        })
+        .collect()
+}
+
+fn normal(points: &[Vec3], triangle: &Triangle) -> Vec3 {
+    let [a, b, c] = triangle.points.map(|v| points[v]);
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::z)
+}
+
+fn is_sliver(points: &[Vec3], triangle: &Triangle) -> bool {
+    let [a, b, c] = triangle.points.map(|v| points[v]);
+    let longest = [b - a, c - b, a - c].map(|e| e.norm_squared()).into_iter().fold(0.0, f64::max);
+    (b - a).cross(&(c - a)).norm() < SLIVER * longest
 }
 
 fn incidence(count: usize, triangles: &[Triangle]) -> Vec<Vec<usize>> {

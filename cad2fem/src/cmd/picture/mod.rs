@@ -76,6 +76,9 @@ pub struct Args {
     /// Move files apart from their common centre, relative to their distance
     #[arg(long, default_value_t = 0.0, requires = "together")]
     spread: f64,
+    /// Stand all files on the ground in a row, from left to right
+    #[arg(long, requires = "together", conflicts_with = "spread")]
+    row: bool,
     /// Written above everything
     #[arg(long, default_value = "")]
     title: String,
@@ -105,6 +108,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut loaded = load_all(args)?;
     if args.spread != 0.0 {
         spread(&mut loaded, args.spread);
+    }
+    if args.row {
+        line_up(&mut loaded, &args.view.frame()[0]);
     }
     let panels = panels(args, &loaded);
     ensure!(
@@ -147,15 +153,35 @@ fn load_all(args: &Args) -> Result<Vec<Loaded>> {
 
 /// Moves every shape away from the centre of all.
 fn spread(loaded: &mut [Loaded], factor: f64) {
-    let center = |shape: &Shape| {
-        let points: Vec<Vec3> = shape.facets.iter().flat_map(|f| f.points).collect();
-        let (min, max) = mesh::measure::bounds(&points);
-        0.5 * (min + max)
-    };
     let centers: Vec<Vec3> = loaded.iter().map(|l| center(&l.shape)).collect();
     let mean = centers.iter().sum::<Vec3>() / centers.len() as f64;
     for (file, c) in loaded.iter_mut().zip(centers) {
         file.shape.translate(&(factor * (c - mean)));
+    }
+}
+
+fn center(shape: &Shape) -> Vec3 {
+    let points: Vec<Vec3> = shape.facets.iter().flat_map(|f| f.points).collect();
+    let (min, max) = mesh::measure::bounds(&points);
+    0.5 * (min + max)
+}
+
+/// Puts shapes on z = 0 one after the other along the horizontal direction
+/// `right`, with a fifth of their mean width between them.
+fn line_up(loaded: &mut [Loaded], right: &Vec3) {
+    let span = |shape: &Shape, axis: &Vec3| {
+        let along = shape.facets.iter().flat_map(|f| f.points).map(|p| axis.dot(&p));
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let spans: Vec<(f64, f64)> = loaded.iter().map(|l| span(&l.shape, right)).collect();
+    let gap = 0.2 * spans.iter().map(|(a, b)| b - a).sum::<f64>() / spans.len() as f64;
+    let mut next = 0.0;
+    for (file, (left, end)) in loaded.iter_mut().zip(spans) {
+        let c = center(&file.shape);
+        let level = Vec3::new(c.x, c.y, span(&file.shape, &Vec3::z()).0);
+        let across = level - right.dot(&level) * right;
+        file.shape.translate(&((next - left) * right - across));
+        next += end - left + gap;
     }
 }
 
