@@ -19,7 +19,7 @@ impl Type {
     #[must_use]
     pub fn for_sheet(size: [usize; 2]) -> Self {
         let side = (size[0] as f64 * 0.62).min(size[1] as f64);
-        Self { height: (side / 72.0).clamp(6.0, 60.0) }
+        Self { height: (side / 62.0).clamp(6.0, 60.0) }
     }
 
     /// Style of the title.

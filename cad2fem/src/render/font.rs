@@ -20,7 +20,7 @@ const fn glyph(symbol: char, width: f64, strokes: &'static str) -> Glyph {
 }
 
 /// Space between glyphs.
-const TRACKING: f64 = 1.75;
+const TRACKING: f64 = 1.9;
 /// Width of a blank.
 const BLANK: f64 = 1.6;
 /// Radius of the pen.
