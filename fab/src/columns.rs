@@ -16,11 +16,11 @@ pub struct Grid {
 /// Where a column meets the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Lowest point [m].
+    /// Lowest point of its longest filled interval [m].
     pub bottom: f64,
-    /// Highest point [m].
+    /// Highest point of its longest filled interval [m].
     pub top: f64,
-    /// Separate filled intervals between the two; more than one is an undercut.
+    /// Separate filled intervals; more than one is an undercut.
     pub intervals: usize,
 }
 
@@ -86,12 +86,12 @@ impl Grid {
     }
 }
 
-/// The filled span of every column of `grid`, none where the solid is missed.
+/// The longest filled span of every column of `grid`, none where the solid is missed.
 ///
 /// `surface` is closed and faces outward.
 #[must_use]
 pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
-    let mut spans: Vec<Option<Span>> = vec![None; grid.len()];
+    let mut crossings = vec![Vec::new(); grid.len()];
     for t in 0..surface.triangles.len() {
         let corners = surface.corners(t);
         let range = |k: usize| {
@@ -103,24 +103,26 @@ pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
         for j in range(1) {
             for i in range(0) {
                 let node = grid.index(i, j);
-                if let Some((height, upward)) = height_at(&corners, grid.point(node)) {
-                    let span = spans[node].get_or_insert(Span {
-                        bottom: height,
-                        top: height,
-                        intervals: 0,
-                    });
-                    span.bottom = span.bottom.min(height);
-                    span.top = span.top.max(height);
-                    span.intervals += usize::from(upward);
-                }
+                crossings[node].extend(crossing(&corners, grid.point(node)));
             }
         }
     }
-    spans
+    crossings.into_iter().map(longest).collect()
 }
 
-/// Height of a triangle over a point of the plane, and whether it faces up.
-fn height_at(corners: &[Vec3; 3], p: [f64; 2]) -> Option<(f64, bool)> {
+/// The longest interval between a crossing into the solid and the next out of it.
+fn longest(mut crossings: Vec<(f64, bool)>) -> Option<Span> {
+    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let through = crossings.windows(2).filter(|pair| !pair[0].1 && pair[1].1);
+    let intervals = through.clone().count();
+    through
+        .map(|pair| Span { bottom: pair[0].0, top: pair[1].0, intervals })
+        .max_by(|a, b| (a.top - a.bottom).total_cmp(&(b.top - b.bottom)))
+}
+
+/// Height at which the vertical through a point of the plane crosses a triangle, and
+/// whether that faces up.
+fn crossing(corners: &[Vec3; 3], p: [f64; 2]) -> Option<(f64, bool)> {
     let side = |a: &Vec3, b: &Vec3| (b.x - a.x) * (p[1] - a.y) - (b.y - a.y) * (p[0] - a.x);
     let [a, b, c] = corners;
     let weights = [side(b, c), side(c, a), side(a, b)];
@@ -138,7 +140,7 @@ mod tests {
 
     #[test]
     fn columns_of_two_stacked_boxes() {
-        let low = Solid::cube(&Vec3::zeros(), &Vec3::new(2.0, 1.0, 1.0));
+        let low = Solid::cube(&Vec3::zeros(), &Vec3::new(2.0, 1.0, 1.2));
         let high = Solid::cube(&Vec3::new(1.0, 0.0, 2.0), &Vec3::new(3.0, 1.0, 3.0));
         let surface = low.union(&high).to_surface();
         let grid = Grid::over([0.0, 0.0], [3.0, 1.0], 0.1);
@@ -150,8 +152,8 @@ mod tests {
                 continue;
             }
             let expected = match x {
-                x if x < 1.0 => (0.0, 1.0, 1),
-                x if x < 2.0 => (0.0, 3.0, 2),
+                x if x < 1.0 => (0.0, 1.2, 1),
+                x if x < 2.0 => (0.0, 1.2, 2),
                 _ => (2.0, 3.0, 1),
             };
             let span = span.unwrap();

@@ -82,7 +82,7 @@ pub struct HeightField {
 
 impl Default for HeightField {
     fn default() -> Self {
-        Self { pull: None, cell: 8e-4, smoothing: 1.2e-3, max_slope: 75.0 }
+        Self { pull: None, cell: 8e-4, smoothing: 1.6e-3, max_slope: 80.0 }
     }
 }
 
@@ -255,7 +255,7 @@ mod tests {
             ("[vents]\nradius = -1e-3", "vents.radius is -0.001"),
             ("up = [0, 0, 0]", "up is"),
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
-            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0012"),
+            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
         ] {
             let message = format!("{:#}", Config::parse(text).unwrap_err());

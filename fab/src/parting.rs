@@ -3,25 +3,19 @@
 //! Coordinates here have z along the pull. A planar parting is a half-space; a
 //! curved one is a height z_p(x, y) over a grid of columns:
 //!
-//! 1. z_p = (top + bottom)/2 of the filled part in every covered column;
+//! 1. z_p = (top + bottom)/2 of the filled part in every covered column, of its
+//!    longest interval if there are several;
 //! 2. outside, the harmonic extension Δz_p = 0 with free edges, and level pads
 //!    where the registration keys stand;
-//! 3. Gaussian smoothing;
-//! 4. z_p held within the part two and more columns inside its outline (holding it
-//!    at the outline itself makes spikes);
-//! 5. the slope limited by the mean of the largest function below and the
-//!    smallest above with Lipschitz constant tan(max slope) along the rows.
+//! 3. the slope along the rows limited to tan(max slope), by the mean of the largest
+//!    function below and the smallest above with that Lipschitz constant: steps, as
+//!    between a limb and what hangs over it, become flanks;
+//! 4. Gaussian smoothing, which keeps the limit.
 
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::columns::{Grid, Span};
 use crate::config::HeightField;
-
-/// Columns this far inside the outline keep the parting within the part.
-const INSIDE: usize = 2;
-
-/// The parting keeps this part of the local thickness away from the skin.
-const MARGIN: f64 = 0.125;
 
 /// The harmonic extension has converged when no height changes by more [m].
 const CONVERGED: f64 = 1e-7;
@@ -55,9 +49,8 @@ impl Terrain {
         let fixed: Vec<Option<f64>> =
             middles.iter().zip(&levels).map(|(middle, level)| middle.or(*level)).collect();
         heights = extend(&grid, &fixed);
-        blur(&grid, &mut heights, settings.smoothing);
-        hold_inside(&grid, &mut heights, spans);
         limit_slope(&grid, &mut heights, settings.max_slope.to_radians().tan());
+        blur(&grid, &mut heights, settings.smoothing);
         for (height, level) in heights.iter_mut().zip(&levels) {
             *height = level.unwrap_or(*height);
         }
@@ -183,21 +176,6 @@ fn blur(grid: &Grid, heights: &mut [f64], sigma: f64) {
                 let sum: f64 = (-reach..=reach).zip(&kernel).map(|(k, w)| w * value(k)).sum();
                 heights[grid.index(i, j)] = sum / total;
             }
-        }
-    }
-}
-
-/// Keeps the height within the part where the column is well inside its outline.
-fn hold_inside(grid: &Grid, heights: &mut [f64], spans: &[Option<Span>]) {
-    let mut inside: Vec<bool> = spans.iter().map(Option::is_some).collect();
-    for _ in 0..INSIDE {
-        inside =
-            (0..grid.len()).map(|v| inside[v] && grid.neighbours(v).all(|n| inside[n])).collect();
-    }
-    for (v, span) in spans.iter().enumerate() {
-        if let (true, Some(span)) = (inside[v], span) {
-            let margin = MARGIN * (span.top - span.bottom);
-            heights[v] = heights[v].clamp(span.bottom + margin, span.top - margin);
         }
     }
 }

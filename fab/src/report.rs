@@ -159,7 +159,7 @@ impl Report {
             units: "mm".into(),
             input,
             design_to_mold: in_millimetres(&mold.frame),
-            block: Bounds { min: mm(&mold.block.min), max: mm(&mold.block.max) },
+            block: Bounds { min: millimetres(&mold.block.min), max: millimetres(&mold.block.max) },
             wall: config.wall * MM,
             parts: Vec::new(),
             cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
@@ -244,8 +244,8 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 fn outline(feature: &Feature) -> Outline {
     Outline {
         purpose: feature.purpose,
-        base: mm(&feature.frustum.base),
-        axis: mm(&feature.frustum.axis),
+        base: millimetres(&feature.frustum.base),
+        axis: millimetres(&feature.frustum.axis),
         base_radius: feature.frustum.base_radius * MM,
         top_radius: feature.frustum.top_radius * MM,
     }
@@ -262,7 +262,7 @@ fn rows(m: &Matrix3<f64>) -> [Triple; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)] + 0.0))
 }
 
-fn mm(p: &Vec3) -> Triple {
+fn millimetres(p: &Vec3) -> Triple {
     (p * MM).map(|x| x + 0.0).into()
 }
 

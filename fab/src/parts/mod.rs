@@ -53,7 +53,7 @@ const MOUTH: f64 = 2e-4;
 /// The vertical channel above `top`, a point on top of the part, up to height `end` [m].
 ///
 /// It begins below the lowest place of the skin on the rim of its mouth, but not
-/// deeper than [`DEEPEST`] radii, so that no film of the shell closes it.
+/// deeper than two radii, so that no film of the shell closes it.
 #[must_use]
 pub fn channel(
     skin: &SurfaceBvh,
