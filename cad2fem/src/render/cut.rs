@@ -198,8 +198,12 @@ fn face(facet: &mut Facet, normal: &Vec3) {
 #[cfg(test)]
 mod tests {
     use super::super::color::material;
-    use super::super::shape::area;
     use super::*;
+
+    fn area(facets: &[Facet]) -> f64 {
+        let [a, b, c] = [0, 1, 2].map(|i| move |f: &Facet| f.points[i]);
+        facets.iter().map(|f| mesh::measure::triangle_area(a(f), b(f), c(f))).sum()
+    }
 
     fn tet() -> Cells {
         Cells {

@@ -214,9 +214,3 @@ fn chain_lengths(points: &[Vec3], edges: &[[usize; 2]]) -> Vec<f64> {
     }
     edges.iter().map(|&[a, _]| lengths[root(&mut parent, a)]).collect()
 }
-
-/// Total area of facets [unit of the points, squared].
-#[must_use]
-pub fn area(facets: &[Facet]) -> f64 {
-    facets.iter().map(|f| measure::triangle_area(f.points[0], f.points[1], f.points[2])).sum()
-}
