@@ -4,15 +4,13 @@
 //! mesh. An entry is `<key>.msh` and `<key>.sha256`, the fingerprint of the former;
 //! an entry that does not match its fingerprint is made anew.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use mesh::io::{read_tets, sha256_file, write_atomic, write_tets};
 use mesh::{SurfaceMesh, Tags, TetMesh};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
-
-use crate::mesher::python::checkout;
 
 /// Environment variable that names the folder of caches.
 pub const CACHE_VARIABLE: &str = "PUFFER_CACHE";
@@ -60,6 +58,14 @@ impl Cache {
     fn entry(&self, key: &str) -> (PathBuf, PathBuf) {
         (self.folder.join(format!("{key}.msh")), self.folder.join(format!("{key}.sha256")))
     }
+}
+
+/// The nearest folder, in or above the working directory or the program, that holds
+/// this program's sources.
+fn checkout() -> Option<PathBuf> {
+    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
+    let mut places = starts.iter().flatten().flat_map(|start| start.ancestors());
+    places.find(|folder| folder.join("cad2fem/Cargo.toml").is_file()).map(Path::to_path_buf)
 }
 
 /// SHA-256 over a surface, bit for bit, and whatever else decides a mesh.

@@ -14,6 +14,9 @@ use serde::Serialize;
 
 use crate::report::{Input, findings};
 
+/// The report, written last.
+const STAMP: &str = "model.json";
+
 /// A closed surface [m] in named regions.
 pub struct LabelledSurface {
     /// The surface [m].
@@ -86,8 +89,7 @@ impl LabelledSurface {
     /// If a region is empty, if the surface as it reads back is not closed and
     /// manifold ([`Unusable`]), or if a file cannot be written.
     pub fn write(&self, folder: &Path, input: Input, start: Instant) -> Result<Report> {
-        let stamp = folder.join("model.json");
-        remove(&stamp)?;
+        remove_stamp(folder)?;
         let model = folder.join("model.stl");
         write_surface(&model, &self.surface)?;
         self.require_sound(&model)?;
@@ -107,7 +109,7 @@ impl LabelledSurface {
             wall_s: start.elapsed().as_secs_f64(),
         };
         let text = serde_json::to_string_pretty(&report)?;
-        write_atomic(&stamp, |out| writeln!(out, "{text}"))?;
+        write_atomic(&folder.join(STAMP), |out| writeln!(out, "{text}"))?;
         Ok(report)
     }
 
@@ -169,10 +171,15 @@ impl Report {
     }
 }
 
-fn remove(file: &Path) -> Result<()> {
-    match std::fs::remove_file(file) {
+/// Removes the report that stands for a complete folder.
+///
+/// # Errors
+/// If there is one that cannot be removed.
+pub fn remove_stamp(folder: &Path) -> Result<()> {
+    let stamp = folder.join(STAMP);
+    match std::fs::remove_file(&stamp) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(e).with_context(|| format!("{}: cannot be replaced", file.display()))
+            Err(e).with_context(|| format!("{}: cannot be replaced", stamp.display()))
         }
         _ => Ok(()),
     }

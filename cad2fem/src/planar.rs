@@ -167,3 +167,45 @@ fn flood(
     }
     face
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unit cube around its centre: 12 pyramids' halves, and its surface.
+    fn cube() -> (TetMesh, SurfaceMesh) {
+        let corner = |k: usize| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+        let mut vertices: Vec<Vec3> = (0..8).map(corner).collect();
+        let faces =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles: Vec<[usize; 3]> =
+            faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let surface = SurfaceMesh { vertices: vertices.clone(), triangles: triangles.clone() };
+        vertices.push(Vec3::repeat(0.5));
+        let tets = triangles.iter().map(|&[a, b, c]| [a, c, b, 8]).collect();
+        (TetMesh { vertices, tets }, surface)
+    }
+
+    #[test]
+    fn displaced_corners_return_to_all_their_planes() {
+        let (mut mesh, surface) = cube();
+        let exact = mesh.clone();
+        assert!(mesh::measure::volume(&mesh) > 0.999);
+        mesh.vertices[0] += Vec3::new(0.01, -0.008, 0.012);
+        mesh.vertices[5] += Vec3::new(-0.01, 0.0, 0.0);
+        let done = flatten(&mut mesh, &surface, 0.02);
+        assert_eq!(done, Flattened { moved: 2, left: 0 });
+        for (v, w) in mesh.vertices.iter().zip(&exact.vertices) {
+            assert!((v - w).norm() < 1e-15, "{v} {w}");
+        }
+    }
+
+    #[test]
+    fn vertices_out_of_reach_stay() {
+        let (mut mesh, surface) = cube();
+        mesh.vertices[0] += Vec3::new(0.03, 0.03, 0.03);
+        let displaced = mesh.clone();
+        assert_eq!(flatten(&mut mesh, &surface, 0.02).moved, 0);
+        assert_eq!(mesh, displaced);
+    }
+}

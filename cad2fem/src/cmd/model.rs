@@ -8,7 +8,7 @@ use mesh::SurfaceMesh;
 
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::labelled::LabelledSurface;
+use crate::labelled::{LabelledSurface, remove_stamp};
 use crate::report::Input;
 use crate::units::Unit;
 
@@ -55,13 +55,15 @@ fn implicit(args: &Args) -> Result<()> {
     }
     let file = ModelFile::read(&args.file)?;
     let input = Input::of(&args.file)?;
-    write(args, &file.model, &args.output, &input)?;
+    // The stamp of the model itself stands for the variants too: it comes last.
+    remove_stamp(&args.output)?;
     for (name, variant) in &file.variants {
         log::info!("variant {name}");
         write(args, variant, &args.output.join(name), &input)
             .with_context(|| format!("variant {name:?}"))?;
     }
-    Ok(())
+    log::info!("model");
+    write(args, &file.model, &args.output, &input)
 }
 
 fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()> {

@@ -11,8 +11,9 @@ use serde::Serialize;
 
 use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
+use crate::mesher::python::Python;
 use crate::report::Input;
-use crate::tetrahedralize::{Job, Outcome, prepare, tetrahedralize};
+use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
 
 /// Settings come from --config, then from the flags; what neither says has a default.
 /// Writes OUT and OUT with the extension .report.json
@@ -71,7 +72,8 @@ pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
     let input = Input::of(&args.surface)?;
     let mut surface = read_surface(&args.surface)?;
-    let job = Job {
+    let request = Request {
+        python: Python::find()?,
         mesher: settings.tet_mesher()?,
         options: settings.options(diagonal(&surface.vertices))?,
         improve_passes: settings.improve_passes,
@@ -80,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let place = || args.surface.display().to_string();
     prepare(&mut surface, args.orient).with_context(place)?;
-    let (mesh, outcome) = tetrahedralize(&surface, &job).with_context(place)?;
+    let (mesh, outcome) = tetrahedralize(&surface, &request).with_context(place)?;
     outcome.log();
     write_tets(&args.output, &mesh, &Tags::default())?;
     let report = Report { program: crate::PROGRAM, input, outcome };

@@ -74,3 +74,71 @@ fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     let overlap = k - (a - b).abs();
     if overlap <= 0.0 { a.min(b) } else { a.min(b) - overlap * overlap / (4.0 * k) }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn field(primitives: &str, fine: bool) -> Field {
+        #[derive(serde::Deserialize)]
+        struct List {
+            solid: Vec<Primitive>,
+        }
+        let list: List = toml::from_str(primitives).unwrap();
+        Field::new(&list.solid, fine)
+    }
+
+    const BALL: &str = "solid = [{ name = 'a', shape.sphere = { center = [0, 3, 0], radius = 2 }";
+
+    #[test]
+    fn a_mirror_image_is_the_same_on_both_sides() {
+        let field = field(&format!("{BALL}, mirror = true }}]"), false);
+        assert_eq!(field.at(&Vec3::new(0.0, 3.0, 0.0)), -2.0);
+        assert_eq!(field.at(&Vec3::new(0.0, -3.0, 0.0)), -2.0);
+        assert_eq!(field.nearest(&Vec3::new(0.0, -4.0, 0.0)), Some(0));
+    }
+
+    #[test]
+    fn a_blend_adds_a_quarter_of_its_width_midway() {
+        let two = format!(
+            "{BALL} }}, {{ name = 'b', blend = 4, shape.sphere = {{ center = [0, -3, 0], radius = 2 }} }}]"
+        );
+        // Midway both distances are 1, so that smin = 1 − 4/4.
+        assert_eq!(field(&two, false).at(&Vec3::zeros()), 0.0);
+        assert_eq!(field(&two, false).nearest(&Vec3::new(0.0, -0.1, 0.0)), Some(1));
+    }
+
+    #[test]
+    fn operations_remove_keep_raise_and_engrave() {
+        let with = |second: &str| {
+            let text = format!(
+                "{BALL} }}, {{ name = 'b', {second}, shape.sphere = {{ center = [0, 5, 0], radius = 1 }} }}]"
+            );
+            field(&text, true)
+        };
+        let (shared, alone) = (Vec3::new(0.0, 4.5, 0.0), Vec3::new(0.0, 2.0, 0.0));
+        let inside = |f: &Field| (f.at(&shared) < 0.0, f.at(&alone) < 0.0);
+        assert_eq!(inside(&with("op = 'difference'")), (false, true));
+        assert_eq!(inside(&with("op = 'intersection'")), (true, false));
+        let raised = with("op.emboss = { height = 0.3, width = 0.1 }");
+        // Deep inside the second ball the surface is raised by the full height.
+        assert!((raised.at(&Vec3::new(0.0, 5.0, 0.0)) + 0.3).abs() < 1e-12);
+        assert_eq!(raised.at(&alone), -1.0);
+        let ornament = with("fine = true");
+        assert_eq!(ornament.at(&Vec3::new(0.0, 5.0, 0.0)), -1.0);
+    }
+
+    #[test]
+    fn a_crease_is_engraved_where_it_has_risen() {
+        let text = format!(
+            "{BALL} }}, {{ name = 'c', shape.crease = {{ normal = [0, 0, 1], offset = 0, width = 0.2, \
+             depth = 0.5, fade = [-1, 1] }} }}]"
+        );
+        let field = field(&text, false);
+        let right = Vec3::new(2.0, 3.0, 0.0);
+        assert_eq!(field.at(&right), 0.5);
+        assert_eq!(field.at(&Vec3::new(-2.0, 3.0, 0.0)), 0.0);
+        assert_eq!(field.nearest(&right), Some(0));
+    }
+}

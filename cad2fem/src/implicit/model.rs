@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 use mesh::io::read_text;
 use serde::Deserialize;
@@ -13,6 +13,9 @@ use toml::{Table, Value};
 
 use super::shape::{Bounds, Shape};
 use crate::units::Unit;
+
+/// Most cells of the sampling lattice, 2 samples each.
+const MAX_CELLS: f64 = 3e7;
 
 /// An implicit model.
 #[derive(Clone, Debug, Deserialize)]
@@ -35,6 +38,9 @@ pub struct Model {
     pub cut: Vec<Cut>,
     /// Named parts of the surface; a triangle belongs to the first that takes it.
     pub region: Vec<Region>,
+    /// Variants, see [`ModelFile`].
+    #[serde(default)]
+    variant: Vec<Table>,
 }
 
 /// One step in building a body.
@@ -141,15 +147,15 @@ impl ModelFile {
     }
 
     fn parse(text: &str) -> Result<Self> {
-        let mut table: Table = text.parse()?;
-        let overrides = take_variants(&mut table)?;
-        // A file without variants is parsed from its text: those messages carry lines.
-        let model: Model =
-            if overrides.is_empty() { toml::from_str(text)? } else { table.clone().try_into()? };
+        let parsed = |e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().to_owned());
+        let model: Model = toml::from_str(text).map_err(parsed)?;
+        let mut table: Table = text.parse().map_err(parsed)?;
+        table.remove("variant");
         require_finite("", &Value::Table(table.clone()))?;
         model.check()?;
         let mut variants: Vec<(String, Model)> = Vec::new();
-        for (name, changes) in overrides {
+        for changes in &model.variant {
+            let (name, changes) = named(changes.clone())?;
             ensure!(variants.iter().all(|(n, _)| *n != name), "variant {name:?} occurs twice");
             let variant = vary(&table, changes).with_context(|| format!("variant {name:?}"))?;
             variants.push((name, variant));
@@ -158,21 +164,13 @@ impl ModelFile {
     }
 }
 
-/// Removes the variants from a model table: names and changes.
-fn take_variants(table: &mut Table) -> Result<Vec<(String, Table)>> {
-    let Some(variants) = table.remove("variant") else { return Ok(Vec::new()) };
-    let Value::Array(variants) = variants else { bail!("variants are written [[variant]]") };
-    let named = |variant: Value| {
-        let Value::Table(mut changes) = variant else { bail!("a variant is a table") };
-        match changes.remove("name") {
-            Some(Value::String(name)) => {
-                require_file_name(&name)?;
-                Ok((name, changes))
-            }
-            _ => bail!("a variant needs a name"),
-        }
+/// The name of a variant and its changes.
+fn named(mut changes: Table) -> Result<(String, Table)> {
+    let Some(Value::String(name)) = changes.remove("name") else {
+        bail!("a [[variant]] needs a name")
     };
-    variants.into_iter().map(named).collect()
+    require_file_name(&name)?;
+    Ok((name, changes))
 }
 
 /// The model with the primitives of `changes` overridden.
@@ -219,7 +217,7 @@ fn require_finite(key: &str, value: &Value) -> Result<()> {
         Value::Array(items) => items.iter().try_for_each(|v| require_finite(key, v))?,
         Value::Table(table) => {
             for (name, item) in table {
-                require_finite(&format!("{key}.{name}").trim_start_matches('.').to_owned(), item)?;
+                require_finite(format!("{key}.{name}").trim_start_matches('.'), item)?;
             }
         }
         _ => {}
@@ -247,6 +245,14 @@ impl Model {
         for cut in &self.cut {
             ensure!(Vec3::from(cut.normal).norm() > 0.0, "cut {:?}: the normal is zero", cut.name);
         }
+        let (min, max) = self.bounds();
+        let cells = (max - min).product() / self.grid.powi(3);
+        ensure!(
+            cells <= MAX_CELLS,
+            "grid {} makes {cells:.1e} cells in the box of the body; more than {MAX_CELLS:.0e} take \
+             minutes and gigabytes: choose a coarser grid",
+            self.grid
+        );
         self.region.iter().try_for_each(|region| {
             self.check_region(region).with_context(|| format!("region {:?}", region.name))
         })
@@ -336,4 +342,58 @@ fn check_primitives(list: &str, primitives: &[Primitive]) -> Result<()> {
 
 fn names<'a>(items: impl Iterator<Item = &'a String>) -> String {
     items.map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const BALL: &str = "unit = 'mm'\ngrid = 1\n[[solid]]\nname = 'ball'\n\
+        shape.sphere = { center = [0, 0, 0], radius = 5 }\n[[region]]\nname = 'all'\nrest = true\n";
+
+    fn error(text: &str) -> String {
+        format!("{:#}", ModelFile::parse(text).unwrap_err())
+    }
+
+    #[test]
+    fn a_variant_changes_only_what_it_names() {
+        let text = format!(
+            "{BALL}[[variant]]\nname = 'big'\n[variant.solid.ball]\nshape.sphere.radius = 7\n"
+        );
+        let file = ModelFile::parse(&text).unwrap();
+        let radius = |model: &Model| match model.solid[0].shape {
+            Shape::Sphere { radius, center } => (radius, center),
+            _ => panic!("not a sphere"),
+        };
+        assert_eq!(radius(&file.model), (5.0, [0.0; 3]));
+        assert_eq!(file.variants[0].0, "big");
+        assert_eq!(radius(&file.variants[0].1), (7.0, [0.0; 3]));
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let variant = |rest: &str| format!("{BALL}[[variant]]\nname = 'v'\n{rest}\n");
+        for (text, expected) in [
+            (BALL.replace("radius", "radios"), "radios"),
+            (BALL.replace("radius = 5", "radius = nan"), "solid.shape.sphere.radius is NaN"),
+            (BALL.replace("radius = 5", "radius = -5"), "radius must be positive, found [-5.0]"),
+            (BALL.replace("grid = 1", "grid = 0.001"), "coarser grid"),
+            (BALL.replace("rest = true", ""), "needs conditions"),
+            (BALL.replace("rest = true", "cut = 'floor'"), "no cut \"floor\""),
+            (BALL.replace("'all'", "'../all'"), "names a file"),
+            (variant("[variant.solid.bull]\nblend = 1"), "no solid primitive \"bull\""),
+            (variant("[variant.solid.ball]\nblnd = 1"), "blnd"),
+            (variant("[variant.cut.floor]\noffset = 1"), "unknown key \"cut\""),
+        ] {
+            let message = error(&text);
+            assert!(message.contains(expected), "{expected:?} not in {message:?}");
+        }
+    }
+
+    #[test]
+    fn the_bounds_hold_the_body_with_a_margin() {
+        let model = ModelFile::parse(BALL).unwrap().model;
+        assert_eq!(model.bounds(), (Vec3::repeat(-7.0), Vec3::repeat(7.0)));
+    }
 }

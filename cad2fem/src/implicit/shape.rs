@@ -259,6 +259,7 @@ fn segment(a: &[f64; 3], b: &[f64; 3], radius: f64) -> Bounds {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn shapes() -> Vec<Shape> {

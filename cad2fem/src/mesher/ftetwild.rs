@@ -12,7 +12,8 @@ use mesh::measure::diagonal;
 use mesh::{SurfaceMesh, TetMesh};
 use serde_json::json;
 
-use super::python::{Job, Python};
+use super::job::Job;
+use super::python::Python;
 use super::{Options, TetMesher};
 
 /// The mesher.

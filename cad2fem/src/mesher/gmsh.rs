@@ -13,7 +13,8 @@ use anyhow::{Context, Result};
 use mesh::{SurfaceMesh, TetMesh};
 use serde_json::json;
 
-use super::python::{Job, Python};
+use super::job::Job;
+use super::python::Python;
 use super::{Options, TetMesher};
 
 /// The mesher.

@@ -2,6 +2,8 @@
 # patch of each triangle) and patches.json (their names).
 arguments = ["cad2fem"]
 for name, value in settings["numbers"].items():
+    if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"]).read()):
+        explain(f"{settings['file']}: there is no number {name} to set")
     arguments += ["-setnumber", name, repr(value)]
 gmsh.initialize(arguments, readConfigFiles=False)
 gmsh.option.setString("Geometry.OCCTargetUnit", "M")
@@ -13,6 +15,13 @@ try:
     gmsh.model.mesh.generate(2)
 except Exception as error:
     explain(f"{settings['file']}: gmsh cannot mesh it: {error}")
+
+
+
+def file_name(name):
+    """Names become names of files."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", name)
+
 
 # Physical surfaces are the patches; without any, every named or numbered face is.
 groups = []
@@ -27,6 +36,7 @@ if not groups:
 names, corners, patch = [], [], []
 seen = set()
 for name, faces in groups:
+    name = file_name(name)
     if name not in names:
         names.append(name)
     for face in faces:

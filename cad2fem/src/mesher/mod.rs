@@ -2,6 +2,7 @@
 
 pub mod ftetwild;
 pub mod gmsh;
+pub mod job;
 pub mod python;
 
 use std::time::Duration;

@@ -1,0 +1,262 @@
+//! The command line without external programs: models, patches, information, and
+//! what is said about bad input.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+
+use mesh::check::check_surface;
+use mesh::io::{read_surface, write_surface};
+use mesh::measure::{area, enclosed_volume};
+use mesh::solid::Solid;
+use mesh::topology::{boundary_loops, components};
+use mesh::{SurfaceMesh, Vec3};
+use support::{Workdir, scene};
+
+/// Half a ball with a bore that opens in its flat side.
+const DOME: &str = "
+    unit = 'mm'
+    grid = 0.7
+    simplify = 0.02
+    solid = [{ name = 'ball', shape.sphere = { center = [0, 0, 0], radius = 5 } }]
+    cavity = [{ name = 'slot', shape.cylinder = { from = [-1, 0, 0], to = [2, 0, 0], radius = 1 } }]
+    cut = [{ name = 'flat', normal = [-1, 0, 0], offset = 0 }]
+    region = [
+        { name = 'fixed', cut = 'flat' },
+        { name = 'cavity', cavity = true },
+        { name = 'skin', rest = true },
+    ]
+    [[variant]]
+    name = 'big'
+    [variant.solid.ball]
+    shape.sphere.radius = 6
+";
+
+fn cube(half: f64) -> SurfaceMesh {
+    Solid::cube(&Vec3::repeat(-half), &Vec3::repeat(half)).to_surface()
+}
+
+#[test]
+fn a_model_becomes_a_closed_surface_in_patches() {
+    let dir = Workdir::new();
+    dir.write("model.toml", DOME);
+    dir.run(&["model", "model.toml", "-o", "out"]).succeeds();
+    let model = read_surface(&dir.path("out/model.stl")).unwrap();
+    assert_eq!(check_surface(&model), vec![]);
+
+    let patches = ["fixed", "cavity", "skin"]
+        .map(|name| read_surface(&dir.path(&format!("out/patches/{name}.stl"))).unwrap());
+    let total: f64 = patches.iter().map(area).sum();
+    // STL rounds coordinates to 6e-8.
+    assert!((total / area(&model) - 1.0).abs() < 1e-6, "{total} of {}", area(&model));
+    assert_eq!(patches.each_ref().map(|p| boundary_loops(&p.triangles).len()), [2, 1, 1]);
+    assert!(patches[0].vertices.iter().all(|v| v.x == 0.0), "the cut is not planar");
+    // A half ball of 5 mm without a bore of 1 mm; chords of 0.7 mm cost up to 2 %.
+    let exact = (2.0 / 3.0 * 125.0 - 2.0) * std::f64::consts::PI * 1e-9;
+    let volume = enclosed_volume(&model);
+    assert!((volume / exact - 1.0).abs() < 0.02, "{volume} vs {exact}");
+
+    let big = read_surface(&dir.path("out/big/model.stl")).unwrap();
+    let growth = (enclosed_volume(&big) / volume - 1.0) * exact;
+    let added = 2.0 / 3.0 * (216.0 - 125.0) * std::f64::consts::PI * 1e-9;
+    assert!((growth / added - 1.0).abs() < 0.03, "{growth} vs {added}");
+
+    let report: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(dir.path("out/model.json")).unwrap()).unwrap();
+    assert_eq!(report["triangles"], model.triangles.len());
+    assert_eq!(report["unassigned"]["triangles"], 0);
+}
+
+#[test]
+fn a_failed_model_leaves_no_stamp() {
+    let dir = Workdir::new();
+    dir.write("model.toml", DOME);
+    dir.run(&["model", "model.toml", "-o", "out"]).succeeds();
+    let nowhere = "within = { min = [20, 0, 0], max = [21, 1, 1] }";
+    dir.write("model.toml", &DOME.replace("cut = 'flat' }", &format!("{nowhere} }}")));
+    let run = dir.run(&["model", "model.toml", "-o", "out"]);
+    run.fails(1, "region \"fixed\" is empty");
+    assert!(!dir.path("out/model.json").exists());
+}
+
+#[test]
+fn mistakes_in_a_model_file_are_shown_with_their_line() {
+    let dir = Workdir::new();
+    dir.write("model.toml", &DOME.replace("grid", "gird"));
+    dir.run(&["model", "model.toml", "-o", "out"]).fails(2, "line 3");
+    dir.run(&["model", "nothing.toml", "-o", "out"]).fails(2, "nothing.toml");
+    dir.write("model.toml", DOME);
+    dir.run(&["model", "model.toml", "-o", "out", "--unit", "mm"]).fails(2, "states its own");
+    dir.write("script.geo", "Sphere(1) = {0, 0, 0, 1};");
+    dir.run(&["model", "script.geo", "-o", "out"]).fails(2, "say --unit mm");
+    assert!(!dir.path("out").exists());
+}
+
+#[test]
+fn an_open_patch_becomes_a_closed_volume() {
+    let dir = Workdir::new();
+    let mut patch = cube(0.5);
+    patch.triangles.retain(|t| t.iter().all(|&v| patch.vertices[v].z > 0.0));
+    write_surface(&dir.path("patch.stl"), &patch).unwrap();
+    write_surface(&dir.path("model.stl"), &cube(0.5)).unwrap();
+    dir.run(&["offset", "patch.stl", "-o", "a.obj"]).says("distance 1.4142 mm");
+    dir.run(&["offset", "patch.stl", "-o", "b.obj", "--diagonal-of", "model.stl"])
+        .says("distance 1.7321 mm");
+    dir.run(&["offset", "patch.stl", "-o", "c.obj", "--distance", "0.01"]).succeeds();
+    let volume = read_surface(&dir.path("c.obj")).unwrap();
+    assert_eq!(check_surface(&volume), vec![]);
+    assert!((enclosed_volume(&volume) - 0.02).abs() < 1e-12);
+
+    dir.run(&["offset", "model.stl", "-o", "d.obj"]).says("the patch is closed");
+    assert_eq!(components(&read_surface(&dir.path("d.obj")).unwrap().triangles).len(), 2);
+    dir.run(&["offset", "patch.stl", "-o", "e.obj", "--distance=-1"]).fails(2, "positive");
+}
+
+#[test]
+fn a_patch_that_bends_sharply_is_told_to_cross_itself() {
+    let dir = Workdir::new();
+    let mut patch = cube(0.5);
+    patch.triangles.pop();
+    write_surface(&dir.path("patch.stl"), &patch).unwrap();
+    dir.run(&["offset", "patch.stl", "-o", "out.obj", "--distance", "0.9"])
+        .says("smaller --distance");
+}
+
+#[test]
+fn a_full_disk_leaves_no_half_file() {
+    let dir = Workdir::new();
+    let surface = Solid::sphere(&Vec3::zeros(), 1.0, 64).to_surface();
+    write_surface(&dir.path("ball.stl"), &surface).unwrap();
+    dir.write("out.obj", "what was there before");
+    // No file may grow beyond 8 blocks of 512 bytes; the signal for it is ignored.
+    let run = dir.run_in_shell("trap '' XFSZ; ulimit -f 8; exec \"$0\" offset ball.stl -o out.obj");
+    run.fails(2, "out.obj: cannot write");
+    assert_eq!(fs::read_to_string(dir.path("out.obj")).unwrap(), "what was there before");
+    assert_eq!(fs::read_dir(dir.path(".")).unwrap().count(), 2, "a temporary file is left");
+}
+
+#[test]
+fn info_tells_numbers_and_findings() {
+    let dir = Workdir::new();
+    let mut surface = cube(0.5);
+    write_surface(&dir.path("cube.ply"), &surface).unwrap();
+    let run = dir.run(&["info", "cube.ply", "--json", "--check"]);
+    run.succeeds();
+    let info: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(info["triangles"], 12);
+    assert_eq!(info["volume"], 1.0);
+    assert_eq!(info["findings"], serde_json::json!([]));
+
+    surface.triangles.pop();
+    write_surface(&dir.path("open.ply"), &surface).unwrap();
+    let run = dir.run(&["info", "open.ply"]);
+    run.succeeds();
+    assert!(run.stdout.contains("3 open edge(s) in 1 loop(s)"), "{}", run.stdout);
+    dir.run(&["info", "open.ply", "--check"]).fails(1, "closed: 3 edges");
+    dir.write("cut.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0\n");
+    dir.run(&["info", "cut.msh"]).fails(2, "truncated");
+}
+
+#[test]
+fn remesh_keeps_the_boundary_and_its_tags() {
+    let dir = Workdir::new();
+    // A cube of twelve tetrahedra around a point far from the middle.
+    let skin = cube(0.5);
+    let mut vertices = skin.vertices.clone();
+    vertices.push(Vec3::new(0.4, 0.35, 0.3));
+    let apex = vertices.len() - 1;
+    let tets = skin.triangles.iter().map(|&[a, b, c]| [a, c, b, apex]).collect();
+    let mut tags = mesh::Tags::new(vec!["bottom".into()]);
+    tags.set(skin.triangles[0], 1);
+    let before = mesh::TetMesh { vertices, tets };
+    mesh::io::write_tets(&dir.path("in.msh"), &before, &tags).unwrap();
+    dir.run(&["remesh", "in.msh", "-o", "out.msh"]).says("after");
+    let after = mesh::io::read_tets(&dir.path("out.msh")).unwrap();
+    assert_eq!(after.mesh.vertices[..apex], before.vertices[..apex]);
+    assert_eq!(after.tags, tags);
+    let worst = |m: &mesh::TetMesh| mesh::measure::quality(m).radius_ratio_min;
+    assert!(worst(&after.mesh) > 2.0 * worst(&before));
+}
+
+#[test]
+fn bad_surfaces_are_refused_before_a_mesher_runs() {
+    let dir = Workdir::new();
+    let refused = |name: &str, surface: &SurfaceMesh, expected: &str| {
+        write_surface(&dir.path(name), surface).unwrap();
+        dir.run(&["tetmesh", name, "-o", "out.msh"]).fails(2, expected);
+        assert!(!dir.path("out.msh").exists());
+    };
+    let mut open = cube(1.0);
+    open.triangles.pop();
+    refused("open.stl", &open, "open.stl: it does not bound a body:\n  closed: 3 edges");
+    let mut inward = cube(1.0);
+    inward.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    refused("inward.stl", &inward, "--orient");
+    let mut crossing = cube(1.0);
+    crossing.vertices[0] = Vec3::repeat(3.0);
+    refused("crossing.stl", &crossing, "intersect");
+
+    let mut bytes = fs::read(dir.path("open.stl")).unwrap();
+    bytes[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(dir.path("nan.stl"), &bytes).unwrap();
+    dir.run(&["tetmesh", "nan.stl", "-o", "out.msh"]).fails(2, "not finite");
+    fs::write(dir.path("cut.stl"), &bytes[..200]).unwrap();
+    dir.run(&["tetmesh", "cut.stl", "-o", "out.msh"]).fails(2, "cut.stl");
+}
+
+#[test]
+fn bad_settings_are_refused() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    let mut arguments = vec!["tetmesh", "cube.stl", "-o", "out.msh"];
+    dir.write("cad2fem.toml", "[tetmesh]\nenvelop = 3\n");
+    dir.run(&[&arguments[..], &["--config", "cad2fem.toml"]].concat())
+        .fails(2, "expected one of `mesher`, `edge_length`");
+    arguments.extend(["--mesher", "netgen"]);
+    dir.run(&arguments).fails(2, "known: ftetwild, gmsh");
+    dir.run(&["tetmesh", "cube.stl", "-o", "out.msh", "--edge-length", "9"]).fails(2, "diagonal");
+}
+
+#[test]
+fn a_missing_python_or_mesher_is_explained() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--no-cache"];
+    dir.run_with("PUFFER_PYTHON", "/nowhere/python", &arguments).fails(2, "/nowhere/python");
+    let bare = dir.program("bare", "exit 1");
+    dir.run_with("PUFFER_PYTHON", &bare, &arguments).fails(2, "make setup");
+}
+
+#[test]
+fn a_mesher_that_crashes_or_hangs_is_reported() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--no-cache", "--timeout", "1"];
+    let answer = "if [ \"$1\" = -c ]; then echo 0.0; exit; fi";
+    let crash = dir.program("crash", &format!("{answer}; echo dividing by zero >&2; exit 9"));
+    dir.run_with("PUFFER_PYTHON", &crash, &arguments).fails(1, "dividing by zero");
+    let hang = dir.program("hang", &format!("{answer}; exec sleep 60"));
+    dir.run_with("PUFFER_PYTHON", &hang, &arguments).fails(1, "--timeout");
+    assert!(!dir.path("out.msh").exists());
+}
+
+#[test]
+fn the_models_of_the_pipelines_are_sound() {
+    let dir = Workdir::new();
+    for (name, regions) in [("beam", 4), ("frog", 6)] {
+        let file = scene(name, "model.toml");
+        let run = dir.run(&["model", &file, "-o", name]);
+        run.succeeds();
+        assert!(!run.stderr.contains("belong to no region"), "{}", run.stderr);
+        let surface = read_surface(&dir.path(&format!("{name}/model.stl"))).unwrap();
+        // One closed surface of genus 0: V − E + F = 2 with E = 3F/2.
+        let (v, f) = (surface.vertices.len(), surface.triangles.len());
+        assert_eq!(2 * v - f, 4, "{name}");
+        let patches = fs::read_dir(dir.path(&format!("{name}/patches"))).unwrap().count();
+        assert_eq!(patches, regions, "{name}");
+        let cavity = read_surface(&dir.path(&format!("{name}/patches/cavity.stl"))).unwrap();
+        assert_eq!(boundary_loops(&cavity.triangles).len(), 1, "{name}: rim of the inlet");
+    }
+}

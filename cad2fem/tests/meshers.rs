@@ -1,0 +1,118 @@
+//! The external meshers themselves; where one is missing its tests say why they are
+//! skipped.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+
+use mesh::check::check_surface;
+use mesh::io::{read_surface, read_tets};
+use mesh::measure::{area, enclosed_volume, quality, volume};
+use mesh::topology::{boundary, boundary_loops};
+use support::{Workdir, python_with, scene};
+
+#[test]
+fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
+    let Some(python) = python_with("wildmeshing") else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    run(&["model", &scene("beam", "model.toml"), "-o", "model"]).succeeds();
+    let config = scene("beam", "cad2fem.toml");
+    let mesh = ["tetmesh", "model/model.stl", "--config", &config, "-o"];
+    run(&[&mesh[..], &["a.msh"]].concat()).succeeds();
+
+    let tets = read_tets(&dir.path("a.msh")).unwrap().mesh;
+    assert!((1000..5000).contains(&tets.tets.len()), "{} tets", tets.tets.len());
+    let surface = read_surface(&dir.path("model/model.stl")).unwrap();
+    let difference = (volume(&tets) - enclosed_volume(&surface)).abs();
+    assert!(difference < area(&surface) * 4e-4, "volumes differ by {difference:e}");
+    assert!(quality(&tets).radius_ratio_p1 > 0.3);
+    // The clamped end stays flat to the last bit, its rim included.
+    let (skin, _) = boundary(&tets).surface(&tets);
+    assert_eq!(check_surface(&skin), vec![]);
+    let flat: f64 = (0..skin.triangles.len())
+        .map(|t| skin.corners(t))
+        .filter(|corners| corners.iter().all(|p| p.x == 0.0))
+        .map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0)
+        .sum();
+    let fixed = area(&read_surface(&dir.path("model/patches/fixed.stl")).unwrap());
+    // The envelope of 0.4 mm may shift the rim of the slot, 28 mm long.
+    assert!((flat - fixed).abs() < 28e-3 * 4e-4, "{flat:e} of {fixed:e}");
+
+    run(&[&mesh[..], &["b.msh"]].concat()).says("from the cache");
+    let bytes = |name: &str| fs::read(dir.path(name)).unwrap();
+    assert_eq!(bytes("a.msh"), bytes("b.msh"));
+
+    let entry = fs::read_dir(dir.path("cache/meshes")).unwrap().map(|e| e.unwrap().path());
+    let entry = entry.filter(|p| p.extension().is_some_and(|e| e == "msh")).last().unwrap();
+    fs::write(&entry, &bytes("a.msh")[..5000]).unwrap();
+    let again = run(&[&mesh[..], &["c.msh"]].concat());
+    again.says("damaged cache entry");
+    assert!(!again.stderr.contains("from the cache"));
+    assert_eq!(fs::read(&entry).unwrap(), bytes("c.msh"));
+}
+
+#[test]
+fn gmsh_takes_the_chamber_from_cad_to_tets() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let script = scene("chamber", "model.geo");
+    run(&["model", &script, "--unit", "mm", "--set", "h=4", "-o", "model"]).succeeds();
+
+    let surface = read_surface(&dir.path("model/model.stl")).unwrap();
+    assert_eq!(check_surface(&surface), vec![]);
+    let patch = |name: &str| read_surface(&dir.path(&format!("model/patches/{name}.stl"))).unwrap();
+    let loops = |name: &str| boundary_loops(&patch(name).triangles).len();
+    assert_eq!(["fixed", "cavity", "outer", "tip"].map(loops), [2, 1, 2, 1]);
+    // π (20·16·60 − 15·11·50 − 2.5²·5) mm³; chords of 4 mm take off up to 2 %.
+    let exact = std::f64::consts::PI * (19200.0 - 8250.0 - 31.25) * 1e-9;
+    assert!((enclosed_volume(&surface) / exact - 1.0).abs() < 0.02);
+
+    let config = scene("chamber", "cad2fem.toml");
+    run(&["tetmesh", "model/model.stl", "--config", &config, "-o", "out.msh"]).succeeds();
+    let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
+    assert!((volume(&tets) / enclosed_volume(&surface) - 1.0).abs() < 1e-9);
+    let (skin, _) = boundary(&tets).surface(&tets);
+    assert_eq!(skin.triangles.len(), surface.triangles.len());
+
+    run(&["model", &script, "--unit", "mm", "--set", "k=4", "-o", "model"]).fails(2, "no number k");
+    dir.write("broken.geo", "Sphere(1) = {0,");
+    run(&["model", "broken.geo", "--unit", "mm", "-o", "model"]).fails(2, "syntax error");
+}
+
+#[test]
+fn a_step_file_states_its_own_unit() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let write = "import gmsh; gmsh.initialize(); gmsh.option.setNumber('General.Terminal', 0); \
+                 gmsh.model.occ.addBox(0, 0, 0, 30, 20, 10); gmsh.model.occ.synchronize(); \
+                 gmsh.write('box.step')";
+    let mut command = std::process::Command::new(&python);
+    command.args(["-c", write]).current_dir(dir.path(".")).output().unwrap();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    run(&["model", "box.step", "-o", "model", "--edge-length", "0.005"]).succeeds();
+    let surface = read_surface(&dir.path("model/model.stl")).unwrap();
+    // Binary STL rounds coordinates to 6e-8.
+    assert!((enclosed_volume(&surface) / 6e-6 - 1.0).abs() < 1e-6);
+    assert_eq!(fs::read_dir(dir.path("model/patches")).unwrap().count(), 6);
+    run(&["model", "box.step", "-o", "model", "--unit", "mm"]).fails(2, "states its unit");
+}
+
+#[test]
+fn a_library_that_gmsh_misses_is_named_with_its_package() {
+    let Some(python) = python_with("numpy") else { return };
+    let dir = Workdir::new();
+    let cannot = "raise OSError('libGLU.so.1: cannot open shared object file')";
+    dir.write("gmsh.py", cannot);
+    let shim = dir
+        .program("python", &format!("PYTHONPATH={} exec {python} \"$@\"", dir.path("").display()));
+    dir.run_with(
+        "PUFFER_PYTHON",
+        &shim,
+        &["model", &scene("chamber", "model.geo"), "--unit", "mm", "-o", "model"],
+    )
+    .fails(2, "apt-get install libglu1-mesa");
+}

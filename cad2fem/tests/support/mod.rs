@@ -1,0 +1,104 @@
+//! A scratch folder in which the program runs.
+
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A folder that disappears with the test; runs use caches of their own.
+pub struct Workdir {
+    folder: tempfile::TempDir,
+}
+
+/// A finished run.
+pub struct Run {
+    code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Workdir {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    /// A shell script to run in place of a real program.
+    pub fn program(&self, name: &str, script: &str) -> String {
+        let path = self.path(name);
+        fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        path.display().to_string()
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Run {
+        self.run_with("PUFFER_UNUSED", "", arguments)
+    }
+
+    pub fn run_with(&self, variable: &str, value: &str, arguments: &[&str]) -> Run {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cad2fem"));
+        self.finish(command.args(arguments).env(variable, value))
+    }
+
+    /// Runs a shell script in which `$0` is the program.
+    pub fn run_in_shell(&self, script: &str) -> Run {
+        let program = env!("CARGO_BIN_EXE_cad2fem");
+        self.finish(Command::new("sh").args(["-c", script, program]))
+    }
+
+    fn finish(&self, command: &mut Command) -> Run {
+        let command = command.current_dir(self.folder.path());
+        let output = command.env("PUFFER_CACHE", self.path("cache")).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+}
+
+impl Run {
+    #[track_caller]
+    pub fn succeeds(&self) {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+    }
+
+    #[track_caller]
+    pub fn says(&self, part: &str) {
+        self.succeeds();
+        assert!(self.stderr.contains(part), "{part:?} is not in:\n{}", self.stderr);
+    }
+
+    #[track_caller]
+    pub fn fails(&self, code: i32, part: &str) {
+        assert_eq!(self.code, Some(code), "{}", self.stderr);
+        assert!(self.stderr.contains(part), "{part:?} is not in:\n{}", self.stderr);
+    }
+}
+
+/// The Python with the meshers, unless it lacks `package`: then says so.
+pub fn python_with(package: &str) -> Option<String> {
+    let named = std::env::var("PUFFER_PYTHON").ok();
+    let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
+    let python = named.unwrap_or_else(|| venv.display().to_string());
+    let output = Command::new(&python).args(["-c", &format!("import {package}")]).output();
+    let reason = match output {
+        Err(error) => format!("{python} does not run ({error}); run `make setup`"),
+        Ok(output) if output.status.success() => return Some(python),
+        Ok(output) => String::from_utf8_lossy(&output.stderr).lines().last()?.to_owned(),
+    };
+    eprintln!("skipped, {package} is not usable: {reason}");
+    None
+}
+
+/// A file of a pipeline.
+pub fn scene(name: &str, file: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    root.join("pipelines").join(name).join(file).display().to_string()
+}
