@@ -195,13 +195,41 @@ impl Report {
         let text = mesh::io::read_text(&path)?;
         let report: Self =
             serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
+        report.require_plausible().map_err(|message| IoError::content(&path, message))?;
+        Ok(report)
+    }
+
+    /// What the checks rely on and the files cannot tell.
+    fn require_plausible(&self) -> Result<(), String> {
         let plain =
             |file: &&str| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
-        if let Some(file) = report.files().find(|file| !plain(file)) {
-            let message = format!("lists {file:?}; files must lie in its own folder");
-            return Err(IoError::content(&path, message));
+        if let Some(file) = self.files().find(|file| !plain(file)) {
+            return Err(format!("lists {file:?}; files must lie in its own folder"));
         }
-        Ok(report)
+        if self.units != "mm" {
+            return Err(format!("units are {:?}, must be \"mm\"", self.units));
+        }
+        for Part { name, leaves, to_mold, .. } in &self.parts {
+            let direction = Vec3::from(*leaves);
+            if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {
+                return Err(format!("{name} leaves along {leaves:?}, must be one of ±y and ±z"));
+            }
+            let expected = rows(&Turn::lowering(direction).inverse().0);
+            if *to_mold != expected {
+                return Err(format!("{name} is turned by {to_mold:?}, must be {expected:?}"));
+            }
+        }
+        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j] / MM);
+        let off = (map * map.transpose() - Matrix3::identity()).amax();
+        let shift = self.design_to_mold.iter().fold(0.0, |m: f64, row| m.max(row[3].abs()));
+        // A million kilometres is beyond any design.
+        if off > 1e-9 || shift > 1e15 {
+            return Err(format!(
+                "design_to_mold is {:?}, must be 1000 times a rotation and a shift",
+                self.design_to_mold
+            ));
+        }
+        Ok(())
     }
 
     /// Writes the report into `folder`.

@@ -160,12 +160,20 @@ fn bad_files() {
 }
 
 #[test]
-fn a_report_cannot_point_outside_its_folder() {
+fn a_report_that_cannot_be_is_refused() {
     let scene = Scene::new(&CHAMBER, "");
-    let mut report = mold_and_verify(&scene);
-    report.parts[0].file = "../design.msh".into();
-    report.write(&scene.path("mold")).unwrap();
-    assert_refused(&scene.verify(), "files must lie in its own folder");
+    let sound = mold_and_verify(&scene);
+    let refused = |spoil: fn(&mut Report), message: &str| {
+        let mut report = sound.clone();
+        spoil(&mut report);
+        report.write(&scene.path("mold")).unwrap();
+        assert_refused(&scene.verify(), message);
+    };
+    refused(|r| r.parts[0].file = "../design.msh".into(), "files must lie in its own folder");
+    refused(|r| r.units = "cm".into(), "must be \"mm\"");
+    refused(|r| r.parts[0].leaves = [0.0; 3], "must be one of ±y and ±z");
+    refused(|r| r.parts[0].to_mold[0][0] = -1.0, "is turned by");
+    refused(|r| r.design_to_mold[0][3] = 1e300, "must be 1000 times a rotation");
 }
 
 /// A limit on the size of files stands for a full disk.

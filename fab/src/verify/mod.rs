@@ -73,7 +73,7 @@ impl std::fmt::Display for Line {
             Status::Warn => "warn",
             Status::Fail => "FAIL",
         };
-        write!(f, "{status}  {:<28}  {:<34}  {}", self.name, self.found, self.needed)
+        write!(f, "{status}  {:<31}  {:<34}  {}", self.name, self.found, self.needed)
     }
 }
 

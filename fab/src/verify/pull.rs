@@ -11,8 +11,8 @@ use super::{Line, Status};
 /// Distances by which a shell is moved [mm].
 const PULLS: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 
-/// Undercuts above this part of the silicone are pointed out. Judgement: an
-/// undercut of 0.7 % peeled out of a prototype without effort.
+/// Undercuts above this part of the silicone are pointed out: a judgement, not a
+/// measurement.
 const UNDERCUT: f64 = 0.01;
 
 /// All checks of demolding.

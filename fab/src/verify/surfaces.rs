@@ -29,7 +29,8 @@ fn valid(name: &str, surface: &SurfaceMesh) -> Vec<Line> {
             let findings = check::run(surface, &[rule.name]);
             let count: usize = findings.iter().map(|f| f.count).sum();
             let found = match findings.first() {
-                Some(finding) => finding.message.clone(),
+                // The rules speak of metres, the files are in millimetres.
+                Some(finding) => finding.message.replace(" m³", " mm³"),
                 None => format!("{count} offending"),
             };
             Line::new(format!("{name}: {}", rule.name), findings.is_empty(), found, rule.demands)
