@@ -7,7 +7,8 @@
 //! - [`offset`]: open patch → closed selection volume
 //! - [`tetrahedralize`]: checks around a mesher, and its report
 //! - [`mesher`]: the external programs
-//! - [`planar`]: planar faces of the input stay planar
+//! - [`crumbs`]: pieces that are no part of the body
+//! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes that were made before
 //! - [`render`]: shaded pictures
 //!
@@ -18,6 +19,7 @@ pub mod cache;
 pub mod cad;
 pub mod cmd;
 pub mod config;
+pub mod crumbs;
 pub mod implicit;
 pub mod labelled;
 pub mod mesher;

@@ -1,9 +1,9 @@
-//! Planar faces stay planar.
+//! Planar faces stay planar, and keep their rims.
 //!
 //! A mesher with an envelope leaves the vertices on the rim of a planar face up to
-//! an envelope beside its plane. Where the input is planar to rounding they are
-//! moved back along the normal, if their tetrahedra allow it: molds part and
-//! fittings seal on such faces.
+//! an envelope beside its plane and its rim. Where the input is planar to rounding
+//! they are moved back, if their tetrahedra allow it: molds part and fittings seal
+//! on such faces.
 
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{area, diagonal, radius_ratio, triangle_area};
@@ -24,6 +24,17 @@ struct Faces {
     planes: Vec<(Vec3, f64)>,
     /// The planar face of each triangle.
     of: Vec<Option<usize>>,
+    /// Edges between each face and what is not planar.
+    rims: Vec<Vec<[Vec3; 2]>>,
+}
+
+/// Where a vertex of the mesh ought to be.
+#[derive(Clone, Default)]
+struct Target {
+    /// On these planar faces.
+    faces: Vec<usize>,
+    /// Some of its facets are on no planar face.
+    rim: bool,
 }
 
 /// What was done.
@@ -36,18 +47,18 @@ pub struct Flattened {
 }
 
 /// Moves boundary vertices onto the planar faces of `input` to which their facets
-/// belong, if that is no more than `reach` [m] along each normal.
+/// belong, and to their rims, if that is no more than `reach` [m] in each direction.
 pub fn flatten(mesh: &mut TetMesh, input: &SurfaceMesh, reach: f64) -> Flattened {
     let faces = Faces::of(input);
-    let planes_of = faces.at_vertices(mesh, input, reach);
+    let targets = faces.targets(mesh, input, reach);
     let mut tets_of = vec![Vec::new(); mesh.vertices.len()];
     for (t, tet) in mesh.tets.iter().enumerate() {
         tet.iter().for_each(|&v| tets_of[v].push(t));
     }
     let mut done = Flattened { moved: 0, left: 0 };
-    for (v, planes) in planes_of.iter().enumerate().filter(|(_, planes)| !planes.is_empty()) {
+    for (v, target) in targets.iter().enumerate().filter(|(_, t)| !t.faces.is_empty()) {
         let old = mesh.vertices[v];
-        let new = faces.project(old, planes);
+        let new = faces.place(old, target, reach);
         if new == old {
             continue;
         }
@@ -82,7 +93,7 @@ impl Faces {
         seeds.sort_by(|&s, &t| areas[t].total_cmp(&areas[s]));
         let (edges, flat) = (edge_facets(&surface.triangles), FLAT * diagonal(&surface.vertices));
         let least = MIN_AREA * area(surface);
-        let mut faces = Self { planes: Vec::new(), of: vec![None; areas.len()] };
+        let mut faces = Self { planes: Vec::new(), of: vec![None; areas.len()], rims: Vec::new() };
         let mut tried = vec![false; areas.len()];
         for seed in seeds {
             if tried[seed] {
@@ -101,43 +112,67 @@ impl Faces {
             }
             tried[seed] = true;
         }
+        faces.rims = vec![Vec::new(); faces.planes.len()];
+        for (&[a, b], sides) in &edges {
+            if let [Some(face), None] | [None, Some(face)] =
+                sides.iter().map(|&t| faces.of[t]).collect::<Vec<_>>()[..]
+            {
+                faces.rims[face].push([surface.vertices[a], surface.vertices[b]]);
+            }
+        }
         faces
     }
 
-    /// The planes on which each vertex of the mesh ought to be.
-    fn at_vertices(&self, mesh: &TetMesh, input: &SurfaceMesh, reach: f64) -> Vec<Vec<usize>> {
+    /// Where each vertex of the mesh ought to be.
+    fn targets(&self, mesh: &TetMesh, input: &SurfaceMesh, reach: f64) -> Vec<Target> {
         let nearest = SurfaceBvh::new(input);
-        let mut planes_of = vec![Vec::new(); mesh.vertices.len()];
+        let mut targets = vec![Target::default(); mesh.vertices.len()];
         for facet in boundary(mesh).facets {
-            let [a, b, c] = facet.map(|v| mesh.vertices[v]);
-            let triangle = nearest.closest(&((a + b + c) / 3.0)).triangle;
-            let Some(face) = self.of[triangle] else { continue };
-            let (normal, offset) = self.planes[face];
-            let along = (b - a).cross(&(c - a)).normalize().dot(&normal) > 0.7;
-            let near = [a, b, c].iter().all(|p| (normal.dot(p) - offset).abs() <= reach);
-            if along && near {
-                for v in facet {
-                    if !planes_of[v].contains(&face) {
-                        planes_of[v].push(face);
-                    }
+            let corners = facet.map(|v| mesh.vertices[v]);
+            let centroid = corners.iter().sum::<Vec3>() / 3.0;
+            let face = self.of[nearest.closest(&centroid).triangle];
+            let face = face.filter(|&face| self.holds(face, corners, reach));
+            for v in facet {
+                match face {
+                    None => targets[v].rim = true,
+                    Some(face) if !targets[v].faces.contains(&face) => targets[v].faces.push(face),
+                    Some(_) => {}
                 }
             }
         }
-        planes_of
+        targets
     }
 
-    /// A point on all `planes`, by projecting onto each in turn.
-    fn project(&self, mut p: Vec3, planes: &[usize]) -> Vec3 {
+    /// Whether a facet lies along a face and within `reach` of its plane.
+    fn holds(&self, face: usize, [a, b, c]: [Vec3; 3], reach: f64) -> bool {
+        let (normal, offset) = self.planes[face];
+        let along = (b - a).cross(&(c - a)).normalize().dot(&normal) > 0.7;
+        along && [a, b, c].iter().all(|p| (normal.dot(p) - offset).abs() <= reach)
+    }
+
+    /// `p` moved to where it ought to be.
+    fn place(&self, mut p: Vec3, target: &Target, reach: f64) -> Vec3 {
         // One plane needs one turn; edges and corners of a box converge at once,
         // oblique ones geometrically.
         for _ in 0..20 {
-            for &face in planes {
+            for &face in &target.faces {
                 let (normal, offset) = self.planes[face];
                 p -= normal * (normal.dot(&p) - offset);
             }
         }
-        p
+        let ([face], true) = (&target.faces[..], target.rim) else { return p };
+        let on_rim = self.rims[*face].iter().map(|&edge| closest_on(edge, &p));
+        on_rim
+            .map(|q| ((q - p).norm(), q))
+            .filter(|(distance, _)| *distance <= reach)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(p, |(_, q)| q)
     }
+}
+
+fn closest_on([a, b]: [Vec3; 2], p: &Vec3) -> Vec3 {
+    let axis = b - a;
+    a + axis * ((p - a).dot(&axis) / axis.norm_squared()).clamp(0.0, 1.0)
 }
 
 /// The triangles connected to `seed` that lie in `plane`.

@@ -12,6 +12,7 @@ use mesh::{SurfaceMesh, TetMesh};
 use serde::Serialize;
 
 use crate::cache::{Cache, key};
+use crate::crumbs::remove_crumbs;
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
 use crate::planar::flatten;
@@ -21,7 +22,10 @@ use crate::report::findings;
 const SAMPLES: usize = 60_000;
 
 /// Part of the cache key; changes whenever the steps after the mesher change.
-const REVISION: u32 = 1;
+const REVISION: u32 = 3;
+
+/// How often a mesher may try.
+const ATTEMPTS: u32 = 3;
 
 /// How a surface is to be meshed.
 pub struct Request<'a> {
@@ -130,22 +134,13 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
     )?;
     let kept = request.cache.as_ref().and_then(|cache| cache.get(&key));
     let cached = kept.is_some();
-    let mesh = match kept {
-        Some(mesh) => mesh,
-        None => {
-            let mut mesh =
-                request.mesher.mesh(&request.python, surface, &request.options, request.timeout)?;
-            make_positive(&mut mesh);
-            let flattened = flatten(&mut mesh, surface, request.options.envelope);
-            if flattened.left > 0 {
-                log::warn!("{} vertices stay beside a planar face", flattened.left);
-            }
-            log::debug!("{} vertices moved onto planar faces", flattened.moved);
-            improve_interior(&mut mesh, request.improve_passes);
-            mesh
+    let (mesh, mut outcome) = match kept {
+        Some(mesh) => {
+            let outcome = verify(&mesh, surface, request, mesher)?;
+            (mesh, outcome)
         }
+        None => make(surface, request, &mesher)?,
     };
-    let mut outcome = verify(&mesh, surface, request, mesher)?;
     if let (Some(cache), false) = (&request.cache, cached)
         && let Err(error) = cache.put(&key, &mesh)
     {
@@ -154,6 +149,38 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
     outcome.cached = cached;
     outcome.wall_s = start.elapsed().as_secs_f64();
     Ok((mesh, outcome))
+}
+
+/// Makes a mesh that passes [`verify`]. fTetWild is not deterministic: where one run
+/// fails the next may not.
+fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMesh, Outcome)> {
+    let mut attempt = 1;
+    loop {
+        let mut mesh =
+            request.mesher.mesh(&request.python, surface, &request.options, request.timeout)?;
+        finish(&mut mesh, surface, request);
+        match verify(&mesh, surface, request, mesher.to_owned()) {
+            Ok(outcome) => return Ok((mesh, outcome)),
+            Err(error) if attempt == ATTEMPTS => return Err(error),
+            Err(error) => log::warn!("{error:#}; meshing again"),
+        }
+        attempt += 1;
+    }
+}
+
+/// What follows the mesher, whichever it was.
+fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
+    make_positive(mesh);
+    let crumbs = remove_crumbs(mesh);
+    if crumbs > 0 {
+        log::info!("{crumbs} tets that hung on the body by an edge or a vertex are removed");
+    }
+    let flattened = flatten(mesh, surface, request.options.envelope);
+    log::debug!("{} vertices moved onto planar faces and their rims", flattened.moved);
+    if flattened.left > 0 {
+        log::warn!("{} vertices stay beside a planar face", flattened.left);
+    }
+    improve_interior(mesh, request.improve_passes);
 }
 
 fn make_positive(mesh: &mut TetMesh) {

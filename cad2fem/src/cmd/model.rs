@@ -12,8 +12,8 @@ use crate::labelled::{LabelledSurface, remove_stamp};
 use crate::report::Input;
 use crate::units::Unit;
 
-/// Writes DIR/model.stl, DIR/patches/<region>.stl, DIR/model.json, and the same in
-/// DIR/<variant>/ for every variant; lengths in metres
+/// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, `DIR/model.json`, and the same in
+/// `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Model: .toml (implicit), .geo (gmsh script) or .step

@@ -1,0 +1,84 @@
+//! Crumbs: tetrahedra that hang on the body by an edge or a vertex only.
+//!
+//! A mesher that makes its boundary manifold separates them from the body, as
+//! pieces of their own. Those too small to matter are taken out.
+
+use mesh::TetMesh;
+use mesh::measure::tet_volume;
+use mesh::topology::{TET_FACETS, submesh};
+
+/// A crumb has less than this part of the volume of the whole.
+const MAX_VOLUME: f64 = 1e-4;
+
+/// Removes the pieces of `mesh`, connected over facets, that have less than 10⁻⁴ of
+/// its volume. Returns the number of tetrahedra removed.
+pub fn remove_crumbs(mesh: &mut TetMesh) -> usize {
+    let piece_of = pieces(&mesh.tets);
+    let mut volumes = vec![0.0; mesh.tets.len()];
+    for (t, &piece) in piece_of.iter().enumerate() {
+        let [a, b, c, d] = mesh.corners(t);
+        volumes[piece] += tet_volume(a, b, c, d);
+    }
+    let least = MAX_VOLUME * volumes.iter().sum::<f64>();
+    let tets = mesh.tets.iter().zip(&piece_of);
+    let kept: Vec<_> = tets.filter(|(_, p)| volumes[**p] >= least).map(|(&t, _)| t).collect();
+    let removed = mesh.tets.len() - kept.len();
+    if removed > 0 {
+        *mesh = without_unused_vertices(mesh, &kept);
+    }
+    removed
+}
+
+/// For each tetrahedron the smallest one that is connected to it over facets.
+fn pieces(tets: &[[usize; 4]]) -> Vec<usize> {
+    let mut sides: Vec<_> = (0..tets.len())
+        .flat_map(|t| TET_FACETS.map(|f| (mesh::facet_key(f.map(|c| tets[t][c])), t)))
+        .collect();
+    sides.sort_unstable();
+    let mut parent: Vec<usize> = (0..tets.len()).collect();
+    for pair in sides.chunk_by(|a, b| a.0 == b.0) {
+        for side in &pair[1..] {
+            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, side.1));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    (0..tets.len()).map(|t| root(&mut parent, t)).collect()
+}
+
+/// Representative of `t`; halves the path to it on the way.
+fn root(parent: &mut [usize], mut t: usize) -> usize {
+    while parent[t] != t {
+        parent[t] = parent[parent[t]];
+        t = parent[t];
+    }
+    t
+}
+
+fn without_unused_vertices(mesh: &TetMesh, tets: &[[usize; 4]]) -> TetMesh {
+    let facets: Vec<_> = tets.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [b, c, d]]).collect();
+    let (used, ids) = submesh(&mesh.vertices, &facets);
+    let mut new_id = vec![usize::MAX; mesh.vertices.len()];
+    ids.iter().enumerate().for_each(|(new, &old)| new_id[old] = new);
+    TetMesh { vertices: used.vertices, tets: tets.iter().map(|t| t.map(|v| new_id[v])).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh::Vec3;
+
+    #[test]
+    fn a_small_piece_at_a_vertex_is_removed_and_a_large_one_stays() {
+        let corner = |s: f64| [Vec3::zeros(), Vec3::x() * s, Vec3::y() * s, Vec3::z() * s];
+        let mut vertices = corner(1.0).to_vec();
+        vertices.push(Vec3::repeat(1.0));
+        vertices.extend(corner(-0.01).map(|v| v + Vec3::x()));
+        vertices.extend(corner(0.5).map(|v| v + Vec3::x() * 3.0));
+        let tets = vec![[5, 7, 6, 8], [0, 1, 2, 3], [1, 2, 3, 4], [9, 10, 11, 12]];
+        let mut mesh = TetMesh { vertices, tets };
+        assert_eq!(remove_crumbs(&mut mesh), 1);
+        assert_eq!(mesh.vertices.len(), 9);
+        assert_eq!(mesh.tets, vec![[0, 1, 2, 3], [1, 2, 3, 4], [5, 6, 7, 8]]);
+        assert_eq!(remove_crumbs(&mut mesh), 0);
+    }
+}
