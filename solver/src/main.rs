@@ -1,1 +1,42 @@
-fn main() {}
+//! `solver`: simulate, optimise and check soft pneumatic bodies.
+
+mod cmd;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use mesh::cli::Verbosity;
+
+/// Finite elements of pressurised silicone, and designs by their gradient
+#[derive(Parser)]
+#[command(version)]
+struct Program {
+    #[command(subcommand)]
+    verb: Verb,
+    #[command(flatten)]
+    verbosity: Verbosity,
+    /// Threads to use; all cores if not given
+    #[arg(long, global = true)]
+    threads: Option<usize>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Simulate(cmd::simulate::Arguments),
+    Optimize(cmd::optimize::Arguments),
+    Check(cmd::check::Arguments),
+}
+
+fn main() -> ExitCode {
+    let program = Program::parse();
+    mesh::cli::run("solver", program.verbosity, || {
+        if let Some(threads) = program.threads {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+        }
+        match &program.verb {
+            Verb::Simulate(arguments) => cmd::simulate::run(arguments),
+            Verb::Optimize(arguments) => cmd::optimize::run(arguments),
+            Verb::Check(arguments) => cmd::check::run(arguments),
+        }
+    })
+}

@@ -1,7 +1,9 @@
 //! STL: triangles with their corners, no indices.
 //!
 //! Binary is 80 bytes of header, a 32-bit count, and for each triangle a normal,
-//! three corners (32-bit floats) and 16 unused bits.
+//! three corners (32-bit floats) and 16 unused bits. Written with `stl_io`; read
+//! here, because that crate rounds ASCII files to 32 bits and takes a binary file
+//! that begins with "solid" for an ASCII one.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -143,27 +145,18 @@ impl Weld {
 }
 
 pub fn write(surface: &SurfaceMesh, out: &mut dyn Write) -> io::Result<()> {
-    let count = u32::try_from(surface.triangles.len())
-        .map_err(|_| io::Error::other("more than 2^32 triangles do not fit into STL"))?;
-    // The header must not begin with "solid", which would announce ASCII.
-    let mut header = [b' '; 80];
-    let text = b"binary STL";
-    header[..text.len()].copy_from_slice(text);
-    out.write_all(&header)?;
-    out.write_all(&count.to_le_bytes())?;
-    for t in 0..surface.triangles.len() {
-        // The normal of the rounded corners, so that a file read and written again
-        // is the same file.
-        let [a, b, c] = surface.corners(t).map(|corner| corner.map(|x| f64::from(x as f32)));
-        let mut record = [0; RECORD];
-        let numbers = [triangle_normal(a, b, c), a, b, c].into_iter().flat_map(<[f64; 3]>::from);
-        for (i, x) in numbers.enumerate() {
-            if !x.is_finite() {
-                return Err(io::Error::other("coordinates beyond 3.4e38 do not fit into STL"));
-            }
-            record[4 * i..4 * i + 4].copy_from_slice(&(x as f32).to_le_bytes());
-        }
-        out.write_all(&record)?;
+    let facets = (0..surface.triangles.len()).map(|t| facet(surface.corners(t)));
+    stl_io::write_stl(&mut &mut *out, facets.collect::<io::Result<Vec<_>>>()?.iter())
+}
+
+/// A facet with the normal of its rounded corners, so that a file read and
+/// written again is the same file.
+fn facet(corners: [Vec3; 3]) -> io::Result<stl_io::Triangle> {
+    let vertices = corners.map(|corner| stl_io::Vector(<[f64; 3]>::from(corner).map(|x| x as f32)));
+    if vertices.iter().any(|v| v.0.iter().any(|x| !x.is_finite())) {
+        return Err(io::Error::other("coordinates beyond 3.4e38 do not fit into STL"));
     }
-    Ok(())
+    let [a, b, c] = vertices.map(|v| Vec3::from(v.0.map(f64::from)));
+    let normal = <[f64; 3]>::from(triangle_normal(a, b, c)).map(|x| x as f32);
+    Ok(stl_io::Triangle { normal: stl_io::Vector(normal), vertices })
 }

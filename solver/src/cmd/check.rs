@@ -1,0 +1,133 @@
+//! `solver check`: the Taylor test on the user's own design problem.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use mesh::cli::Unusable;
+use solver::body::Body;
+use solver::math::linear::{dot, norm};
+use solver::math::taylor::{Taylor, taylor};
+use solver::optimize::{Evaluation, Level};
+use solver::scene::ObjectiveBuilder;
+
+use super::optimize::read;
+
+/// Slopes of the first-order remainder that an exact gradient may have.
+const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
+
+/// Check the gradient of a design problem against its objective
+///
+/// Prints the remainders |J(θ + εq) − J(θ) − ε g·q| along the gradient and
+/// along random directions; their slope against ε is 2 when the gradient is
+/// exact. Exit code 1 when it is not.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The design problem
+    design: PathBuf,
+    /// Check at this tagged mesh, such as an optimised design.msh, in place of
+    /// the scene's
+    #[arg(long)]
+    mesh: Option<PathBuf>,
+    /// Number of handles; that of the first level if not given
+    #[arg(long)]
+    handles: Option<usize>,
+    /// Random directions besides the gradient
+    #[arg(long, default_value_t = 1)]
+    random: u64,
+    /// Largest motion of a vertex [m]; a tenth of an edge if not given
+    #[arg(long)]
+    motion: Option<f64>,
+    /// Number of step lengths, each half the one before
+    #[arg(long, default_value_t = 7)]
+    steps: i32,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let (design, mut scene) = read(&arguments.design)?;
+    if let Some(path) = &arguments.mesh {
+        let file = mesh::io::read_tets(path)?;
+        scene.body = Body::new(file.mesh, file.tags);
+    }
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
+    let handles = arguments.handles.unwrap_or(design.shape.level[0].handles);
+    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design.shape.on, handles)?;
+    let theta = vec![0.0; level.variables()];
+    let start = level.evaluate(&theta, None).context("the starting shape")?;
+    let gradient = level.gradient(&theta, &start)?;
+    log::info!("{} variables, J {:.8e}, |g| {:.4e}", theta.len(), start.objective, norm(&gradient));
+    let motion = arguments.motion.unwrap_or(0.1 * level.mean_edge());
+    let mut failed = Vec::new();
+    for direction in 0..=arguments.random {
+        let (name, q) = match direction {
+            0 => ("gradient".to_owned(), gradient.clone()),
+            seed => (format!("random {seed}"), random(seed, theta.len())),
+        };
+        let result = along(&mut level, &start, &gradient, &q, motion, arguments.steps)?;
+        print(&name, &result)?;
+        if !ACCEPTED.contains(&result.slope) {
+            failed.push(format!("{name}: {:.3}", result.slope));
+        }
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(Unusable(format!(
+        "{}: slope is not 2 ± 0.1 along {}",
+        arguments.design.display(),
+        failed.join(", ")
+    ))
+    .into())
+}
+
+/// The test along q, scaled so that the longest step moves a vertex by
+/// `motion`.
+fn along(
+    level: &mut Level,
+    start: &Evaluation,
+    gradient: &[f64],
+    q: &[f64],
+    motion: f64,
+    steps: i32,
+) -> Result<Taylor> {
+    let zero = vec![0.0; q.len()];
+    let scaled = |s: f64| -> Vec<f64> { q.iter().map(|q| s * q).collect() };
+    let small = 1e-3 * level.mean_edge() / norm(q);
+    let per_unit = level.motion(&zero, &scaled(small)) / small;
+    let epsilon = motion / per_unit;
+    let value = |e: f64| -> Result<f64> {
+        if e == 0.0 {
+            return Ok(start.objective);
+        }
+        Ok(level.evaluate(&scaled(e), Some(&start.u)).context("a trial shape")?.objective)
+    };
+    taylor(epsilon, steps, dot(gradient, q), value)
+}
+
+/// Uniform numbers in ±1 (splitmix64).
+fn random(seed: u64, len: usize) -> Vec<f64> {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    (0..len).map(|_| next()).collect()
+}
+
+fn print(name: &str, result: &Taylor) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{name}")?;
+    writeln!(out, "  {:>12}  {:>12}", "epsilon", "remainder")?;
+    for (e, r) in result.epsilon.iter().zip(&result.remainder) {
+        writeln!(out, "  {e:12.4e}  {r:12.4e}")?;
+    }
+    writeln!(
+        out,
+        "  slope {:.3} (2 expected), without the gradient {:.3} (1 expected)",
+        result.slope, result.slope_without_gradient
+    )?;
+    Ok(())
+}

@@ -1,0 +1,5 @@
+//! The verbs of `solver`.
+
+pub mod check;
+pub mod optimize;
+pub mod simulate;

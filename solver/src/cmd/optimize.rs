@@ -1,0 +1,132 @@
+//! `solver optimize`: a design problem to a better body.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use mesh::cli::Unusable;
+use mesh::io::vtu;
+use serde_json::{Value, json};
+use solver::config::{DesignConfig, ObjectiveConfig, beside};
+use solver::optimize::{Cascade, Finished};
+use solver::results;
+use solver::scene::{ObjectiveBuilder, Scene};
+
+/// Optimise the shape of a cavity
+///
+/// Writes to the output folder: design.msh (tagged), history.jsonl (one line
+/// per accepted iteration), report.json, and result.vtu (the design under
+/// load). Killed at any moment, the same command continues where it was.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The design problem
+    design: PathBuf,
+    /// Folder for the results; made if missing
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Begin anew, whatever the folder holds
+    #[arg(long)]
+    restart: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let start = Instant::now();
+    let (design, scene) = read(&arguments.design)?;
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    if arguments.restart {
+        forget(folder)?;
+    }
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
+    let cascade = Cascade {
+        scene: &scene,
+        design: &design,
+        objectives: &objectives,
+        folder: folder.clone(),
+        inputs: hash_inputs(&arguments.design, &design, &scene)?,
+    };
+    let finished = cascade.run()?;
+    write(folder, &finished)?;
+    let report = report(folder, &finished, start)?;
+    results::write_json(&folder.join("report.json"), &report)?;
+    let fall = 1.0
+        - report["objective_after"].as_f64().unwrap_or(f64::NAN)
+            / report["objective_before"].as_f64().unwrap_or(f64::NAN);
+    log::info!("the objective fell by {:.1} %", 100.0 * fall);
+    if fall <= 0.0 {
+        return Err(Unusable(format!(
+            "{}: no step lowered the objective; see the reasons in {}",
+            arguments.design.display(),
+            folder.join("report.json").display()
+        ))
+        .into());
+    }
+    Ok(())
+}
+
+/// A design file and its scene.
+pub fn read(path: &Path) -> Result<(DesignConfig, Scene)> {
+    let design: DesignConfig = mesh::io::read_toml(path)?;
+    ensure!(!design.shape.level.is_empty(), "{}: no [[shape.level]]", path.display());
+    ensure!(!design.objective.is_empty(), "{}: no [[objective]]", path.display());
+    for level in &design.shape.level {
+        ensure!(level.handles > 0, "{}: a level needs a handle or more", path.display());
+    }
+    let scene = Scene::read(&beside(path, &design.scene), None)?;
+    Ok((design, scene))
+}
+
+fn forget(folder: &Path) -> Result<()> {
+    for name in ["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"] {
+        let path = folder.join(name);
+        if path.exists() {
+            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+/// A checkpoint is only good for the problem it was made for.
+fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<String> {
+    let mut hashes = vec![
+        mesh::io::sha256_file(path)?,
+        mesh::io::sha256_file(&scene.path)?,
+        mesh::io::sha256_file(&scene.mesh_path)?,
+    ];
+    for objective in &design.objective {
+        if let ObjectiveConfig::Target { target, .. } = objective {
+            hashes.push(mesh::io::sha256_file(&beside(path, target))?);
+        }
+    }
+    Ok(hashes.join(" "))
+}
+
+fn write(folder: &Path, finished: &Finished) -> Result<()> {
+    mesh::io::write_tets(&folder.join("design.msh"), &finished.body.mesh, &finished.body.tags)?;
+    let (level, evaluation) = &finished.last;
+    vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;
+    Ok(())
+}
+
+fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
+    let history = mesh::io::read_text(&folder.join("history.jsonl"))?;
+    let lines: Vec<Value> = history.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
+    let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
+    let (first, last) = (&lines[0], &lines[lines.len() - 1]);
+    Ok(json!({
+        "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
+        "stopped": finished.stopped,
+        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "objective_before": first["objective"],
+        "objective_after": last["objective"],
+        "terms_before": first["terms"],
+        "terms_after": last["terms"],
+        "mean_displacement_before": first["mean_displacement"],
+        "mean_displacement_after": last["mean_displacement"],
+        "iterations": lines.len(),
+        "forward_s": sum("forward_s"),
+        "gradient_s": sum("gradient_s"),
+        "wall_s_of_this_run": start.elapsed().as_secs_f64(),
+        "peak_rss_mb": results::peak_rss_mb(),
+    }))
+}

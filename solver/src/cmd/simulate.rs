@@ -1,0 +1,168 @@
+//! `solver simulate`: a scene to its equilibrium and a report.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use mesh::cli::Unusable;
+use mesh::io::vtu;
+use serde_json::{Value, json};
+use solver::body::Body;
+use solver::energy::Wall;
+use solver::forward::{LoadStep, Solution, System, solve};
+use solver::results;
+use solver::scene::Scene;
+
+/// Solve a scene for its equilibrium under the full load
+///
+/// Writes to the output folder: report.json, nodes.npy and displacement.npy
+/// (exact), result.pvd with one .vtu per load step, and result.vtu.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The scene
+    scene: PathBuf,
+    /// Folder for the results; made if missing
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Another tagged mesh in place of the scene's
+    #[arg(long)]
+    mesh: Option<PathBuf>,
+    /// Only the final state, no file per load step
+    #[arg(long)]
+    final_only: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let start = Instant::now();
+    let scene = Scene::read(&arguments.scene, arguments.mesh.as_deref())?;
+    let mut system = scene.system(&scene.body)?;
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    remove_stale(folder)?;
+    log::info!(
+        "{} tets, degree {}, {} degrees of freedom",
+        scene.body.mesh.tets.len(),
+        scene.config.degree,
+        system.len()
+    );
+    let rest = scene.body.mesh.vertices.clone();
+    let outcome = solve(&mut system, &rest, None, &scene.stepping(), |step| {
+        log::info!(
+            "load {:5.1} %  newton {:2}  |g| {:.1e} N  {:.1} s",
+            100.0 * step.load,
+            step.newton_iterations,
+            step.residual,
+            start.elapsed().as_secs_f64()
+        );
+    });
+    let mut report = header(&scene, &system, arguments)?;
+    let solution = match outcome {
+        Ok(solution) => solution,
+        Err(failure) => {
+            report["status"] = json!("no equilibrium");
+            report["reason"] = json!(failure.to_string());
+            results::write_json(&folder.join("report.json"), &report)?;
+            return Err(Unusable(format!(
+                "{}: {failure}\n  lower the pressure, thicken the wall, or refine the mesh; \
+                 -v shows every Newton iteration",
+                arguments.scene.display()
+            ))
+            .into());
+        }
+    };
+    write(folder, &system, &rest, &solution, arguments.final_only)?;
+    fill(&mut report, &scene, &mut system, &solution)?;
+    report["wall_s"] = json!(start.elapsed().as_secs_f64());
+    report["peak_rss_mb"] = json!(results::peak_rss_mb());
+    results::write_json(&folder.join("report.json"), &report)
+}
+
+/// Results of an earlier run must not stand beside a report that says
+/// otherwise.
+fn remove_stale(folder: &Path) -> Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", "result.pvd"];
+        if ours.contains(&name) || (name.starts_with("step_") && name.ends_with(".vtu")) {
+            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
+    Ok(json!({
+        "status": "ok",
+        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "inputs": {
+            "scene": { "path": arguments.scene, "sha256": mesh::io::sha256_file(&arguments.scene)? },
+            "mesh": { "path": scene.mesh_path, "sha256": mesh::io::sha256_file(&scene.mesh_path)? },
+        },
+        "config": scene.config,
+        "dofs": system.len(),
+        "tets": scene.body.mesh.tets.len(),
+        "vertices": scene.body.mesh.vertices.len(),
+        "factor_entries": system.linear.factor_len(),
+    }))
+}
+
+fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solution) -> Result<()> {
+    let rest = &scene.body.mesh.vertices;
+    let energies = results::energies(system, rest, &solution.u);
+    let work = work_of_gas(scene, &scene.body, system, &solution.steps)?;
+    report["newton_iterations"] = json!(solution.newton_iterations);
+    report["steps"] = json!(solution.steps);
+    report["energy_balance"] = json!({
+        "work_of_gas": work,
+        "elastic": energies.elastic,
+        "relative_gap": (work - energies.elastic) / energies.elastic.max(f64::MIN_POSITIVE),
+    });
+    report["energies"] = json!(energies);
+    report["force_balance"] = results::balance(scene, &scene.body, system, &solution.u)?;
+    report["tags"] = json!(results::tags(&scene.body, system, &solution.u)?);
+    report["walls"] = json!(results::walls(scene, &scene.body, &system.space, &solution.u)?);
+    report["timings"] = json!(system.timings);
+    Ok(())
+}
+
+/// Σ ∫ P dV along the load steps by the trapezoidal rule [J]: second order in
+/// the load increment, so it meets the elastic energy only roughly.
+fn work_of_gas(scene: &Scene, body: &Body, system: &System, steps: &[LoadStep]) -> Result<f64> {
+    let rest = system.space.node_positions(&body.mesh.vertices);
+    let mut work = 0.0;
+    for load in &scene.config.pressure {
+        let wall = Wall::new(&system.space, &body.facets(&load.on)?);
+        let (mut pressure, mut volume) = (0.0, wall.volume(&system.space, &rest));
+        for step in steps {
+            let x: Vec<_> =
+                rest.iter().enumerate().map(|(i, x)| x + solver::element::at(&step.u, i)).collect();
+            let next = (step.load * load.pressure, wall.volume(&system.space, &x));
+            work += 0.5 * (pressure + next.0) * (next.1 - volume);
+            (pressure, volume) = next;
+        }
+    }
+    Ok(work)
+}
+
+fn write(
+    folder: &Path,
+    system: &System,
+    rest: &[mesh::Vec3],
+    solution: &Solution,
+    final_only: bool,
+) -> Result<()> {
+    results::write_state(folder, &system.space, rest, &solution.u)?;
+    vtu::write_vtu(&folder.join("result.vtu"), &results::grid(&system.space, rest, &solution.u))?;
+    if final_only {
+        return Ok(());
+    }
+    let mut collection = Vec::new();
+    for (i, step) in solution.steps.iter().enumerate() {
+        let name = format!("step_{i:03}.vtu");
+        vtu::write_vtu(&folder.join(&name), &results::grid(&system.space, rest, &step.u))?;
+        collection.push((step.load, name));
+    }
+    vtu::write_pvd(&folder.join("result.pvd"), &collection)?;
+    Ok(())
+}

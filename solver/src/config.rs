@@ -1,0 +1,206 @@
+//! What people write: `sim.toml` and `design.toml` as plain data.
+//!
+//! Everything is SI. Paths are relative to the file that names them.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::material::{Material, MooneyRivlin};
+
+/// A scene: a tagged body, its material, supports and loads.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimConfig {
+    /// Tagged tetrahedral mesh, as `tagger` writes it.
+    pub mesh: PathBuf,
+    /// Polynomial degree of the displacement: 1 or 2.
+    #[serde(default = "quadratic")]
+    pub degree: usize,
+    /// Law of the body.
+    pub material: MaterialConfig,
+    /// Tags that cannot move.
+    pub fixed: Vec<Fixed>,
+    /// Loads.
+    #[serde(default)]
+    pub pressure: Vec<PressureConfig>,
+    /// Numerical settings.
+    #[serde(default)]
+    pub solver: SolverConfig,
+}
+
+fn quadratic() -> usize {
+    2
+}
+
+/// A constitutive law by its kind.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum MaterialConfig {
+    /// See [`MooneyRivlin`].
+    MooneyRivlin(MooneyRivlin),
+}
+
+impl MaterialConfig {
+    /// The law.
+    #[must_use]
+    pub fn build(&self) -> Box<dyn Material> {
+        match self {
+            Self::MooneyRivlin(law) => Box::new(*law),
+        }
+    }
+}
+
+/// A tag whose nodes have zero displacement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fixed {
+    /// Tag name.
+    pub on: String,
+}
+
+/// A chamber wall with gas behind it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureConfig {
+    /// Tag name of the wall.
+    pub on: String,
+    /// Gauge pressure; positive inflates [Pa].
+    pub pressure: f64,
+}
+
+/// Numerical settings of the equilibrium.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SolverConfig {
+    /// First load increment as a fraction of the full load [1].
+    pub first_load_step: f64,
+    /// Increment below which the load counts as unreachable [1].
+    pub smallest_load_step: f64,
+    /// Newton iterations allowed in one load step.
+    pub newton_iterations: usize,
+    /// Unbalanced force relative to the forces that balance [1].
+    pub relative_tolerance: f64,
+    /// Unbalanced force that counts as none [N].
+    pub absolute_tolerance: f64,
+}
+
+impl Default for SolverConfig {
+    fn default() -> Self {
+        Self {
+            first_load_step: 0.25,
+            smallest_load_step: 1e-3,
+            newton_iterations: 30,
+            relative_tolerance: 1e-10,
+            absolute_tolerance: 1e-10,
+        }
+    }
+}
+
+/// A design problem: what may change in a scene, and what is wanted.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DesignConfig {
+    /// The scene, a `sim.toml`.
+    pub scene: PathBuf,
+    /// What may move, and in which levels.
+    pub shape: ShapeConfig,
+    /// Weighted terms of the objective.
+    pub objective: Vec<ObjectiveConfig>,
+}
+
+/// A cascade of shape levels on one tag.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeConfig {
+    /// Tag whose vertices move; its rim stays.
+    pub on: String,
+    /// Levels from coarse to fine.
+    pub level: Vec<LevelConfig>,
+    /// Largest vertex motion of the first step of a level, as a fraction of the
+    /// mean edge of the moving surface [1].
+    #[serde(default = "half_an_edge")]
+    pub first_step: f64,
+    /// A level ends when the objective falls by less than this fraction in one
+    /// iteration [1].
+    #[serde(default)]
+    pub stagnation: f64,
+}
+
+fn half_an_edge() -> f64 {
+    0.5
+}
+
+/// One level of the cascade.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelConfig {
+    /// Number of handles.
+    pub handles: usize,
+    /// Accepted optimiser iterations.
+    pub iterations: usize,
+}
+
+/// A weighted term of the objective.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ObjectiveConfig {
+    /// Squared distance of a deformed tag to a target surface [m⁴].
+    Target {
+        /// The user's name for the term.
+        name: String,
+        /// Weight [1/m⁴].
+        weight: f64,
+        /// Tag that should reach the target.
+        on: String,
+        /// Target surface, a file in metres.
+        target: PathBuf,
+        /// Lattice spacing of the interpolated distance [m].
+        #[serde(default = "a_millimetre")]
+        spacing: f64,
+    },
+    /// Penalty on rest walls thinner than `minimum` + `activation` [m⁴];
+    /// infinite at `minimum`.
+    WallThickness {
+        /// The user's name for the term.
+        name: String,
+        /// Weight [1/m⁴].
+        weight: f64,
+        /// Tag on one side of the wall.
+        on: String,
+        /// Tags on the other side.
+        against: Vec<String>,
+        /// Thinnest admissible wall [m].
+        minimum: f64,
+        /// The penalty starts this far above the minimum [m].
+        activation: f64,
+    },
+    /// Scale-invariant Laplacian of the rest surface of a tag [1].
+    Smoothness {
+        /// The user's name for the term.
+        name: String,
+        /// Weight [1].
+        weight: f64,
+        /// Tag to smooth.
+        on: String,
+    },
+    /// Barrier between parts of the rest surface that are not adjacent [m⁴].
+    Clearance {
+        /// The user's name for the term.
+        name: String,
+        /// Weight [1/m⁴].
+        weight: f64,
+        /// Distance below which the barrier acts [m].
+        activation: f64,
+    },
+}
+
+fn a_millimetre() -> f64 {
+    1e-3
+}
+
+/// `path` as seen from the folder of the file `from`.
+#[must_use]
+pub fn beside(from: &Path, path: &Path) -> PathBuf {
+    from.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
+}

@@ -1,0 +1,278 @@
+//! Elastic energy of the body.
+//!
+//! E(u; X) = ∫ ψ(F) dX        F = I + ∇u
+//! ∂E/∂u_a = ∫ P ∇φ_a dX      ∂²E/∂u_a∂u_b = ∫ ∇φ_a · A · ∇φ_b dX
+//!
+//! Shape derivative along a velocity field V with nodal u fixed:
+//! δ(λ·∂E/∂u) = ∫ −[A : (∇u ∇V)] : ∇λ − P : (∇λ ∇V) + (div V) P : ∇λ dX
+//!
+//! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
+//! Analysis"; shape derivative: Haug, Choi and Komkov, "Design Sensitivity
+//! Analysis of Structural Systems".
+
+use std::ops::Range;
+
+use mesh::Vec3;
+
+use super::{Energy, Hessian, Iterate};
+use crate::element::{FunctionSpace, add_at, at};
+use crate::material::{Kinematics, Material};
+use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
+use crate::math::tensor::{Mat3, project_positive, vec9};
+use crate::parallel::map_merge;
+
+/// Elastic energy with one law for the whole body.
+pub struct Elastic {
+    /// The law.
+    pub material: Box<dyn Material>,
+}
+
+/// Geometry of one straight-sided element.
+struct Element<'a> {
+    nodes: &'a [usize],
+    /// G⁻ᵀ: maps reference gradients to rest gradients [1/m].
+    to_rest: Mat3,
+    /// Rest volume [m³].
+    volume: f64,
+}
+
+impl<'a> Element<'a> {
+    fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
+        let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
+        let g = Mat3::from_columns(&[b - a, c - a, d - a]);
+        let det = g.determinant();
+        // cof G / det G = G⁻ᵀ; a flat element gives infinities, which the
+        // caller sees as an infinite energy
+        let to_rest = crate::math::tensor::cofactor(&g) / det;
+        let n = space.nodes_per_element();
+        let nodes = &space.element_nodes()[e * n..(e + 1) * n];
+        Self { nodes, to_rest, volume: det / 6.0 }
+    }
+
+    /// Rest gradients ∇φ_a of all nodes at quadrature point q.
+    fn gradients<const N: usize>(&self, space: &FunctionSpace, q: usize) -> [Vec3; N] {
+        let table = &space.volume_table().gradients[q];
+        std::array::from_fn(|a| self.to_rest * Vec3::from(table[a]))
+    }
+}
+
+/// ∇w = Σ w_a ⊗ ∇φ_a for a nodal field.
+fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> Mat3 {
+    let mut result = Mat3::zeros();
+    for (w, g) in values.iter().zip(gradients) {
+        result += w * g.transpose();
+    }
+    result
+}
+
+impl Elastic {
+    fn element_values<const N: usize>(&self, at_: &Iterate, elements: Range<usize>) -> f64 {
+        let mut sum = 0.0;
+        for e in elements {
+            let element = Element::new(at_.space, at_.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
+                let k = Kinematics::new(&field_gradient(&u, &element.gradients(at_.space, q)));
+                let density = self.material.energy_density(&k);
+                if !density.is_finite() {
+                    return f64::INFINITY;
+                }
+                sum += weight * element.volume * density;
+            }
+        }
+        sum
+    }
+
+    fn element_gradients<const N: usize>(
+        &self,
+        at_: &Iterate,
+        elements: Range<usize>,
+    ) -> Vec<[Vec3; N]> {
+        let one = |e| {
+            let element = Element::new(at_.space, at_.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let mut local = [Vec3::zeros(); N];
+            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
+                let g = element.gradients(at_.space, q);
+                let k = Kinematics::new(&field_gradient(&u, &g));
+                let stress = self.material.first_piola(&k) * (weight * element.volume);
+                for (l, g) in local.iter_mut().zip(&g) {
+                    *l += stress * g;
+                }
+            }
+            local
+        };
+        elements.map(one).collect()
+    }
+
+    /// Lower blocks of the elements' Hessians in the order of [`pair_index`].
+    fn element_hessians<const N: usize>(
+        &self,
+        at_: &Iterate,
+        kind: Hessian,
+        elements: Range<usize>,
+    ) -> Vec<[f64; 9]> {
+        let pairs = pair_count(N);
+        let mut blocks = vec![[0.0; 9]; pairs * elements.len()];
+        for (e, local) in elements.zip(blocks.chunks_exact_mut(pairs)) {
+            let element = Element::new(at_.space, at_.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(at_.space, q);
+                let mut tangent = self.material.tangent(&Kinematics::new(&field_gradient(&u, &g)));
+                if kind == Hessian::Projected {
+                    tangent = project_positive(&tangent);
+                }
+                tangent *= weight * element.volume;
+                add_point_hessian(&tangent, &g, local);
+            }
+        }
+        blocks
+    }
+
+    fn element_mixed<const N: usize>(
+        &self,
+        at_: &Iterate,
+        lambda: &[f64],
+        elements: Range<usize>,
+    ) -> Vec<[Vec3; 4]> {
+        let one = |e| {
+            let element = Element::new(at_.space, at_.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
+            let corner = corner_gradients(&element);
+            let mut local = [Vec3::zeros(); 4];
+            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(at_.space, q);
+                let (grad_u, grad_l) = (field_gradient(&u, &g), field_gradient(&l, &g));
+                let k = Kinematics::new(&grad_u);
+                let stress = self.material.first_piola(&k);
+                let pushed = self.material.tangent(&k) * vec9(&grad_l);
+                let pushed = Mat3::from_column_slice(pushed.as_slice());
+                // V = ψ_j e_k has ∇V = e_k ⊗ ∇ψ_j, so M : ∇V = (M ∇ψ_j)_k
+                let m = Mat3::identity() * stress.dot(&grad_l)
+                    - grad_u.transpose() * pushed
+                    - grad_l.transpose() * stress;
+                for (o, c) in local.iter_mut().zip(&corner) {
+                    *o += (weight * element.volume) * (m * c);
+                }
+            }
+            local
+        };
+        elements.map(one).collect()
+    }
+}
+
+/// Rest gradients of the four barycentric coordinates.
+fn corner_gradients(element: &Element) -> [Vec3; 4] {
+    let c = |k: usize| element.to_rest.column(k).into_owned();
+    [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
+}
+
+/// Adds ∇φ_a · A · ∇φ_b for all pairs b ≤ a; A is symmetric.
+fn add_point_hessian<const N: usize>(
+    tangent: &crate::math::tensor::Mat9,
+    g: &[Vec3; N],
+    local: &mut [[f64; 9]],
+) {
+    for b in 0..N {
+        // c[j] holds, for component j of node b, the stress it causes
+        let mut c = [[0.0; 9]; 3];
+        for (j, c) in c.iter_mut().enumerate() {
+            for (l, g) in g[b].iter().enumerate() {
+                let column = tangent.column(3 * l + j);
+                for (c, t) in c.iter_mut().zip(column.iter()) {
+                    *c += t * g;
+                }
+            }
+        }
+        for (a, ga) in g.iter().enumerate().skip(b) {
+            let block = &mut local[pair_index(a, b)];
+            for i in 0..3 {
+                for j in 0..3 {
+                    block[3 * i + j] += ga[0] * c[j][i] + ga[1] * c[j][3 + i] + ga[2] * c[j][6 + i];
+                }
+            }
+        }
+    }
+}
+
+impl Elastic {
+    fn total<const N: usize>(&self, at_: &Iterate) -> f64 {
+        let mut sum = 0.0;
+        map_merge(
+            at_.space.tets().len(),
+            |r| self.element_values::<N>(at_, r),
+            |_, part| sum += part,
+        );
+        sum
+    }
+
+    fn merge_gradients<const N: usize>(&self, at_: &Iterate, out: &mut [f64]) {
+        let nodes = at_.space.element_nodes();
+        map_merge(
+            at_.space.tets().len(),
+            |r| self.element_gradients::<N>(at_, r),
+            |r, parts| {
+                for (e, part) in r.zip(parts) {
+                    for (node, p) in nodes[e * N..(e + 1) * N].iter().zip(part) {
+                        add_at(out, *node, &p);
+                    }
+                }
+            },
+        );
+    }
+
+    fn merge_hessians<const N: usize>(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        map_merge(
+            at_.space.tets().len(),
+            |r| self.element_hessians::<N>(at_, kind, r),
+            |r, blocks| out.add_elements(r, &blocks),
+        );
+    }
+
+    fn merge_mixed<const N: usize>(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        map_merge(
+            at_.space.tets().len(),
+            |r| self.element_mixed::<N>(at_, lambda, r),
+            |r, parts| {
+                for (e, part) in r.zip(parts) {
+                    for (v, p) in at_.space.tets()[e].iter().zip(part) {
+                        add_at(out, *v, &p);
+                    }
+                }
+            },
+        );
+    }
+}
+
+// The number of nodes per element is a constant inside the kernels.
+impl Energy for Elastic {
+    fn value(&self, at_: &Iterate) -> f64 {
+        if at_.space.degree() == 1 { self.total::<4>(at_) } else { self.total::<10>(at_) }
+    }
+
+    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
+        if at_.space.degree() == 1 {
+            self.merge_gradients::<4>(at_, out);
+        } else {
+            self.merge_gradients::<10>(at_, out);
+        }
+    }
+
+    fn add_hessian(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        if at_.space.degree() == 1 {
+            self.merge_hessians::<4>(at_, kind, out);
+        } else {
+            self.merge_hessians::<10>(at_, kind, out);
+        }
+    }
+
+    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        if at_.space.degree() == 1 {
+            self.merge_mixed::<4>(at_, lambda, out);
+        } else {
+            self.merge_mixed::<10>(at_, lambda, out);
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Terms of the potential energy [J].
+
+mod elastic;
+mod pressure;
+
+pub use elastic::Elastic;
+pub use pressure::{Pressure, Wall};
+
+use mesh::Vec3;
+
+use crate::element::FunctionSpace;
+use crate::math::sparse::BlockMatrix;
+
+/// Everything a term may look at: one displacement of one rest shape.
+#[derive(Clone, Copy)]
+pub struct Iterate<'a> {
+    /// Topology and basis; never changes with the design.
+    pub space: &'a FunctionSpace,
+    /// Rest vertex positions X [m].
+    pub rest: &'a [Vec3],
+    /// Nodal displacement u [m], three components per node.
+    pub u: &'a [f64],
+    /// Fraction of the full load.
+    pub load: f64,
+}
+
+/// Which Hessian to assemble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hessian {
+    /// The second derivative.
+    Exact,
+    /// With the elastic tangent of each quadrature point made positive
+    /// semidefinite.
+    Projected,
+}
+
+/// One term E(u; X) of the potential energy with all its derivatives.
+pub trait Energy: Send + Sync {
+    /// E [J]; infinite where the state is not admissible.
+    fn value(&self, at: &Iterate) -> f64;
+    /// Adds ∂E/∂u [N].
+    fn add_gradient(&self, at: &Iterate, out: &mut [f64]);
+    /// Adds ∂²E/∂u² [N/m].
+    fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix);
+    /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
+    fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
+}

@@ -1,0 +1,9 @@
+//! From energies to an equilibrium.
+
+mod newton;
+mod stepping;
+mod system;
+
+pub use newton::{Failure, Newton};
+pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve};
+pub use system::{System, Timings};

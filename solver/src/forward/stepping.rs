@@ -1,0 +1,152 @@
+//! Equilibrium under the full load, reached in adaptive load steps.
+
+use mesh::Vec3;
+use serde::Serialize;
+
+use super::{Failure, Newton, System};
+
+/// Newton iterations after which a load step counts as easy.
+const EASY: usize = 5;
+/// Residual of intermediate load steps relative to the final one's.
+const LOOSE: f64 = 1e4;
+
+/// How to approach the full load.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepping {
+    /// First increment as a fraction of the full load.
+    pub first: f64,
+    /// Smallest increment before giving up.
+    pub smallest: f64,
+    /// Stopping rule of the full load.
+    pub newton: Newton,
+}
+
+/// One accepted load step.
+#[derive(Clone, Debug, Serialize)]
+pub struct LoadStep {
+    /// Fraction of the full load.
+    pub load: f64,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+    /// Norm of the unbalanced force [N].
+    pub residual: f64,
+    /// Displacement [m], three components per node.
+    #[serde(skip)]
+    pub u: Vec<f64>,
+}
+
+/// An equilibrium and the way to it.
+pub struct Solution {
+    /// Displacement [m], three components per node.
+    pub u: Vec<f64>,
+    /// Accepted load steps; the last is the full load.
+    pub steps: Vec<LoadStep>,
+    /// All Newton iterations, those of rejected steps included.
+    pub newton_iterations: usize,
+}
+
+/// No equilibrium under the full load.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("no equilibrium beyond {:.1} % of the load: {failure}", 100.0 * load)]
+pub struct Unreached {
+    /// Largest load that has an equilibrium, as a fraction.
+    pub load: f64,
+    /// What stopped the next step.
+    pub failure: Failure,
+}
+
+/// Solves under the full load. From `start`, if given, it is tried in one step;
+/// from the rest shape, in load steps that shrink where Newton fails and grow
+/// where it is easy. `observe` is called after every accepted step.
+///
+/// # Errors
+/// [`Unreached`] with the load that was reached.
+pub fn solve(
+    system: &mut System,
+    rest: &[Vec3],
+    start: Option<&[f64]>,
+    stepping: &Stepping,
+    mut observe: impl FnMut(&LoadStep),
+) -> Result<Solution, Unreached> {
+    let mut newton_iterations = 0;
+    if let Some(start) = start {
+        match attempt(system, rest, start.to_vec(), 1.0, &stepping.newton) {
+            Ok(step) => {
+                observe(&step);
+                let u = step.u.clone();
+                newton_iterations += step.newton_iterations;
+                return Ok(Solution { u, steps: vec![step], newton_iterations });
+            }
+            Err((failure, iterations)) => {
+                log::debug!("warm start failed ({failure}); starting from rest");
+                newton_iterations += iterations;
+            }
+        }
+    }
+    let mut steps: Vec<LoadStep> = Vec::new();
+    let mut increment = stepping.first;
+    let mut load = 0.0;
+    while load < 1.0 {
+        let next = if load + increment > 1.0 - 1e-9 { 1.0 } else { load + increment };
+        let newton = if next < 1.0 { loosened(&stepping.newton) } else { stepping.newton };
+        match attempt(system, rest, predict(&steps, next, system.len()), next, &newton)
+            .or_else(|_| attempt(system, rest, last(&steps, system.len()), next, &newton))
+        {
+            Ok(step) => {
+                newton_iterations += step.newton_iterations;
+                if step.newton_iterations <= EASY {
+                    increment *= 1.5;
+                }
+                load = next;
+                observe(&step);
+                steps.push(step);
+            }
+            Err((failure, iterations)) => {
+                newton_iterations += iterations;
+                increment *= 0.5;
+                log::debug!("load {next:.4} failed ({failure}); increment {increment:.4}");
+                if increment < stepping.smallest {
+                    return Err(Unreached { load, failure });
+                }
+            }
+        }
+    }
+    Ok(Solution { u: last(&steps, system.len()), steps, newton_iterations })
+}
+
+fn loosened(newton: &Newton) -> Newton {
+    Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
+}
+
+fn attempt(
+    system: &mut System,
+    rest: &[Vec3],
+    mut u: Vec<f64>,
+    load: f64,
+    newton: &Newton,
+) -> Result<LoadStep, (Failure, usize)> {
+    match newton.solve(system, rest, &mut u, load) {
+        Ok((newton_iterations, residual)) => Ok(LoadStep { load, newton_iterations, residual, u }),
+        Err(failure) => {
+            let iterations = match failure {
+                Failure::Inadmissible => 0,
+                Failure::IterationLimit { iterations, .. }
+                | Failure::Stalled { iterations, .. } => iterations,
+            };
+            Err((failure, iterations))
+        }
+    }
+}
+
+fn last(steps: &[LoadStep], len: usize) -> Vec<f64> {
+    steps.last().map_or_else(|| vec![0.0; len], |s| s.u.clone())
+}
+
+/// Linear extrapolation in the load from the last two states.
+fn predict(steps: &[LoadStep], load: f64, len: usize) -> Vec<f64> {
+    let Some(b) = steps.last() else { return vec![0.0; len] };
+    let origin = LoadStep { load: 0.0, newton_iterations: 0, residual: 0.0, u: vec![0.0; len] };
+    let a = if steps.len() > 1 { &steps[steps.len() - 2] } else { &origin };
+    let t = (load - b.load) / (b.load - a.load);
+    a.u.iter().zip(&b.u).map(|(a, b)| b + t * (b - a)).collect()
+}

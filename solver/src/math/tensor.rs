@@ -1,0 +1,60 @@
+//! 3×3 tensors and their fourth-order derivatives.
+
+/// A second-order tensor.
+pub type Mat3 = nalgebra::Matrix3<f64>;
+
+/// A fourth-order tensor ∂P/∂F; row and column index are 3·j + i for the
+/// component (i, j), that is column-major `vec`.
+pub type Mat9 = nalgebra::SMatrix<f64, 9, 9>;
+
+/// cof A = det(A) A⁻ᵀ, defined for singular A too.
+#[must_use]
+pub fn cofactor(a: &Mat3) -> Mat3 {
+    let (c0, c1, c2) = (a.column(0), a.column(1), a.column(2));
+    Mat3::from_columns(&[c1.cross(&c2), c2.cross(&c0), c0.cross(&c1)])
+}
+
+/// Column-major `vec` of a 3×3 tensor.
+#[must_use]
+pub fn vec9(a: &Mat3) -> nalgebra::SVector<f64, 9> {
+    nalgebra::SVector::<f64, 9>::from_column_slice(a.as_slice())
+}
+
+/// The nearest positive semidefinite matrix in the Frobenius norm: negative
+/// eigenvalues are set to zero.
+#[must_use]
+pub fn project_positive(a: &Mat9) -> Mat9 {
+    let eigen = a.symmetric_eigen();
+    if eigen.eigenvalues.min() >= 0.0 {
+        return *a;
+    }
+    let clamped = eigen.eigenvalues.map(|e| e.max(0.0));
+    eigen.eigenvectors * Mat9::from_diagonal(&clamped) * eigen.eigenvectors.transpose()
+}
+
+/// [a]ₓ with [a]ₓ b = a × b.
+#[must_use]
+pub fn cross_matrix(a: &nalgebra::Vector3<f64>) -> Mat3 {
+    Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cofactor_is_det_times_inverse_transpose() {
+        let a = Mat3::new(1.0, 2.0, 0.5, -0.3, 1.5, 0.2, 0.1, 0.4, 2.0);
+        let expected = a.try_inverse().expect("det = 3.96").transpose() * a.determinant();
+        assert!((cofactor(&a) - expected).norm() < 1e-14);
+    }
+
+    #[test]
+    fn projection_keeps_positive_and_clamps_negative_eigenvalues() {
+        let mut a = Mat9::from_diagonal_element(2.0);
+        assert_eq!(project_positive(&a), a);
+        a[(4, 4)] = -3.0;
+        let p = project_positive(&a);
+        assert!(p[(4, 4)].abs() < 1e-14 && (p[(0, 0)] - 2.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,363 @@
+//! The cascade: levels with more and more handles, the interior re-meshed in
+//! between, every accepted iteration on disk.
+//!
+//! Source: Gjoka et al. 2024, section 4.5; L-BFGS: Nocedal and Wright,
+//! "Numerical Optimization", chapter 7.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use serde_json::json;
+
+use super::checkpoint::Checkpoint;
+use super::{Evaluation, Lbfgs, Level, Rejected};
+use crate::body::Body;
+use crate::config::DesignConfig;
+use crate::math::linear::{dot, norm};
+use crate::scene::{ObjectiveBuilder, Scene};
+
+/// Curvature pairs that L-BFGS remembers.
+const MEMORY: usize = 6;
+/// Fraction of the predicted decrease that a step must reach.
+const ARMIJO: f64 = 1e-4;
+/// Halvings of a step before the level ends.
+const HALVINGS: usize = 10;
+/// Passes of the interior re-meshing between levels.
+const REMESH_PASSES: usize = 10;
+/// Largest vertex motion of one iteration in mean edges of the moving surface.
+const LARGEST_MOTION: f64 = 3.0;
+
+/// An optimisation in a folder.
+pub struct Cascade<'a> {
+    /// The scene that is simulated.
+    pub scene: &'a Scene,
+    /// The design problem.
+    pub design: &'a DesignConfig,
+    /// Terms of the objective.
+    pub objectives: &'a ObjectiveBuilder<'a>,
+    /// Where checkpoint, history and meshes go.
+    pub folder: PathBuf,
+    /// Hash of all inputs.
+    pub inputs: String,
+}
+
+/// How the cascade ended.
+pub struct Finished {
+    /// The designed body.
+    pub body: Body,
+    /// The last level and its last evaluation.
+    pub last: (Level, Evaluation),
+    /// Why each level that ended early did.
+    pub stopped: Vec<(usize, String)>,
+}
+
+/// A trial step that was accepted.
+struct Step {
+    theta: Vec<f64>,
+    evaluation: Evaluation,
+    gradient: Vec<f64>,
+    motion: f64,
+    trials: usize,
+    forward_s: f64,
+    gradient_s: f64,
+}
+
+impl Cascade<'_> {
+    /// Runs from the start, or from where the folder's checkpoint says.
+    ///
+    /// # Errors
+    /// When the start is not admissible or something cannot be written.
+    pub fn run(&self) -> Result<Finished> {
+        let mut checkpoint = match Checkpoint::read(&self.folder, &self.inputs)? {
+            Some(checkpoint) => {
+                log::info!(
+                    "continuing at level {}, iteration {}",
+                    checkpoint.level + 1,
+                    checkpoint.iteration
+                );
+                self.truncate_history(checkpoint.history)?;
+                checkpoint
+            }
+            None => self.begin_level(0, &self.scene.body, 0)?,
+        };
+        let mut stopped = Vec::new();
+        loop {
+            let body = self.level_body(checkpoint.level)?;
+            let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
+            if let Some(reason) = &checkpoint.stopped {
+                stopped.push((checkpoint.level + 1, reason.clone()));
+            }
+            let mut shape = level.body.clone();
+            shape.mesh.vertices.clone_from(&evaluation.rest);
+            let next = checkpoint.level + 1;
+            if next == self.design.shape.level.len() {
+                return Ok(Finished { body: shape, last: (level, evaluation), stopped });
+            }
+            let body = remesh(shape);
+            checkpoint = self.begin_level(next, &body, checkpoint.history)?;
+        }
+    }
+
+    fn level_path(&self, level: usize) -> PathBuf {
+        self.folder.join(format!("level-{}.msh", level + 1))
+    }
+
+    fn level_body(&self, level: usize) -> Result<Body> {
+        let file = mesh::io::read_tets(&self.level_path(level))?;
+        Ok(Body::new(file.mesh, file.tags))
+    }
+
+    /// Puts a level's mesh and a checkpoint before its first solve on disk.
+    fn begin_level(&self, level: usize, body: &Body, history: usize) -> Result<Checkpoint> {
+        mesh::io::write_tets(&self.level_path(level), &body.mesh, &body.tags)?;
+        let checkpoint = Checkpoint {
+            inputs: self.inputs.clone(),
+            level,
+            iteration: 0,
+            theta: Vec::new(),
+            u: Vec::new(),
+            objective: f64::MAX,
+            terms: std::collections::BTreeMap::new(),
+            gradient: Vec::new(),
+            lbfgs: Lbfgs::new(MEMORY),
+            history,
+            stopped: None,
+        };
+        checkpoint.write(&self.folder)?;
+        Ok(checkpoint)
+    }
+
+    /// Iterates one level to its end.
+    fn run_level(&self, body: Body, checkpoint: &mut Checkpoint) -> Result<(Level, Evaluation)> {
+        let settings = &self.design.shape.level[checkpoint.level];
+        let on = &self.design.shape.on;
+        let mut level = Level::new(self.scene, self.objectives, body, on, settings.handles)?;
+        let mut current = self.enter_level(&mut level, checkpoint)?;
+        while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
+            let before = current.objective;
+            match self.iterate(&mut level, checkpoint, &current)? {
+                Ok(step) => {
+                    current = step.evaluation.clone();
+                    self.accept(&mut level, checkpoint, step)?;
+                    let fall = (before - current.objective) / before.abs();
+                    if fall < self.design.shape.stagnation {
+                        checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
+                    }
+                }
+                Err(reason) => checkpoint.stopped = Some(reason),
+            }
+            if let Some(reason) = &checkpoint.stopped {
+                log::info!("level {} ends: {reason}", checkpoint.level + 1);
+                checkpoint.write(&self.folder)?;
+            }
+        }
+        Ok((level, current))
+    }
+
+    /// The state to iterate from: solved at θ = 0, or read back.
+    fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
+        if !checkpoint.theta.is_empty() {
+            return Ok(Evaluation {
+                rest: level.shape(&checkpoint.theta),
+                u: checkpoint.u.clone(),
+                objective: checkpoint.objective,
+                terms: checkpoint.terms.clone(),
+                newton_iterations: 0,
+                forward_s: 0.0,
+            });
+        }
+        let theta = vec![0.0; level.variables()];
+        let context = || format!("level {}", checkpoint.level + 1);
+        level.admit(&level.body.mesh.vertices).with_context(context)?;
+        let evaluation = level.evaluate(&theta, None).with_context(context)?;
+        let clock = Instant::now();
+        let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
+        let step = Step {
+            theta,
+            gradient,
+            motion: 0.0,
+            trials: 1,
+            forward_s: evaluation.forward_s,
+            gradient_s: clock.elapsed().as_secs_f64(),
+            evaluation: evaluation.clone(),
+        };
+        self.record(level, checkpoint, step)?;
+        Ok(evaluation)
+    }
+
+    /// One step of L-BFGS with backtracking; the inner error is why there is
+    /// none.
+    fn iterate(
+        &self,
+        level: &mut Level,
+        checkpoint: &Checkpoint,
+        current: &Evaluation,
+    ) -> Result<Result<Step, String>> {
+        let gradient = &checkpoint.gradient;
+        if norm(gradient) == 0.0 {
+            return Ok(Err("the gradient is zero".to_owned()));
+        }
+        let direction = checkpoint.lbfgs.direction(gradient);
+        let slope = dot(gradient, &direction);
+        let at = |alpha: f64| -> Vec<f64> {
+            checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
+        };
+        let mut alpha = self.first_alpha(level, checkpoint, &at);
+        let mut forward_s = 0.0;
+        let mut reason = String::new();
+        for trial in 1..=HALVINGS {
+            let theta = at(alpha);
+            let clock = Instant::now();
+            let outcome = level.evaluate(&theta, Some(&current.u));
+            forward_s += clock.elapsed().as_secs_f64();
+            let wanted = checkpoint.objective + ARMIJO * alpha * slope;
+            match outcome {
+                Ok(evaluation) if evaluation.objective <= wanted => {
+                    let clock = Instant::now();
+                    match level.gradient(&theta, &evaluation) {
+                        Ok(gradient) => {
+                            return Ok(Ok(Step {
+                                motion: level.motion(&checkpoint.theta, &theta),
+                                theta,
+                                evaluation,
+                                gradient,
+                                trials: trial,
+                                forward_s,
+                                gradient_s: clock.elapsed().as_secs_f64(),
+                            }));
+                        }
+                        Err(Rejected(why)) => reason = why,
+                    }
+                }
+                Ok(evaluation) => {
+                    reason = format!("objective {:.6e} is not low enough", evaluation.objective);
+                }
+                Err(Rejected(why)) => reason = why,
+            }
+            log::debug!("trial {trial} rejected: {reason}");
+            alpha *= 0.5;
+        }
+        Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
+    }
+
+    /// 1 for an L-BFGS direction; without memory, and always as an upper bound,
+    /// what moves vertices by a set number of edges.
+    fn first_alpha(
+        &self,
+        level: &Level,
+        checkpoint: &Checkpoint,
+        at: &impl Fn(f64) -> Vec<f64>,
+    ) -> f64 {
+        let fresh = checkpoint.lbfgs.is_empty();
+        let edges = if fresh { self.design.shape.first_step } else { LARGEST_MOTION };
+        let wanted = edges * level.mean_edge();
+        // motion is linear in small steps, so probe with one
+        let mut alpha = 1.0;
+        let mut motion = level.motion(&checkpoint.theta, &at(alpha));
+        while motion > 0.1 * wanted {
+            alpha *= 0.1;
+            motion = level.motion(&checkpoint.theta, &at(alpha));
+        }
+        let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
+        if fresh { scaled } else { scaled.min(1.0) }
+    }
+
+    /// Takes a step over into the optimiser's memory and onto disk.
+    fn accept(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
+        let difference =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        checkpoint.lbfgs.update(
+            difference(&step.theta, &checkpoint.theta),
+            difference(&step.gradient, &checkpoint.gradient),
+        );
+        checkpoint.iteration += 1;
+        self.record(level, checkpoint, step)
+    }
+
+    fn record(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
+        let settings = &self.design.shape.level[checkpoint.level];
+        let evaluation = &step.evaluation;
+        let gradient_norm = norm(&step.gradient);
+        let line = json!({
+            "level": checkpoint.level + 1,
+            "handles": settings.handles,
+            "iteration": checkpoint.iteration,
+            "objective": evaluation.objective,
+            "terms": evaluation.terms,
+            "gradient_norm": gradient_norm,
+            "motion_m": step.motion,
+            "trials": step.trials,
+            "newton_iterations": evaluation.newton_iterations,
+            "forward_s": step.forward_s,
+            "gradient_s": step.gradient_s,
+            "dofs": level.dofs(),
+            "mean_displacement": level.mean_displacements(evaluation)?,
+        });
+        log::info!(
+            "level {}/{} ({} handles)  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
+             motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s",
+            checkpoint.level + 1,
+            self.design.shape.level.len(),
+            settings.handles,
+            checkpoint.iteration,
+            settings.iterations,
+            evaluation.objective,
+            1e3 * step.motion,
+            step.trials,
+            evaluation.newton_iterations,
+            step.forward_s,
+            step.gradient_s,
+        );
+        checkpoint.history += 1;
+        checkpoint.objective = evaluation.objective;
+        checkpoint.terms = step.evaluation.terms;
+        checkpoint.theta = step.theta;
+        checkpoint.u = step.evaluation.u;
+        checkpoint.gradient = step.gradient;
+        // history first: a kill in between leaves one line too many, which the
+        // next start removes
+        self.append_history(&line)?;
+        checkpoint.write(&self.folder)
+    }
+
+    fn history_path(&self) -> PathBuf {
+        self.folder.join("history.jsonl")
+    }
+
+    fn append_history(&self, line: &serde_json::Value) -> Result<()> {
+        use std::io::Write;
+        let path = self.history_path();
+        let write = || -> std::io::Result<()> {
+            let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&path)?;
+            writeln!(file, "{line}")?;
+            file.sync_all()
+        };
+        write().with_context(|| path.display().to_string())
+    }
+
+    fn truncate_history(&self, lines: usize) -> Result<()> {
+        let path = self.history_path();
+        let text = if path.exists() {
+            std::fs::read_to_string(&path).with_context(|| path.display().to_string())?
+        } else {
+            String::new()
+        };
+        let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
+        mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
+        Ok(())
+    }
+}
+
+/// Improves the interior; boundary vertices and tags stay as they are.
+fn remesh(mut body: Body) -> Body {
+    let report = mesh::improve::improve_interior(&mut body.mesh, REMESH_PASSES);
+    log::info!(
+        "re-meshed the interior: radius ratio min {:.3} -> {:.3}, first percentile {:.3} -> {:.3}",
+        report.before.radius_ratio_min,
+        report.after.radius_ratio_min,
+        report.before.radius_ratio_p1,
+        report.after.radius_ratio_p1
+    );
+    Body::new(body.mesh, body.tags)
+}

@@ -1,0 +1,76 @@
+//! Everything that an interrupted optimisation needs to go on as if it had not
+//! been interrupted.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::Lbfgs;
+
+/// The state after an accepted iteration. Numbers are written so that they are
+/// read back bit for bit.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Hash of the program's inputs; another hash is another problem.
+    pub inputs: String,
+    /// Index of the level.
+    pub level: usize,
+    /// Accepted iterations within the level.
+    pub iteration: usize,
+    /// Design variables of the level.
+    pub theta: Vec<f64>,
+    /// Displacement at equilibrium [m]; empty before the level's first solve.
+    pub u: Vec<f64>,
+    /// Objective at θ.
+    pub objective: f64,
+    /// Weighted terms at θ.
+    pub terms: BTreeMap<String, f64>,
+    /// Gradient at θ.
+    pub gradient: Vec<f64>,
+    /// Memory of the optimiser.
+    pub lbfgs: Lbfgs,
+    /// Lines that history.jsonl has at this point.
+    pub history: usize,
+    /// The level ended early, and why.
+    pub stopped: Option<String>,
+}
+
+impl Checkpoint {
+    fn path(folder: &Path) -> PathBuf {
+        folder.join("checkpoint.json")
+    }
+
+    /// Reads the checkpoint of a folder; none when the folder has none.
+    ///
+    /// # Errors
+    /// When it cannot be read, or was made from other inputs.
+    pub fn read(folder: &Path, inputs: &str) -> Result<Option<Self>> {
+        let path = Self::path(folder);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let context = || path.display().to_string();
+        let text = std::fs::read_to_string(&path).with_context(context)?;
+        let checkpoint: Self = serde_json::from_str(&text).with_context(context)?;
+        ensure!(
+            checkpoint.inputs == inputs,
+            "{}: was made from other inputs (scene, design, mesh or target have changed)\n  \
+             to begin anew: --restart, or another output folder",
+            path.display()
+        );
+        Ok(Some(checkpoint))
+    }
+
+    /// Writes the checkpoint of a folder.
+    ///
+    /// # Errors
+    /// When it cannot be written; the one before then still stands.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        mesh::io::write_atomic(&Self::path(folder), |out| {
+            serde_json::to_writer(out, self).map_err(std::io::Error::from)
+        })?;
+        Ok(())
+    }
+}

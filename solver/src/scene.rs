@@ -1,0 +1,262 @@
+//! From config and files to objects: the only place where names become
+//! meshes, energies and objectives.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::body::Body;
+use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::element::FunctionSpace;
+use crate::energy::{Elastic, Energy, Pressure, Wall};
+use crate::forward::{Newton, Stepping, System};
+use crate::objective::{
+    Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
+};
+
+/// A scene as read from its file.
+pub struct Scene {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// The settings.
+    pub config: SimConfig,
+    /// The mesh file that was read.
+    pub mesh_path: PathBuf,
+    /// The body.
+    pub body: Body,
+}
+
+impl Scene {
+    /// Reads a scene and its mesh, or another mesh in its place.
+    ///
+    /// # Errors
+    /// With the file, what was found and what was needed.
+    pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<Self> {
+        let config: SimConfig = mesh::io::read_toml(path)?;
+        check(&config).with_context(|| path.display().to_string())?;
+        let mesh_path =
+            other_mesh.map_or_else(|| beside(path, &config.mesh), std::path::Path::to_path_buf);
+        let file = mesh::io::read_tets(&mesh_path)?;
+        let findings = mesh::check::check_tets(&file.mesh);
+        if let Some(finding) = findings.first() {
+            bail!("{}: {}", mesh_path.display(), finding.message);
+        }
+        let body = Body::new(file.mesh, file.tags);
+        Ok(Self { path: path.to_path_buf(), config, mesh_path, body })
+    }
+
+    /// The discrete problem on a body with this scene's tags.
+    ///
+    /// # Errors
+    /// When a tag is missing or a pressure wall is open with a free rim.
+    pub fn system(&self, body: &Body) -> Result<System> {
+        let context = || self.path.display().to_string();
+        let vertices = body.mesh.vertices.len();
+        let space = FunctionSpace::new(self.config.degree, vertices, body.mesh.tets.clone());
+        let fixed = self.fixed_dofs(body, &space).with_context(context)?;
+        let mut energies: Vec<Box<dyn Energy>> =
+            vec![Box::new(Elastic { material: self.config.material.build() })];
+        for load in &self.config.pressure {
+            let facets = body.facets(&load.on).with_context(context)?;
+            check_rim(&load.on, &facets, &fixed, body).with_context(context)?;
+            let wall = Wall::new(&space, &facets);
+            energies.push(Box::new(Pressure { wall, pressure: load.pressure }));
+        }
+        Ok(System::new(space, energies, &fixed))
+    }
+
+    fn fixed_dofs(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<bool>> {
+        let mut fixed = vec![false; 3 * space.node_count()];
+        for support in &self.config.fixed {
+            for facet in body.facets(&support.on)? {
+                for node in space.facet_nodes(facet) {
+                    fixed[3 * node..3 * node + 3].fill(true);
+                }
+            }
+        }
+        Ok(fixed)
+    }
+
+    /// How to approach the full load.
+    #[must_use]
+    pub fn stepping(&self) -> Stepping {
+        let SolverConfig {
+            first_load_step,
+            smallest_load_step,
+            newton_iterations,
+            relative_tolerance,
+            absolute_tolerance,
+        } = self.config.solver;
+        Stepping {
+            first: first_load_step,
+            smallest: smallest_load_step,
+            newton: Newton {
+                iterations: newton_iterations,
+                relative: relative_tolerance,
+                absolute: absolute_tolerance,
+            },
+        }
+    }
+}
+
+/// Settings that no type can rule out.
+fn check(config: &SimConfig) -> Result<()> {
+    let s = &config.solver;
+    ensure!(config.degree == 1 || config.degree == 2, "degree = {}: must be 1 or 2", config.degree);
+    ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
+    for load in &config.pressure {
+        ensure!(load.pressure.is_finite(), "pressure on \"{}\" is {}", load.on, load.pressure);
+    }
+    ensure!(
+        s.first_load_step > 0.0 && s.first_load_step <= 1.0,
+        "first_load_step = {}: must be above 0 and at most 1",
+        s.first_load_step
+    );
+    ensure!(
+        s.smallest_load_step > 0.0 && s.smallest_load_step <= s.first_load_step,
+        "smallest_load_step = {}: must be above 0 and at most first_load_step",
+        s.smallest_load_step
+    );
+    ensure!(
+        s.relative_tolerance > 0.0 && s.absolute_tolerance >= 0.0 && s.newton_iterations > 0,
+        "relative_tolerance and newton_iterations must be positive"
+    );
+    let crate::config::MaterialConfig::MooneyRivlin(m) = &config.material;
+    ensure!(
+        m.c1 + m.c2 > 0.0 && m.d1 > 0.0 && m.c3.is_finite(),
+        "material: shear modulus 2(c1 + c2) = {} Pa and bulk modulus 2 d1 = {} Pa must be positive",
+        2.0 * (m.c1 + m.c2),
+        2.0 * m.d1
+    );
+    Ok(())
+}
+
+/// The gas force has a potential only when every rim of its wall is fixed.
+fn check_rim(name: &str, facets: &[[usize; 3]], fixed: &[bool], body: &Body) -> Result<()> {
+    let rim = mesh::topology::boundary_edges(facets);
+    let free: Vec<_> = rim
+        .iter()
+        .filter(|e| e.iter().any(|&v| !fixed[3 * v..3 * v + 3].iter().all(|f| *f)))
+        .collect();
+    if let Some([a, _]) = free.first() {
+        let p = body.mesh.vertices[*a];
+        bail!(
+            "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
+             ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
+             rim is fixed: add the tag around the opening to [[fixed]]",
+            free.len(),
+            rim.len(),
+            p.x,
+            p.y,
+            p.z
+        );
+    }
+    Ok(())
+}
+
+/// A term and its weight.
+pub struct Weighted {
+    /// Factor of the term.
+    pub weight: f64,
+    /// The term.
+    pub objective: Box<dyn Objective>,
+}
+
+/// Builds objectives; the distance fields of targets are made once and shared
+/// by all levels.
+pub struct ObjectiveBuilder<'a> {
+    configs: &'a [ObjectiveConfig],
+    fields: BTreeMap<usize, DistanceField>,
+}
+
+impl<'a> ObjectiveBuilder<'a> {
+    /// Reads the targets of a design file.
+    ///
+    /// # Errors
+    /// When a target cannot be read or a setting is not admissible.
+    pub fn new(design: &Path, configs: &'a [ObjectiveConfig]) -> Result<Self> {
+        let mut fields = BTreeMap::new();
+        for (i, config) in configs.iter().enumerate() {
+            check_objective(config).with_context(|| design.display().to_string())?;
+            if let ObjectiveConfig::Target { target, spacing, .. } = config {
+                let surface = mesh::io::read_surface(&beside(design, target))?;
+                fields.insert(i, DistanceField::new(&surface, *spacing, DistanceKind::Squared));
+            }
+        }
+        Ok(Self { configs, fields })
+    }
+
+    /// The terms on one body.
+    ///
+    /// # Errors
+    /// When a tag is missing.
+    pub fn build(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Weighted>> {
+        let build = |(i, config): (usize, &ObjectiveConfig)| self.one(i, config, body, space);
+        self.configs.iter().enumerate().map(build).collect()
+    }
+
+    fn one(
+        &self,
+        index: usize,
+        config: &ObjectiveConfig,
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Weighted> {
+        let (weight, objective): (f64, Box<dyn Objective>) = match config {
+            ObjectiveConfig::Target { name, weight, on, .. } => {
+                let facets =
+                    body.facets(on)?.into_iter().map(|f| (f, space.facet_nodes(f))).collect();
+                let field = self.fields[&index].clone();
+                (*weight, Box::new(Target::new(name.clone(), facets, field)))
+            }
+            ObjectiveConfig::WallThickness { name, weight, on, against, minimum, activation } => {
+                let mut others = Vec::new();
+                for tag in against {
+                    others.extend(body.facets(tag)?);
+                }
+                let term =
+                    WallThickness::log(name, &body.facets(on)?, &others, *minimum, *activation)
+                        .with_context(|| format!("objective \"{name}\""))?;
+                (*weight, Box::new(term))
+            }
+            ObjectiveConfig::Smoothness { name, weight, on } => {
+                (*weight, Box::new(Smoothness::scale_invariant(name, &body.facets(on)?)))
+            }
+            ObjectiveConfig::Clearance { name, weight, activation } => {
+                (*weight, Box::new(Clearance::new(name, body.boundary(), *activation)))
+            }
+        };
+        Ok(Weighted { weight, objective })
+    }
+}
+
+/// The user's name and weight of a term.
+fn label(config: &ObjectiveConfig) -> (&str, f64) {
+    match config {
+        ObjectiveConfig::Target { name, weight, .. }
+        | ObjectiveConfig::WallThickness { name, weight, .. }
+        | ObjectiveConfig::Smoothness { name, weight, .. }
+        | ObjectiveConfig::Clearance { name, weight, .. } => (name, *weight),
+    }
+}
+
+fn check_objective(config: &ObjectiveConfig) -> Result<()> {
+    let (name, weight) = label(config);
+    ensure!(weight.is_finite() && weight >= 0.0, "objective \"{name}\": weight = {weight}");
+    let lengths = match config {
+        ObjectiveConfig::Target { spacing, .. } => vec![("spacing", *spacing)],
+        ObjectiveConfig::WallThickness { minimum, activation, .. } => {
+            vec![("minimum", *minimum), ("activation", *activation)]
+        }
+        ObjectiveConfig::Clearance { activation, .. } => vec![("activation", *activation)],
+        ObjectiveConfig::Smoothness { .. } => Vec::new(),
+    };
+    for (key, value) in lengths {
+        ensure!(
+            value.is_finite() && value > 0.0,
+            "objective \"{name}\": {key} = {value} m must be positive"
+        );
+    }
+    Ok(())
+}

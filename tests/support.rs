@@ -1,0 +1,73 @@
+//! Small bodies and helpers that the tests share.
+
+use std::path::PathBuf;
+
+use mesh::{Tags, TetMesh, Vec3};
+use solver::body::Body;
+
+/// The six tetrahedra of a cube whose corners are numbered by the bits zyx.
+const KUHN: [[usize; 4]; 6] =
+    [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
+
+/// A block of `cells` cubes of edge `edge` [m] without the cells for which
+/// `empty` holds, its vertices moved by `distort`.
+#[must_use]
+pub fn block(
+    cells: [usize; 3],
+    edge: f64,
+    empty: impl Fn([usize; 3]) -> bool,
+    distort: impl Fn(Vec3) -> Vec3,
+) -> TetMesh {
+    let size = cells.map(|n| n + 1);
+    let id = |i: [usize; 3]| (i[2] * size[1] + i[1]) * size[0] + i[0];
+    let mut tets = Vec::new();
+    for z in 0..cells[2] {
+        for y in 0..cells[1] {
+            for x in 0..cells[0] {
+                if empty([x, y, z]) {
+                    continue;
+                }
+                let corner =
+                    |bits: usize| id([x + (bits & 1), y + (bits >> 1 & 1), z + (bits >> 2)]);
+                tets.extend(KUHN.map(|tet| tet.map(corner)));
+            }
+        }
+    }
+    let mut used: Vec<usize> = tets.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let position = |v: usize| {
+        let [x, y, z] = [v % size[0], v / size[0] % size[1], v / size[0] / size[1]];
+        distort(edge * Vec3::new(x as f64, y as f64, z as f64))
+    };
+    let renumber = |v: usize| used.binary_search(&v).expect("every corner is used");
+    TetMesh {
+        vertices: used.iter().map(|&v| position(v)).collect(),
+        tets: tets.into_iter().map(|t| t.map(renumber)).collect(),
+    }
+}
+
+/// Tags boundary facets by the first rule that holds at their centroid.
+#[must_use]
+pub fn tag(mesh: TetMesh, rules: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Body {
+    let mut tags = Tags::new(rules.iter().map(|r| r.0.to_owned()).collect());
+    for facet in mesh::topology::boundary(&mesh).facets {
+        let centroid = facet.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0;
+        if let Some((i, _)) = rules.iter().enumerate().find(|(_, r)| (r.1)(centroid)) {
+            tags.set(facet, u32::try_from(i + 1).expect("few rules"));
+        }
+    }
+    Body::new(mesh, tags)
+}
+
+/// A file beside the repository that is not part of it; none, with a printed
+/// reason, where it is absent.
+#[must_use]
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
+    if file.exists() {
+        return Some(file);
+    }
+    eprintln!("SKIPPED: {} is not on this machine", file.display());
+    None
+}
