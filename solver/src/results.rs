@@ -22,7 +22,8 @@ use crate::scene::Scene;
 pub struct TagReport {
     /// Rest area [m²].
     pub area: f64,
-    /// Force that holds the tag's nodes, beyond all loads [N].
+    /// Force of the support on the body [N]; zero on a tag that is free. A node
+    /// on the rim of several fixed tags counts for the first of them.
     pub reaction: [f64; 3],
     /// Mean length of the displacement over the rest area [m].
     pub mean_displacement: f64,
@@ -61,26 +62,58 @@ pub struct Energies {
 ///
 /// # Errors
 /// When a tag has no facets.
-pub fn tags(body: &Body, system: &mut System, u: &[f64]) -> Result<BTreeMap<String, TagReport>> {
-    let (gradient, _) = system.gradient(&body.mesh.vertices, u, 1.0);
+pub fn tags(
+    scene: &Scene,
+    body: &Body,
+    system: &mut System,
+    u: &[f64],
+) -> Result<BTreeMap<String, TagReport>> {
+    let reactions = reactions(scene, body, system, u)?;
     let mut reports = BTreeMap::new();
     for name in &body.tags.names {
-        let report = tag(body, &system.space, &body.facets(name)?, &gradient, u);
+        let mut report = displacements(body, &system.space, &body.facets(name)?, u);
+        if let Some(reaction) = reactions.get(name) {
+            report.reaction = *reaction;
+        }
         reports.insert(name.clone(), report);
     }
     Ok(reports)
 }
 
-fn tag(
+/// Force of each support on the body [N].
+fn reactions(
+    scene: &Scene,
+    body: &Body,
+    system: &mut System,
+    u: &[f64],
+) -> Result<BTreeMap<String, [f64; 3]>> {
+    let (gradient, _) = system.gradient(&body.mesh.vertices, u, 1.0);
+    let mut counted = vec![false; system.space.node_count()];
+    let mut reactions = BTreeMap::new();
+    for support in &scene.config.fixed {
+        let mut sum = Vec3::zeros();
+        for facet in body.facets(&support.on)? {
+            for node in system.space.facet_nodes(facet) {
+                if !std::mem::replace(&mut counted[node], true) {
+                    sum += at(&gradient, node);
+                }
+            }
+        }
+        reactions.insert(support.on.clone(), sum.into());
+    }
+    Ok(reactions)
+}
+
+/// Area and displacements of the facets of a tag.
+#[must_use]
+pub fn displacements(
     body: &Body,
     space: &FunctionSpace,
     facets: &[[usize; 3]],
-    gradient: &[f64],
     u: &[f64],
 ) -> TagReport {
     let table = space.facet_table();
-    let (mut area, mut length, mut vector) = (0.0, 0.0, Vec3::zeros());
-    let mut nodes = std::collections::BTreeSet::new();
+    let (mut area, mut length, mut vector, mut largest) = (0.0, 0.0, Vec3::zeros(), 0.0_f64);
     for &facet in facets {
         let ids = space.facet_nodes(facet);
         let [a, b, c] = facet.map(|v| body.mesh.vertices[v]);
@@ -91,15 +124,14 @@ fn tag(
             length += facet_area * weight * here.norm();
             vector += facet_area * weight * here;
         }
-        nodes.extend(ids);
+        largest = ids.iter().map(|&n| at(u, n).norm()).fold(largest, f64::max);
     }
-    let reaction: Vec3 = nodes.iter().map(|&n| at(gradient, n)).sum();
     TagReport {
         area,
-        reaction: reaction.into(),
+        reaction: [0.0; 3],
         mean_displacement: length / area,
         mean_displacement_vector: (vector / area).into(),
-        max_displacement: nodes.iter().map(|&n| at(u, n).norm()).fold(0.0, f64::max),
+        max_displacement: largest,
     }
 }
 

@@ -50,7 +50,7 @@ fn compare(degree: usize, reference: &str) {
     let stepping = Stepping { first: 1.0, smallest: 1e-3, newton };
     let rest = body.mesh.vertices.clone();
     let clock = std::time::Instant::now();
-    let solution = solve(&mut system, &rest, None, &stepping, |_| ()).unwrap();
+    let solution = solve(&mut system, &rest, &stepping, |_| ()).unwrap();
     eprintln!(
         "P{degree}: {} Newton iterations, {:.2} s, {:?}",
         solution.newton_iterations,

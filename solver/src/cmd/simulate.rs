@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         system.len()
     );
     let rest = scene.body.mesh.vertices.clone();
-    let outcome = solve(&mut system, &rest, None, &scene.stepping(), |step| {
+    let outcome = solve(&mut system, &rest, &scene.stepping(), |step| {
         log::info!(
             "load {:5.1} %  newton {:2}  |g| {:.1e} N  {:.1} s",
             100.0 * step.load,
@@ -120,7 +120,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     });
     report["energies"] = json!(energies);
     report["force_balance"] = results::balance(scene, &scene.body, system, &solution.u)?;
-    report["tags"] = json!(results::tags(&scene.body, system, &solution.u)?);
+    report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
     report["walls"] = json!(results::walls(scene, &scene.body, &system.space, &solution.u)?);
     report["timings"] = json!(system.timings);
     Ok(())

@@ -5,5 +5,5 @@ mod stepping;
 mod system;
 
 pub use newton::{Failure, Newton};
-pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve};
+pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve, solve_from};
 pub use system::{System, Timings};

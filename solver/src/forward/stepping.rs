@@ -55,43 +55,43 @@ pub struct Unreached {
     pub failure: Failure,
 }
 
-/// Solves under the full load. From `start`, if given, it is tried in one step;
-/// from the rest shape, in load steps that shrink where Newton fails and grow
-/// where it is easy. `observe` is called after every accepted step.
+/// Solves under the full load from a nearby equilibrium, in one step.
+///
+/// # Errors
+/// [`Failure`] of Newton's method.
+pub fn solve_from(
+    system: &mut System,
+    rest: &[Vec3],
+    start: &[f64],
+    newton: &Newton,
+) -> Result<Solution, Failure> {
+    let step =
+        attempt(system, rest, start.to_vec(), 1.0, newton).map_err(|failed| failed.failure)?;
+    let newton_iterations = step.newton_iterations;
+    Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
+}
+
+/// Solves under the full load from the rest shape, in load steps that shrink
+/// where Newton fails and grow where it is easy. `observe` is called after
+/// every accepted step.
 ///
 /// # Errors
 /// [`Unreached`] with the load that was reached.
 pub fn solve(
     system: &mut System,
     rest: &[Vec3],
-    start: Option<&[f64]>,
     stepping: &Stepping,
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
     let mut newton_iterations = 0;
-    if let Some(start) = start {
-        match attempt(system, rest, start.to_vec(), 1.0, &stepping.newton) {
-            Ok(step) => {
-                observe(&step);
-                let u = step.u.clone();
-                newton_iterations += step.newton_iterations;
-                return Ok(Solution { u, steps: vec![step], newton_iterations });
-            }
-            Err((failure, iterations)) => {
-                log::debug!("warm start failed ({failure}); starting from rest");
-                newton_iterations += iterations;
-            }
-        }
-    }
     let mut steps: Vec<LoadStep> = Vec::new();
     let mut increment = stepping.first;
     let mut load = 0.0;
     while load < 1.0 {
         let next = if load + increment > 1.0 - 1e-9 { 1.0 } else { load + increment };
         let newton = if next < 1.0 { loosened(&stepping.newton) } else { stepping.newton };
-        match attempt(system, rest, predict(&steps, next, system.len()), next, &newton)
-            .or_else(|_| attempt(system, rest, last(&steps, system.len()), next, &newton))
-        {
+        let start = predict(&steps, next, system.len());
+        match attempt(system, rest, start, next, &newton) {
             Ok(step) => {
                 newton_iterations += step.newton_iterations;
                 if step.newton_iterations <= EASY {
@@ -101,7 +101,7 @@ pub fn solve(
                 observe(&step);
                 steps.push(step);
             }
-            Err((failure, iterations)) => {
+            Err(Failed { failure, iterations }) => {
                 newton_iterations += iterations;
                 increment *= 0.5;
                 log::debug!("load {next:.4} failed ({failure}); increment {increment:.4}");
@@ -111,11 +111,18 @@ pub fn solve(
             }
         }
     }
-    Ok(Solution { u: last(&steps, system.len()), steps, newton_iterations })
+    let u = steps.last().map_or_else(|| vec![0.0; system.len()], |s| s.u.clone());
+    Ok(Solution { u, steps, newton_iterations })
 }
 
 fn loosened(newton: &Newton) -> Newton {
     Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
+}
+
+/// A load step without an equilibrium, and the iterations spent on it.
+struct Failed {
+    failure: Failure,
+    iterations: usize,
 }
 
 fn attempt(
@@ -124,7 +131,7 @@ fn attempt(
     mut u: Vec<f64>,
     load: f64,
     newton: &Newton,
-) -> Result<LoadStep, (Failure, usize)> {
+) -> Result<LoadStep, Failed> {
     match newton.solve(system, rest, &mut u, load) {
         Ok((newton_iterations, residual)) => Ok(LoadStep { load, newton_iterations, residual, u }),
         Err(failure) => {
@@ -133,13 +140,9 @@ fn attempt(
                 Failure::IterationLimit { iterations, .. }
                 | Failure::Stalled { iterations, .. } => iterations,
             };
-            Err((failure, iterations))
+            Err(Failed { failure, iterations })
         }
     }
-}
-
-fn last(steps: &[LoadStep], len: usize) -> Vec<f64> {
-    steps.last().map_or_else(|| vec![0.0; len], |s| s.u.clone())
 }
 
 /// Linear extrapolation in the load from the last two states.
