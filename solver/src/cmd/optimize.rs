@@ -8,7 +8,7 @@ use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
 use solver::config::{DesignConfig, ObjectiveConfig, beside};
-use solver::optimize::{Cascade, Finished};
+use solver::optimize::{Cascade, Checkpoint, Finished};
 use solver::results;
 use solver::scene::{ObjectiveBuilder, Scene};
 
@@ -34,16 +34,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    if arguments.restart {
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
+    let inputs = hash_inputs(&arguments.design, &design, &scene)?;
+    if arguments.restart || outdated(folder, &inputs)? {
         forget(folder)?;
     }
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
     let cascade = Cascade {
         scene: &scene,
         design: &design,
         objectives: &objectives,
         folder: folder.clone(),
-        inputs: hash_inputs(&arguments.design, &design, &scene)?,
+        inputs,
     };
     let finished = cascade.run()?;
     write(folder, &finished)?;
@@ -74,6 +75,15 @@ pub fn read(path: &Path) -> Result<(DesignConfig, Scene)> {
     }
     let scene = Scene::read(&beside(path, &design.scene), None)?;
     Ok((design, scene))
+}
+
+/// Whether the folder holds a finished optimisation of other inputs. One that is
+/// not finished is not thrown away unasked.
+fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
+    if !folder.join("report.json").exists() {
+        return Ok(false);
+    }
+    Ok(Checkpoint::read(folder)?.is_some_and(|checkpoint| checkpoint.inputs != inputs))
 }
 
 fn forget(folder: &Path) -> Result<()> {

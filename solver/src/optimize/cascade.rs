@@ -69,8 +69,9 @@ impl Cascade<'_> {
     /// # Errors
     /// When the start is not admissible or something cannot be written.
     pub fn run(&self) -> Result<Finished> {
-        let mut checkpoint = match Checkpoint::read(&self.folder, &self.inputs)? {
+        let mut checkpoint = match Checkpoint::read(&self.folder)? {
             Some(checkpoint) => {
+                checkpoint.check_inputs(&self.folder, &self.inputs)?;
                 log::info!(
                     "continuing at level {}, iteration {}",
                     checkpoint.level + 1,

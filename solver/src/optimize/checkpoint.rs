@@ -45,22 +45,34 @@ impl Checkpoint {
     /// Reads the checkpoint of a folder; none when the folder has none.
     ///
     /// # Errors
-    /// When it cannot be read, or was made from other inputs.
-    pub fn read(folder: &Path, inputs: &str) -> Result<Option<Self>> {
+    /// When it cannot be read or is not a checkpoint.
+    pub fn read(folder: &Path) -> Result<Option<Self>> {
         let path = Self::path(folder);
         if !path.exists() {
             return Ok(None);
         }
         let context = || path.display().to_string();
         let text = std::fs::read_to_string(&path).with_context(context)?;
-        let checkpoint: Self = serde_json::from_str(&text).with_context(context)?;
-        ensure!(
-            checkpoint.inputs == inputs,
-            "{}: was made from other inputs (scene, design, mesh or target have changed)\n  \
-             to begin anew: --restart, or another output folder",
-            path.display()
-        );
+        let checkpoint = serde_json::from_str(&text).with_context(|| {
+            format!("{}: not a checkpoint; begin anew: --restart", path.display())
+        })?;
         Ok(Some(checkpoint))
+    }
+
+    /// Makes sure that it belongs to these inputs.
+    ///
+    /// # Errors
+    /// When it was made from others.
+    pub fn check_inputs(&self, folder: &Path, inputs: &str) -> Result<()> {
+        ensure!(
+            self.inputs == inputs,
+            "{}: level {}, iteration {} of another problem (scene, design, mesh or target have \
+             changed)\n  to begin anew: --restart, or another output folder",
+            Self::path(folder).display(),
+            self.level + 1,
+            self.iteration
+        );
+        Ok(())
     }
 
     /// Writes the checkpoint of a folder.

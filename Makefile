@@ -1,0 +1,51 @@
+# From a model to printable molds. `make help` lists what can be made.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.SECONDARY:
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+BIN := target/release
+SCENES := frog beam chamber
+
+.PHONY: help setup test test-all lint docs clean $(SCENES)
+
+help:  ## list all targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+
+frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
+beam: build/beam/done  ## the same for a small beam, in a minute or two
+chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD and make its molds
+
+setup: .venv/installed  ## install Python packages into .venv and build the programs
+	@cargo build --release --locked --quiet
+
+test: setup  ## all tests that take seconds
+	cargo test --release --locked --workspace
+
+test-all: setup beam  ## also those that take minutes
+	cargo test --release --locked --workspace -- --include-ignored
+
+lint:  ## what CI asks of the sources: format, clippy, documentation
+	cargo fmt --check
+	cargo clippy --release --locked --workspace --all-targets -- --deny warnings
+	RUSTDOCFLAGS='--deny warnings' cargo doc --locked --workspace --no-deps --quiet
+
+docs:  ## documentation of the libraries, in target/doc
+	cargo doc --locked --workspace --no-deps
+
+clean:  ## remove all results; keeps .venv, programs and the cache of meshes
+	rm -rf build
+
+.venv/installed: requirements.txt
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' || \
+		{ echo "setup: $(PYTHON) is $$($(PYTHON) --version 2>&1), needed is Python 3.10 to 3.13: make PYTHON=..."; exit 1; }
+	@$(PYTHON) -c 'import ensurepip' || { echo "setup: Python's venv is missing: apt install python3-venv"; exit 1; }
+	rm -rf .venv
+	$(PYTHON) -m venv .venv
+	.venv/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<
+	touch $@
+
+include pipelines/rules.mk

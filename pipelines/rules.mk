@@ -1,0 +1,87 @@
+# The chain, one rule per arrow:
+#
+#   model.toml, model.geo -> model -> volume.msh -> tagged.msh -> baseline
+#                                                   tagged.msh -> optimize -> optimized
+#                         tagged.msh or optimize/design.msh -> mold -> mold.checks.txt
+#
+# The programs are order-only prerequisites: results follow their inputs. After a change of
+# a program, `make clean` starts over.
+
+build/%/model/model.json: pipelines/%/model.toml | setup
+	$(BIN)/cad2fem model $< -o $(@D)
+
+build/%/model/model.json: pipelines/%/model.geo | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+# Scene $(1), its results in $(2), suffix of its settings $(3).
+define simulate
+$(2)/volume.msh: build/$(1)/model/model.json pipelines/$(1)/cad2fem$(3).toml | setup
+	$(BIN)/cad2fem tetmesh build/$(1)/model/model.stl --config pipelines/$(1)/cad2fem$(3).toml -o $$@
+
+$(2)/tagged.msh: $(2)/volume.msh pipelines/$(1)/tags.toml | setup
+	$(BIN)/tagger tag $$< --config pipelines/$(1)/tags.toml --patches build/$(1)/model/patches -o $$@
+
+$(2)/baseline/report.json: pipelines/$(1)/sim$(3).toml $(2)/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+
+$(2)/pictures/model.png: build/$(1)/model/model.json | setup
+	$(BIN)/cad2fem picture build/$(1)/model/patches/*.stl --together $(VIEW) --title "$(1): regions" -o $$@
+
+$(2)/pictures/mesh.png: $(2)/tagged.msh | setup
+	$(BIN)/cad2fem picture $$< --cut y=0 --edges --view front --title "$(1): tetrahedra" -o $$@
+
+$(2)/pictures/baseline.png: $(2)/baseline/report.json | setup
+	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(1), inflated" -o $$@
+
+$(2)/done: $(addprefix $(2)/pictures/,model.png mesh.png baseline.png)
+endef
+
+# The same, for a scene with a design problem.
+define optimize
+$(2)/optimize/report.json: pipelines/$(1)/design$(3).toml pipelines/$(1)/sim$(3).toml $(2)/tagged.msh | setup
+	$(BIN)/solver optimize $$< -o $$(@D)
+
+$(2)/optimized/report.json: $(2)/optimize/report.json | setup
+	$(BIN)/solver simulate pipelines/$(1)/sim$(3).toml --mesh $(2)/optimize/design.msh -o $$(@D)
+
+$(2)/pictures/optimized.png: $(2)/baseline/report.json $(2)/optimized/report.json | setup
+	$(BIN)/cad2fem picture $(2)/baseline/result.vtu $(2)/optimized/result.vtu --color displacement \
+		$(VIEW) --captions "baseline,optimised" --title "$(1), inflated" -o $$@
+
+$(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
+	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh --cut y=0 --view front \
+		--captions "baseline,optimised" --title "$(1), at rest" -o $$@
+
+$(2)/done: $(addprefix $(2)/pictures/,optimized.png section.png)
+endef
+
+# Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4).
+define cast
+$(2)/mold/mold.json: $(4) pipelines/$(1)/mold.toml | setup
+	$(BIN)/fab mold $(3) --config pipelines/$(1)/mold.toml -o $$(@D)
+
+$(2)/mold.checks.txt: $(2)/mold/mold.json | setup
+	$(BIN)/fab verify $(2)/mold | tee $$@
+
+$(2)/pictures/mold.png: $(2)/mold/mold.json | setup
+	$(BIN)/cad2fem picture $(2)/mold/*.stl --together --row --title "$(1): mold" -o $$@
+
+$(2)/done: $(2)/mold.checks.txt $(2)/pictures/mold.png
+	@touch $$@
+	@echo "$(1): molds in $(2)/mold, pictures in $(2)/pictures"
+endef
+
+# Scene $(1), its results in $(2), suffix of its settings $(3).
+define scene
+$(call simulate,$(1),$(2),$(3))
+$(if $(wildcard pipelines/$(1)/design$(3).toml),
+$(call optimize,$(1),$(2),$(3))
+$(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json),
+$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh))
+endef
+
+VIEW = --view $(or $(view.$(1)),iso)
+view.frog := -60,20
+
+$(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
+$(eval $(call scene,frog,build/frog/paper,.paper))
