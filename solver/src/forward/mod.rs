@@ -3,7 +3,9 @@
 mod newton;
 mod stepping;
 mod system;
+mod tangent;
 
 pub use newton::{Failure, Newton};
 pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve, solve_from};
 pub use system::{System, Timings};
+pub use tangent::follow;

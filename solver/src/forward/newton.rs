@@ -136,6 +136,8 @@ fn factor(system: &mut System, matrix: Vec<f64>) -> bool {
 
 /// Adds ρ I, with ρ from nothing upwards by powers of ten, until the matrix is
 /// positive definite. Ends because ρ passes every eigenvalue of a finite matrix.
+/// What gas pressure takes from the smallest eigenvalues is seldom less than the
+/// first ρ > 0, and each attempt costs a factorisation.
 fn factor_shifted(system: &mut System, matrix: &[f64]) {
     let largest = system.diagonal().iter().map(|&d| matrix[d].abs()).fold(0.0, f64::max);
     let mut shift = 0.0;
@@ -147,7 +149,7 @@ fn factor_shifted(system: &mut System, matrix: &[f64]) {
         if factor(system, shifted) {
             return;
         }
-        shift = if shift == 0.0 { 1e-8 * largest } else { 10.0 * shift };
+        shift = if shift == 0.0 { 1e-5 * largest } else { 10.0 * shift };
     }
 }
 

@@ -80,7 +80,7 @@ impl Cascade<'_> {
                 self.truncate_history(checkpoint.history)?;
                 checkpoint
             }
-            None => self.begin_level(0, &self.scene.body, 0)?,
+            None => self.begin_level(0, &self.scene.body, Vec::new(), 0)?,
         };
         let mut stopped = Vec::new();
         loop {
@@ -96,7 +96,8 @@ impl Cascade<'_> {
                 return Ok(Finished { body: shape, last: (level, evaluation), stopped });
             }
             let body = remesh(shape);
-            checkpoint = self.begin_level(next, &body, checkpoint.history)?;
+            let start = level.carry(&evaluation, &body);
+            checkpoint = self.begin_level(next, &body, start, checkpoint.history)?;
         }
     }
 
@@ -110,14 +111,21 @@ impl Cascade<'_> {
     }
 
     /// Puts a level's mesh and a checkpoint before its first solve on disk.
-    fn begin_level(&self, level: usize, body: &Body, history: usize) -> Result<Checkpoint> {
+    /// `start` is a displacement near the first equilibrium, or empty.
+    fn begin_level(
+        &self,
+        level: usize,
+        body: &Body,
+        start: Vec<f64>,
+        history: usize,
+    ) -> Result<Checkpoint> {
         mesh::io::write_tets(&self.level_path(level), &body.mesh, &body.tags)?;
         let checkpoint = Checkpoint {
             inputs: self.inputs.clone(),
             level,
             iteration: 0,
             theta: Vec::new(),
-            u: Vec::new(),
+            u: start,
             objective: f64::MAX,
             terms: std::collections::BTreeMap::new(),
             gradient: Vec::new(),
@@ -171,7 +179,10 @@ impl Cascade<'_> {
         let theta = vec![0.0; level.variables()];
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let evaluation = level.evaluate(&theta, None).with_context(context)?;
+        let evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
+            Some(evaluation) => evaluation,
+            None => level.evaluate(&theta, None).with_context(context)?,
+        };
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
         let step = Step {
@@ -185,6 +196,18 @@ impl Cascade<'_> {
         };
         self.record(level, checkpoint, step)?;
         Ok(evaluation)
+    }
+
+    /// The evaluation next to a start that was carried over; none without one.
+    fn solve_near(&self, level: &mut Level, theta: &[f64], start: &[f64]) -> Option<Evaluation> {
+        if start.is_empty() {
+            return None;
+        }
+        let outcome = level.evaluate(theta, Some(start));
+        if let Err(Rejected(reason)) = &outcome {
+            log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
+        }
+        outcome.ok()
     }
 
     /// One step of L-BFGS with backtracking; the inner error is why there is
@@ -204,13 +227,17 @@ impl Cascade<'_> {
         let at = |alpha: f64| -> Vec<f64> {
             checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
         };
-        let mut alpha = self.first_alpha(level, checkpoint, &at);
-        let mut forward_s = 0.0;
+        let first = self.first_alpha(level, checkpoint, &at);
+        let mut alpha = first;
+        let clock = Instant::now();
+        let predicted = level.predict(&at(first), current);
+        let mut forward_s = clock.elapsed().as_secs_f64();
         let mut reason = String::new();
         for trial in 1..=HALVINGS {
             let theta = at(alpha);
             let clock = Instant::now();
-            let outcome = level.evaluate(&theta, Some(&current.u));
+            let start = ahead(&current.u, predicted.as_deref(), alpha / first);
+            let outcome = level.evaluate(&theta, Some(&start));
             forward_s += clock.elapsed().as_secs_f64();
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             match outcome {
@@ -348,6 +375,11 @@ impl Cascade<'_> {
         mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
         Ok(())
     }
+}
+
+/// u + t du, or u without a prediction.
+fn ahead(u: &[f64], du: Option<&[f64]>, t: f64) -> Vec<f64> {
+    du.map_or_else(|| u.to_vec(), |du| u.iter().zip(du).map(|(u, d)| u + t * d).collect())
 }
 
 /// Improves the interior; boundary vertices and tags stay as they are.

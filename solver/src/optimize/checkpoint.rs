@@ -19,9 +19,10 @@ pub struct Checkpoint {
     pub level: usize,
     /// Accepted iterations within the level.
     pub iteration: usize,
-    /// Design variables of the level.
+    /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
-    /// Displacement at equilibrium [m]; empty before the level's first solve.
+    /// Displacement at equilibrium [m]; before the level's first solve, one near
+    /// it or none.
     pub u: Vec<f64>,
     /// Objective at θ.
     pub objective: f64,

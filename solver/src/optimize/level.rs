@@ -14,8 +14,8 @@ use super::validity;
 use crate::adjoint;
 use crate::body::Body;
 use crate::design::{Extension, Handles, sample_handles};
-use crate::element::at;
-use crate::forward::{Stepping, System, solve, solve_from};
+use crate::element::{FunctionSpace, at, interpolate};
+use crate::forward::{Stepping, System, follow, solve, solve_from};
 use crate::objective::Equilibrium;
 use crate::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted};
@@ -149,6 +149,24 @@ impl Level {
         let u = solution.u;
         let forward_s = clock.elapsed().as_secs_f64();
         Ok(Evaluation { rest, u, objective, terms, newton_iterations, forward_s })
+    }
+
+    /// First-order change of the equilibrium from `at` to the shape X(θ), a
+    /// start for [`Self::evaluate`] on the way there; none where the
+    /// equilibrium is not stable.
+    pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<f64>> {
+        let shape = self.shape(theta);
+        let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
+        follow(&mut self.system, &at.rest, &at.u, &motion)
+    }
+
+    /// The displacement of an evaluation on another mesh of the same shape.
+    #[must_use]
+    pub fn carry(&self, at: &Evaluation, body: &Body) -> Vec<f64> {
+        let space = &self.system.space;
+        let vertices = &body.mesh.vertices;
+        let other = FunctionSpace::new(space.degree(), vertices.len(), body.mesh.tets.clone());
+        interpolate((space, &at.rest, &at.u), (&other, vertices))
     }
 
     /// dJ/dθ at an evaluation made with the same θ.
