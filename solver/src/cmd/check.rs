@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use mesh::cli::Unusable;
-use solver::body::Body;
 use solver::math::linear::{dot, norm};
+use solver::math::random::Random;
 use solver::math::taylor::{Taylor, taylor};
 use solver::optimize::{Evaluation, Level};
 use solver::scene::ObjectiveBuilder;
@@ -44,11 +44,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let (design, mut scene) = read(&arguments.design)?;
-    if let Some(path) = &arguments.mesh {
-        let file = mesh::io::read_tets(path)?;
-        scene.body = Body::new(file.mesh, file.tags);
-    }
+    let (design, scene) = read(&arguments.design, arguments.mesh.as_deref())?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
     let handles = arguments.handles.unwrap_or(design.shape.level[0].handles);
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design.shape.on, handles)?;
@@ -61,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for direction in 0..=arguments.random {
         let (name, q) = match direction {
             0 => ("gradient".to_owned(), gradient.clone()),
-            seed => (format!("random {seed}"), random(seed, theta.len())),
+            seed => (format!("random {seed}"), Random::new(seed).numbers(theta.len())),
         };
         let result = along(&mut level, &start, &gradient, &q, motion, arguments.steps)?;
         print(&name, &result)?;
@@ -102,19 +98,6 @@ fn along(
         Ok(level.evaluate(&scaled(e), Some(&start.u)).context("a trial shape")?.objective)
     };
     taylor(epsilon, steps, dot(gradient, q), value)
-}
-
-/// Uniform numbers in ±1 (splitmix64).
-fn random(seed: u64, len: usize) -> Vec<f64> {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
 }
 
 fn print(name: &str, result: &Taylor) -> Result<()> {

@@ -31,7 +31,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let (design, scene) = read(&arguments.design)?;
+    let (design, scene) = read(&arguments.design, None)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
@@ -65,15 +65,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A design file and its scene.
-pub fn read(path: &Path) -> Result<(DesignConfig, Scene)> {
+/// A design file and its scene, perhaps with another mesh.
+pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Scene)> {
     let design: DesignConfig = mesh::io::read_toml(path)?;
     ensure!(!design.shape.level.is_empty(), "{}: no [[shape.level]]", path.display());
     ensure!(!design.objective.is_empty(), "{}: no [[objective]]", path.display());
     for level in &design.shape.level {
         ensure!(level.handles > 0, "{}: a level needs a handle or more", path.display());
     }
-    let scene = Scene::read(&beside(path, &design.scene), None)?;
+    let scene = Scene::read(&beside(path, &design.scene), other_mesh)?;
     Ok((design, scene))
 }
 

@@ -75,9 +75,18 @@ impl SparseSolver {
             .factorize_numeric_llt_scratch::<f64>(Par::rayon(0), Spec::default())
             .or(symbolic
                 .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default()));
-        let scratch = MemBuffer::new(factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0))));
+        let scratch =
+            MemBuffer::new(factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0))));
         let values = vec![0.0; symbolic.len_val()];
-        Self { column_start, rows, symbolic, values, scratch, factor: Factor::None, matrix: Vec::new() }
+        Self {
+            column_start,
+            rows,
+            symbolic,
+            values,
+            scratch,
+            factor: Factor::None,
+            matrix: Vec::new(),
+        }
     }
 
     /// Number of unknowns.
@@ -123,7 +132,8 @@ impl SparseSolver {
     pub fn factor_indefinite(&mut self, matrix: Vec<f64>) {
         let n = self.size();
         let (mut subdiagonal, mut forward, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_start, None, &self.rows);
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(n, n, &self.column_start, None, &self.rows);
         self.symbolic.factorize_numeric_intranode_lblt(
             &mut self.values,
             &mut subdiagonal,
@@ -169,8 +179,12 @@ impl SparseSolver {
         let rhs = MatMut::from_column_major_slice_mut(x, n, 1);
         let stack = MemStack::new(&mut self.scratch);
         match &self.factor {
-            Factor::Positive => LltRef::new(&self.symbolic, &self.values)
-                .solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack),
+            Factor::Positive => LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+                Conj::No,
+                rhs,
+                Par::Seq,
+                stack,
+            ),
             Factor::Indefinite { subdiagonal, forward, inverse } => {
                 let permutation = PermRef::new_checked(forward, inverse, n);
                 IntranodeLbltRef::new(&self.symbolic, &self.values, subdiagonal, permutation)

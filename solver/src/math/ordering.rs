@@ -40,7 +40,10 @@ pub fn nested_dissection(adjacency: &[Vec<usize>]) -> Vec<usize> {
         )
     };
     assert!(status == metis_sys::rstatus_et_METIS_OK, "METIS failed with status {status}");
-    order.into_iter().map(|i| usize::try_from(i).expect("METIS indices are from 0 to n - 1")).collect()
+    order
+        .into_iter()
+        .map(|i| usize::try_from(i).expect("METIS indices are from 0 to n - 1"))
+        .collect()
 }
 
 #[cfg(test)]

@@ -56,8 +56,7 @@ impl Pattern {
         for element in elements.chunks_exact(nodes_per_element) {
             for a in 0..nodes_per_element {
                 for b in 0..=a {
-                    let (row, column) =
-                        (element[a].max(element[b]), element[a].min(element[b]));
+                    let (row, column) = (element[a].max(element[b]), element[a].min(element[b]));
                     let block = u32::try_from(pattern.block(row, column)).expect("< 2^32 blocks");
                     pattern.slots.push((block, element[a] < element[b]));
                 }
