@@ -1,5 +1,10 @@
 //! Small bodies and helpers that the tests share.
 
+#[path = "support/chamber.rs"]
+pub mod chamber;
+#[path = "support/workdir.rs"]
+pub mod workdir;
+
 use std::path::PathBuf;
 
 use mesh::{Tags, TetMesh, Vec3};
