@@ -1,0 +1,263 @@
+//! An optimisation that is killed, or whose disk fills up, ends as one that is not.
+
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use solver::math::random::Random;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+const COMMAND: &str = "--threads 2 -q optimize design.toml -o out";
+
+/// What must be the same: the bytes of design.msh, and history.jsonl without times.
+fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
+    let history = dir.text("out/history.jsonl");
+    let line = |line: &str| {
+        let mut line: Value = serde_json::from_str(line).unwrap();
+        for time in ["forward_s", "gradient_s"] {
+            assert!(line.as_object_mut().unwrap().remove(time).is_some());
+        }
+        line
+    };
+    let design = std::fs::read(dir.path("out/design.msh")).unwrap();
+    (design, history.lines().map(line).collect())
+}
+
+/// A finished run that nothing disturbed.
+fn undisturbed() -> Workdir {
+    let dir = chamber::workdir();
+    dir.solver(COMMAND).assert_good();
+    dir
+}
+
+fn assert_same(dir: &Workdir, expected: &(Vec<u8>, Vec<Value>)) {
+    let (design, history) = results(dir);
+    assert_eq!(history.len(), expected.1.len(), "lines of history");
+    for (line, expected) in history.iter().zip(&expected.1) {
+        assert_eq!(line, expected);
+    }
+    assert!(design == expected.0, "design.msh differs");
+}
+
+fn start(dir: &Workdir) -> Child {
+    let mut command = dir.command(COMMAND);
+    command.stderr(Stdio::null()).spawn().unwrap()
+}
+
+/// Starts the program and kills it (SIGKILL) as soon as `now` says so; false
+/// when it was finished before.
+fn killed(dir: &Workdir, mut now: impl FnMut() -> bool) -> bool {
+    let mut child = start(dir);
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(status.success(), "{status}");
+            return false;
+        }
+        if now() {
+            child.kill().unwrap();
+            return !child.wait().unwrap().success();
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+#[test]
+fn killed_after_every_checkpoint() {
+    let expected = results(&undisturbed());
+    let dir = chamber::workdir();
+    let path = dir.path("out/checkpoint.json");
+    let mut kills = 0;
+    loop {
+        let before = std::fs::read(&path).ok();
+        if !killed(&dir, || std::fs::read(&path).ok() != before) {
+            break;
+        }
+        kills += 1;
+        assert!(kills < 50, "no progress");
+    }
+    eprintln!("{kills} kills");
+    // two levels begin, eight states are accepted; the last kill may come too late
+    assert!(kills >= 8, "{kills}");
+    assert_same(&dir, &expected);
+}
+
+#[test]
+fn killed_at_random_times() {
+    let clock = Instant::now();
+    let expected = results(&undisturbed());
+    let whole = clock.elapsed().as_secs_f64();
+    let mut random = Random::new(23);
+    let (mut kills, mut folders) = (0, 0);
+    // a run may be over before its kill; then another folder is next
+    while kills < 6 {
+        folders += 1;
+        assert!(folders < 10, "only {kills} kills");
+        let dir = chamber::workdir();
+        loop {
+            let delay = Duration::from_secs_f64(whole * 0.1 * (1.0 + random.uniform()));
+            let clock = Instant::now();
+            if kills > 20 || !killed(&dir, || clock.elapsed() > delay) {
+                break;
+            }
+            kills += 1;
+        }
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
+    eprintln!("{kills} kills in {folders} folders, of runs of {whole:.2} s");
+}
+
+/// A level that ended early before the kill is still in the report.
+#[test]
+#[ignore = "fails: Cascade::run forgets why earlier levels stopped"]
+fn the_report_does_not_depend_on_kills() {
+    let dir = chamber::workdir();
+    // every iteration gains less than everything
+    let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
+    dir.write("design.toml", &design);
+    dir.solver(COMMAND).assert_good();
+    let stopped = dir.json("out/report.json")["stopped"].clone();
+    assert_eq!(stopped.as_array().unwrap().len(), 2, "{stopped}");
+    dir.solver(COMMAND).assert_good();
+    assert_eq!(dir.json("out/report.json")["stopped"], stopped);
+}
+
+#[test]
+fn finished_before() {
+    let dir = undisturbed();
+    let expected = results(&dir);
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &expected);
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+    assert_same(&dir, &expected);
+}
+
+/// A limit on the size of files stands for a full disk [KiB].
+#[test]
+fn a_full_disk_and_then_room() {
+    let expected = results(&undisturbed());
+    let mut unwritten = Vec::new();
+    for limit in [1, 19, 20] {
+        let dir = chamber::workdir();
+        let run = dir.solver_on_small_disk(limit, COMMAND);
+        run.assert_refused(2, &["out/", "too large"]);
+        let files = dir.files("out");
+        assert!(!files.iter().any(|f| f.starts_with(".incomplete")), "{files:?}");
+        assert!(!files.contains(&"report.json".to_owned()), "{files:?}");
+        let file = run.stderr.split(['/', ':']).nth(2).unwrap_or_default().to_owned();
+        unwritten.push(file);
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
+    assert_eq!(unwritten, ["level-1.msh", "level-2.msh", "result.vtu"]);
+}
+
+/// The history is the one file that grows in place.
+#[test]
+fn half_a_line_of_history_is_dropped() {
+    let dir = unfinished();
+    let mut history = dir.text("out/history.jsonl");
+    history.push_str("{\"level\":1,\"hand");
+    dir.write("out/history.jsonl", &history);
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &results(&undisturbed()));
+}
+
+/// A folder with an optimisation that was killed after two accepted states.
+fn unfinished() -> Workdir {
+    let dir = chamber::workdir();
+    let history = dir.path("out/history.jsonl");
+    let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
+    assert!(killed(&dir, || lines() > 1), "over before it was killed");
+    dir
+}
+
+/// Changes one byte or number of every input in turn.
+fn with_other_inputs(dir: &Workdir, mut then: impl FnMut(&str)) {
+    for (file, from, to) in [
+        ("design.toml", "weight = 1e10", "weight = 2e10"),
+        ("p1.toml", "8e3", "7e3"),
+        ("body.msh", "\n1 0.0 0.0 0.0\n", "\n1 0.0 0.0 1e-9\n"),
+    ] {
+        let sound = dir.text(file);
+        assert!(sound.contains(from), "{file}");
+        dir.write(file, &sound.replacen(from, to, 1));
+        then(file);
+        dir.write(file, &sound);
+    }
+    let mut target = std::fs::read(dir.path("target.stl")).unwrap();
+    target[0] ^= 1; // the comment at the start
+    std::fs::write(dir.path("target.stl"), target).unwrap();
+    then("target.stl");
+}
+
+#[test]
+fn unfinished_work_on_other_inputs_is_not_thrown_away() {
+    let dir = unfinished();
+    let words = ["out/checkpoint.json", "another problem", "--restart"];
+    with_other_inputs(&dir, |_| dir.solver(COMMAND).assert_refused(2, &words));
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+    // the comment of the target is all that differs
+    assert_same(&dir, &results(&undisturbed()));
+}
+
+#[test]
+fn a_finished_folder_is_used_again_for_other_inputs() {
+    let dir = undisturbed();
+    let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["inputs"].clone();
+    let mut before = inputs(&dir);
+    with_other_inputs(&dir, |file| {
+        dir.solver(COMMAND).assert_good();
+        let now = inputs(&dir);
+        assert_ne!(std::mem::replace(&mut before, now.clone()), now, "{file}");
+        assert_eq!(results(&dir).1.len(), 8, "{file}");
+    });
+}
+
+#[test]
+fn a_spoiled_folder_is_refused() {
+    let dir = undisturbed();
+    let checkpoint = dir.text("out/checkpoint.json");
+    for spoiled in ["", "{", &checkpoint[..checkpoint.len() / 2], "[1, 2]", "{\"inputs\": 3}"] {
+        dir.write("out/checkpoint.json", spoiled);
+        dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "column"]);
+    }
+    dir.write("out/checkpoint.json", &checkpoint);
+    dir.write("out/level-2.msh", "");
+    dir.solver(COMMAND).assert_refused(2, &["out/level-2.msh"]);
+}
+
+/// Valid JSON with numbers that do not belong to the level.
+#[test]
+#[ignore = "fails: a panic in the handles"]
+fn a_checkpoint_of_another_size_is_refused() {
+    let dir = undisturbed();
+    let mut checkpoint = dir.json("out/checkpoint.json");
+    checkpoint["theta"].as_array_mut().unwrap().pop();
+    dir.write("out/checkpoint.json", &checkpoint.to_string());
+    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json"]);
+}
+
+/// History without a checkpoint says nothing about where to go on.
+#[test]
+#[ignore = "fails: the new history is written behind the old one"]
+fn without_a_checkpoint_all_begins_anew() {
+    let dir = undisturbed();
+    let expected = results(&dir);
+    std::fs::remove_file(dir.path("out/checkpoint.json")).unwrap();
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &expected);
+}
+
+#[test]
+#[ignore = "fails: a panic in the report"]
+fn a_history_that_is_too_short_is_refused() {
+    for kept in [0, 1] {
+        let dir = undisturbed();
+        let history = dir.text("out/history.jsonl");
+        let lines: String = history.lines().take(kept).flat_map(|l| [l, "\n"]).collect();
+        dir.write("out/history.jsonl", &lines);
+        dir.solver(COMMAND).assert_refused(2, &["out/history.jsonl", "8"]);
+    }
+}
