@@ -8,10 +8,10 @@ use solver::math::random::Random;
 use tests::chamber;
 use tests::workdir::Workdir;
 
-const COMMAND: &str = "--threads 2 -q optimize design.toml -o out";
+pub const COMMAND: &str = "--threads 2 -q optimize design.toml -o out";
 
 /// What must be the same: the bytes of design.msh, and history.jsonl without times.
-fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
+pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
     let history = dir.text("out/history.jsonl");
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();
@@ -25,13 +25,13 @@ fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
 }
 
 /// A finished run that nothing disturbed.
-fn undisturbed() -> Workdir {
+pub fn undisturbed() -> Workdir {
     let dir = chamber::workdir();
     dir.solver(COMMAND).assert_good();
     dir
 }
 
-fn assert_same(dir: &Workdir, expected: &(Vec<u8>, Vec<Value>)) {
+pub fn assert_same(dir: &Workdir, expected: &(Vec<u8>, Vec<Value>)) {
     let (design, history) = results(dir);
     assert_eq!(history.len(), expected.1.len(), "lines of history");
     for (line, expected) in history.iter().zip(&expected.1) {
@@ -62,24 +62,52 @@ fn killed(dir: &Workdir, mut now: impl FnMut() -> bool) -> bool {
     }
 }
 
-#[test]
-fn killed_after_every_checkpoint() {
-    let expected = results(&undisturbed());
-    let dir = chamber::workdir();
+/// Kills the program whenever it has written a checkpoint, until it finishes,
+/// and returns how often that was.
+fn kill_after_every_checkpoint(dir: &Workdir) -> usize {
     let path = dir.path("out/checkpoint.json");
     let mut kills = 0;
     loop {
         let before = std::fs::read(&path).ok();
-        if !killed(&dir, || std::fs::read(&path).ok() != before) {
-            break;
+        if !killed(dir, || std::fs::read(&path).ok() != before) {
+            return kills;
         }
         kills += 1;
         assert!(kills < 50, "no progress");
     }
+}
+
+#[test]
+fn killed_after_every_checkpoint() {
+    let expected = results(&undisturbed());
+    let dir = chamber::workdir();
+    let kills = kill_after_every_checkpoint(&dir);
     eprintln!("{kills} kills");
     // two levels begin, eight states are accepted; the last kill may come too late
     assert!(kills >= 8, "{kills}");
     assert_same(&dir, &expected);
+}
+
+/// A folder in which every level ends after its first step.
+fn stagnating() -> Workdir {
+    let dir = chamber::workdir();
+    let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
+    dir.write("design.toml", &design);
+    dir
+}
+
+#[test]
+#[ignore = "fails: a kill between two checkpoints forgets that the level has ended"]
+fn levels_that_stagnate_end_there_in_spite_of_kills() {
+    let dir = stagnating();
+    dir.solver(COMMAND).assert_good();
+    let expected = results(&dir);
+    assert_eq!(expected.1.len(), 4, "one step per level");
+    for _ in 0..3 {
+        let dir = stagnating();
+        assert!(kill_after_every_checkpoint(&dir) >= 4);
+        assert_same(&dir, &expected);
+    }
 }
 
 #[test]
@@ -112,10 +140,7 @@ fn killed_at_random_times() {
 #[test]
 #[ignore = "fails: Cascade::run forgets why earlier levels stopped"]
 fn the_report_does_not_depend_on_kills() {
-    let dir = chamber::workdir();
-    // every iteration gains less than everything
-    let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
-    dir.write("design.toml", &design);
+    let dir = stagnating();
     dir.solver(COMMAND).assert_good();
     let stopped = dir.json("out/report.json")["stopped"].clone();
     assert_eq!(stopped.as_array().unwrap().len(), 2, "{stopped}");
@@ -165,99 +190,10 @@ fn half_a_line_of_history_is_dropped() {
 }
 
 /// A folder with an optimisation that was killed after two accepted states.
-fn unfinished() -> Workdir {
+pub fn unfinished() -> Workdir {
     let dir = chamber::workdir();
     let history = dir.path("out/history.jsonl");
     let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
     assert!(killed(&dir, || lines() > 1), "over before it was killed");
     dir
-}
-
-/// Changes one byte or number of every input in turn.
-fn with_other_inputs(dir: &Workdir, mut then: impl FnMut(&str)) {
-    for (file, from, to) in [
-        ("design.toml", "weight = 1e10", "weight = 2e10"),
-        ("p1.toml", "8e3", "7e3"),
-        ("body.msh", "\n1 0.0 0.0 0.0\n", "\n1 0.0 0.0 1e-9\n"),
-    ] {
-        let sound = dir.text(file);
-        assert!(sound.contains(from), "{file}");
-        dir.write(file, &sound.replacen(from, to, 1));
-        then(file);
-        dir.write(file, &sound);
-    }
-    let mut target = std::fs::read(dir.path("target.stl")).unwrap();
-    target[0] ^= 1; // the comment at the start
-    std::fs::write(dir.path("target.stl"), target).unwrap();
-    then("target.stl");
-}
-
-#[test]
-fn unfinished_work_on_other_inputs_is_not_thrown_away() {
-    let dir = unfinished();
-    let words = ["out/checkpoint.json", "another problem", "--restart"];
-    with_other_inputs(&dir, |_| dir.solver(COMMAND).assert_refused(2, &words));
-    dir.solver(&format!("{COMMAND} --restart")).assert_good();
-    // the comment of the target is all that differs
-    assert_same(&dir, &results(&undisturbed()));
-}
-
-#[test]
-fn a_finished_folder_is_used_again_for_other_inputs() {
-    let dir = undisturbed();
-    let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["inputs"].clone();
-    let mut before = inputs(&dir);
-    with_other_inputs(&dir, |file| {
-        dir.solver(COMMAND).assert_good();
-        let now = inputs(&dir);
-        assert_ne!(std::mem::replace(&mut before, now.clone()), now, "{file}");
-        assert_eq!(results(&dir).1.len(), 8, "{file}");
-    });
-}
-
-#[test]
-fn a_spoiled_folder_is_refused() {
-    let dir = undisturbed();
-    let checkpoint = dir.text("out/checkpoint.json");
-    for spoiled in ["", "{", &checkpoint[..checkpoint.len() / 2], "[1, 2]", "{\"inputs\": 3}"] {
-        dir.write("out/checkpoint.json", spoiled);
-        dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "column"]);
-    }
-    dir.write("out/checkpoint.json", &checkpoint);
-    dir.write("out/level-2.msh", "");
-    dir.solver(COMMAND).assert_refused(2, &["out/level-2.msh"]);
-}
-
-/// Valid JSON with numbers that do not belong to the level.
-#[test]
-#[ignore = "fails: a panic in the handles"]
-fn a_checkpoint_of_another_size_is_refused() {
-    let dir = undisturbed();
-    let mut checkpoint = dir.json("out/checkpoint.json");
-    checkpoint["theta"].as_array_mut().unwrap().pop();
-    dir.write("out/checkpoint.json", &checkpoint.to_string());
-    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json"]);
-}
-
-/// History without a checkpoint says nothing about where to go on.
-#[test]
-#[ignore = "fails: the new history is written behind the old one"]
-fn without_a_checkpoint_all_begins_anew() {
-    let dir = undisturbed();
-    let expected = results(&dir);
-    std::fs::remove_file(dir.path("out/checkpoint.json")).unwrap();
-    dir.solver(COMMAND).assert_good();
-    assert_same(&dir, &expected);
-}
-
-#[test]
-#[ignore = "fails: a panic in the report"]
-fn a_history_that_is_too_short_is_refused() {
-    for kept in [0, 1] {
-        let dir = undisturbed();
-        let history = dir.text("out/history.jsonl");
-        let lines: String = history.lines().take(kept).flat_map(|l| [l, "\n"]).collect();
-        dir.write("out/history.jsonl", &lines);
-        dir.solver(COMMAND).assert_refused(2, &["out/history.jsonl", "8"]);
-    }
 }
