@@ -30,12 +30,26 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The code of a file without comments; what follows `#[cfg(test)]` is left out.
+/// A file's text before its tests, and its tests: what follows `#[cfg(test)]`,
+/// unless that names a file (`mod tests;`).
+fn before_tests(text: &str) -> (String, &str) {
+    let mut before = String::new();
+    let mut rest = text;
+    while let Some((code, tests)) = rest.split_once("#[cfg(test)]") {
+        before += code;
+        match tests.find([';', '{']) {
+            Some(end) if tests[end..].starts_with(';') => rest = &tests[end + 1..],
+            _ => return (before, tests),
+        }
+    }
+    (before + rest, "")
+}
+
+/// The code of a file without comments and tests.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
-    let text = text.split("#[cfg(test)]").next().unwrap_or_default();
     let without = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
-    text.lines().map(without).collect()
+    before_tests(&text).0.lines().map(without).collect()
 }
 
 /// Files that have `word` in their code, relative to the repository.
@@ -84,6 +98,20 @@ fn used(code: &str) -> Vec<String> {
 fn names_are_found_in_every_way_of_use() {
     let code = "use crate::{a, b::{c, d}};\nuse crate::e::F;\nlet x = crate::g(&crate::h::I);\npub(crate) i: J";
     assert_eq!(used(code), ["a", "b", "e", "g", "h"]);
+}
+
+/// What follows `#[cfg(test)]` escapes the checks here, so only tests may.
+#[test]
+fn tests_stand_at_the_end_of_their_files() {
+    let mut wrong = Vec::new();
+    for path in sources() {
+        let text = fs::read_to_string(&path).unwrap();
+        let (_, tests) = before_tests(&text);
+        let code = ["pub ", "fn ", "use ", "impl", "struct ", "enum ", "const ", "static "];
+        let escapes = |l: &&str| code.iter().any(|c| l.starts_with(c));
+        wrong.extend(tests.lines().find(escapes).map(|l| format!("{}: {l}", path.display())));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
