@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::body::Body;
-use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::config::{GasConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
-use crate::energy::{Elastic, Energy, Pressure, Wall};
+use crate::energy::{Chamber, Elastic, Energy, GasLaw, Wall};
 use crate::forward::{Newton, Stepping, System};
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
@@ -57,13 +57,41 @@ impl Scene {
         let fixed = self.fixed_dofs(body, &space).with_context(context)?;
         let mut energies: Vec<Box<dyn Energy>> =
             vec![Box::new(Elastic { material: self.config.material.build() })];
-        for load in &self.config.pressure {
-            let facets = body.facets(&load.on).with_context(context)?;
-            check_rim(&load.on, &facets, &fixed, body).with_context(context)?;
-            let wall = Wall::new(&space, &facets);
-            energies.push(Box::new(Pressure { wall, pressure: load.pressure }));
+        for (name, chamber) in self.chambers(body, &space)? {
+            let facets = body.facets(&name)?;
+            check_rim(&name, &facets, &fixed, body).with_context(context)?;
+            energies.push(Box::new(chamber));
         }
         Ok(System::new(space, energies, &fixed))
+    }
+
+    /// The chambers of a body, by the tags of their walls.
+    ///
+    /// # Errors
+    /// When a tag is missing or closes no volume that gas could fill.
+    pub fn chambers(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<(String, Chamber)>> {
+        let context = || self.path.display().to_string();
+        let isobaric =
+            self.config.pressure.iter().map(|c| (&c.on, GasLaw::Isobaric { pressure: c.pressure }));
+        let ideal = self.config.gas.iter().map(|c| {
+            let GasConfig { fill, ambient, exponent, .. } = *c;
+            (&c.on, GasLaw::Ideal { fill, ambient, exponent })
+        });
+        let nodes = space.node_positions(&body.mesh.vertices);
+        let mut chambers = Vec::new();
+        for (on, gas) in isobaric.chain(ideal) {
+            let wall = Wall::new(space, &body.facets(on).with_context(context)?);
+            let volume = wall.volume(space, &nodes);
+            if matches!(gas, GasLaw::Ideal { .. }) && volume <= 0.0 {
+                bail!(
+                    "{}: gas on \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
+                     positive\n  the tag is not the wall of a chamber",
+                    self.path.display()
+                );
+            }
+            chambers.push((on.clone(), Chamber { wall, gas }));
+        }
+        Ok(chambers)
     }
 
     fn fixed_dofs(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<bool>> {
@@ -105,6 +133,22 @@ fn check(config: &SimConfig) -> Result<()> {
     let s = &config.solver;
     ensure!(config.degree == 1 || config.degree == 2, "degree = {}: must be 1 or 2", config.degree);
     ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
+    for gas in &config.gas {
+        ensure!(
+            gas.ambient > 0.0 && gas.fill + gas.ambient > 0.0 && gas.exponent >= 1.0,
+            "gas on \"{}\": ambient = {} Pa and ambient + fill = {} Pa must be positive, exponent = {} \
+             at least 1",
+            gas.on,
+            gas.ambient,
+            gas.fill + gas.ambient,
+            gas.exponent
+        );
+    }
+    let walls: Vec<&String> =
+        config.pressure.iter().map(|c| &c.on).chain(config.gas.iter().map(|c| &c.on)).collect();
+    if let Some(twice) = walls.iter().enumerate().find(|(i, w)| walls[..*i].contains(w)) {
+        bail!("\"{}\" is the wall of two chambers: keep one of [[pressure]] and [[gas]]", twice.1);
+    }
     for load in &config.pressure {
         ensure!(load.pressure.is_finite(), "pressure on \"{}\" is {}", load.on, load.pressure);
     }

@@ -27,8 +27,8 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
     let mut found = vec![
         ("energy".to_owned(), vec![system.value(&rest, &u, 1.0)]),
         ("gradient".to_owned(), system.gradient(&rest, &u, 1.0).0),
-        ("hessian".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Exact)),
-        ("projected".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Projected)),
+        ("hessian".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Exact).lower),
+        ("projected".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Projected).lower),
     ];
     let mut mixed = vec![0.0; 3 * rest.len()];
     for energy in &system.energies {

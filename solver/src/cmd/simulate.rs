@@ -8,7 +8,6 @@ use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
 use solver::body::Body;
-use solver::energy::Wall;
 use solver::forward::{LoadStep, Solution, System, solve};
 use solver::results;
 use solver::scene::Scene;
@@ -121,7 +120,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     report["energies"] = json!(energies);
     report["force_balance"] = results::balance(scene, &scene.body, system, &solution.u)?;
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
-    report["walls"] = json!(results::walls(scene, &scene.body, &system.space, &solution.u)?);
+    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u)?);
     report["timings"] = json!(system.timings);
     Ok(())
 }
@@ -129,17 +128,16 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
 /// Σ ∫ P dV along the load steps by the trapezoidal rule [J]: second order in
 /// the load increment, so it meets the elastic energy only roughly.
 fn work_of_gas(scene: &Scene, body: &Body, system: &System, steps: &[LoadStep]) -> Result<f64> {
-    let rest = system.space.node_positions(&body.mesh.vertices);
+    let rest = &body.mesh.vertices;
+    let still = vec![0.0; system.len()];
     let mut work = 0.0;
-    for load in &scene.config.pressure {
-        let wall = Wall::new(&system.space, &body.facets(&load.on)?);
-        let (mut pressure, mut volume) = (0.0, wall.volume(&system.space, &rest));
+    for (_, chamber) in scene.chambers(body, &system.space)? {
+        let (mut volume, gas) = chamber.state(&system.iterate(rest, &still, 0.0));
+        let mut pressure = gas.pressure;
         for step in steps {
-            let x: Vec<_> =
-                rest.iter().enumerate().map(|(i, x)| x + solver::element::at(&step.u, i)).collect();
-            let next = (step.load * load.pressure, wall.volume(&system.space, &x));
-            work += 0.5 * (pressure + next.0) * (next.1 - volume);
-            (pressure, volume) = next;
+            let (next, gas) = chamber.state(&system.iterate(rest, &step.u, step.load));
+            work += 0.5 * (pressure + gas.pressure) * (next - volume);
+            (volume, pressure) = (next, gas.pressure);
         }
     }
     Ok(work)

@@ -13,7 +13,7 @@ use mesh::Vec3;
 
 use super::System;
 use crate::energy::Hessian;
-use crate::math::linear::{dot, norm};
+use crate::math::linear::{Symmetric, dot, norm};
 
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
@@ -124,7 +124,7 @@ fn descent(system: &mut System, rest: &[Vec3], u: &[f64], load: f64, gradient: &
     system.prolong(&direction)
 }
 
-fn factor(system: &mut System, matrix: Vec<f64>) -> bool {
+fn factor(system: &mut System, matrix: Symmetric) -> bool {
     let start = Instant::now();
     let result = system.linear.factor_positive(matrix);
     system.timings.factor_s += start.elapsed().as_secs_f64();
@@ -138,13 +138,13 @@ fn factor(system: &mut System, matrix: Vec<f64>) -> bool {
 /// positive definite. Ends because ρ passes every eigenvalue of a finite matrix.
 /// What gas pressure takes from the smallest eigenvalues is seldom less than the
 /// first ρ > 0, and each attempt costs a factorisation.
-fn factor_shifted(system: &mut System, matrix: &[f64]) {
-    let largest = system.diagonal().iter().map(|&d| matrix[d].abs()).fold(0.0, f64::max);
+fn factor_shifted(system: &mut System, matrix: &Symmetric) {
+    let largest = system.diagonal().iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
     let mut shift = 0.0;
     loop {
-        let mut shifted = matrix.to_vec();
+        let mut shifted = matrix.clone();
         for &d in system.diagonal() {
-            shifted[d] += shift;
+            shifted.lower[d] += shift;
         }
         if factor(system, shifted) {
             return;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::element::FunctionSpace;
 use crate::energy::{Energy, Hessian, Iterate};
-use crate::math::linear::SparseSolver;
+use crate::math::linear::{SparseSolver, Symmetric};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 
@@ -95,17 +95,19 @@ impl System {
         (total, scale)
     }
 
-    /// Lower triangle of the Hessian on the free degrees of freedom.
-    pub fn hessian(&mut self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> Vec<f64> {
+    /// The Hessian on the free degrees of freedom.
+    pub fn hessian(&mut self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> Symmetric {
         let start = Instant::now();
         let at = self.iterate(rest, u, load);
         let mut matrix = BlockMatrix::zeros(&self.pattern);
         for energy in &self.energies {
             energy.add_hessian(&at, kind, &mut matrix);
         }
-        let values = self.free.gather(&matrix);
+        let lower = self.free.gather(&matrix);
+        let dense = self.energies.iter().filter_map(|e| e.rank_one(&at));
+        let updates = dense.map(|d| (d.scale, self.free.restrict(&d.vector))).collect();
         self.timings.assembly_s += start.elapsed().as_secs_f64();
-        values
+        Symmetric { lower, updates }
     }
 
     /// Position of each diagonal entry among the Hessian's values.
