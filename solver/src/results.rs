@@ -58,7 +58,7 @@ pub struct Energies {
     pub total: f64,
 }
 
-/// Measures every tag at an equilibrium.
+/// Measures every tag that has facets at an equilibrium.
 ///
 /// # Errors
 /// When a tag has no facets.
@@ -70,7 +70,7 @@ pub fn tags(
 ) -> Result<BTreeMap<String, TagReport>> {
     let reactions = reactions(scene, body, system, u)?;
     let mut reports = BTreeMap::new();
-    for name in &body.tags.names {
+    for name in body.used_tags() {
         let mut report = displacements(body, &system.space, &body.facets(name)?, u);
         if let Some(reaction) = reactions.get(name) {
             report.reaction = *reaction;

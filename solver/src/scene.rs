@@ -163,12 +163,23 @@ fn check(config: &SimConfig) -> Result<()> {
         s.smallest_load_step
     );
     ensure!(
-        s.relative_tolerance > 0.0 && s.absolute_tolerance >= 0.0 && s.newton_iterations > 0,
-        "relative_tolerance and newton_iterations must be positive"
+        s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
+        "relative_tolerance = {}: must be above 0 and below 1",
+        s.relative_tolerance
+    );
+    ensure!(
+        s.absolute_tolerance >= 0.0 && s.absolute_tolerance.is_finite(),
+        "absolute_tolerance = {} N: must be finite and not negative",
+        s.absolute_tolerance
+    );
+    ensure!(
+        s.newton_iterations > 0,
+        "newton_iterations = {}: must be positive",
+        s.newton_iterations
     );
     let crate::config::MaterialConfig::MooneyRivlin(m) = &config.material;
     ensure!(
-        m.c1 + m.c2 > 0.0 && m.d1 > 0.0 && m.c3.is_finite(),
+        m.c1 + m.c2 > 0.0 && m.d1 > 0.0 && (m.c1 + m.c2 + m.c3 + m.d1).is_finite(),
         "material: shear modulus 2(c1 + c2) = {} Pa and bulk modulus 2 d1 = {} Pa must be positive",
         2.0 * (m.c1 + m.c2),
         2.0 * m.d1

@@ -108,7 +108,6 @@ fn gradients_are_exact_at_the_start_and_at_the_design() {
 
 /// The user should not have to find the lengths of the steps.
 #[test]
-#[ignore = "fails: solver check fits steps that are too long, slope 1.8"]
 fn the_check_finds_steps_that_are_short_enough() {
     let dir = chamber::workdir();
     dir.solver("check design.toml --handles 3 --random 2").assert_good();

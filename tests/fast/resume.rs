@@ -97,7 +97,6 @@ fn stagnating() -> Workdir {
 }
 
 #[test]
-#[ignore = "fails: a kill between two checkpoints forgets that the level has ended"]
 fn levels_that_stagnate_end_there_in_spite_of_kills() {
     let dir = stagnating();
     dir.solver(COMMAND).assert_good();
@@ -138,7 +137,6 @@ fn killed_at_random_times() {
 
 /// A level that ended early before the kill is still in the report.
 #[test]
-#[ignore = "fails: Cascade::run forgets why earlier levels stopped"]
 fn the_report_does_not_depend_on_kills() {
     let dir = stagnating();
     dir.solver(COMMAND).assert_good();

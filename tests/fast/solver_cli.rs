@@ -136,7 +136,6 @@ for node, (a, b) in enumerate(pairs, 4):
 
 /// Scripts look for `displacement`, without a unit.
 #[test]
-#[ignore = "fails: the point field of result.vtu is called \"displacement [m]\""]
 fn the_point_field_is_called_displacement() {
     let (dir, _) = simulated("p1.toml");
     let bytes = std::fs::read(dir.path("out/result.vtu")).unwrap();

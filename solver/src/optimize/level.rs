@@ -215,7 +215,7 @@ impl Level {
             let report = displacements(&body, &self.system.space, &facets, &at.u);
             Ok((name.clone(), report.mean_displacement))
         };
-        body.tags.names.iter().map(one).collect()
+        body.used_tags().map(one).collect()
     }
 
     /// Whether a rest shape is valid and every term admits it; cheap beside the
