@@ -57,6 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = level.evaluate(&theta, None).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;
+    level.linearize(&start);
     let gradient = level.gradient(&theta, &start)?;
     log::info!("{} variables, J {:.8e}, |g| {:.4e}", theta.len(), start.objective, norm(&gradient));
     let motion = arguments.motion.unwrap_or(0.1 * level.mean_edge());

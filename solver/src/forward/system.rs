@@ -110,6 +110,17 @@ impl System {
         Symmetric { lower, updates }
     }
 
+    /// Factors the exact Hessian under the full load, for derivatives at an
+    /// equilibrium and as the start of the next one.
+    pub fn linearize(&mut self, rest: &[Vec3], u: &[f64]) {
+        let hessian = self.hessian(rest, u, 1.0, Hessian::Exact);
+        let start = Instant::now();
+        if self.linear.factor_positive(hessian.clone()).is_err() {
+            self.linear.factor_indefinite(hessian);
+        }
+        self.timings.factor_s += start.elapsed().as_secs_f64();
+    }
+
     /// Position of each diagonal entry among the Hessian's values.
     #[must_use]
     pub fn diagonal(&self) -> &[usize] {

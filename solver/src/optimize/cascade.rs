@@ -171,24 +171,29 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables(), level.dofs())?;
-            return Ok(Evaluation {
+            let evaluation = Evaluation {
                 rest: level.shape(&checkpoint.theta),
                 u: checkpoint.u.clone(),
                 objective: checkpoint.objective,
                 terms: checkpoint.terms.clone(),
                 newton_iterations: 0,
                 forward_s: 0.0,
-            });
+            };
+            level.linearize(&evaluation);
+            return Ok(evaluation);
         }
         let theta = vec![0.0; level.variables()];
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
+        let mut evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
             Some(evaluation) => evaluation,
             None => level
                 .evaluate(&theta, None)
                 .map_err(|e| Unusable(format!("level {}: {e}", checkpoint.level + 1)))?,
         };
+        let clock = Instant::now();
+        level.linearize(&evaluation);
+        evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
         let step = Step {
@@ -234,42 +239,37 @@ impl Cascade<'_> {
             checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
         };
         let first = self.first_alpha(level, checkpoint, &at);
-        let mut alpha = first;
         let clock = Instant::now();
         let predicted = level.predict(&at(first), current);
         let mut forward_s = clock.elapsed().as_secs_f64();
+        let mut alpha = first;
         let mut reason = String::new();
-        for trial in 1..=HALVINGS {
+        for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let clock = Instant::now();
             let start = ahead(&current.u, predicted.as_deref(), alpha / first);
-            let outcome = level.evaluate(&theta, Some(&start));
-            forward_s += clock.elapsed().as_secs_f64();
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
-            match outcome {
-                Ok(evaluation) if evaluation.objective <= wanted => {
-                    let clock = Instant::now();
-                    match level.gradient(&theta, &evaluation) {
-                        Ok(gradient) => {
-                            return Ok(Ok(Step {
-                                motion: level.motion(&checkpoint.theta, &theta),
-                                theta,
-                                evaluation,
-                                gradient,
-                                trials: trial,
-                                forward_s,
-                                gradient_s: clock.elapsed().as_secs_f64(),
-                            }));
-                        }
-                        Err(Rejected(why)) => reason = why,
-                    }
-                }
-                Ok(evaluation) => {
-                    reason = format!("objective {:.6e} is not low enough", evaluation.objective);
+            let clock = Instant::now();
+            let outcome = lower(level, &theta, &start, wanted);
+            forward_s += clock.elapsed().as_secs_f64();
+            let clock = Instant::now();
+            let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
+            match with_gradient {
+                Ok((gradient, evaluation)) => {
+                    let motion = level.motion(&checkpoint.theta, &theta);
+                    let gradient_s = clock.elapsed().as_secs_f64();
+                    return Ok(Ok(Step {
+                        theta,
+                        evaluation,
+                        gradient,
+                        motion,
+                        trials,
+                        forward_s,
+                        gradient_s,
+                    }));
                 }
                 Err(Rejected(why)) => reason = why,
             }
-            log::debug!("trial {trial} rejected: {reason}");
+            log::debug!("trial {trials} rejected: {reason}");
             alpha *= 0.5;
         }
         Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
@@ -393,6 +393,23 @@ impl Cascade<'_> {
         mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
         Ok(())
     }
+}
+
+/// The evaluation at θ if its objective is at most `wanted`, with the level
+/// linearised there.
+fn lower(
+    level: &mut Level,
+    theta: &[f64],
+    start: &[f64],
+    wanted: f64,
+) -> Result<Evaluation, Rejected> {
+    let evaluation = level.evaluate(theta, Some(start))?;
+    if evaluation.objective > wanted {
+        let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
+        return Err(Rejected(reason));
+    }
+    level.linearize(&evaluation);
+    Ok(evaluation)
 }
 
 /// u + t du, or u without a prediction.

@@ -158,9 +158,16 @@ impl Level {
         Ok(Evaluation { rest, u, objective, terms, newton_iterations, forward_s })
     }
 
-    /// First-order change of the equilibrium from `at` to the shape X(θ), a
-    /// start for [`Self::evaluate`] on the way there; none where the
-    /// equilibrium is not stable.
+    /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or
+    /// next to an evaluation. What follows depends on the evaluation alone, not
+    /// on how it was reached: an interrupted search goes on with the same bits.
+    pub fn linearize(&mut self, at: &Evaluation) {
+        self.system.linearize(&at.rest, &at.u);
+    }
+
+    /// First-order change of the equilibrium from `at`, where the level is
+    /// linearised, to the shape X(θ): a start for [`Self::evaluate`] on the way
+    /// there. None where the equilibrium is not stable.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<f64>> {
         let shape = self.shape(theta);
         let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
@@ -176,7 +183,8 @@ impl Level {
         interpolate((space, &at.rest, &at.u), (&other, vertices))
     }
 
-    /// dJ/dθ at an evaluation made with the same θ.
+    /// dJ/dθ at an evaluation made with the same θ, where the level is
+    /// linearised.
     ///
     /// # Errors
     /// When the adjoint system has no accurate solution.
