@@ -150,13 +150,22 @@ pub fn write(surface: &SurfaceMesh, out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// A facet with the normal of its rounded corners, so that a file read and
-/// written again is the same file.
+/// written again is the same file. The corner opposite the longest edge comes
+/// first: readers compare the normal with their own, computed in single
+/// precision from that corner, and there it loses the fewest digits.
 fn facet(corners: [Vec3; 3]) -> io::Result<stl_io::Triangle> {
-    let vertices = corners.map(|corner| stl_io::Vector(<[f64; 3]>::from(corner).map(|x| x as f32)));
-    if vertices.iter().any(|v| v.0.iter().any(|x| !x.is_finite())) {
+    let rounded = corners.map(|corner| corner.map(|x| x as f32));
+    if rounded.iter().any(|v| v.iter().any(|x| !x.is_finite())) {
         return Err(io::Error::other("coordinates beyond 3.4e38 do not fit into STL"));
     }
-    let [a, b, c] = vertices.map(|v| Vec3::from(v.0.map(f64::from)));
-    let normal = <[f64; 3]>::from(triangle_normal(a, b, c)).map(|x| x as f32);
-    Ok(stl_io::Triangle { normal: stl_io::Vector(normal), vertices })
+    let exact = rounded.map(|v| v.map(f64::from));
+    let opposite = |i: usize| (exact[(i + 1) % 3] - exact[(i + 2) % 3]).norm_squared();
+    let longer = |best: usize, i: usize| if opposite(i) > opposite(best) { i } else { best };
+    let first = [1, 2].into_iter().fold(0, longer);
+    let [a, b, c] = [0, 1, 2].map(|k| exact[(first + k) % 3]);
+    let single = |v: Vec3| stl_io::Vector(<[f64; 3]>::from(v).map(|x| x as f32));
+    Ok(stl_io::Triangle {
+        normal: single(triangle_normal(a, b, c)),
+        vertices: [a, b, c].map(single),
+    })
 }
