@@ -1,10 +1,14 @@
 //! Terms of the potential energy [J].
 
+mod body_force;
 mod elastic;
 mod pressure;
+mod traction;
 
+pub use body_force::BodyForce;
 pub use elastic::Elastic;
 pub use pressure::{Pressure, Wall};
+pub use traction::Traction;
 
 use mesh::Vec3;
 
@@ -36,6 +40,8 @@ pub enum Hessian {
 
 /// One term E(u; X) of the potential energy with all its derivatives.
 pub trait Energy: Send + Sync {
+    /// Kind of the term, as reports call it.
+    fn name(&self) -> &'static str;
     /// E [J]; infinite where the state is not admissible.
     fn value(&self, at: &Iterate) -> f64;
     /// Adds ∂E/∂u [N].

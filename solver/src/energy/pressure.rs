@@ -113,6 +113,10 @@ fn stiffness(p: &Point, a: usize, b: usize) -> Mat3 {
 }
 
 impl Energy for Pressure {
+    fn name(&self) -> &'static str {
+        "pressure"
+    }
+
     fn value(&self, at_: &Iterate) -> f64 {
         let rest = at_.space.node_positions(at_.rest);
         let change =

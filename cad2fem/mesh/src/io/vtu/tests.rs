@@ -37,11 +37,11 @@ fn field(name: &str, unit: &str, components: usize, count: usize) -> Field {
 
 fn grid(cell_type: CellType) -> Grid {
     Grid {
-        points: VTK_PLACES.map(Vec3::from).to_vec(),
+        points: VTK_PLACES.map(Vec3::from).repeat(2),
         // The same cell twice, from different points.
         cells: (0..cell_type.nodes()).chain((0..cell_type.nodes()).rev()).collect(),
         cell_type,
-        point_fields: vec![field("displacement", "m", 3, 10), field("a < b & \"c\"", "", 1, 10)],
+        point_fields: vec![field("displacement", "m", 3, 20), field("a < b & \"c\"", "", 1, 20)],
         cell_fields: vec![field("stress", "Pa", 9, 2), field("detF [odd", "1", 1, 2)],
     }
 }
@@ -80,7 +80,7 @@ fn what_does_not_fit_is_not_written() {
     let broken: [(&str, Damage); 4] = [
         ("field \"stress\" has 17 values, not 2 × 9", |g| g.cell_fields[0].values.truncate(17)),
         ("field \"displacement\" is NaN at index 5", |g| g.point_fields[0].values[5] = f64::NAN),
-        ("cell 1 refers to point 10 of 10", |g| g.cells[4] = 10),
+        ("cell 1 refers to point 20 of 20", |g| g.cells[4] = 20),
         ("do not divide into 4", |g| g.cells.truncate(7)),
     ];
     for (needed, damage) in broken {
