@@ -1,5 +1,10 @@
 //! Small bodies and helpers that the tests share.
 
+#[path = "support/equilibrium.rs"]
+pub mod equilibrium;
+#[path = "support/meshes.rs"]
+pub mod meshes;
+
 use std::path::PathBuf;
 
 use mesh::{Tags, TetMesh, Vec3};
