@@ -44,7 +44,8 @@ impl Problem {
     /// # Panics
     /// When there is none or it is not certified.
     pub fn solve(&mut self, load: f64) {
-        let newton = Newton { iterations: 40, relative: 1e-11, absolute: 1e-16 };
+        // slender bodies cancel large inner forces: 1e-10 is below their rounding
+        let newton = Newton { iterations: 40, relative: 1e-9, absolute: 0.0 };
         newton
             .solve(&mut self.system, &self.rest, &mut self.u, load)
             .unwrap_or_else(|failure| panic!("load {load}: {failure}"));
