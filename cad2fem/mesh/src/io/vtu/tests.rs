@@ -100,3 +100,32 @@ fn a_time_series_names_its_files() {
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.contains("timestep=\"0.1\" part=\"0\" file=\"R&amp;D/step1.vtu\""), "{text}");
 }
+
+#[test]
+fn cubic_cells_become_quadratic_ones_through_the_same_middles() {
+    let cubic = |p: &Vec3| p.x.powi(3) - 2.0 * p.y * p.z * p.x + p.z * p.z - 0.5 * p.y;
+    let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+    let mut points = corners.to_vec();
+    for &[a, b] in CellType::Tet20.edges() {
+        let third = |k: f64| corners[a] + (corners[b] - corners[a]) * (k / 3.0);
+        points.extend([third(1.0), third(2.0)]);
+    }
+    for face in [[0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 1, 2]] {
+        points.push(face.map(|c| corners[c]).iter().sum::<Vec3>() / 3.0);
+    }
+    let values = points.iter().flat_map(|p| [p.x, cubic(p)]).collect();
+    let grid = Grid {
+        points,
+        cells: (0..20).collect(),
+        cell_type: CellType::Tet20,
+        point_fields: vec![Field { name: "f".into(), unit: String::new(), components: 2, values }],
+        cell_fields: vec![],
+    };
+    let lowered = grid.at_most_quadratic();
+    assert_eq!((lowered.cell_type, lowered.cells.len()), (CellType::Tet10, 10));
+    for (&node, place) in lowered.cells.iter().zip(VTK_PLACES.map(Vec3::from)) {
+        assert!((lowered.points[node] - place).norm() < 1e-15);
+        let values = &lowered.point_fields[0].values[2 * node..2 * node + 2];
+        assert!((values[0] - place.x).abs() < 1e-15 && (values[1] - cubic(&place)).abs() < 1e-15);
+    }
+}
