@@ -1,7 +1,23 @@
 //! Tests that run in seconds.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+#[path = "fast/bad_design.rs"]
+mod bad_design;
 #[path = "fast/energies.rs"]
 mod energies;
+#[path = "fast/optimize.rs"]
+mod optimize;
 #[path = "fast/reference.rs"]
 mod reference;
+#[path = "fast/resume.rs"]
+mod resume;
+#[path = "fast/solver_bad_input.rs"]
+mod solver_bad_input;
+#[path = "fast/solver_cli.rs"]
+mod solver_cli;
+#[path = "fast/spoiled_folder.rs"]
+mod spoiled_folder;
+#[path = "fast/threads.rs"]
+mod threads;
+#[path = "fast/tidy.rs"]
+mod tidy;

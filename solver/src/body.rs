@@ -28,6 +28,11 @@ impl Body {
         &self.boundary
     }
 
+    /// Names of the tags that have facets; a Gmsh file may name groups that have none.
+    pub fn used_tags(&self) -> impl Iterator<Item = &String> {
+        self.tags.names.iter().filter(|name| self.facets(name).is_ok())
+    }
+
     /// The boundary facets of a tag, oriented out of the solid.
     ///
     /// # Errors

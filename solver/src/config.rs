@@ -24,9 +24,12 @@ pub struct SimConfig {
     pub material: MaterialConfig,
     /// Tags that cannot move, or move as prescribed.
     pub fixed: Vec<Fixed>,
-    /// Gas behind walls.
+    /// Chambers with a prescribed pressure.
     #[serde(default)]
     pub pressure: Vec<PressureConfig>,
+    /// Closed chambers with a fixed amount of gas.
+    #[serde(default)]
+    pub gas: Vec<GasConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,
@@ -116,6 +119,20 @@ pub struct PressureConfig {
     pub on: String,
     /// Gauge pressure; positive inflates [Pa].
     pub pressure: f64,
+}
+
+/// A chamber that is filled in its rest shape and closed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GasConfig {
+    /// Tag name of the wall.
+    pub on: String,
+    /// Gauge pressure of the fill in the rest volume [Pa].
+    pub fill: f64,
+    /// Ambient pressure [Pa].
+    pub ambient: f64,
+    /// Polytropic exponent: 1 isothermal, 1.4 adiabatic for air [1].
+    pub exponent: f64,
 }
 
 /// Numerical settings of the equilibrium.

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::body::Body;
 use crate::element::{FunctionSpace, at};
-use crate::energy::Wall;
+use crate::energy::Chamber;
 use crate::forward::System;
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
@@ -36,8 +36,8 @@ pub struct TagReport {
 /// Measures of one chamber wall.
 #[derive(Clone, Debug, Serialize)]
 pub struct WallReport {
-    /// Volume behind the rest wall; that of an open wall counts from the
-    /// origin, and only its change has a meaning [m³].
+    /// Volume behind the rest wall; an open one is closed by a cap over its rim
+    /// [m³].
     pub volume_rest: f64,
     /// Volume behind the deformed wall [m³].
     pub volume: f64,
@@ -47,7 +47,7 @@ pub struct WallReport {
     pub closed: bool,
 }
 
-/// Measures every tag at an equilibrium.
+/// Measures every tag that has facets at an equilibrium.
 ///
 /// # Errors
 /// When a tag has no facets.
@@ -59,7 +59,7 @@ pub fn tags(
 ) -> Result<BTreeMap<String, TagReport>> {
     let reactions = reactions(scene, body, system, u)?;
     let mut reports = BTreeMap::new();
-    for name in &body.tags.names {
+    for name in body.used_tags() {
         let mut report = displacements(body, &system.space, &body.facets(name)?, u);
         if let Some(reaction) = reactions.get(name) {
             report.reaction = *reaction;
@@ -121,33 +121,25 @@ pub fn displacements(
     }
 }
 
-/// Measures every wall under pressure.
+/// Measures every chamber under the full load.
 ///
 /// # Errors
 /// When a tag is missing.
 pub fn walls(
     scene: &Scene,
     body: &Body,
-    space: &FunctionSpace,
+    system: &System,
     u: &[f64],
 ) -> Result<BTreeMap<String, WallReport>> {
-    let rest = space.node_positions(&body.mesh.vertices);
-    let deformed: Vec<Vec3> = rest.iter().enumerate().map(|(i, x)| x + at(u, i)).collect();
-    let mut reports = BTreeMap::new();
-    for load in &scene.config.pressure {
-        let facets = body.facets(&load.on)?;
-        let wall = Wall::new(space, &facets);
-        reports.insert(
-            load.on.clone(),
-            WallReport {
-                volume_rest: wall.volume(space, &rest),
-                volume: wall.volume(space, &deformed),
-                pressure: load.pressure,
-                closed: mesh::topology::boundary_edges(&facets).is_empty(),
-            },
-        );
-    }
-    Ok(reports)
+    let here = system.iterate(&body.mesh.vertices, u, 1.0);
+    let report = |chamber: &Chamber| {
+        let (volume, gas) = chamber.state(&here);
+        let volume_rest = chamber.rest_volume(&here);
+        let closed = chamber.wall.is_closed();
+        WallReport { volume_rest, volume, pressure: gas.pressure, closed }
+    };
+    let chambers = scene.chambers(body, &system.space)?;
+    Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
 }
 
 /// Energies of a state under the full load by kind, and their sum `total` [J].

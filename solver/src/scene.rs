@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::body::Body;
-use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::config::{GasConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
 use crate::element::{FunctionSpace, HIGHEST_DEGREE};
-use crate::energy::{BodyForce, Elastic, Energy, Pressure, Traction, Wall};
+use crate::energy::{BodyForce, Chamber, Elastic, Energy, GasLaw, Traction, Wall};
 use crate::forward::{Newton, Stepping, System};
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
@@ -80,11 +80,9 @@ impl Scene {
     ) -> Result<Vec<Box<dyn Energy>>> {
         let mut energies: Vec<Box<dyn Energy>> =
             vec![Box::new(Elastic { material: self.config.material.build() })];
-        for load in &self.config.pressure {
-            let facets = body.facets(&load.on)?;
-            check_rim(&load.on, &facets, supports, space, body)?;
-            let wall = Wall::new(space, &facets);
-            energies.push(Box::new(Pressure { wall, pressure: load.pressure }));
+        for (name, chamber) in self.chambers(body, space)? {
+            check_rim(&name, &body.facets(&name)?, supports, space, body)?;
+            energies.push(Box::new(chamber));
         }
         for load in &self.config.body_force {
             energies.push(Box::new(BodyForce { force: load.force.into() }));
@@ -94,6 +92,35 @@ impl Scene {
             energies.push(Box::new(Traction::new(space, &facets, load.traction.into())));
         }
         Ok(energies)
+    }
+
+    /// The chambers of a body, by the tags of their walls.
+    ///
+    /// # Errors
+    /// When a tag is missing or closes no volume that gas could fill.
+    pub fn chambers(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<(String, Chamber)>> {
+        let context = || self.path.display().to_string();
+        let isobaric =
+            self.config.pressure.iter().map(|c| (&c.on, GasLaw::Isobaric { pressure: c.pressure }));
+        let ideal = self.config.gas.iter().map(|c| {
+            let GasConfig { fill, ambient, exponent, .. } = *c;
+            (&c.on, GasLaw::Ideal { fill, ambient, exponent })
+        });
+        let nodes = space.node_positions(&body.mesh.vertices);
+        let mut chambers = Vec::new();
+        for (on, gas) in isobaric.chain(ideal) {
+            let wall = Wall::new(space, &body.facets(on).with_context(context)?);
+            let volume = wall.volume(space, &nodes);
+            if matches!(gas, GasLaw::Ideal { .. }) && volume <= 0.0 {
+                bail!(
+                    "{}: gas on \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
+                     positive\n  the tag is not the wall of a chamber",
+                    self.path.display()
+                );
+            }
+            chambers.push((on.clone(), Chamber { wall, gas }));
+        }
+        Ok(chambers)
     }
 
     /// How to approach the full load.
@@ -147,6 +174,22 @@ fn check(config: &SimConfig) -> Result<()> {
         );
     }
     ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
+    for gas in &config.gas {
+        ensure!(
+            gas.ambient > 0.0 && gas.fill + gas.ambient > 0.0 && gas.exponent >= 1.0,
+            "gas on \"{}\": ambient = {} Pa and ambient + fill = {} Pa must be positive, exponent = {} \
+             at least 1",
+            gas.on,
+            gas.ambient,
+            gas.fill + gas.ambient,
+            gas.exponent
+        );
+    }
+    let walls: Vec<&String> =
+        config.pressure.iter().map(|c| &c.on).chain(config.gas.iter().map(|c| &c.on)).collect();
+    if let Some(twice) = walls.iter().enumerate().find(|(i, w)| walls[..*i].contains(w)) {
+        bail!("\"{}\" is the wall of two chambers: keep one of [[pressure]] and [[gas]]", twice.1);
+    }
     for load in &config.pressure {
         ensure!(load.pressure.is_finite(), "pressure on \"{}\" is {}", load.on, load.pressure);
     }
@@ -161,12 +204,23 @@ fn check(config: &SimConfig) -> Result<()> {
         s.smallest_load_step
     );
     ensure!(
-        s.relative_tolerance > 0.0 && s.absolute_tolerance >= 0.0 && s.newton_iterations > 0,
-        "relative_tolerance and newton_iterations must be positive"
+        s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
+        "relative_tolerance = {}: must be above 0 and below 1",
+        s.relative_tolerance
+    );
+    ensure!(
+        s.absolute_tolerance >= 0.0 && s.absolute_tolerance.is_finite(),
+        "absolute_tolerance = {} N: must be finite and not negative",
+        s.absolute_tolerance
+    );
+    ensure!(
+        s.newton_iterations > 0,
+        "newton_iterations = {}: must be positive",
+        s.newton_iterations
     );
     let crate::config::MaterialConfig::MooneyRivlin(m) = &config.material;
     ensure!(
-        m.c1 + m.c2 > 0.0 && m.d1 > 0.0 && m.c3.is_finite(),
+        m.c1 + m.c2 > 0.0 && m.d1 > 0.0 && (m.c1 + m.c2 + m.c3 + m.d1).is_finite(),
         "material: shear modulus 2(c1 + c2) = {} Pa and bulk modulus 2 d1 = {} Pa must be positive",
         2.0 * (m.c1 + m.c2),
         2.0 * m.d1

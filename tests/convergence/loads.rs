@@ -4,7 +4,9 @@
 use mesh::Vec3;
 use solver::body::Body;
 use solver::element::{FunctionSpace, at};
-use solver::energy::{BodyForce, Elastic, Energy, Hessian, Iterate, Pressure, Traction, Wall};
+use solver::energy::{
+    BodyForce, Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Traction, Wall,
+};
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
 use solver::math::taylor::taylor;
@@ -27,7 +29,7 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
         Box::new(Elastic { material: Box::new(SILICONE) }),
-        Box::new(Pressure { wall, pressure: 20e3 }),
+        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3 } }),
         Box::new(BodyForce { force: FORCE.into() }),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),
     ]

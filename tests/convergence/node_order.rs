@@ -1,11 +1,15 @@
 //! Files of quadratic and cubic results as other programs read them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use solver::element::FunctionSpace;
 use solver::results::grid;
 use tests::block;
+use tests::workdir::python;
+
+/// What the scripts import.
+const PACKAGES: &str = "meshio, gmsh, numpy";
 
 /// Reads a file with meshio and interpolates the field `place`, which holds the
 /// coordinates of the nodes, by the Lagrange basis on VTK's node order: it must
@@ -63,15 +67,6 @@ for degree in (1, 2, 3):
 gmsh.finalize()
 "#;
 
-fn python() -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
-    if !path.exists() {
-        eprintln!("SKIPPED: {} is missing; run: make setup", path.display());
-        return None;
-    }
-    Some(path)
-}
-
 fn run(python: &Path, script: &str, arguments: &[&str]) {
     let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -79,7 +74,7 @@ fn run(python: &Path, script: &str, arguments: &[&str]) {
 
 #[test]
 fn other_programs_find_the_nodes_of_results_in_place() {
-    let Some(python) = python() else { return };
+    let Some(python) = python(PACKAGES) else { return };
     let folder = tempfile::tempdir().unwrap();
     let mesh = block([2, 2, 2], 0.01, |_| false, |p| p);
     for degree in [1, 2, 3] {
@@ -96,7 +91,7 @@ fn other_programs_find_the_nodes_of_results_in_place() {
 
 #[test]
 fn curved_meshes_of_gmsh_give_their_straight_body() {
-    let Some(python) = python() else { return };
+    let Some(python) = python(PACKAGES) else { return };
     let folder = tempfile::tempdir().unwrap();
     run(&python, GMSH, &[folder.path().to_str().unwrap()]);
     let mut counts = Vec::new();

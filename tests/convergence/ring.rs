@@ -5,12 +5,12 @@
 //! a Neo-Hookean ring, solved independently.
 
 use mesh::Vec3;
-use solver::element::{FunctionSpace, at};
-use solver::energy::{Elastic, Energy, Hessian, Iterate, Pressure, Wall};
+use solver::element::FunctionSpace;
+use solver::energy::{Elastic, Energy};
 use solver::material::{Isotropic, Kinematics, Material, Partials};
-use solver::math::sparse::BlockMatrix;
 use tests::equilibrium::{Problem, SILICONE, facets_where, mean};
 use tests::meshes::ring_quarter;
+use tests::symmetric_gas::{Planes, SymmetricGas};
 
 const HEIGHT: f64 = 0.1;
 
@@ -32,53 +32,6 @@ impl Isotropic for NeoHookean {
     }
 }
 
-/// Gas behind a wall between two planes of constant z. Its caps are free in
-/// their planes, where the cone of [`Wall::volume`] is not the gas; its force
-/// and stiffness are right. V = −½ ∫ (x, y, 0) · (g₁ × g₂) dξ.
-struct PlanarPressure {
-    pressure: Pressure,
-    facets: Vec<Vec<usize>>,
-}
-
-impl PlanarPressure {
-    fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3) -> f64 {
-        let table = space.facet_table();
-        let mut volume = 0.0;
-        for nodes in &self.facets {
-            for q in 0..table.weights.len() {
-                let tangent = |k: usize| -> Vec3 {
-                    nodes.iter().zip(&table.gradients[q]).map(|(&n, g)| x(n) * g[k]).sum()
-                };
-                let normal = tangent(0).cross(&tangent(1));
-                let p: Vec3 = nodes.iter().zip(&table.values[q]).map(|(&n, v)| x(n) * *v).sum();
-                volume -= 0.25 * table.weights[q] * (p.x * normal.x + p.y * normal.y);
-            }
-        }
-        volume
-    }
-}
-
-impl Energy for PlanarPressure {
-    fn name(&self) -> &'static str {
-        "planar pressure"
-    }
-    fn value(&self, at_: &Iterate) -> f64 {
-        let rest = at_.space.node_positions(at_.rest);
-        let change = self.volume(at_.space, |i| rest[i] + at(at_.u, i))
-            - self.volume(at_.space, |i| rest[i]);
-        -at_.load * self.pressure.pressure * change
-    }
-    fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        self.pressure.add_gradient(at, out);
-    }
-    fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        self.pressure.add_hessian(at, kind, out);
-    }
-    fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
-        unimplemented!("no shape derivative is asked for")
-    }
-}
-
 fn ring(
     degree: usize,
     n: [usize; 2],
@@ -88,11 +41,7 @@ fn ring(
     let mesh = ring_quarter(1.0, 1.5, HEIGHT, n);
     let inner = facets_where(&mesh, |p| p.xy().norm() < 1.0 + 1e-9);
     let energies = |space: &FunctionSpace| -> Vec<Box<dyn Energy>> {
-        let wall = Wall::new(space, &inner);
-        let gas = PlanarPressure {
-            pressure: Pressure { wall, pressure },
-            facets: inner.iter().map(|&f| space.facet_nodes(f)).collect(),
-        };
+        let gas = SymmetricGas::new(space, &inner, Planes::Slab, pressure);
         vec![Box::new(Elastic { material: material() }), Box::new(gas)]
     };
     Problem::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])

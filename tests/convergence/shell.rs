@@ -5,9 +5,10 @@
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
 use mesh::Vec3;
-use solver::energy::{Elastic, Energy, Pressure, Wall};
+use solver::energy::{Elastic, Energy};
 use tests::equilibrium::{MODULI, Problem, SILICONE, facets_where, mean};
 use tests::meshes::shell_octant;
+use tests::symmetric_gas::{Planes, SymmetricGas};
 
 const A: f64 = 0.010;
 const B: f64 = 0.015;
@@ -26,26 +27,21 @@ const TABLE: [[f64; 4]; 8] = [
 
 struct Shell {
     problem: Problem,
-    wall: Wall,
+    gas: SymmetricGas,
 }
 
 impl Shell {
     fn new(degree: usize, n: usize, layers: usize, pressure: f64) -> Self {
         let mesh = shell_octant(A, B, n, layers);
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
+        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, pressure);
         let energies = |space: &_| -> Vec<Box<dyn Energy>> {
-            // the planes of symmetry go through the origin, so that the cone
-            // from there behind the open wall is the octant's share of the gas
-            let wall = Wall::new(space, &facets);
-            vec![
-                Box::new(Elastic { material: Box::new(SILICONE) }),
-                Box::new(Pressure { wall, pressure }),
-            ]
+            vec![Box::new(Elastic { material: Box::new(SILICONE) }), Box::new(gas(space))]
         };
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let problem = Problem::new(mesh, degree, energies, on_plane);
-        let wall = Wall::new(&problem.system.space, &facets);
-        Self { problem, wall }
+        let gas = gas(&problem.system.space);
+        Self { problem, gas }
     }
 
     /// a/A, b/B, V/V₀.
@@ -58,7 +54,7 @@ impl Shell {
             mean(&ratios)
         };
         let (rest, deformed): (Vec<_>, Vec<_>) = self.problem.nodes().into_iter().unzip();
-        let volume = |x: &[Vec3]| self.wall.volume(&self.problem.system.space, x);
+        let volume = |x: &[Vec3]| self.gas.volume(&self.problem.system.space, x);
         [stretch(A), stretch(B), volume(&deformed) / volume(&rest)]
     }
 }

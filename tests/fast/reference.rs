@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use mesh::{Tags, Vec3};
 use solver::body::Body;
 use solver::element::{FunctionSpace, at};
-use solver::energy::{Elastic, Energy, Pressure, Wall};
+use solver::energy::{Chamber, Elastic, Energy, GasLaw, Wall};
 use solver::forward::{Newton, Stepping, System, solve};
 use solver::material::MooneyRivlin;
 
@@ -43,7 +43,7 @@ fn compare(degree: usize, reference: &str) {
     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
     let energies: Vec<Box<dyn Energy>> = vec![
         Box::new(Elastic { material: Box::new(law) }),
-        Box::new(Pressure { wall, pressure: 5e3 }),
+        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 5e3 } }),
     ];
     let mut system = System::new(space, energies, &fixed);
     let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10 };

@@ -16,6 +16,9 @@ use super::optimize::read;
 /// Slopes of the first-order remainder that an exact gradient may have.
 const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
 
+/// Times that the test is done again with steps of a quarter of the length.
+const SHORTER: i32 = 4;
+
 /// Check the gradient of a design problem against its objective
 ///
 /// Prints the remainders |J(θ + εq) − J(θ) − ε g·q| along the gradient and
@@ -30,26 +33,31 @@ pub struct Arguments {
     #[arg(long)]
     mesh: Option<PathBuf>,
     /// Number of handles; that of the first level if not given
-    #[arg(long)]
-    handles: Option<usize>,
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    handles: Option<u32>,
     /// Random directions besides the gradient
     #[arg(long, default_value_t = 1)]
     random: u64,
-    /// Largest motion of a vertex [m]; a tenth of an edge if not given
-    #[arg(long)]
+    /// Largest motion of a vertex [m]; a tenth of an edge if not given, and less
+    /// where that is too far
+    #[arg(long, value_parser = positive)]
     motion: Option<f64>,
     /// Number of step lengths, each half the one before
-    #[arg(long, default_value_t = 7)]
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(i32).range(2..=30))]
     steps: i32,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design, arguments.mesh.as_deref())?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
-    let handles = arguments.handles.unwrap_or(design.shape.level[0].handles);
+    let handles = arguments.handles.map_or(design.shape.level[0].handles, |n| n as usize);
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design.shape.on, handles)?;
     let theta = vec![0.0; level.variables()];
-    let start = level.evaluate(&theta, None).context("the starting shape")?;
+    level.admit(&level.body.mesh.vertices).context("the starting shape")?;
+    let start = level.evaluate(&theta, None).map_err(|e| {
+        Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
+    })?;
+    level.linearize(&start);
     let gradient = level.gradient(&theta, &start)?;
     log::info!("{} variables, J {:.8e}, |g| {:.4e}", theta.len(), start.objective, norm(&gradient));
     let motion = arguments.motion.unwrap_or(0.1 * level.mean_edge());
@@ -59,7 +67,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             0 => ("gradient".to_owned(), gradient.clone()),
             seed => (format!("random {seed}"), Random::new(seed).numbers(theta.len())),
         };
-        let result = along(&mut level, &start, &gradient, &q, motion, arguments.steps)?;
+        let mut result = along(&mut level, &start, &gradient, &q, motion, arguments.steps);
+        // too long for the shape to stay valid, or for second order to show
+        for k in 1..=SHORTER * i32::from(arguments.motion.is_none()) {
+            if result.as_ref().is_ok_and(|r| ACCEPTED.contains(&r.slope)) {
+                break;
+            }
+            let motion = motion * 0.25_f64.powi(k);
+            result = along(&mut level, &start, &gradient, &q, motion, arguments.steps);
+        }
+        let result = result?;
         print(&name, &result)?;
         if !ACCEPTED.contains(&result.slope) {
             failed.push(format!("{name}: {:.3}", result.slope));
@@ -74,6 +91,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         failed.join(", ")
     ))
     .into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("a positive number of metres is needed".to_owned()),
+    }
 }
 
 /// The test along q, scaled so that the longest step moves a vertex by

@@ -77,13 +77,12 @@ pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Sce
     Ok((design, scene))
 }
 
-/// Whether the folder holds a finished optimisation of other inputs. One that is
-/// not finished is not thrown away unasked.
+/// Whether the folder holds an optimisation of other inputs that is finished or
+/// has no result. Any other is not thrown away unasked.
 fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
-    if !folder.join("report.json").exists() {
-        return Ok(false);
-    }
-    Ok(Checkpoint::read(folder)?.is_some_and(|checkpoint| checkpoint.inputs != inputs))
+    let finished = folder.join("report.json").exists();
+    Ok(Checkpoint::read(folder)?
+        .is_some_and(|c| c.inputs != inputs && (finished || c.history == 0)))
 }
 
 fn forget(folder: &Path) -> Result<()> {

@@ -120,7 +120,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     report["energies"] = json!(energies);
     report["force_balance"] = results::balance(system, rest, &solution.u);
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
-    report["walls"] = json!(results::walls(scene, &scene.body, &system.space, &solution.u)?);
+    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u)?);
     report["timings"] = json!(system.timings);
     Ok(())
 }
@@ -130,22 +130,33 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
 /// elastic energy only roughly.
 fn work_of_loads(scene: &Scene, system: &mut System, steps: &[LoadStep]) -> Result<f64> {
     let rest = &scene.body.mesh.vertices;
+    let chambers = scene.chambers(&scene.body, &system.space)?;
     let supports = scene.supports(&scene.body, &system.space)?;
     let moved: Vec<(usize, f64)> =
         supports.displacement.iter().copied().enumerate().filter(|d| d.1 != 0.0).collect();
+    // pairs of a force and the quantity it works on: gas, dead loads, supports
+    let mut pairs = |load: f64, u: &[f64]| -> Vec<[f64; 2]> {
+        let here = system.iterate(rest, u, load);
+        let gas = chambers.iter().map(|(_, chamber)| {
+            let (volume, gas) = chamber.state(&here);
+            [gas.pressure, volume]
+        });
+        let full = system.iterate(rest, u, 1.0);
+        let dead =
+            system.energies.iter().filter(|e| ["body_force", "traction"].contains(&e.name()));
+        let mut pairs: Vec<_> = gas.chain(dead.map(|e| [load, -e.value(&full)])).collect();
+        let (gradient, _) = system.gradient(rest, u, load);
+        pairs.push([moved.iter().map(|&(dof, u)| gradient[dof] * u).sum(), load]);
+        pairs
+    };
+    let mut last = pairs(0.0, &vec![0.0; supports.displacement.len()]);
     let mut work = 0.0;
-    let mut last = (0.0, vec![0.0; system.energies.len()], 0.0);
     for step in steps {
-        // a load's energy at full load is minus its potential to do work
-        let at = system.iterate(rest, &step.u, 1.0);
-        let energies: Vec<f64> = system.energies.iter().map(|e| e.value(&at)).collect();
-        let (gradient, _) = system.gradient(rest, &step.u, step.load);
-        let reaction: f64 = moved.iter().map(|&(dof, u)| gradient[dof] * u).sum();
-        for (now, before) in energies.iter().zip(&last.1).skip(1) {
-            work -= 0.5 * (last.0 + step.load) * (now - before);
+        let next = pairs(step.load, &step.u);
+        for ([f, q], [next_f, next_q]) in last.iter().zip(&next) {
+            work += 0.5 * (f + next_f) * (next_q - q);
         }
-        work += 0.5 * (last.2 + reaction) * (step.load - last.0);
-        last = (step.load, energies, reaction);
+        last = next;
     }
     Ok(work)
 }

@@ -18,7 +18,7 @@ use std::sync::{Mutex, PoisonError};
 
 use mesh::{TetMesh, Vec3, topology};
 
-use crate::math::linear::{NotPositive, SparseSolver};
+use crate::math::linear::{NotPositive, SparseSolver, Symmetric};
 use crate::math::ordering::nested_dissection;
 
 /// Linear map from boundary to interior displacements.
@@ -66,7 +66,7 @@ impl Extension {
             start.push(entries.len());
         }
         let mut solver = SparseSolver::new(start, entries, &nested_dissection(&adjacency));
-        solver.factor_positive(values)?;
+        solver.factor_positive(Symmetric::sparse(values))?;
         Ok(Self { interior, coupling, solver: Mutex::new(solver) })
     }
 

@@ -1,14 +1,16 @@
 //! Terms of the potential energy [J].
 
 mod body_force;
+mod chamber;
 mod elastic;
-mod pressure;
 mod traction;
+mod wall;
 
 pub use body_force::BodyForce;
+pub use chamber::{Chamber, GasLaw, Potential};
 pub use elastic::Elastic;
-pub use pressure::{Pressure, Wall};
 pub use traction::Traction;
+pub use wall::Wall;
 
 use mesh::Vec3;
 
@@ -38,6 +40,15 @@ pub enum Hessian {
     Projected,
 }
 
+/// The symmetric matrix s v vᵀ.
+#[derive(Clone, Debug)]
+pub struct RankOne {
+    /// s
+    pub scale: f64,
+    /// v, three components per node.
+    pub vector: Vec<f64>,
+}
+
 /// One term E(u; X) of the potential energy with all its derivatives.
 pub trait Energy: Send + Sync {
     /// Kind of the term, as reports call it.
@@ -46,8 +57,12 @@ pub trait Energy: Send + Sync {
     fn value(&self, at: &Iterate) -> f64;
     /// Adds ∂E/∂u [N].
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]);
-    /// Adds ∂²E/∂u² [N/m].
+    /// Adds the sparse part of ∂²E/∂u² [N/m].
     fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix);
+    /// The rest of ∂²E/∂u², where every node is coupled with every other [N/m].
+    fn rank_one(&self, _: &Iterate) -> Option<RankOne> {
+        None
+    }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
 }

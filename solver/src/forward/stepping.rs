@@ -59,7 +59,9 @@ pub struct Unreached {
     pub failure: Failure,
 }
 
-/// Solves under the full load from a nearby equilibrium, in one step.
+/// Solves under the full load from a nearby equilibrium, in one step. A factor
+/// that the system still has is used, so that the result depends on it in its
+/// last digits.
 ///
 /// # Errors
 /// [`Failure`] of Newton's method.
@@ -87,6 +89,7 @@ pub fn solve(
     stepping: &Stepping,
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
+    system.linear.forget();
     let mut newton_iterations = 0;
     let mut steps: Vec<LoadStep> = Vec::new();
     let mut increment = stepping.first;

@@ -6,8 +6,8 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Energy, Hessian, Iterate};
-use crate::math::linear::SparseSolver;
+use crate::energy::{Energy, Hessian, Iterate, RankOne};
+use crate::math::linear::{SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 
@@ -95,8 +95,13 @@ impl System {
         motion: &[f64],
     ) -> Option<Vec<f64>> {
         let matrix = self.assemble(rest, u, load, Hessian::Exact);
-        let force = matrix.multiply(motion);
-        let values = self.free.gather(&matrix);
+        let dense = self.rank_ones(rest, u, load);
+        let mut force = matrix.multiply(motion);
+        for RankOne { scale, vector } in &dense {
+            let along = scale * dot(vector, motion);
+            force.iter_mut().zip(vector).for_each(|(f, v)| *f += along * v);
+        }
+        let values = self.restrict_hessian(&matrix, &dense);
         drop(matrix);
         self.linear.factor_positive(values).ok()?;
         let mut free = self.restrict(&force);
@@ -154,10 +159,11 @@ impl System {
         (total, scale)
     }
 
-    /// Lower triangle of the Hessian on the free degrees of freedom.
-    pub fn hessian(&mut self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> Vec<f64> {
+    /// The Hessian on the free degrees of freedom.
+    pub fn hessian(&mut self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> Symmetric {
         let start = Instant::now();
-        let values = self.free.gather(&self.assemble(rest, u, load, kind));
+        let dense = self.rank_ones(rest, u, load);
+        let values = self.restrict_hessian(&self.assemble(rest, u, load, kind), &dense);
         self.timings.assembly_s += start.elapsed().as_secs_f64();
         values
     }
@@ -169,6 +175,28 @@ impl System {
             energy.add_hessian(&at, kind, &mut matrix);
         }
         matrix
+    }
+
+    /// The part of a Hessian on the free degrees of freedom.
+    fn restrict_hessian(&self, matrix: &BlockMatrix, dense: &[RankOne]) -> Symmetric {
+        let updates = dense.iter().map(|d| (d.scale, self.free.restrict(&d.vector))).collect();
+        Symmetric { lower: self.free.gather(matrix), updates }
+    }
+
+    fn rank_ones(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<RankOne> {
+        let at = self.iterate(rest, u, load);
+        self.energies.iter().filter_map(|e| e.rank_one(&at)).collect()
+    }
+
+    /// Factors the exact Hessian under the full load, for derivatives at an
+    /// equilibrium and as the start of the next one.
+    pub fn linearize(&mut self, rest: &[Vec3], u: &[f64]) {
+        let hessian = self.hessian(rest, u, 1.0, Hessian::Exact);
+        let start = Instant::now();
+        if self.linear.factor_positive(hessian.clone()).is_err() {
+            self.linear.factor_indefinite(hessian);
+        }
+        self.timings.factor_s += start.elapsed().as_secs_f64();
     }
 
     /// Position of each diagonal entry among the Hessian's values.

@@ -7,7 +7,8 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use mesh::cli::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
@@ -80,15 +81,18 @@ impl Cascade<'_> {
                 self.truncate_history(checkpoint.history)?;
                 checkpoint
             }
-            None => self.begin_level(0, &self.scene.body, Vec::new(), 0)?,
+            None => {
+                if self.history_path().exists() {
+                    self.truncate_history(0)?;
+                }
+                self.begin_level(0, &self.scene.body, Vec::new(), Vec::new(), 0)?
+            }
         };
-        let mut stopped = Vec::new();
         loop {
             let body = self.level_body(checkpoint.level)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
-            if let Some(reason) = &checkpoint.stopped {
-                stopped.push((checkpoint.level + 1, reason.clone()));
-            }
+            let mut stopped = checkpoint.stopped_before.clone();
+            stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
             let next = checkpoint.level + 1;
@@ -97,7 +101,7 @@ impl Cascade<'_> {
             }
             let body = remesh(shape);
             let start = level.carry(&evaluation, &body);
-            checkpoint = self.begin_level(next, &body, start, checkpoint.history)?;
+            checkpoint = self.begin_level(next, &body, start, stopped, checkpoint.history)?;
         }
     }
 
@@ -117,6 +121,7 @@ impl Cascade<'_> {
         level: usize,
         body: &Body,
         start: Vec<f64>,
+        stopped_before: Vec<(usize, String)>,
         history: usize,
     ) -> Result<Checkpoint> {
         mesh::io::write_tets(&self.level_path(level), &body.mesh, &body.tags)?;
@@ -132,6 +137,7 @@ impl Cascade<'_> {
             lbfgs: Lbfgs::new(MEMORY),
             history,
             stopped: None,
+            stopped_before,
         };
         checkpoint.write(&self.folder)?;
         Ok(checkpoint)
@@ -144,21 +150,18 @@ impl Cascade<'_> {
         let mut level = Level::new(self.scene, self.objectives, body, on, settings.handles)?;
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
-            let before = current.objective;
             match self.iterate(&mut level, checkpoint, &current)? {
                 Ok(step) => {
                     current = step.evaluation.clone();
                     self.accept(&mut level, checkpoint, step)?;
-                    let fall = (before - current.objective) / before.abs();
-                    if fall < self.design.shape.stagnation {
-                        checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
-                    }
                 }
-                Err(reason) => checkpoint.stopped = Some(reason),
+                Err(reason) => {
+                    checkpoint.stopped = Some(reason);
+                    checkpoint.write(&self.folder)?;
+                }
             }
             if let Some(reason) = &checkpoint.stopped {
                 log::info!("level {} ends: {reason}", checkpoint.level + 1);
-                checkpoint.write(&self.folder)?;
             }
         }
         Ok((level, current))
@@ -167,22 +170,30 @@ impl Cascade<'_> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
-            return Ok(Evaluation {
+            checkpoint.check_sizes(&self.folder, level.variables(), level.dofs())?;
+            let evaluation = Evaluation {
                 rest: level.shape(&checkpoint.theta),
                 u: checkpoint.u.clone(),
                 objective: checkpoint.objective,
                 terms: checkpoint.terms.clone(),
                 newton_iterations: 0,
                 forward_s: 0.0,
-            });
+            };
+            level.linearize(&evaluation);
+            return Ok(evaluation);
         }
         let theta = vec![0.0; level.variables()];
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
+        let mut evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
             Some(evaluation) => evaluation,
-            None => level.evaluate(&theta, None).with_context(context)?,
+            None => level
+                .evaluate(&theta, None)
+                .map_err(|e| Unusable(format!("level {}: {e}", checkpoint.level + 1)))?,
         };
+        let clock = Instant::now();
+        level.linearize(&evaluation);
+        evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
         let step = Step {
@@ -228,42 +239,37 @@ impl Cascade<'_> {
             checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
         };
         let first = self.first_alpha(level, checkpoint, &at);
-        let mut alpha = first;
         let clock = Instant::now();
         let predicted = level.predict(&at(first), current);
         let mut forward_s = clock.elapsed().as_secs_f64();
+        let mut alpha = first;
         let mut reason = String::new();
-        for trial in 1..=HALVINGS {
+        for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let clock = Instant::now();
             let start = ahead(&current.u, predicted.as_deref(), alpha / first);
-            let outcome = level.evaluate(&theta, Some(&start));
-            forward_s += clock.elapsed().as_secs_f64();
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
-            match outcome {
-                Ok(evaluation) if evaluation.objective <= wanted => {
-                    let clock = Instant::now();
-                    match level.gradient(&theta, &evaluation) {
-                        Ok(gradient) => {
-                            return Ok(Ok(Step {
-                                motion: level.motion(&checkpoint.theta, &theta),
-                                theta,
-                                evaluation,
-                                gradient,
-                                trials: trial,
-                                forward_s,
-                                gradient_s: clock.elapsed().as_secs_f64(),
-                            }));
-                        }
-                        Err(Rejected(why)) => reason = why,
-                    }
-                }
-                Ok(evaluation) => {
-                    reason = format!("objective {:.6e} is not low enough", evaluation.objective);
+            let clock = Instant::now();
+            let outcome = lower(level, &theta, &start, wanted);
+            forward_s += clock.elapsed().as_secs_f64();
+            let clock = Instant::now();
+            let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
+            match with_gradient {
+                Ok((gradient, evaluation)) => {
+                    let motion = level.motion(&checkpoint.theta, &theta);
+                    let gradient_s = clock.elapsed().as_secs_f64();
+                    return Ok(Ok(Step {
+                        theta,
+                        evaluation,
+                        gradient,
+                        motion,
+                        trials,
+                        forward_s,
+                        gradient_s,
+                    }));
                 }
                 Err(Rejected(why)) => reason = why,
             }
-            log::debug!("trial {trial} rejected: {reason}");
+            log::debug!("trial {trials} rejected: {reason}");
             alpha *= 0.5;
         }
         Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
@@ -300,6 +306,12 @@ impl Cascade<'_> {
             difference(&step.gradient, &checkpoint.gradient),
         );
         checkpoint.iteration += 1;
+        // in the same checkpoint as the step: a kill between two would forget it
+        let before = checkpoint.objective;
+        let fall = (before - step.evaluation.objective) / before.abs();
+        if fall < self.design.shape.stagnation {
+            checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
+        }
         self.record(level, checkpoint, step)
     }
 
@@ -371,10 +383,33 @@ impl Cascade<'_> {
         } else {
             String::new()
         };
+        let found = text.lines().count();
+        ensure!(
+            found >= lines,
+            "{}: {found} lines, but the checkpoint is at line {lines}; begin anew: --restart",
+            path.display()
+        );
         let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
         mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
         Ok(())
     }
+}
+
+/// The evaluation at θ if its objective is at most `wanted`, with the level
+/// linearised there.
+fn lower(
+    level: &mut Level,
+    theta: &[f64],
+    start: &[f64],
+    wanted: f64,
+) -> Result<Evaluation, Rejected> {
+    let evaluation = level.evaluate(theta, Some(start))?;
+    if evaluation.objective > wanted {
+        let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
+        return Err(Rejected(reason));
+    }
+    level.linearize(&evaluation);
+    Ok(evaluation)
 }
 
 /// u + t du, or u without a prediction.

@@ -36,6 +36,9 @@ pub struct Checkpoint {
     pub history: usize,
     /// The level ended early, and why.
     pub stopped: Option<String>,
+    /// Levels before this one that ended early, and why.
+    #[serde(default)]
+    pub stopped_before: Vec<(usize, String)>,
 }
 
 impl Checkpoint {
@@ -58,6 +61,22 @@ impl Checkpoint {
             format!("{}: not a checkpoint; begin anew: --restart", path.display())
         })?;
         Ok(Some(checkpoint))
+    }
+
+    /// Makes sure that its vectors have the sizes of its level.
+    ///
+    /// # Errors
+    /// When they have not.
+    pub fn check_sizes(&self, folder: &Path, variables: usize, dofs: usize) -> Result<()> {
+        let found = [self.theta.len(), self.gradient.len(), self.u.len()];
+        ensure!(
+            found == [variables, variables, dofs],
+            "{}: theta, gradient and u have {found:?} numbers, needed are {:?}; begin anew: \
+             --restart",
+            Self::path(folder).display(),
+            [variables, variables, dofs]
+        );
+        Ok(())
     }
 
     /// Makes sure that it belongs to these inputs.

@@ -67,23 +67,12 @@ impl CellType {
 pub struct Field {
     /// Name, without unit.
     pub name: String,
-    /// Unit, empty if it has none. In the file the array is called `name [unit]`.
+    /// Unit, empty if it has none. In the file it is an attribute of the array.
     pub unit: String,
     /// Numbers per point or cell: 1 scalar, 3 vector, 9 tensor by rows.
     pub components: usize,
     /// The numbers of the first point or cell, of the second, and so on.
     pub values: Vec<f64>,
-}
-
-impl Field {
-    /// Name and unit as ParaView shows them.
-    fn label(&self) -> String {
-        if self.unit.is_empty() {
-            self.name.clone()
-        } else {
-            format!("{} [{}]", self.name, self.unit)
-        }
-    }
 }
 
 /// Points, cells of one shape, and fields on both.

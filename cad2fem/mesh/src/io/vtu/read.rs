@@ -49,6 +49,7 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<Grid> {
 struct Array<'a> {
     group: &'a str,
     label: String,
+    unit: String,
     components: usize,
     data: &'a [u8],
 }
@@ -59,6 +60,7 @@ impl<'a> Array<'a> {
         let components = attribute(tag, "NumberOfComponents").map_or(Ok(1), |n| {
             n.parse().map_err(|_| format!("array {label:?}: {n:?} components"))
         })?;
+        let unit = attribute(tag, "Unit").unwrap_or_default();
         let needed = match (group, label.as_str()) {
             ("Cells", "types") => "UInt8",
             ("Cells", _) => "Int64",
@@ -72,7 +74,7 @@ impl<'a> Array<'a> {
         let mut cursor = Cursor::new(data.get(offset..).ok_or("the file is truncated")?);
         let size = u64::from_le_bytes(cursor.array()?) as usize;
         let data = cursor.take(size).map_err(|m| format!("array {label:?}: {m}"))?;
-        Ok(Self { group, label, components, data })
+        Ok(Self { group, label, unit, components, data })
     }
 
     fn floats(&self) -> Vec<f64> {
@@ -86,9 +88,8 @@ impl<'a> Array<'a> {
             let (label, n, parts) = (&self.label, values.len(), self.components);
             return Err(format!("array {label:?} has {n} values, not {count} × {parts}"));
         }
-        let unit = self.label.strip_suffix(']').and_then(|label| label.rsplit_once(" ["));
-        let (name, unit) = unit.unwrap_or((&self.label, ""));
-        Ok(Field { name: name.into(), unit: unit.into(), components: self.components, values })
+        let (name, unit) = (self.label.clone(), self.unit.clone());
+        Ok(Field { name, unit, components: self.components, values })
     }
 }
 

@@ -58,7 +58,12 @@ impl Array {
     }
 
     fn field(field: &Field) -> Self {
-        Self::floats(&field.label(), field.components, field.values.iter())
+        let mut array = Self::floats(&field.name, field.components, field.values.iter());
+        // Beside the name, so that scripts find the field by its name alone.
+        if !field.unit.is_empty() {
+            array.attributes += &format!(" Unit=\"{}\"", escape(&field.unit));
+        }
+        array
     }
 
     fn integers(name: &str, values: impl Iterator<Item = usize>) -> Self {

@@ -1,0 +1,221 @@
+//! Gas in a chamber: its energy depends on the volume alone.
+//!
+//! E(u; X) = Φ(V(x); V₀),   V₀ = V(X),   x = ΠX + u,   pressure P = −Φ'
+//!
+//! ∂E/∂u   = Φ' ∂V/∂u
+//! ∂²E/∂u² = P S + Φ'' (∂V/∂u)(∂V/∂u)ᵀ
+//!
+//! isobaric    Φ = −P (V − V₀)
+//! ideal gas   Φ' = p_a − (P₀ + p_a)(V₀/V)^γ
+//!
+//! P₀     gauge pressure of the fill in the rest volume [Pa]
+//! p_a    ambient pressure [Pa]
+//! γ      1 isothermal, 1.4 adiabatic for air
+//!
+//! P, P₀ grow with the load; P > 0 inflates. The dense second term is never
+//! assembled, see [`Energy::rank_one`].
+
+use mesh::Vec3;
+
+use super::wall::{Wall, positions};
+use super::{Energy, Hessian, Iterate, RankOne};
+use crate::element::at;
+use crate::math::sparse::BlockMatrix;
+
+/// How the pressure behind a wall follows its volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GasLaw {
+    /// The same gauge pressure at any volume.
+    Isobaric {
+        /// Gauge pressure [Pa].
+        pressure: f64,
+    },
+    /// A fixed amount of ideal gas.
+    Ideal {
+        /// Gauge pressure in the rest volume [Pa].
+        fill: f64,
+        /// Ambient pressure [Pa].
+        ambient: f64,
+        /// Polytropic exponent γ.
+        exponent: f64,
+    },
+}
+
+/// Φ and its derivatives at one volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Potential {
+    /// Φ [J]; infinite for V ≤ 0 of a fixed amount of gas.
+    pub value: f64,
+    /// Gauge pressure −Φ' [Pa].
+    pub pressure: f64,
+    /// Φ'' [Pa/m³].
+    pub stiffness: f64,
+    /// ∂P/∂V₀ [Pa/m³].
+    pub pressure_by_rest: f64,
+}
+
+impl GasLaw {
+    /// At volume `v` of a chamber with rest volume `rest`, under a fraction
+    /// `load` of the pressure.
+    #[must_use]
+    pub fn at(&self, v: f64, rest: f64, load: f64) -> Potential {
+        match *self {
+            Self::Isobaric { pressure } => {
+                let pressure = load * pressure;
+                Potential {
+                    value: -pressure * (v - rest),
+                    pressure,
+                    stiffness: 0.0,
+                    pressure_by_rest: 0.0,
+                }
+            }
+            Self::Ideal { fill, ambient, exponent } => {
+                if v <= 0.0 {
+                    let value = f64::INFINITY;
+                    return Potential {
+                        value,
+                        pressure: 0.0,
+                        stiffness: 0.0,
+                        pressure_by_rest: 0.0,
+                    };
+                }
+                let full = load * fill + ambient;
+                let ratio = rest / v;
+                let absolute = full * ratio.powf(exponent);
+                // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1
+                let work = if exponent == 1.0 {
+                    -rest * ratio.ln()
+                } else {
+                    rest * (ratio.powf(exponent - 1.0) - 1.0) / (1.0 - exponent)
+                };
+                Potential {
+                    value: ambient * (v - rest) - full * work,
+                    pressure: absolute - ambient,
+                    stiffness: exponent * absolute / v,
+                    pressure_by_rest: exponent * absolute / rest,
+                }
+            }
+        }
+    }
+}
+
+/// A chamber with gas.
+pub struct Chamber {
+    /// Its wall.
+    pub wall: Wall,
+    /// Its gas.
+    pub gas: GasLaw,
+}
+
+impl Chamber {
+    /// Volume [m³] and gas at an iterate.
+    #[must_use]
+    pub fn state(&self, at_: &Iterate) -> (f64, Potential) {
+        self.state_at(at_, &positions(at_))
+    }
+
+    fn state_at(&self, at_: &Iterate, x: &[Vec3]) -> (f64, Potential) {
+        let volume = self.wall.volume(at_.space, x);
+        (volume, self.gas.at(volume, self.rest_volume(at_), at_.load))
+    }
+
+    /// Volume behind the rest wall [m³].
+    #[must_use]
+    pub fn rest_volume(&self, at_: &Iterate) -> f64 {
+        self.wall.volume(at_.space, &at_.space.node_positions(at_.rest))
+    }
+}
+
+impl Energy for Chamber {
+    fn name(&self) -> &'static str {
+        "pressure"
+    }
+
+    fn value(&self, at_: &Iterate) -> f64 {
+        self.state(at_).1.value
+    }
+
+    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
+        let x = positions(at_);
+        let (_, gas) = self.state_at(at_, &x);
+        self.wall.add_wall_gradient(at_.space, &x, -gas.pressure, out);
+    }
+
+    fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        let x = positions(at_);
+        let (_, gas) = self.state_at(at_, &x);
+        self.wall.add_stiffness(at_.space, &x, gas.pressure, out);
+    }
+
+    fn rank_one(&self, at_: &Iterate) -> Option<RankOne> {
+        let x = positions(at_);
+        let (_, gas) = self.state_at(at_, &x);
+        if gas.stiffness == 0.0 {
+            return None;
+        }
+        let mut vector = vec![0.0; at_.u.len()];
+        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut vector);
+        Some(RankOne { scale: gas.stiffness, vector })
+    }
+
+    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let x = positions(at_);
+        let (_, gas) = self.state_at(at_, &x);
+        // x = ΠX + u: the mixed derivative at fixed pressure is P S Π
+        let mut nodal = vec![0.0; at_.u.len()];
+        self.wall.add_stiffness_vjp(at_.space, &x, lambda, gas.pressure, &mut nodal);
+        at_.space.add_to_vertices(&nodal, out);
+        if gas.stiffness == 0.0 {
+            return;
+        }
+        // and X changes the pressure through both volumes
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut gradient);
+        let along: f64 =
+            (0..at_.space.node_count()).map(|i| at(&gradient, i).dot(&at(lambda, i))).sum();
+        self.wall.add_volume_gradient(at_.space, &x, gas.stiffness * along, out);
+        let rest = at_.space.node_positions(at_.rest);
+        self.wall.add_volume_gradient(at_.space, &rest, -gas.pressure_by_rest * along, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of the ideal gas law from the design document, ambient 101.3 kPa.
+    #[test]
+    fn compressed_air_has_the_pressures_of_the_gas_law() {
+        let pressure = |exponent: f64, ratio: f64| {
+            GasLaw::Ideal { fill: 0.0, ambient: 101.3e3, exponent }
+                .at(ratio * 2e-5, 2e-5, 1.0)
+                .pressure
+        };
+        for (exponent, ratio, expected) in [
+            (1.0, 0.9, 11255.556),
+            (1.4, 0.9, 16100.496),
+            (1.0, 0.8, 25325.0),
+            (1.4, 0.8, 37146.973),
+        ] {
+            assert!((pressure(exponent, ratio) - expected).abs() < 1e-3, "{exponent} {ratio}");
+        }
+    }
+
+    #[test]
+    fn derivatives_of_the_potential_are_those_of_its_value() {
+        for exponent in [1.0, 1.4] {
+            let law = GasLaw::Ideal { fill: 3e4, ambient: 101.3e3, exponent };
+            let (v, rest, load) = (1.3, 0.9, 0.7);
+            let here = law.at(v, rest, load);
+            let h = 1e-5;
+            let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h);
+            let by_v = slope(&|e| law.at(v + e, rest, load).value);
+            let twice = slope(&|e| -law.at(v + e, rest, load).pressure);
+            let by_rest = slope(&|e| law.at(v, rest + e, load).pressure);
+            assert!((by_v + here.pressure).abs() < 1e-5 * here.pressure.abs());
+            assert!((twice - here.stiffness).abs() < 1e-8 * here.stiffness);
+            assert!((by_rest - here.pressure_by_rest).abs() < 1e-8 * here.pressure_by_rest);
+            assert!(law.at(-1e-3, rest, load).value.is_infinite());
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The wall of a chamber, and the volume behind it.
+//!
+//! V(x) = C(X) − ⅓ ∫_Γ x · (g₁ × g₂) dξ      g_α = ∂x/∂ξ_α
+//! ∂V/∂x_a = −∫ φ_a (g₁ × g₂) dξ
+//! ∂²V/∂x_a∂x_b = −S_ab,  S_ab = ∫ φ_a (−∂₁φ_b [g₂]ₓ + ∂₂φ_b [g₁]ₓ) dξ
+//!
+//! Facets are oriented out of the solid, so that g₁ × g₂ points into the
+//! chamber. An open wall is closed by caps, one for each loop of its rim: the
+//! cone from the mean of the loop's vertices, whose volume C depends on the rest
+//! shape only, since the rim does not move. S is symmetric when Γ is closed or
+//! its rim is fixed.
+//!
+//! Source: Rumpel and Schweizerhof 2003, doi:10.1002/nme.561; Niewiarowski,
+//! Adriaenssens and Pauletti 2020, doi:10.1016/j.cma.2020.113059.
+
+use mesh::Vec3;
+use mesh::topology::boundary_loops;
+
+use super::Iterate;
+use crate::element::{FunctionSpace, add_at, at};
+use crate::math::sparse::BlockMatrix;
+use crate::math::tensor::{Mat3, cross_matrix};
+
+/// Facets of the solid around a chamber, as node ids.
+pub struct Wall {
+    facets: Vec<Vec<usize>>,
+    /// Loops of the rim as vertex ids, in the direction of the facets' edges.
+    rim: Vec<Vec<usize>>,
+}
+
+/// Values of a facet at one quadrature point; the weight includes the ½ of the
+/// reference triangle's area.
+struct Point<'a> {
+    weight: f64,
+    values: &'a [f64],
+    gradients: &'a [[f64; 3]],
+    g1: Vec3,
+    g2: Vec3,
+}
+
+impl Point<'_> {
+    /// The matrix of ∂(g₁ × g₂)/∂x_b.
+    fn normal_by(&self, b: usize) -> Mat3 {
+        let [d1, d2, _] = self.gradients[b];
+        d2 * cross_matrix(&self.g1) - d1 * cross_matrix(&self.g2)
+    }
+}
+
+impl Wall {
+    /// A wall of boundary facets (vertex ids, oriented out of the solid).
+    #[must_use]
+    pub fn new(space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
+        Self {
+            facets: facets.iter().map(|&f| space.facet_nodes(f)).collect(),
+            rim: boundary_loops(facets),
+        }
+    }
+
+    /// Whether the wall encloses the chamber without caps.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.rim.is_empty()
+    }
+
+    /// Calls `f` with each facet's nodes, their positions and each point.
+    fn for_each_point(
+        &self,
+        space: &FunctionSpace,
+        x: &[Vec3],
+        mut f: impl FnMut(&[usize], &[Vec3], &Point),
+    ) {
+        let table = space.facet_table();
+        for nodes in &self.facets {
+            let x: Vec<Vec3> = nodes.iter().map(|&n| x[n]).collect();
+            for (q, weight) in table.weights.iter().enumerate() {
+                let gradients = &table.gradients[q];
+                let tangent =
+                    |k: usize| x.iter().zip(gradients).map(|(x, g)| x * g[k]).sum::<Vec3>();
+                let point = Point {
+                    weight: 0.5 * weight,
+                    values: &table.values[q],
+                    gradients,
+                    g1: tangent(0),
+                    g2: tangent(1),
+                };
+                f(nodes, &x, &point);
+            }
+        }
+    }
+
+    /// Calls `f` with each edge of the rim, the middle of its loop, and the
+    /// number of vertices of the loop.
+    fn for_each_rim_edge(&self, x: &[Vec3], mut f: impl FnMut(&[usize], [usize; 2], Vec3)) {
+        for rim in &self.rim {
+            let middle = rim.iter().map(|&v| x[v]).sum::<Vec3>() / rim.len() as f64;
+            for (i, &a) in rim.iter().enumerate() {
+                f(rim, [a, rim[(i + 1) % rim.len()]], middle);
+            }
+        }
+    }
+
+    /// Volume behind the wall and its caps at node positions `x` [m³].
+    #[must_use]
+    pub fn volume(&self, space: &FunctionSpace, x: &[Vec3]) -> f64 {
+        let mut volume = 0.0;
+        self.for_each_point(space, x, |_, x, p| {
+            let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
+            volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
+        });
+        self.for_each_rim_edge(x, |_, [a, b], c| volume += x[a].cross(&x[b]).dot(&c) / 6.0);
+        volume
+    }
+
+    /// Adds `scale` ∂V/∂x at the nodes, of the wall alone [m²]: minus the force
+    /// of a unit pressure on it.
+    pub fn add_wall_gradient(
+        &self,
+        space: &FunctionSpace,
+        x: &[Vec3],
+        scale: f64,
+        out: &mut [f64],
+    ) {
+        self.for_each_point(space, x, |nodes, _, p| {
+            let normal = -scale * p.weight * p.g1.cross(&p.g2);
+            for (node, v) in nodes.iter().zip(p.values) {
+                add_at(out, *node, &(normal * *v));
+            }
+        });
+    }
+
+    /// Adds `scale` ∂V/∂X of wall and caps, three components per vertex, where
+    /// `x` are positions whose rim has straight edges [m²].
+    pub fn add_volume_gradient(
+        &self,
+        space: &FunctionSpace,
+        x: &[Vec3],
+        scale: f64,
+        out: &mut [f64],
+    ) {
+        let mut nodal = vec![0.0; 3 * space.node_count()];
+        self.add_wall_gradient(space, x, scale, &mut nodal);
+        self.for_each_rim_edge(x, |rim, [a, b], c| {
+            // the cap's facet is (b, a, c), and moving c moves the loop's mean
+            let third = scale / 6.0 * (x[b] - x[a]).cross(&(c - x[a]));
+            add_at(&mut nodal, a, &third);
+            add_at(&mut nodal, b, &third);
+            for &v in rim {
+                add_at(&mut nodal, v, &(third / rim.len() as f64));
+            }
+        });
+        space.add_to_vertices(&nodal, out);
+    }
+
+    /// Adds `scale` S to the lower triangle.
+    pub fn add_stiffness(
+        &self,
+        space: &FunctionSpace,
+        x: &[Vec3],
+        scale: f64,
+        out: &mut BlockMatrix,
+    ) {
+        self.for_each_point(space, x, |nodes, _, p| {
+            for a in 0..nodes.len() {
+                for b in 0..nodes.len() {
+                    // S is symmetric once assembled, so its symmetric part is it
+                    let block =
+                        p.values[a] * p.normal_by(b) + p.values[b] * p.normal_by(a).transpose();
+                    out.add_lower(nodes[a], nodes[b], &(0.5 * scale * p.weight * block));
+                }
+            }
+        });
+    }
+
+    /// Adds `scale` λᵀ S at the nodes.
+    pub fn add_stiffness_vjp(
+        &self,
+        space: &FunctionSpace,
+        x: &[Vec3],
+        lambda: &[f64],
+        scale: f64,
+        out: &mut [f64],
+    ) {
+        self.for_each_point(space, x, |nodes, _, p| {
+            let l: Vec3 = nodes.iter().zip(p.values).map(|(n, v)| at(lambda, *n) * *v).sum();
+            for (b, node) in nodes.iter().enumerate() {
+                add_at(out, *node, &(scale * p.weight * (p.normal_by(b).transpose() * l)));
+            }
+        });
+    }
+}
+
+/// Node positions x = ΠX + u.
+pub fn positions(at_: &Iterate) -> Vec<Vec3> {
+    let mut x = at_.space.node_positions(at_.rest);
+    for (i, x) in x.iter_mut().enumerate() {
+        *x += at(at_.u, i);
+    }
+    x
+}

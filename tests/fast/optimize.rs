@@ -1,0 +1,132 @@
+//! `solver optimize` and `solver check` on a design problem of two levels.
+
+use serde_json::Value;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+fn optimized() -> (Workdir, Vec<Value>) {
+    let dir = chamber::workdir();
+    dir.solver("optimize design.toml -o out").assert_good();
+    let history = dir.text("out/history.jsonl");
+    let lines = history.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    (dir, lines)
+}
+
+/// Scripts rely on these keys; they are in the README.
+#[test]
+fn the_history_has_one_line_per_accepted_iteration() {
+    let (dir, lines) = optimized();
+    let place = |l: &Value| ["level", "handles", "iteration"].map(|k| l[k].as_u64().unwrap());
+    let expected: Vec<[u64; 3]> =
+        [(1, 1), (2, 3)].iter().flat_map(|&(l, h)| (0..4).map(move |i| [l, h, i])).collect();
+    assert_eq!(lines.iter().map(place).collect::<Vec<_>>(), expected);
+    for line in &lines {
+        for key in ["gradient_norm", "forward_s", "gradient_s"] {
+            assert!(number(&line[key]) > 0.0, "{key} in {line}");
+        }
+        let terms = line["terms"].as_object().unwrap();
+        assert_eq!(terms.keys().collect::<Vec<_>>(), ["clear", "smooth", "top", "wall"]);
+        let sum: f64 = terms.values().map(number).sum();
+        assert!((sum / number(&line["objective"]) - 1.0).abs() < 1e-14, "{line}");
+    }
+    for pair in lines.windows(2).filter(|pair| pair[0]["level"] == pair[1]["level"]) {
+        assert!(number(&pair[1]["objective"]) < number(&pair[0]["objective"]), "{pair:?}");
+    }
+    let report = dir.json("out/report.json");
+    assert_eq!(report["status"], "iteration_limit");
+    assert_eq!(report["objective_before"], lines[0]["objective"]);
+    assert_eq!(report["objective_after"], lines[7]["objective"]);
+    let fall = 1.0 - number(&lines[7]["objective"]) / number(&lines[0]["objective"]);
+    eprintln!("the objective fell by {:.1} %", 100.0 * fall);
+    // the target is within reach of handles on the cavity; this much in six steps
+    assert!(fall > 0.2, "{fall}");
+}
+
+/// The designed body is the old one with another cavity, and behaves as the
+/// history says.
+#[test]
+fn the_design_moves_the_cavity_and_nothing_else() {
+    let (dir, lines) = optimized();
+    let design = mesh::io::read_tets(&dir.path("out/design.msh")).unwrap();
+    let body = chamber::chamber();
+    assert_eq!(design.tags, body.tags);
+    assert_eq!(mesh::check::check_tets(&design.mesh).len(), 0);
+    let mut moves = vec![true; body.mesh.vertices.len()];
+    for tag in ["seat", "top", "skin"] {
+        body.facets(tag).unwrap().into_iter().flatten().for_each(|v| moves[v] = false);
+    }
+    let moved = |v: usize| (design.mesh.vertices[v] - body.mesh.vertices[v]).norm();
+    let cavity = body.facets("cavity").unwrap();
+    let largest = cavity.iter().flatten().map(|&v| moved(v)).fold(0.0, f64::max);
+    // the first step alone is a tenth of an edge of 10 to 17 mm
+    assert!(largest > 1e-3, "{largest}");
+    assert!((0..moves.len()).filter(|&v| !moves[v]).all(|v| moved(v) == 0.0));
+
+    dir.solver("simulate p1.toml --mesh out/design.msh -o again").assert_good();
+    let tags = dir.json("again/report.json")["tags"].clone();
+    for (tag, mean) in lines[7]["mean_displacement"].as_object().unwrap() {
+        let again = number(&tags[tag]["mean_displacement"]);
+        // both equilibria are sought to 1e-10 of the forces
+        assert!((again - number(mean)).abs() < 1e-8 * 1e-3, "{tag} {again} {mean}");
+    }
+}
+
+/// The slopes that `solver check` prints, two per direction.
+fn slopes(stdout: &str) -> Vec<[f64; 2]> {
+    let line = |l: &str| {
+        let mut words = l.strip_prefix("  slope ")?.split_whitespace();
+        let with = words.next()?.parse().ok()?;
+        let without = words.skip_while(|w| *w != "gradient").nth(1)?.parse().ok()?;
+        Some([with, without])
+    };
+    stdout.lines().filter_map(line).collect()
+}
+
+#[test]
+fn gradients_are_exact_at_the_start_and_at_the_design() {
+    let (dir, _) = optimized();
+    for (arguments, directions) in [
+        ("check design.toml", 2),
+        // three handles bend the objective more: steps shorter than a tenth of an edge
+        ("check design.toml --handles 3 --random 2 --motion 3e-4", 3),
+        ("check design.toml --handles 3 --mesh out/design.msh --random 2 --motion 3e-4", 3),
+    ] {
+        let run = dir.solver(arguments);
+        run.assert_good();
+        let slopes = slopes(&run.stdout);
+        assert_eq!(slopes.len(), directions, "{}", run.stdout);
+        // the slope without the gradient is 1 along it, and means little where the
+        // directional derivative is small
+        assert!((slopes[0][1] - 1.0).abs() < 0.1, "{}", run.stdout);
+        assert!(slopes.iter().all(|s| (s[0] - 2.0).abs() < 0.1), "{}", run.stdout);
+    }
+}
+
+/// The user should not have to find the lengths of the steps.
+#[test]
+fn the_check_finds_steps_that_are_short_enough() {
+    let dir = chamber::workdir();
+    dir.solver("check design.toml --handles 3 --random 2").assert_good();
+}
+
+/// The same with quadratic elements, whose middle nodes move with the vertices.
+#[test]
+fn gradients_are_exact_with_quadratic_elements() {
+    let dir = chamber::workdir();
+    dir.write("design.toml", &dir.text("design.toml").replace("p1.toml", "sim.toml"));
+    let run = dir.solver("check design.toml --steps 4");
+    run.assert_good();
+    assert_eq!(slopes(&run.stdout).len(), 2);
+}
+
+#[test]
+fn nothing_to_gain_is_no_result() {
+    let dir = chamber::workdir();
+    dir.write("design.toml", &dir.text("design.toml").replace("iterations = 3", "iterations = 0"));
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_refused(1, &["design.toml", "no step lowered the objective", "report.json"]);
+}

@@ -1,0 +1,197 @@
+//! An optimisation that is killed, or whose disk fills up, ends as one that is not.
+
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use solver::math::random::Random;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+pub const COMMAND: &str = "--threads 2 -q optimize design.toml -o out";
+
+/// What must be the same: the bytes of design.msh, and history.jsonl without times.
+pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
+    let history = dir.text("out/history.jsonl");
+    let line = |line: &str| {
+        let mut line: Value = serde_json::from_str(line).unwrap();
+        for time in ["forward_s", "gradient_s"] {
+            assert!(line.as_object_mut().unwrap().remove(time).is_some());
+        }
+        line
+    };
+    let design = std::fs::read(dir.path("out/design.msh")).unwrap();
+    (design, history.lines().map(line).collect())
+}
+
+/// A finished run that nothing disturbed.
+pub fn undisturbed() -> Workdir {
+    let dir = chamber::workdir();
+    dir.solver(COMMAND).assert_good();
+    dir
+}
+
+pub fn assert_same(dir: &Workdir, expected: &(Vec<u8>, Vec<Value>)) {
+    let (design, history) = results(dir);
+    assert_eq!(history.len(), expected.1.len(), "lines of history");
+    for (line, expected) in history.iter().zip(&expected.1) {
+        assert_eq!(line, expected);
+    }
+    assert!(design == expected.0, "design.msh differs");
+}
+
+fn start(dir: &Workdir) -> Child {
+    let mut command = dir.command(COMMAND);
+    command.stderr(Stdio::null()).spawn().unwrap()
+}
+
+/// Starts the program and kills it (SIGKILL) as soon as `now` says so; false
+/// when it was finished before.
+fn killed(dir: &Workdir, mut now: impl FnMut() -> bool) -> bool {
+    let mut child = start(dir);
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(status.success(), "{status}");
+            return false;
+        }
+        if now() {
+            child.kill().unwrap();
+            return !child.wait().unwrap().success();
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+/// Kills the program whenever it has written a checkpoint, until it finishes,
+/// and returns how often that was.
+fn kill_after_every_checkpoint(dir: &Workdir) -> usize {
+    let path = dir.path("out/checkpoint.json");
+    let mut kills = 0;
+    loop {
+        let before = std::fs::read(&path).ok();
+        if !killed(dir, || std::fs::read(&path).ok() != before) {
+            return kills;
+        }
+        kills += 1;
+        assert!(kills < 50, "no progress");
+    }
+}
+
+#[test]
+fn killed_after_every_checkpoint() {
+    let expected = results(&undisturbed());
+    let dir = chamber::workdir();
+    let kills = kill_after_every_checkpoint(&dir);
+    eprintln!("{kills} kills");
+    // two levels begin, eight states are accepted; the last kill may come too late
+    assert!(kills >= 8, "{kills}");
+    assert_same(&dir, &expected);
+}
+
+/// A folder in which every level ends after its first step.
+fn stagnating() -> Workdir {
+    let dir = chamber::workdir();
+    let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
+    dir.write("design.toml", &design);
+    dir
+}
+
+#[test]
+fn levels_that_stagnate_end_there_in_spite_of_kills() {
+    let dir = stagnating();
+    dir.solver(COMMAND).assert_good();
+    let expected = results(&dir);
+    assert_eq!(expected.1.len(), 4, "one step per level");
+    for _ in 0..3 {
+        let dir = stagnating();
+        assert!(kill_after_every_checkpoint(&dir) >= 4);
+        assert_same(&dir, &expected);
+    }
+}
+
+#[test]
+fn killed_at_random_times() {
+    let clock = Instant::now();
+    let expected = results(&undisturbed());
+    let whole = clock.elapsed().as_secs_f64();
+    let mut random = Random::new(23);
+    let (mut kills, mut folders) = (0, 0);
+    // a run may be over before its kill; then another folder is next
+    while kills < 6 {
+        folders += 1;
+        assert!(folders < 10, "only {kills} kills");
+        let dir = chamber::workdir();
+        loop {
+            let delay = Duration::from_secs_f64(whole * 0.1 * (1.0 + random.uniform()));
+            let clock = Instant::now();
+            if kills > 20 || !killed(&dir, || clock.elapsed() > delay) {
+                break;
+            }
+            kills += 1;
+        }
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
+    eprintln!("{kills} kills in {folders} folders, of runs of {whole:.2} s");
+}
+
+/// A level that ended early before the kill is still in the report.
+#[test]
+fn the_report_does_not_depend_on_kills() {
+    let dir = stagnating();
+    dir.solver(COMMAND).assert_good();
+    let stopped = dir.json("out/report.json")["stopped"].clone();
+    assert_eq!(stopped.as_array().unwrap().len(), 2, "{stopped}");
+    dir.solver(COMMAND).assert_good();
+    assert_eq!(dir.json("out/report.json")["stopped"], stopped);
+}
+
+#[test]
+fn finished_before() {
+    let dir = undisturbed();
+    let expected = results(&dir);
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &expected);
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+    assert_same(&dir, &expected);
+}
+
+/// A limit on the size of files stands for a full disk [KiB].
+#[test]
+fn a_full_disk_and_then_room() {
+    let expected = results(&undisturbed());
+    let mut unwritten = Vec::new();
+    for limit in [1, 19, 20] {
+        let dir = chamber::workdir();
+        let run = dir.solver_on_small_disk(limit, COMMAND);
+        run.assert_refused(2, &["out/", "too large"]);
+        let files = dir.files("out");
+        assert!(!files.iter().any(|f| f.starts_with(".incomplete")), "{files:?}");
+        assert!(!files.contains(&"report.json".to_owned()), "{files:?}");
+        let file = run.stderr.split(['/', ':']).nth(2).unwrap_or_default().to_owned();
+        unwritten.push(file);
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
+    assert_eq!(unwritten, ["level-1.msh", "level-2.msh", "result.vtu"]);
+}
+
+/// The history is the one file that grows in place.
+#[test]
+fn half_a_line_of_history_is_dropped() {
+    let dir = unfinished();
+    let mut history = dir.text("out/history.jsonl");
+    history.push_str("{\"level\":1,\"hand");
+    dir.write("out/history.jsonl", &history);
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &results(&undisturbed()));
+}
+
+/// A folder with an optimisation that was killed after two accepted states.
+pub fn unfinished() -> Workdir {
+    let dir = chamber::workdir();
+    let history = dir.path("out/history.jsonl");
+    let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
+    assert!(killed(&dir, || lines() > 1), "over before it was killed");
+    dir
+}

@@ -1,0 +1,169 @@
+//! `solver simulate` as its user sees it, on scenes that are sound.
+
+use std::process::Command;
+
+use mesh::io::npy;
+use serde_json::Value;
+use tests::chamber::{self, MOUTH, PRESSURE};
+use tests::workdir::{Workdir, python};
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+fn vector(value: &Value) -> [f64; 3] {
+    [0, 1, 2].map(|k| number(&value[k]))
+}
+
+/// A folder with the results of `scene` in `out`.
+fn simulated(scene: &str) -> (Workdir, Value) {
+    let dir = chamber::workdir();
+    dir.solver(&format!("simulate {scene} -o out")).assert_good();
+    let report = dir.json("out/report.json");
+    (dir, report)
+}
+
+/// Scripts rely on these keys; they are in the README.
+#[test]
+fn the_report_has_what_is_documented() {
+    for (scene, dofs) in [("p1.toml", 438), ("sim.toml", 2457)] {
+        let (dir, report) = simulated(scene);
+        assert_eq!(report["status"], "ok");
+        // 146 vertices; 819 nodes with those on edges
+        assert_eq!((&report["dofs"], &report["tets"]), (&dofs.into(), &384.into()));
+        for key in ["newton_iterations", "wall_s", "peak_rss_mb"] {
+            assert!(number(&report[key]) > 0.0, "{key} = {}", report[key]);
+        }
+        for key in ["elastic", "pressure", "total"] {
+            assert!(number(&report["energies"][key]) != 0.0, "energies.{key}");
+        }
+        assert_eq!(report["tags"].as_object().unwrap().len(), 4);
+        for (tag, area) in [("seat", 12e-4), ("cavity", 36e-4), ("top", 20e-4), ("skin", 76e-4)] {
+            let found = &report["tags"][tag];
+            assert!((number(&found["area"]) / area - 1.0).abs() < 1e-12, "{tag} {found}");
+            let (mean, max) = (number(&found["mean_displacement"]), &found["max_displacement"]);
+            // fixed means exactly fixed, and everything else moves
+            assert!(if tag == "seat" { number(max) == 0.0 } else { 0.0 < mean }, "{tag} {found}");
+            assert!(mean <= number(max), "{tag} {found}");
+            vector(&found["reaction"]);
+        }
+        let wall = &report["walls"]["cavity"];
+        assert_eq!(number(&wall["pressure"]), PRESSURE);
+        assert!(number(&wall["volume"]) > number(&wall["volume_rest"]), "{wall}");
+        let mut expected = vec!["displacement.npy", "nodes.npy", "report.json"];
+        expected.extend(["result.pvd", "result.vtu"]);
+        let steps = report["steps"].as_array().unwrap().len();
+        let steps: Vec<String> = (0..steps).map(|i| format!("step_{i:03}.vtu")).collect();
+        expected.extend(steps.iter().map(String::as_str));
+        assert_eq!(dir.files("out"), expected);
+    }
+}
+
+/// The rim of the mouth cannot move, so whatever the wall does the gas pushes
+/// with the pressure times the area of the mouth, and only the seat holds it.
+#[test]
+fn reactions_balance_the_gas() {
+    let (_dir, report) = simulated("sim.toml");
+    let force = PRESSURE * MOUTH * MOUTH;
+    // equilibrium is sought to 1e-10 of the forces
+    let near = |found: &Value, expected: [f64; 3]| {
+        let differs = vector(found).iter().zip(expected).any(|(f, e)| (f - e).abs() > 1e-9 * force);
+        assert!(!differs, "{found} is not {expected:?}");
+    };
+    near(&report["force_balance"]["pressure"], [force, 0.0, 0.0]);
+    near(&report["tags"]["seat"]["reaction"], [-force, 0.0, 0.0]);
+    assert!(number(&report["force_balance"]["out_of_balance"]) < 1e-9 * force);
+    // work of the gas by the trapezoidal rule over three load steps
+    assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.01);
+    let energies = &report["energies"];
+    let sum = number(&energies["elastic"]) + number(&energies["pressure"]);
+    assert!((sum - number(&energies["total"])).abs() < 1e-15);
+    // −P ΔV is the potential of the gas
+    let wall = &report["walls"]["cavity"];
+    let swelling = number(&wall["volume"]) - number(&wall["volume_rest"]);
+    let gap = number(&energies["pressure"]) / (-PRESSURE * swelling) - 1.0;
+    assert!(gap.abs() < 1e-9, "{gap}");
+}
+
+#[test]
+fn arrays_hold_the_state_of_the_report() {
+    let (dir, report) = simulated("sim.toml");
+    let (nodes, shape) = npy::read_f64(&dir.path("out/nodes.npy")).unwrap();
+    assert_eq!(shape, [819, 3]);
+    // vertices come first, with the bits of the mesh
+    let body = chamber::chamber();
+    for (v, position) in body.mesh.vertices.iter().enumerate() {
+        assert_eq!(nodes[3 * v..3 * v + 3], position.as_slice()[..]);
+    }
+    let (u, shape) = npy::read_f64(&dir.path("out/displacement.npy")).unwrap();
+    assert_eq!(shape, [819, 3]);
+    let largest = u.chunks(3).map(|u| u.iter().map(|c| c * c).sum::<f64>().sqrt());
+    let largest = largest.fold(0.0, f64::max);
+    let tags = report["tags"].as_object().unwrap();
+    let told = tags.values().map(|t| number(&t["max_displacement"])).fold(0.0, f64::max);
+    assert!((largest / told - 1.0).abs() < 1e-14, "{largest} {told}");
+}
+
+/// Another program reads the same state from the picture file.
+#[test]
+fn meshio_reads_the_result() {
+    const READ: &str = "
+import sys, meshio, numpy
+folder, kind = sys.argv[1:]
+mesh = meshio.read(folder + '/result.vtu')
+assert [(c.type, len(c.data)) for c in mesh.cells] == [(kind, 384)], mesh
+[u] = [u for name, u in mesh.point_data.items() if name.split(' [')[0] == 'displacement']
+assert numpy.array_equal(u, numpy.load(folder + '/displacement.npy'))
+assert numpy.array_equal(mesh.points, numpy.load(folder + '/nodes.npy'))
+# middle nodes in the order of VTK
+tet = mesh.points[mesh.cells[0].data]
+pairs = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)][: tet.shape[1] - 4]
+for node, (a, b) in enumerate(pairs, 4):
+    assert numpy.allclose(tet[:, node], (tet[:, a] + tet[:, b]) / 2, atol=1e-15)
+";
+    let Some(python) = python("meshio, numpy") else { return };
+    for (scene, kind) in [("p1.toml", "tetra"), ("sim.toml", "tetra10")] {
+        let (dir, _) = simulated(scene);
+        let output = Command::new(&python)
+            .args(["-c", READ])
+            .arg(dir.path("out"))
+            .arg(kind)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// Scripts look for `displacement`, without a unit.
+#[test]
+fn the_point_field_is_called_displacement() {
+    let (dir, _) = simulated("p1.toml");
+    let bytes = std::fs::read(dir.path("out/result.vtu")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes).contains("Name=\"displacement\""));
+}
+
+#[test]
+fn options_change_what_is_written() {
+    let dir = chamber::workdir();
+    dir.solver("simulate p1.toml -o out -q").assert_good();
+    let all = dir.files("out").len();
+    // a second run replaces the files of the first
+    let run = dir.solver("--threads 1 simulate p1.toml -o out --final-only -q");
+    run.assert_good();
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    let files = dir.files("out");
+    assert!(files.len() < all && !files.iter().any(|f| f.starts_with("step_")), "{files:?}");
+    assert!(!files.contains(&"result.pvd".to_owned()));
+    // another mesh in place of the scene's, and a folder that is made with its parents
+    std::fs::rename(dir.path("body.msh"), dir.path("other.msh")).unwrap();
+    dir.solver("simulate p1.toml --mesh other.msh -o deep/out").assert_good();
+    assert_eq!(dir.json("deep/out/report.json")["status"], "ok");
+}
+
+/// rayon takes no threads for all threads; so do we.
+#[test]
+fn zero_threads_are_all_threads() {
+    let dir = chamber::workdir();
+    dir.solver("--threads 0 simulate p1.toml -o out").assert_good();
+    dir.solver("--threads two simulate p1.toml -o out").assert_refused(2, &["two", "--threads"]);
+}

@@ -1,0 +1,91 @@
+//! `solver optimize` in a folder that holds something else, or not all.
+
+use tests::workdir::Workdir;
+
+use crate::resume::{COMMAND, assert_same, results, undisturbed, unfinished};
+
+/// Changes one byte or number of every input in turn.
+fn with_other_inputs(dir: &Workdir, mut then: impl FnMut(&str)) {
+    for (file, from, to) in [
+        ("design.toml", "weight = 1e10", "weight = 2e10"),
+        ("p1.toml", "8e3", "7e3"),
+        ("body.msh", "\n1 0.0 0.0 0.0\n", "\n1 0.0 0.0 1e-9\n"),
+    ] {
+        let sound = dir.text(file);
+        assert!(sound.contains(from), "{file}");
+        dir.write(file, &sound.replacen(from, to, 1));
+        then(file);
+        dir.write(file, &sound);
+    }
+    let mut target = std::fs::read(dir.path("target.stl")).unwrap();
+    target[0] ^= 1; // the comment at the start
+    std::fs::write(dir.path("target.stl"), target).unwrap();
+    then("target.stl");
+}
+
+#[test]
+fn unfinished_work_on_other_inputs_is_not_thrown_away() {
+    let dir = unfinished();
+    let words = ["out/checkpoint.json", "another problem", "--restart"];
+    with_other_inputs(&dir, |_| dir.solver(COMMAND).assert_refused(2, &words));
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+    // the comment of the target is all that differs
+    assert_same(&dir, &results(&undisturbed()));
+}
+
+#[test]
+fn a_finished_folder_is_used_again_for_other_inputs() {
+    let dir = undisturbed();
+    let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["inputs"].clone();
+    let mut before = inputs(&dir);
+    with_other_inputs(&dir, |file| {
+        dir.solver(COMMAND).assert_good();
+        let now = inputs(&dir);
+        assert_ne!(std::mem::replace(&mut before, now.clone()), now, "{file}");
+        assert_eq!(results(&dir).1.len(), 8, "{file}");
+    });
+}
+
+#[test]
+fn a_spoiled_folder_is_refused() {
+    let dir = undisturbed();
+    let checkpoint = dir.text("out/checkpoint.json");
+    for spoiled in ["", "{", &checkpoint[..checkpoint.len() / 2], "[1, 2]", "{\"inputs\": 3}"] {
+        dir.write("out/checkpoint.json", spoiled);
+        dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "column"]);
+    }
+    dir.write("out/checkpoint.json", &checkpoint);
+    dir.write("out/level-2.msh", "");
+    dir.solver(COMMAND).assert_refused(2, &["out/level-2.msh"]);
+}
+
+/// Valid JSON with numbers that do not belong to the level.
+#[test]
+fn a_checkpoint_of_another_size_is_refused() {
+    let dir = undisturbed();
+    let mut checkpoint = dir.json("out/checkpoint.json");
+    checkpoint["theta"].as_array_mut().unwrap().pop();
+    dir.write("out/checkpoint.json", &checkpoint.to_string());
+    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json"]);
+}
+
+/// History without a checkpoint says nothing about where to go on.
+#[test]
+fn without_a_checkpoint_all_begins_anew() {
+    let dir = undisturbed();
+    let expected = results(&dir);
+    std::fs::remove_file(dir.path("out/checkpoint.json")).unwrap();
+    dir.solver(COMMAND).assert_good();
+    assert_same(&dir, &expected);
+}
+
+#[test]
+fn a_history_that_is_too_short_is_refused() {
+    for kept in [0, 1] {
+        let dir = undisturbed();
+        let history = dir.text("out/history.jsonl");
+        let lines: String = history.lines().take(kept).flat_map(|l| [l, "\n"]).collect();
+        dir.write("out/history.jsonl", &lines);
+        dir.solver(COMMAND).assert_refused(2, &["out/history.jsonl", "8"]);
+    }
+}

@@ -1,0 +1,104 @@
+//! The number of threads changes no bit of what is assembled, and hardly
+//! anything of what is solved.
+
+use mesh::Vec3;
+use solver::config::DesignConfig;
+use solver::energy::Hessian;
+use solver::math::random::Random;
+use solver::objective::Equilibrium;
+use solver::scene::{ObjectiveBuilder, Scene};
+use tests::chamber;
+use tests::workdir::Workdir;
+
+fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(work)
+}
+
+/// Energy, forces, tangent, and every objective with its derivatives at a state
+/// that is no equilibrium, as bits.
+fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
+    let scene = Scene::read(&dir.path(scene), None).unwrap();
+    let mut system = scene.system(&scene.body).unwrap();
+    let mut random = Random::new(5);
+    let rest: Vec<Vec3> =
+        scene.body.mesh.vertices.iter().map(|x| x + 2e-4 * random.vector()).collect();
+    let u: Vec<f64> = random.numbers(system.len()).iter().map(|u| 1e-4 * u).collect();
+    let mut found = vec![
+        ("energy".to_owned(), vec![system.value(&rest, &u, 1.0)]),
+        ("gradient".to_owned(), system.gradient(&rest, &u, 1.0).0),
+        ("hessian".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Exact).lower),
+        ("projected".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Projected).lower),
+    ];
+    let mut mixed = vec![0.0; 3 * rest.len()];
+    for energy in &system.energies {
+        energy.add_mixed_vjp(&system.iterate(&rest, &u, 1.0), &u, &mut mixed);
+    }
+    found.push(("mixed".to_owned(), mixed));
+    let path = dir.path("design.toml");
+    let design: DesignConfig = mesh::io::read_toml(&path).unwrap();
+    let builder = ObjectiveBuilder::new(&path, &design.objective).unwrap();
+    let at = Equilibrium { space: &system.space, rest: &rest, u: &u };
+    for term in builder.build(&scene.body, &system.space).unwrap() {
+        let (mut du, mut drest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
+        let value = term.objective.value(&at);
+        term.objective.add_du(&at, term.weight, &mut du);
+        term.objective.add_drest(&at, term.weight, &mut drest);
+        let name = term.objective.name().to_owned();
+        found.push((name, [vec![value], du, drest].concat()));
+    }
+    let bits = |numbers: Vec<f64>| numbers.into_iter().map(f64::to_bits).collect();
+    found.into_iter().map(|(name, numbers)| (name, bits(numbers))).collect()
+}
+
+#[test]
+fn assembly_and_objectives_are_the_same_bit_for_bit() {
+    let dir = chamber::workdir();
+    for scene in ["p1.toml", "sim.toml"] {
+        let one = with_threads(1, || assembled(&dir, scene));
+        assert_eq!(one.len(), 9);
+        let zero = |bits: &[u64]| bits.iter().all(|&b| f64::from_bits(b) == 0.0);
+        for (name, bits) in &one {
+            // no surfaces are closer than the activation distance of "clear"
+            assert_eq!(zero(bits), name == "clear", "{name}");
+        }
+        for threads in [2, 7] {
+            assert!(with_threads(threads, || assembled(&dir, scene)) == one, "{threads} threads");
+        }
+    }
+}
+
+/// The factorisation may differ in its last digits.
+#[test]
+fn a_simulation_is_the_same_to_its_tolerance() {
+    let dir = chamber::workdir();
+    let run = |threads: usize| {
+        dir.solver(&format!("--threads {threads} simulate sim.toml -o t{threads}")).assert_good();
+        mesh::io::npy::read_f64(&dir.path(&format!("t{threads}/displacement.npy"))).unwrap().0
+    };
+    let (one, two) = (run(1), run(2));
+    let largest = one.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let gap = one.iter().zip(&two).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    eprintln!("1 and 2 threads differ by {:.1e} of the largest displacement", gap / largest);
+    assert!(gap < 1e-9 * largest, "{gap} {largest}");
+}
+
+#[test]
+fn an_optimisation_takes_the_same_way() {
+    let dir = chamber::workdir();
+    let run = |threads: usize| -> Vec<f64> {
+        let command = format!("--threads {threads} optimize design.toml -o t{threads}");
+        dir.solver(&command).assert_good();
+        let history = dir.text(&format!("t{threads}/history.jsonl"));
+        let objective = |line: &str| {
+            serde_json::from_str::<serde_json::Value>(line).unwrap()["objective"].as_f64().unwrap()
+        };
+        history.lines().map(objective).collect()
+    };
+    let (one, two) = (run(1), run(2));
+    assert_eq!(one.len(), two.len());
+    // six steps amplify the last digits of the equilibria
+    for (a, b) in one.iter().zip(&two) {
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    }
+}

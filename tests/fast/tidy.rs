@@ -1,0 +1,238 @@
+//! The invariants of the architecture that a machine can check.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tests::workdir::repository;
+
+/// Longest source file [lines].
+const LONGEST: usize = 500;
+
+/// All files below a folder with an extension, built ones left out.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap().flatten() {
+            let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+            if path.is_dir() && !path.is_symlink() {
+                let ours = !name.starts_with('.') && name != "target" && name != "build";
+                folders.extend(ours.then_some(path));
+            } else if path.extension().is_some_and(|e| e == extension) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "no .{extension} in {}", folder.display());
+    found
+}
+
+/// A file's text before its tests, and its tests: what follows `#[cfg(test)]`,
+/// unless that names a file (`mod tests;`).
+fn before_tests(text: &str) -> (String, &str) {
+    let mut before = String::new();
+    let mut rest = text;
+    while let Some((code, tests)) = rest.split_once("#[cfg(test)]") {
+        before += code;
+        match tests.find([';', '{']) {
+            Some(end) if tests[end..].starts_with(';') => rest = &tests[end + 1..],
+            _ => return (before, tests),
+        }
+    }
+    (before + rest, "")
+}
+
+/// The code of a file without comments and tests.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).unwrap();
+    let without = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
+    before_tests(&text).0.lines().map(without).collect()
+}
+
+/// Files that have `word` in their code, relative to the repository.
+fn naming(word: &str, files: &[PathBuf]) -> BTreeSet<String> {
+    let top = repository();
+    let relative = |p: &PathBuf| p.strip_prefix(&top).unwrap().to_string_lossy().into_owned();
+    files.iter().filter(|path| code(path).contains(word)).map(relative).collect()
+}
+
+/// Sources of the programs and libraries, without tests.
+fn sources() -> Vec<PathBuf> {
+    let top = repository();
+    let folders = ["cad2fem/src", "cad2fem/mesh/src", "tagger/src", "solver/src", "fab/src"];
+    let all = folders.iter().flat_map(|folder| files(&top.join(folder), "rs"));
+    all.filter(|path| !path.ends_with("tests.rs")).collect()
+}
+
+/// Modules of the crate that a file uses: `crate::name`, `crate::{a, b::c}`.
+fn used(code: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for rest in code.split("crate::").skip(1) {
+        let word = |s: &str| {
+            s.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
+        };
+        let Some(list) = rest.strip_prefix('{') else {
+            found.push(word(rest));
+            continue;
+        };
+        let mut depth = 0;
+        let mut parts = vec![String::new()];
+        for c in list.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => parts.push(String::new()),
+                _ => parts.last_mut().expect("never empty").push(c),
+            }
+        }
+        found.extend(parts.iter().map(|p| word(p)).filter(|w| !w.is_empty()));
+    }
+    found
+}
+
+#[test]
+fn names_are_found_in_every_way_of_use() {
+    let code = "use crate::{a, b::{c, d}};\nuse crate::e::F;\nlet x = crate::g(&crate::h::I);\npub(crate) i: J";
+    assert_eq!(used(code), ["a", "b", "e", "g", "h"]);
+}
+
+/// What follows `#[cfg(test)]` escapes the checks here, so only tests may.
+#[test]
+fn tests_stand_at_the_end_of_their_files() {
+    let mut wrong = Vec::new();
+    for path in sources() {
+        let text = fs::read_to_string(&path).unwrap();
+        let (_, tests) = before_tests(&text);
+        let code = ["pub ", "fn ", "use ", "impl", "struct ", "enum ", "const ", "static "];
+        let escapes = |l: &&str| code.iter().any(|c| l.starts_with(c));
+        wrong.extend(tests.lines().find(escapes).map(|l| format!("{}: {l}", path.display())));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn solver_modules_use_only_those_before_them() {
+    let source = repository().join("solver/src");
+    let root = code(&source.join("lib.rs"));
+    let declared: Vec<&str> =
+        root.lines().filter_map(|l| l.trim().strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    assert!(declared.len() > 10, "{declared:?}");
+    // rustfmt may sort what it should not
+    assert!(!declared.is_sorted());
+    let mut wrong = Vec::new();
+    for (level, module) in declared.iter().enumerate() {
+        let folder = source.join(module);
+        let paths = if folder.is_dir() {
+            files(&folder, "rs")
+        } else {
+            vec![source.join(module).with_extension("rs")]
+        };
+        for path in paths {
+            for name in used(&code(&path)) {
+                if !declared[..=level].contains(&name.as_str()) {
+                    wrong.push(format!("{} uses {name}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn stages_meet_only_in_files() {
+    let stages = ["cad2fem", "tagger", "solver", "fab"];
+    for (package, allowed) in
+        stages.iter().map(|s| (*s, &["mesh"][..])).chain([("cad2fem/mesh", &[][..])])
+    {
+        let path = repository().join(package).join("Cargo.toml");
+        let manifest: toml::Table = fs::read_to_string(&path).unwrap().parse().unwrap();
+        let mut names = BTreeSet::new();
+        for (section, table) in &manifest {
+            assert!(section != "target", "{package}: look into [target] tables, too");
+            if section.ends_with("dependencies") {
+                for (key, value) in table.as_table().unwrap() {
+                    let renamed = value.get("package").and_then(|v| v.as_str());
+                    names.insert(renamed.unwrap_or(key).to_owned());
+                }
+            }
+        }
+        assert!(names.contains("anyhow"), "{package}: {names:?}");
+        for ours in stages.iter().chain(&["mesh", "tests"]) {
+            let uses = names.contains(*ours);
+            assert!(!uses || allowed.contains(ours), "{package} depends on {ours}");
+        }
+    }
+}
+
+#[test]
+fn files_have_telling_names_and_are_read_in_one_sitting() {
+    let mut wrong = Vec::new();
+    for path in files(&repository(), "rs") {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let folder = path.parent().unwrap().file_name().unwrap().to_string_lossy().into_owned();
+        for vague in ["utils", "util", "common", "helpers", "helper", "misc"] {
+            if name == vague || folder == vague {
+                wrong.push(format!("{}: says nothing", path.display()));
+            }
+        }
+        let lines = fs::read_to_string(&path).unwrap().lines().count();
+        if lines > LONGEST {
+            wrong.push(format!("{}: {lines} lines", path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn outside_programs_and_libraries_are_called_in_one_place() {
+    let sources = sources();
+    let one = |path: &str| BTreeSet::from([path.to_owned()]);
+    assert_eq!(naming("faer", &sources), one("solver/src/math/linear.rs"));
+    assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
+    let programs = naming("Command::new", &sources);
+    assert!(!programs.is_empty());
+    assert!(programs.iter().all(|p| p.starts_with("cad2fem/src/mesher/")), "{programs:?}");
+}
+
+/// Goals are named by one word; files that rules make are not goals.
+#[test]
+fn make_help_lists_every_goal_with_one_line() {
+    let makefile = fs::read_to_string(repository().join("Makefile")).unwrap();
+    let phony: BTreeSet<String> = {
+        let database = make(&["--print-data-base", "--question", "help"]);
+        let line = database.lines().find_map(|l| l.strip_prefix(".PHONY: "));
+        line.expect("goals are phony").split_whitespace().map(str::to_owned).collect()
+    };
+    let written = |line: &str| {
+        let (name, _) = line.split_once(':')?;
+        let word = !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+        word.then(|| name.to_owned())
+    };
+    let goals: BTreeSet<String> = makefile.lines().filter_map(written).collect();
+    assert_eq!(goals, phony);
+    let help = make(&["help"]);
+    let listed: Vec<String> = help
+        .lines()
+        .map(|line| {
+            let mut words = line.split_whitespace();
+            assert_eq!(words.next(), Some("make"), "{line}");
+            let goal = words.next().unwrap_or_default().to_owned();
+            assert!(words.next().is_some(), "{goal} is not explained");
+            goal
+        })
+        .collect();
+    assert_eq!(listed.len(), goals.len(), "{help}");
+    assert_eq!(listed.into_iter().collect::<BTreeSet<_>>(), goals);
+}
+
+fn make(arguments: &[&str]) -> String {
+    let mut command = Command::new("make");
+    // a make that runs these tests must not hand its own flags down
+    command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL");
+    let output = command.args(arguments).current_dir(repository()).output().unwrap();
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}

@@ -1,0 +1,134 @@
+//! A block with an air chamber that is open at its fixed end: the body, scene
+//! and design problem of most tests.
+
+use mesh::io::{write_surface, write_tets};
+use mesh::{SurfaceMesh, Vec3};
+use solver::body::Body;
+
+use crate::workdir::Workdir;
+use crate::{block, tag};
+
+/// Side of the mouth of the chamber [m]; it is a square.
+pub const MOUTH: f64 = 0.02;
+
+/// Gas pressure of the scene [Pa].
+pub const PRESSURE: f64 = 8e3;
+
+/// A scene on the chamber with quadratic elements.
+pub const SIM: &str = r#"
+mesh = "body.msh"
+degree = 2
+
+[material]
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+
+[[fixed]]
+on = "seat"
+
+[[pressure]]
+on = "cavity"
+pressure = 8e3
+"#;
+
+/// The top should bulge up to a plane above it; all kinds of terms take part.
+pub const DESIGN: &str = r#"
+scene = "sim.toml"
+
+[shape]
+on = "cavity"
+first_step = 0.1
+
+[[shape.level]]
+handles = 1
+iterations = 3
+
+[[shape.level]]
+handles = 3
+iterations = 3
+
+[[objective]]
+kind = "target"
+name = "top"
+weight = 1e10
+on = "top"
+target = "target.stl"
+spacing = 2e-3
+
+[[objective]]
+kind = "wall-thickness"
+name = "wall"
+weight = 1e5
+on = "cavity"
+against = ["top", "skin"]
+minimum = 2e-3
+activation = 9e-3
+
+[[objective]]
+kind = "smoothness"
+name = "smooth"
+weight = 1e-3
+on = "cavity"
+
+[[objective]]
+kind = "clearance"
+name = "clear"
+weight = 1.0
+activation = 5e-5
+"#;
+
+/// 50 × 40 × 40 mm with a chamber of 40 × 20 × 20 mm that opens to x = 0, of 384
+/// tetrahedra. Tags: `seat` around the mouth, `cavity`, `top`, and `skin` for
+/// the rest.
+#[must_use]
+pub fn chamber() -> Body {
+    let middle = |i: usize| i == 1 || i == 2;
+    let mesh = block([5, 4, 4], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
+    let inner = |x: f64| x > 0.009 && x < 0.031;
+    tag(
+        mesh,
+        &[
+            ("seat", &|p| p.x < 1e-6),
+            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+            ("top", &|p| p.z > 0.04 - 1e-6),
+            ("skin", &|_| true),
+        ],
+    )
+}
+
+/// A folder with `body.msh`, `sim.toml`, `design.toml` and `target.stl`. The
+/// designs are made with linear elements, which are fast.
+///
+/// # Panics
+/// When the folder cannot be written.
+#[must_use]
+pub fn workdir() -> Workdir {
+    let dir = Workdir::new();
+    let body = chamber();
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).expect("a sound body");
+    dir.write("sim.toml", SIM);
+    dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
+    dir.write("design.toml", &DESIGN.replace("sim.toml", "p1.toml"));
+    write_surface(&dir.path("target.stl"), &raised_plane()).expect("a sound surface");
+    dir
+}
+
+/// A scene with a pressure that no wall holds, and settings that give up soon.
+#[must_use]
+pub fn beyond_any_equilibrium(scene: &str) -> String {
+    let soon = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 8\n\n[material]";
+    scene.replace("8e3", "1e8").replace("[material]", soon)
+}
+
+/// Two triangles half a millimetre above the top of the chamber and larger than it.
+fn raised_plane() -> SurfaceMesh {
+    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0405);
+    let (low, high) = (-0.02, 0.07);
+    SurfaceMesh {
+        vertices: vec![corner(low, low), corner(high, low), corner(high, high), corner(low, high)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}

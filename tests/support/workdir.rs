@@ -1,0 +1,189 @@
+//! A temporary folder in which tests run the programs as a user would.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder that vanishes with the test, and the programs to run in it.
+pub struct Workdir {
+    folder: TempDir,
+}
+
+/// What a program said and how it ended.
+#[derive(Debug)]
+pub struct Run {
+    /// Exit code; none when a signal ended the program.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+/// The top folder of the repository.
+#[must_use]
+pub fn repository() -> PathBuf {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().expect("the package lies in the repository").to_path_buf()
+}
+
+/// A program of the workspace, from the profile that this test was built with.
+///
+/// Cargo builds the programs of other packages neither for `cargo test -p tests`
+/// nor tells where they are; they lie beside the folder of the test executable.
+///
+/// # Panics
+/// When the program has not been built.
+#[must_use]
+pub fn program(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test is a file");
+    let profile = test.parent().and_then(Path::parent).expect("target/<profile>/deps/<test>");
+    let program = profile.join(name);
+    assert!(
+        program.is_file(),
+        "{} is missing; build first: cargo build --release",
+        program.display()
+    );
+    program
+}
+
+/// The interpreter of the repository's `.venv` if it has the packages that a
+/// test needs; none, with a printed reason, if not.
+#[must_use]
+pub fn python(packages: &str) -> Option<PathBuf> {
+    let python = repository().join(".venv/bin/python");
+    let found = Command::new(&python).args(["-c", &format!("import {packages}")]).output();
+    if found.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    eprintln!("SKIPPED: {} has no {packages}; run `make setup`", python.display());
+    None
+}
+
+impl Workdir {
+    /// An empty folder.
+    ///
+    /// # Panics
+    /// When the system has no place for it.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    /// A path in the folder.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file.
+    ///
+    /// # Panics
+    /// When it cannot be written.
+    pub fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).expect("the folder is writable");
+    }
+
+    /// Reads a text file.
+    ///
+    /// # Panics
+    /// When it cannot be read.
+    #[must_use]
+    pub fn text(&self, name: &str) -> String {
+        let path = self.path(name);
+        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    }
+
+    /// Reads a JSON file.
+    ///
+    /// # Panics
+    /// When it cannot be read.
+    #[must_use]
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Names of the files in a subfolder, sorted; empty if there is no such folder.
+    #[must_use]
+    pub fn files(&self, folder: &str) -> Vec<String> {
+        let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return Vec::new() };
+        let name = |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+        let mut names: Vec<String> = entries.flatten().map(name).collect();
+        names.sort();
+        names
+    }
+
+    /// `solver` with arguments separated by blanks, to be run in the folder.
+    #[must_use]
+    pub fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(program("solver"));
+        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
+        command
+    }
+
+    /// Runs `solver` with arguments separated by blanks.
+    ///
+    /// # Panics
+    /// When the program cannot be started.
+    #[must_use]
+    pub fn solver(&self, arguments: &str) -> Run {
+        self.command(arguments).output().expect("the program starts").into()
+    }
+
+    /// Runs `solver` with a limit on the size of files [KiB], which stands for a
+    /// full disk: a write beyond it fails in the middle.
+    ///
+    /// # Panics
+    /// When bash cannot be started.
+    #[must_use]
+    pub fn solver_on_small_disk(&self, limit: usize, arguments: &str) -> Run {
+        let mut command = Command::new("bash");
+        // without the trap the signal would end the program before it sees the error
+        let script = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$0\" \"$@\"");
+        command.args(["-c", &script]).arg(program("solver"));
+        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
+        command.output().expect("bash starts").into()
+    }
+}
+
+impl Default for Workdir {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        Self {
+            code: output.status.code(),
+            stdout: text(&output.stdout),
+            stderr: text(&output.stderr),
+        }
+    }
+}
+
+impl Run {
+    /// Asserts that the program ended well.
+    ///
+    /// # Panics
+    /// When it did not.
+    pub fn assert_good(&self) {
+        assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
+    }
+
+    /// Asserts that the program ended with an exit code and a message that has
+    /// all of `words`, without a panic.
+    ///
+    /// # Panics
+    /// When it did not.
+    pub fn assert_refused(&self, code: i32, words: &[&str]) {
+        assert!(!self.stderr.contains("panicked"), "a panic:\n{}", self.stderr);
+        assert_eq!(self.code, Some(code), "{}\n{}", self.stdout, self.stderr);
+        for word in words {
+            assert!(self.stderr.contains(word), "does not say {word:?}:\n{}", self.stderr);
+        }
+    }
+}
