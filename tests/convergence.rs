@@ -16,6 +16,8 @@ mod node_order;
 mod patch;
 #[path = "convergence/ring.rs"]
 mod ring;
+#[path = "convergence/scene_loads.rs"]
+mod scene_loads;
 #[path = "convergence/shell.rs"]
 mod shell;
 #[path = "convergence/sphere_volume.rs"]

@@ -104,7 +104,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let mut problem = Problem::new(mesh, degree, energies, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&problem.system.space, &below);
     let gas = Chamber { wall, gas: GasLaw::Isobaric { pressure: 4.0 } };
-    let newton = Newton { iterations: 60, relative: 1e-9, absolute: 1e-15 };
+    let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0 };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
     let node = problem.nodes().iter().position(tip).expect("an even number of halves");
     let mut last = 0.0;
@@ -138,7 +138,7 @@ fn the_bar_of_land_ends_where_all_codes_put_it() {
 #[test]
 #[ignore = "half a minute: runs in make test-all"]
 fn the_bar_of_land_stays_there_on_finer_meshes() {
-    let ends = [height(1, 4).0, height(2, 3).0, height(3, 1).0, height(3, 2).0];
-    eprintln!("Land problem 1: P1 4 cells, P2 3 cells, P3 1 and 2 cells: {ends:.3?} mm");
+    let ends = [height(1, 4).0, height(2, 3).0, height(3, 2).0];
+    eprintln!("Land problem 1: P1 4 cells, P2 3 cells, P3 2 cells: {ends:.3?} mm");
     assert!(ends[1..].iter().all(|z| (4.0..4.2).contains(z)));
 }

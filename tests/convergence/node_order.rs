@@ -22,7 +22,7 @@ mesh = meshio.read(sys.argv[1])
 degree = int(sys.argv[2])
 cells = mesh.cells[0]
 assert cells.type == {1: "tetra", 2: "tetra10", 3: "VTK_LAGRANGE_TETRAHEDRON"}[degree], cells.type
-place = mesh.point_data["displacement [m]"]
+place = mesh.point_data["displacement"]
 assert np.array_equal(place, mesh.points)
 unit = np.eye(4)
 nodes = [degree * unit[i] for i in range(4)]
