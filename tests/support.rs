@@ -2,6 +2,12 @@
 
 #[path = "support/chamber.rs"]
 pub mod chamber;
+#[path = "support/equilibrium.rs"]
+pub mod equilibrium;
+#[path = "support/meshes.rs"]
+pub mod meshes;
+#[path = "support/symmetric_gas.rs"]
+pub mod symmetric_gas;
 #[path = "support/workdir.rs"]
 pub mod workdir;
 

@@ -14,12 +14,15 @@ use crate::material::{Material, MooneyRivlin};
 pub struct SimConfig {
     /// Tagged tetrahedral mesh, as `tagger` writes it.
     pub mesh: PathBuf,
-    /// Polynomial degree of the displacement: 1 or 2.
+    /// Polynomial degree of the displacement: 1, 2 or 3.
     #[serde(default = "quadratic")]
     pub degree: usize,
+    /// Degree to which energies are integrated exactly, from 5 to 12.
+    #[serde(default = "quintic")]
+    pub quadrature: usize,
     /// Law of the body.
     pub material: MaterialConfig,
-    /// Tags that cannot move.
+    /// Tags that cannot move, or move as prescribed.
     pub fixed: Vec<Fixed>,
     /// Chambers with a prescribed pressure.
     #[serde(default)]
@@ -27,6 +30,12 @@ pub struct SimConfig {
     /// Closed chambers with a fixed amount of gas.
     #[serde(default)]
     pub gas: Vec<GasConfig>,
+    /// Forces on the whole body.
+    #[serde(default)]
+    pub body_force: Vec<BodyForceConfig>,
+    /// Forces on parts of the boundary.
+    #[serde(default)]
+    pub traction: Vec<TractionConfig>,
     /// Numerical settings.
     #[serde(default)]
     pub solver: SolverConfig,
@@ -34,6 +43,10 @@ pub struct SimConfig {
 
 fn quadratic() -> usize {
     2
+}
+
+fn quintic() -> usize {
+    crate::element::quadrature::DEFAULT_DEGREE
 }
 
 /// A constitutive law by its kind.
@@ -54,12 +67,48 @@ impl MaterialConfig {
     }
 }
 
-/// A tag whose nodes have zero displacement.
+/// A tag whose nodes do not move along some axes, or move as prescribed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fixed {
     /// Tag name.
     pub on: String,
+    /// The axes, such as "xyz" or "z".
+    #[serde(default = "all_axes")]
+    pub components: String,
+    /// Displacement at full load, zero along axes that are not fixed [m].
+    #[serde(default)]
+    pub displacement: [f64; 3],
+}
+
+fn all_axes() -> String {
+    "xyz".to_owned()
+}
+
+impl Fixed {
+    /// Which of x, y, z are fixed.
+    #[must_use]
+    pub fn axes(&self) -> [bool; 3] {
+        ['x', 'y', 'z'].map(|axis| self.components.contains(axis))
+    }
+}
+
+/// A constant force per rest volume.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyForceConfig {
+    /// Force per volume, for gravity density times acceleration [N/m³].
+    pub force: [f64; 3],
+}
+
+/// A constant force per rest area.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TractionConfig {
+    /// Tag name.
+    pub on: String,
+    /// Force per area [Pa].
+    pub traction: [f64; 3],
 }
 
 /// A chamber wall with gas behind it.

@@ -15,6 +15,7 @@ pub mod objective; // what to minimise
 pub mod design; // design variables to rest shape, with transpose
 pub mod adjoint; // gradient of an objective at an equilibrium
 pub mod config; // what people write
+pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod results; // what programs write
 pub mod optimize; // outer loop

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::body::Body;
 use crate::element::{FunctionSpace, at};
-use crate::energy::{Chamber, Energy};
+use crate::energy::Chamber;
 use crate::forward::System;
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
@@ -22,8 +22,8 @@ use crate::scene::Scene;
 pub struct TagReport {
     /// Rest area [m²].
     pub area: f64,
-    /// Force of the support on the body [N]; zero on a tag that is free. A node
-    /// on the rim of several fixed tags counts for the first of them.
+    /// Force of the support on the body [N]; zero along axes that are free. A
+    /// node on the rim of several fixed tags counts for the first of them.
     pub reaction: [f64; 3],
     /// Mean length of the displacement over the rest area [m].
     pub mean_displacement: f64,
@@ -45,17 +45,6 @@ pub struct WallReport {
     pub pressure: f64,
     /// Whether the wall is closed.
     pub closed: bool,
-}
-
-/// Energies in the final state [J].
-#[derive(Clone, Debug, Serialize)]
-pub struct Energies {
-    /// Stored in the silicone.
-    pub elastic: f64,
-    /// Potential of the gas, −Σ P ΔV.
-    pub pressure: f64,
-    /// Sum.
-    pub total: f64,
 }
 
 /// Measures every tag that has facets at an equilibrium.
@@ -80,7 +69,8 @@ pub fn tags(
     Ok(reports)
 }
 
-/// Force of each support on the body [N].
+/// Force of each support on the body [N]: what holds the components that it
+/// fixes. Several entries of one tag are one support.
 fn reactions(
     scene: &Scene,
     body: &Body,
@@ -88,18 +78,14 @@ fn reactions(
     u: &[f64],
 ) -> Result<BTreeMap<String, [f64; 3]>> {
     let (gradient, _) = system.gradient(&body.mesh.vertices, u, 1.0);
-    let mut counted = vec![false; system.space.node_count()];
-    let mut reactions = BTreeMap::new();
-    for support in &scene.config.fixed {
-        let mut sum = Vec3::zeros();
-        for facet in body.facets(&support.on)? {
-            for node in system.space.facet_nodes(facet) {
-                if !std::mem::replace(&mut counted[node], true) {
-                    sum += at(&gradient, node);
-                }
-            }
+    let supports = scene.supports(body, &system.space)?;
+    let fixed = &scene.config.fixed;
+    let mut reactions: BTreeMap<String, [f64; 3]> =
+        fixed.iter().map(|support| (support.on.clone(), [0.0; 3])).collect();
+    for (dof, owner) in supports.owner.iter().enumerate() {
+        if let Some(sum) = owner.and_then(|i| reactions.get_mut(&fixed[i].on)) {
+            sum[dof % 3] += gradient[dof];
         }
-        reactions.insert(support.on.clone(), sum.into());
     }
     Ok(reactions)
 }
@@ -156,35 +142,40 @@ pub fn walls(
     Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
 }
 
-/// Energies of a state under the full load.
+/// Energies of a state under the full load by kind, and their sum `total` [J].
 #[must_use]
-pub fn energies(system: &System, rest: &[Vec3], u: &[f64]) -> Energies {
+pub fn energies(system: &System, rest: &[Vec3], u: &[f64]) -> BTreeMap<&'static str, f64> {
     let at = system.iterate(rest, u, 1.0);
-    let elastic = system.energies[0].value(&at);
-    let pressure = system.energies[1..].iter().map(|e| e.value(&at)).sum();
-    Energies { elastic, pressure, total: elastic + pressure }
+    // those that a scene may lack are reported, too
+    let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
+    for energy in &system.energies {
+        let value = energy.value(&at);
+        *energies.entry(energy.name()).or_insert(0.0) += value;
+        *energies.entry("total").or_insert(0.0) += value;
+    }
+    energies
 }
 
-/// Resultants of the loads and the reactions [N]; their sum is the force that
-/// is out of balance.
-///
-/// # Errors
-/// When a tag is missing.
-pub fn balance(scene: &Scene, body: &Body, system: &mut System, u: &[f64]) -> Result<Value> {
-    let rest = &body.mesh.vertices;
-    let mut load = vec![0.0; system.len()];
-    for (_, chamber) in scene.chambers(body, &system.space)? {
-        chamber.add_gradient(&system.iterate(rest, u, 1.0), &mut load);
-    }
+/// Resultants of the loads by kind and of the reactions [N]; the norm of their
+/// sum is `out_of_balance`.
+#[must_use]
+pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64]) -> Value {
     let nodes = system.space.node_count();
-    let pressure: Vec3 = -(0..nodes).map(|i| at(&load, i)).sum::<Vec3>();
+    let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
+    let mut loads = BTreeMap::from([("pressure", Vec3::zeros())]);
+    // the elastic forces of a body have no resultant
+    for energy in system.energies.iter().filter(|e| e.name() != "elastic") {
+        let mut gradient = vec![0.0; system.len()];
+        energy.add_gradient(&system.iterate(rest, u, 1.0), &mut gradient);
+        *loads.entry(energy.name()).or_default() -= resultant(&gradient);
+    }
     let (gradient, _) = system.gradient(rest, u, 1.0);
-    let reaction: Vec3 = (0..nodes).map(|i| at(&gradient, i)).sum();
-    Ok(json!({
-        "pressure": <[f64; 3]>::from(pressure),
-        "reaction": <[f64; 3]>::from(reaction),
-        "out_of_balance": (pressure + reaction).norm(),
-    }))
+    loads.insert("reaction", resultant(&gradient));
+    let sum: Vec3 = loads.values().sum();
+    let mut report: BTreeMap<&str, Value> =
+        loads.into_iter().map(|(name, f)| (name, json!(<[f64; 3]>::from(f)))).collect();
+    report.insert("out_of_balance", json!(sum.norm()));
+    json!(report)
 }
 
 /// Writes nodes and displacements exactly: two arrays of shape (nodes, 3) [m].
@@ -202,7 +193,8 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
 /// The body with its displacement, and the mean of J over each element.
 #[must_use]
 pub fn grid(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> vtu::Grid {
-    let cell_type = if space.degree() == 1 { vtu::CellType::Tet4 } else { vtu::CellType::Tet10 };
+    let types = [vtu::CellType::Tet4, vtu::CellType::Tet10, vtu::CellType::Tet20];
+    let cell_type = types[space.degree() - 1];
     let field = |name: &str, unit: &str, components, values| vtu::Field {
         name: name.to_owned(),
         unit: unit.to_owned(),

@@ -8,12 +8,13 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::body::Body;
 use crate::config::{GasConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
-use crate::element::FunctionSpace;
-use crate::energy::{Chamber, Elastic, Energy, GasLaw, Wall};
+use crate::element::{FunctionSpace, HIGHEST_DEGREE};
+use crate::energy::{BodyForce, Chamber, Elastic, Energy, GasLaw, Traction, Wall};
 use crate::forward::{Newton, Stepping, System};
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
 };
+use crate::supports::Supports;
 
 /// A scene as read from its file.
 pub struct Scene {
@@ -52,17 +53,45 @@ impl Scene {
     /// When a tag is missing or a pressure wall is open with a free rim.
     pub fn system(&self, body: &Body) -> Result<System> {
         let context = || self.path.display().to_string();
+        let (degree, exact) = (self.config.degree, self.config.quadrature);
         let vertices = body.mesh.vertices.len();
-        let space = FunctionSpace::new(self.config.degree, vertices, body.mesh.tets.clone());
-        let fixed = self.fixed_dofs(body, &space).with_context(context)?;
+        let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
+        let supports = self.supports(body, &space)?;
+        let energies = self.energies(body, &space, &supports).with_context(context)?;
+        let system = System::new(space, energies, &supports.fixed());
+        Ok(system.with_displacement(&supports.displacement))
+    }
+
+    /// The fixed degrees of freedom on a body with this scene's tags.
+    ///
+    /// # Errors
+    /// When a tag is missing, tags contradict each other or the body floats.
+    pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
+        Supports::new(&self.config.fixed, body, space)
+            .with_context(|| self.path.display().to_string())
+    }
+
+    /// The terms of the potential energy; the first is the elastic one.
+    fn energies(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<Vec<Box<dyn Energy>>> {
         let mut energies: Vec<Box<dyn Energy>> =
             vec![Box::new(Elastic { material: self.config.material.build() })];
-        for (name, chamber) in self.chambers(body, &space)? {
-            let facets = body.facets(&name)?;
-            check_rim(&name, &facets, &fixed, body).with_context(context)?;
+        for (name, chamber) in self.chambers(body, space)? {
+            check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
-        Ok(System::new(space, energies, &fixed))
+        for load in &self.config.body_force {
+            energies.push(Box::new(BodyForce { force: load.force.into() }));
+        }
+        for load in &self.config.traction {
+            let facets = body.facets(&load.on)?;
+            energies.push(Box::new(Traction::new(space, &facets, load.traction.into())));
+        }
+        Ok(energies)
     }
 
     /// The chambers of a body, by the tags of their walls.
@@ -94,18 +123,6 @@ impl Scene {
         Ok(chambers)
     }
 
-    fn fixed_dofs(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<bool>> {
-        let mut fixed = vec![false; 3 * space.node_count()];
-        for support in &self.config.fixed {
-            for facet in body.facets(&support.on)? {
-                for node in space.facet_nodes(facet) {
-                    fixed[3 * node..3 * node + 3].fill(true);
-                }
-            }
-        }
-        Ok(fixed)
-    }
-
     /// How to approach the full load.
     #[must_use]
     pub fn stepping(&self) -> Stepping {
@@ -131,7 +148,31 @@ impl Scene {
 /// Settings that no type can rule out.
 fn check(config: &SimConfig) -> Result<()> {
     let s = &config.solver;
-    ensure!(config.degree == 1 || config.degree == 2, "degree = {}: must be 1 or 2", config.degree);
+    ensure!(
+        (1..=HIGHEST_DEGREE).contains(&config.degree),
+        "degree = {}: must be 1, 2 or 3",
+        config.degree
+    );
+    ensure!(
+        (5..=12).contains(&config.quadrature),
+        "quadrature = {}: must be from 5 to 12",
+        config.quadrature
+    );
+    for load in &config.body_force {
+        ensure!(
+            load.force.iter().all(|f| f.is_finite()),
+            "[[body_force]]: force = {:?} N/m³ must be finite",
+            load.force
+        );
+    }
+    for load in &config.traction {
+        ensure!(
+            load.traction.iter().all(|t| t.is_finite()),
+            "[[traction]] on \"{}\": traction = {:?} Pa must be finite",
+            load.on,
+            load.traction
+        );
+    }
     ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
     for gas in &config.gas {
         ensure!(
@@ -187,19 +228,26 @@ fn check(config: &SimConfig) -> Result<()> {
     Ok(())
 }
 
-/// The gas force has a potential only when every rim of its wall is fixed.
-fn check_rim(name: &str, facets: &[[usize; 3]], fixed: &[bool], body: &Body) -> Result<()> {
+/// The gas force has a potential only when every rim of its wall is fixed along
+/// all axes.
+fn check_rim(
+    name: &str,
+    facets: &[[usize; 3]],
+    supports: &Supports,
+    space: &FunctionSpace,
+    body: &Body,
+) -> Result<()> {
     let rim = mesh::topology::boundary_edges(facets);
-    let free: Vec<_> = rim
-        .iter()
-        .filter(|e| e.iter().any(|&v| !fixed[3 * v..3 * v + 3].iter().all(|f| *f)))
-        .collect();
+    let held = |&[a, b]: &[usize; 2]| {
+        [a, b].into_iter().chain(space.edge_nodes([a, b])).all(|node| supports.holds(node))
+    };
+    let free: Vec<_> = rim.iter().filter(|edge| !held(edge)).collect();
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
         bail!(
             "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
-             rim is fixed: add the tag around the opening to [[fixed]]",
+             rim is fixed along x, y and z: add the tag around the opening to [[fixed]]",
             free.len(),
             rim.len(),
             p.x,

@@ -34,7 +34,7 @@ fn scenes() {
             ("c1 =", "c9 =", &["unknown field `c9`", "`c1`", "`d1`"]),
             ("mooney-rivlin", "rubber", &["`rubber`", "`mooney-rivlin`"]),
             ("degree = 2", "degree = \"two\"", &["line 3", "invalid type", "two"]),
-            ("degree = 2", "degree = 3", &["degree = 3", "1 or 2"]),
+            ("degree = 2", "degree = 4", &["degree = 4", "1, 2 or 3"]),
             ("d1 = 1e6", "", &["missing field `d1`"]),
             ("c1 = 55e3", "c1 = -55e3", &["shear modulus", "-100000 Pa"]),
             ("c1 = 55e3", "c1 = -5e3", &["2(c1 + c2) = 0 Pa"]),

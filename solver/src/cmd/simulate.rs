@@ -7,7 +7,6 @@ use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
-use solver::body::Body;
 use solver::forward::{LoadStep, Solution, System, solve};
 use solver::results;
 use solver::scene::Scene;
@@ -109,36 +108,55 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
 fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solution) -> Result<()> {
     let rest = &scene.body.mesh.vertices;
     let energies = results::energies(system, rest, &solution.u);
-    let work = work_of_gas(scene, &scene.body, system, &solution.steps)?;
+    let work = work_of_loads(scene, system, &solution.steps)?;
+    let elastic = energies["elastic"];
     report["newton_iterations"] = json!(solution.newton_iterations);
     report["steps"] = json!(solution.steps);
     report["energy_balance"] = json!({
-        "work_of_gas": work,
-        "elastic": energies.elastic,
-        "relative_gap": (work - energies.elastic) / energies.elastic.max(f64::MIN_POSITIVE),
+        "work_of_loads": work,
+        "elastic": elastic,
+        "relative_gap": (work - elastic) / elastic.max(f64::MIN_POSITIVE),
     });
     report["energies"] = json!(energies);
-    report["force_balance"] = results::balance(scene, &scene.body, system, &solution.u)?;
+    report["force_balance"] = results::balance(system, rest, &solution.u);
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
     report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u)?);
     report["timings"] = json!(system.timings);
     Ok(())
 }
 
-/// Σ ∫ P dV along the load steps by the trapezoidal rule [J]: second order in
-/// the load increment, so it meets the elastic energy only roughly.
-fn work_of_gas(scene: &Scene, body: &Body, system: &System, steps: &[LoadStep]) -> Result<f64> {
-    let rest = &body.mesh.vertices;
-    let still = vec![0.0; system.len()];
+/// Work of gas, dead loads and moving supports along the load steps by the
+/// trapezoidal rule [J]: second order in the load increment, so it meets the
+/// elastic energy only roughly.
+fn work_of_loads(scene: &Scene, system: &mut System, steps: &[LoadStep]) -> Result<f64> {
+    let rest = &scene.body.mesh.vertices;
+    let chambers = scene.chambers(&scene.body, &system.space)?;
+    let supports = scene.supports(&scene.body, &system.space)?;
+    let moved: Vec<(usize, f64)> =
+        supports.displacement.iter().copied().enumerate().filter(|d| d.1 != 0.0).collect();
+    // pairs of a force and the quantity it works on: gas, dead loads, supports
+    let mut pairs = |load: f64, u: &[f64]| -> Vec<[f64; 2]> {
+        let here = system.iterate(rest, u, load);
+        let gas = chambers.iter().map(|(_, chamber)| {
+            let (volume, gas) = chamber.state(&here);
+            [gas.pressure, volume]
+        });
+        let full = system.iterate(rest, u, 1.0);
+        let dead =
+            system.energies.iter().filter(|e| ["body_force", "traction"].contains(&e.name()));
+        let mut pairs: Vec<_> = gas.chain(dead.map(|e| [load, -e.value(&full)])).collect();
+        let (gradient, _) = system.gradient(rest, u, load);
+        pairs.push([moved.iter().map(|&(dof, u)| gradient[dof] * u).sum(), load]);
+        pairs
+    };
+    let mut last = pairs(0.0, &vec![0.0; supports.displacement.len()]);
     let mut work = 0.0;
-    for (_, chamber) in scene.chambers(body, &system.space)? {
-        let (mut volume, gas) = chamber.state(&system.iterate(rest, &still, 0.0));
-        let mut pressure = gas.pressure;
-        for step in steps {
-            let (next, gas) = chamber.state(&system.iterate(rest, &step.u, step.load));
-            work += 0.5 * (pressure + gas.pressure) * (next - volume);
-            (volume, pressure) = (next, gas.pressure);
+    for step in steps {
+        let next = pairs(step.load, &step.u);
+        for ([f, q], [next_f, next_q]) in last.iter().zip(&next) {
+            work += 0.5 * (f + next_f) * (next_q - q);
         }
+        last = next;
     }
     Ok(work)
 }

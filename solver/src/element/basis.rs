@@ -4,31 +4,41 @@
 //!
 //! λ are barycentric coordinates, i_k the multi-index of a node. Nodes are
 //! ordered vertices first, then edges 01, 12, 20 (triangle) and 01, 12, 20, 03,
-//! 13, 23 (tetrahedron), which is VTK's order.
+//! 13, 23 (tetrahedron), those of an edge ab from a to b, then faces 012
+//! (triangle) and 013, 123, 023, 012 (tetrahedron). This is VTK's order.
 //!
-//! Source: Zienkiewicz, Taylor and Zhu, "The Finite Element Method: Its Basis
-//! and Fundamentals", section on simplex elements.
+//! Sources: Zienkiewicz, Taylor and Zhu, "The Finite Element Method: Its Basis
+//! and Fundamentals", section on simplex elements; order of the nodes: VTK's
+//! classes vtkLagrangeTetra and vtkHigherOrderTetra.
 
 use super::quadrature::Rule;
 
 /// Edges of a tetrahedron in node order; the first three are a triangle's.
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-/// Multi-indices of the nodes of a simplex with `corners` corners.
-fn nodes(corners: usize, degree: usize) -> Vec<Vec<usize>> {
-    let single = |c: usize, value: usize| {
+/// Faces of a tetrahedron in node order; a triangle has only the last.
+pub const FACES: [[usize; 3]; 4] = [[0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 1, 2]];
+
+/// Largest degree for which the order of the nodes is known.
+pub const HIGHEST_DEGREE: usize = 3;
+
+/// Multi-indices of the nodes of a simplex with `corners` corners (3 or 4) for
+/// a degree from 1 to 3.
+#[must_use]
+pub fn nodes(corners: usize, degree: usize) -> Vec<Vec<usize>> {
+    let index = |entries: &[(usize, usize)]| {
         let mut index = vec![0; corners];
-        index[c] = value;
+        entries.iter().for_each(|&(corner, value)| index[corner] = value);
         index
     };
-    let mut nodes: Vec<_> = (0..corners).map(|c| single(c, degree)).collect();
-    if degree == 2 {
-        let edges = if corners == 4 { 6 } else { 3 };
-        for [a, b] in &EDGES[..edges] {
-            let mut index = single(*a, 1);
-            index[*b] = 1;
-            nodes.push(index);
-        }
+    let (edges, faces) =
+        if corners == 4 { (&EDGES[..], &FACES[..]) } else { (&EDGES[..3], &FACES[3..]) };
+    let mut nodes: Vec<_> = (0..corners).map(|c| index(&[(c, degree)])).collect();
+    for &[a, b] in edges {
+        nodes.extend((1..degree).map(|k| index(&[(a, degree - k), (b, k)])));
+    }
+    if degree == 3 {
+        nodes.extend(faces.iter().map(|face| index(&face.map(|c| (c, 1)))));
     }
     nodes
 }
@@ -107,9 +117,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_basis_is_a_partition_of_unity_and_reproduces_quadratics() {
-        for rule in [quadrature::tetrahedron(), quadrature::triangle()] {
-            for degree in [1, 2] {
+    fn the_basis_is_a_partition_of_unity_and_reproduces_its_degree() {
+        for rule in [quadrature::tetrahedron(5), quadrature::triangle(5)] {
+            for degree in 1..=HIGHEST_DEGREE {
                 let table = tabulate(degree, &rule);
                 let nodes = nodes(rule.points[0].len(), degree);
                 for (q, point) in rule.points.iter().enumerate() {
@@ -118,18 +128,47 @@ mod tests {
                         let sum: f64 = table.gradients[q].iter().map(|g| g[k]).sum();
                         assert!(sum.abs() < 1e-13);
                     }
-                    // x = λ₁^p at the nodes, interpolated
-                    let at =
-                        |node: &Vec<usize>| (node[1] as f64 / degree as f64).powi(degree as i32);
-                    let value: f64 =
-                        nodes.iter().zip(&table.values[q]).map(|(n, v)| at(n) * v).sum();
-                    let slope: f64 =
-                        nodes.iter().zip(&table.gradients[q]).map(|(n, g)| at(n) * g[0]).sum();
+                    // (λ₁ + 2 λ₂)^p at the nodes, interpolated
                     let p = degree as i32;
-                    assert!((value - point[1].powi(p)).abs() < 1e-14);
-                    assert!((slope - f64::from(p) * point[1].powi(p - 1)).abs() < 1e-13);
+                    let at = |l1: f64, l2: f64| l1 + 2.0 * l2;
+                    let nodal: Vec<f64> = nodes
+                        .iter()
+                        .map(|n| (at(n[1] as f64, n[2] as f64) / f64::from(p)).powi(p))
+                        .collect();
+                    let here = at(point[1], point[2]);
+                    let value: f64 = nodal.iter().zip(&table.values[q]).map(|(n, v)| n * v).sum();
+                    assert!((value - here.powi(p)).abs() < 1e-13);
+                    for (k, factor) in [(0, 1.0), (1, 2.0)] {
+                        let slope: f64 =
+                            nodal.iter().zip(&table.gradients[q]).map(|(n, g)| n * g[k]).sum();
+                        let exact = f64::from(p) * here.powi(p - 1) * factor;
+                        assert!((slope - exact).abs() < 1e-12, "{degree} {slope} {exact}");
+                    }
                 }
             }
+        }
+    }
+
+    /// What VTK calls the vertices of a tetrahedron in its own barycentric
+    /// coordinates, and which of these vanishes on each face in its order
+    /// (vtkHigherOrderTetra: VertexMaxCoords, FaceMinCoord).
+    const VTK_VERTEX: [usize; 4] = [3, 0, 1, 2];
+    const VTK_FACE: [usize; 4] = [1, 3, 0, 2];
+
+    #[test]
+    fn cubic_nodes_are_in_the_order_of_vtk() {
+        let nodes = nodes(4, 3);
+        assert_eq!(nodes.len(), 20);
+        // edges: from the first to the second vertex of vtkTetra's edges
+        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+        for (i, [a, b]) in edges.into_iter().enumerate() {
+            assert_eq!((nodes[4 + 2 * i][a], nodes[4 + 2 * i][b]), (2, 1));
+            assert_eq!((nodes[5 + 2 * i][a], nodes[5 + 2 * i][b]), (1, 2));
+        }
+        for (i, vanishing) in VTK_FACE.into_iter().enumerate() {
+            let opposite = VTK_VERTEX.iter().position(|&c| c == vanishing).expect("a permutation");
+            let expected: Vec<usize> = (0..4).map(|c| usize::from(c != opposite)).collect();
+            assert_eq!(nodes[16 + i], expected);
         }
     }
 }

@@ -61,21 +61,26 @@ mod tests {
     use super::*;
     use crate::testing;
 
-    /// A P2 space holds quadratics exactly, on any mesh.
+    /// A space of degree p holds polynomials of degree p exactly, on any mesh.
     #[test]
-    fn quadratics_pass_from_mesh_to_mesh_unchanged() {
-        let [coarse, fine] = [testing::cube(3, 0.2), testing::cube(4, 0.2)];
-        let (rest, other_rest) = (coarse.vertices, fine.vertices);
-        let from = FunctionSpace::new(2, rest.len(), coarse.tets);
-        let to = FunctionSpace::new(2, other_rest.len(), fine.tets);
-        let field = |p: &Vec3| [p.x * p.y - p.z, 0.5 + p.z * p.z, p.x * (2.0 - p.y)];
-        let sample = |space: &FunctionSpace, rest: &[Vec3]| -> Vec<f64> {
-            space.node_positions(rest).iter().flat_map(field).collect()
-        };
-        let u = sample(&from, &rest);
-        let result = interpolate((&from, &rest, &u), (&to, &other_rest));
-        for (a, b) in result.iter().zip(sample(&to, &other_rest)) {
-            assert!((a - b).abs() < 1e-12, "{a} {b}");
+    fn polynomials_pass_from_mesh_to_mesh_unchanged() {
+        for degree in 1..=3 {
+            let [coarse, fine] = [testing::cube(3, 0.2), testing::cube(4, 0.2)];
+            let (rest, other_rest) = (coarse.vertices, fine.vertices);
+            let from = FunctionSpace::new(degree, rest.len(), coarse.tets);
+            let to = FunctionSpace::new(degree, other_rest.len(), fine.tets);
+            let p = degree as i32;
+            let field = |x: &Vec3| {
+                [(x.x + x.y - x.z).powi(p), 0.5 + x.z.powi(p), x.x.powi(p - 1) * (2.0 - x.y)]
+            };
+            let sample = |space: &FunctionSpace, rest: &[Vec3]| -> Vec<f64> {
+                space.node_positions(rest).iter().flat_map(field).collect()
+            };
+            let u = sample(&from, &rest);
+            let result = interpolate((&from, &rest, &u), (&to, &other_rest));
+            for (a, b) in result.iter().zip(sample(&to, &other_rest)) {
+                assert!((a - b).abs() < 1e-12, "{degree} {a} {b}");
+            }
         }
     }
 }

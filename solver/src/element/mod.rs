@@ -1,10 +1,12 @@
 //! Discretisation: straight-sided tetrahedra with Lagrange displacements.
 
 mod basis;
+mod bernstein;
 mod interpolate;
 pub mod quadrature;
 mod space;
 
-pub use basis::{Tabulation, tabulate};
+pub use basis::{HIGHEST_DEGREE, Tabulation, tabulate};
+pub use bernstein::JacobianForm;
 pub use interpolate::interpolate;
 pub use space::{FunctionSpace, add_at, at};

@@ -1,63 +1,117 @@
 //! Nodes and connectivity of a displacement field on a tetrahedral mesh.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::Vec3;
 
-use super::basis::{EDGES, Tabulation, tabulate};
+use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate};
 use super::quadrature;
 
-/// Continuous P1 or P2 displacements on straight-sided tetrahedra.
+/// Continuous displacements of degree 1, 2 or 3 on straight-sided tetrahedra.
 ///
-/// The first nodes are the mesh vertices, in their order; a P2 space adds one
-/// node at the middle of every edge. Degree of freedom 3 i + k is component k
-/// of node i.
+/// The first nodes are the mesh vertices, in their order. Degree 2 adds one
+/// node at the middle of every edge; degree 3 two at its thirds, from the lower
+/// vertex id to the higher, and after all edges one at the centre of every
+/// facet. Degree of freedom 3 i + k is component k of node i.
 pub struct FunctionSpace {
     degree: usize,
     vertex_count: usize,
     tets: Vec<[usize; 4]>,
-    edges: Vec<[usize; 2]>,
+    /// First node of each edge, by ascending vertex ids.
     edge_node: BTreeMap<[usize; 2], usize>,
+    /// Node of each facet, by ascending vertex ids.
+    face_node: BTreeMap<[usize; 3], usize>,
+    /// Rows of Π for the nodes after the vertices: vertices and their weights.
+    added: Vec<[(usize, f64); 3]>,
     element_nodes: Vec<usize>,
     volume: Tabulation,
     facet: Tabulation,
 }
 
-fn sorted(edge: [usize; 2]) -> [usize; 2] {
-    [edge[0].min(edge[1]), edge[0].max(edge[1])]
+fn sorted<const N: usize>(mut vertices: [usize; N]) -> [usize; N] {
+    vertices.sort_unstable();
+    vertices
 }
 
 impl FunctionSpace {
-    /// The space of a degree on tetrahedra with `vertex_count` vertices.
+    /// The space of a degree on tetrahedra with `vertex_count` vertices, with
+    /// quadrature of [`quadrature::DEFAULT_DEGREE`].
     ///
     /// # Panics
-    /// When `degree` is neither 1 nor 2.
+    /// When `degree` is not 1, 2 or 3.
     #[must_use]
     pub fn new(degree: usize, vertex_count: usize, tets: Vec<[usize; 4]>) -> Self {
-        assert!(degree == 1 || degree == 2, "degree {degree}: only 1 and 2 exist");
-        let mut edges = Vec::new();
-        if degree == 2 {
-            edges = mesh::topology::tet_edges(&tets);
-        }
-        let edge_node: BTreeMap<_, _> =
-            edges.iter().enumerate().map(|(i, &e)| (e, vertex_count + i)).collect();
-        let mut element_nodes = Vec::new();
-        for tet in &tets {
-            element_nodes.extend(tet);
-            if degree == 2 {
-                element_nodes.extend(EDGES.map(|[a, b]| edge_node[&sorted([tet[a], tet[b]])]));
-            }
-        }
-        Self {
+        Self::with_quadrature(degree, quadrature::DEFAULT_DEGREE, vertex_count, tets)
+    }
+
+    /// The same with volume quadrature exact to the degree `exact`. Facet
+    /// quadrature is exact to at least 2p + 1, for which the volume behind a
+    /// wall, of degree 3p − 2, is exact for p ≤ 3.
+    ///
+    /// # Panics
+    /// When `degree` is not 1, 2 or 3.
+    #[must_use]
+    pub fn with_quadrature(
+        degree: usize,
+        exact: usize,
+        vertex_count: usize,
+        tets: Vec<[usize; 4]>,
+    ) -> Self {
+        assert!((1..=HIGHEST_DEGREE).contains(&degree), "degree {degree}: 1, 2 and 3 exist");
+        let mut space = Self {
             degree,
             vertex_count,
+            edge_node: BTreeMap::new(),
+            face_node: BTreeMap::new(),
+            added: Vec::new(),
+            element_nodes: Vec::new(),
+            volume: tabulate(degree, &quadrature::tetrahedron(exact)),
+            facet: tabulate(degree, &quadrature::triangle(exact.max(2 * degree + 1))),
             tets,
-            edges,
-            edge_node,
-            element_nodes,
-            volume: tabulate(degree, &quadrature::tetrahedron()),
-            facet: tabulate(degree, &quadrature::triangle()),
+        };
+        space.number_nodes();
+        space
+    }
+
+    fn number_nodes(&mut self) {
+        let p = self.degree as f64;
+        if self.degree > 1 {
+            for [a, b] in mesh::topology::tet_edges(&self.tets) {
+                self.edge_node.insert([a, b], self.node_count());
+                let node = |k| [(a, (p - f64::from(k)) / p), (b, f64::from(k) / p), (b, 0.0)];
+                self.added.extend((1..self.degree as i32).map(node));
+            }
         }
+        if self.degree == 3 {
+            let faces = self.tets.iter().flat_map(|t| FACES.map(|f| sorted(f.map(|c| t[c]))));
+            for face in faces.collect::<BTreeSet<_>>() {
+                self.face_node.insert(face, self.node_count());
+                self.added.push(face.map(|v| (v, 1.0 / 3.0)));
+            }
+        }
+        for tet in self.tets.clone() {
+            let nodes = self.simplex_nodes(&tet, &EDGES, &FACES);
+            self.element_nodes.extend(nodes);
+        }
+    }
+
+    /// Nodes of a simplex of the mesh in the order of its basis.
+    fn simplex_nodes(
+        &self,
+        corners: &[usize],
+        edges: &[[usize; 2]],
+        faces: &[[usize; 3]],
+    ) -> Vec<usize> {
+        let mut nodes = corners.to_vec();
+        if self.degree > 1 {
+            for &[a, b] in edges {
+                nodes.extend(self.edge_nodes([corners[a], corners[b]]));
+            }
+        }
+        if self.degree == 3 {
+            nodes.extend(faces.iter().map(|f| self.face_node[&sorted(f.map(|c| corners[c]))]));
+        }
+        nodes
     }
 
     /// Polynomial degree.
@@ -75,13 +129,14 @@ impl FunctionSpace {
     /// Number of nodes.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.vertex_count + self.edges.len()
+        self.vertex_count + self.added.len()
     }
 
-    /// Nodes of one element: 4 or 10.
+    /// Nodes of one element: 4, 10 or 20.
     #[must_use]
     pub fn nodes_per_element(&self) -> usize {
-        if self.degree == 1 { 4 } else { 10 }
+        let p = self.degree;
+        (p + 1) * (p + 2) * (p + 3) / 6
     }
 
     /// The tetrahedra as vertex ids.
@@ -108,16 +163,29 @@ impl FunctionSpace {
         &self.facet
     }
 
-    /// Node ids of a facet: its vertices, then its edges 01, 12, 20.
+    /// Node ids of a facet: its vertices, those of its edges 01, 12, 20, and the
+    /// one inside.
     ///
     /// # Panics
     /// When `facet` is no facet of the mesh.
     #[must_use]
     pub fn facet_nodes(&self, facet: [usize; 3]) -> Vec<usize> {
-        let mut nodes = facet.to_vec();
-        if self.degree == 2 {
-            let edges = EDGES[..3].iter();
-            nodes.extend(edges.map(|&[a, b]| self.edge_node[&sorted([facet[a], facet[b]])]));
+        self.simplex_nodes(&facet, &EDGES[..3], &FACES[3..])
+    }
+
+    /// Node ids inside an edge, from its first vertex to its second.
+    ///
+    /// # Panics
+    /// When `edge` is no edge of the mesh and the degree is above 1.
+    #[must_use]
+    pub fn edge_nodes(&self, edge: [usize; 2]) -> Vec<usize> {
+        if self.degree == 1 {
+            return Vec::new();
+        }
+        let first = self.edge_node[&sorted(edge)];
+        let mut nodes: Vec<usize> = (first..first + self.degree - 1).collect();
+        if edge[0] > edge[1] {
+            nodes.reverse();
         }
         nodes
     }
@@ -125,8 +193,8 @@ impl FunctionSpace {
     /// Rest positions of all nodes, Π X [m].
     #[must_use]
     pub fn node_positions(&self, rest: &[Vec3]) -> Vec<Vec3> {
-        let middles = self.edges.iter().map(|&[a, b]| 0.5 * (rest[a] + rest[b]));
-        rest.iter().copied().chain(middles).collect()
+        let added = self.added.iter().map(|row| row.iter().map(|&(v, w)| w * rest[v]).sum());
+        rest.iter().copied().chain(added).collect()
     }
 
     /// Adds Πᵀ of a nodal vector to a vertex vector.
@@ -134,12 +202,10 @@ impl FunctionSpace {
         for (o, n) in out.iter_mut().zip(nodal) {
             *o += n;
         }
-        for (i, edge) in self.edges.iter().enumerate() {
-            let node = 3 * (self.vertex_count + i);
-            for v in edge {
-                for k in 0..3 {
-                    out[3 * v + k] += 0.5 * nodal[node + k];
-                }
+        for (i, row) in self.added.iter().enumerate() {
+            let value = at(nodal, self.vertex_count + i);
+            for &(v, weight) in row {
+                add_at(out, v, &(weight * value));
             }
         }
     }
@@ -155,5 +221,82 @@ pub fn at(field: &[f64], i: usize) -> Vec3 {
 pub fn add_at(field: &mut [f64], i: usize, value: &Vec3) {
     for k in 0..3 {
         field[3 * i + k] += value[k];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::testing;
+
+    /// A cube whose tetrahedra list their vertices in random even orders, so
+    /// that edges are met in both directions.
+    fn space(degree: usize) -> (FunctionSpace, Vec<Vec3>) {
+        let mut mesh = testing::cube(2, 0.2);
+        let mut random = Random::new(5);
+        for tet in &mut mesh.tets {
+            for _ in 0..5 {
+                let k = if random.uniform() > 0.0 { 1 } else { 0 };
+                tet[k..k + 3].rotate_left(1);
+            }
+        }
+        (FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets), mesh.vertices)
+    }
+
+    #[test]
+    fn every_element_finds_its_nodes_where_the_basis_has_them() {
+        for degree in 1..=3 {
+            let (space, rest) = space(degree);
+            let positions = space.node_positions(&rest);
+            let n = space.nodes_per_element();
+            let places = super::super::basis::nodes(4, degree);
+            assert_eq!(places.len(), n);
+            for (tet, nodes) in space.tets().iter().zip(space.element_nodes().chunks_exact(n)) {
+                for (node, index) in nodes.iter().zip(&places) {
+                    let place: Vec3 = index
+                        .iter()
+                        .zip(tet)
+                        .map(|(&i, &v)| i as f64 / degree as f64 * rest[v])
+                        .sum();
+                    assert!((positions[*node] - place).norm() < 1e-14);
+                }
+            }
+            for facet in mesh::topology::boundary(&mesh::TetMesh {
+                vertices: rest.clone(),
+                tets: space.tets().to_vec(),
+            })
+            .facets
+            {
+                let places = super::super::basis::nodes(3, degree);
+                for (node, index) in space.facet_nodes(facet).iter().zip(&places) {
+                    let place: Vec3 = index
+                        .iter()
+                        .zip(facet)
+                        .map(|(&i, v)| i as f64 / degree as f64 * rest[v])
+                        .sum();
+                    assert!((positions[*node] - place).norm() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_transpose_of_the_node_map_belongs_to_it() {
+        for degree in 1..=3 {
+            let (space, rest) = space(degree);
+            let mut random = Random::new(6);
+            let nodal = random.numbers(3 * space.node_count());
+            let mut pulled = vec![0.0; 3 * rest.len()];
+            space.add_to_vertices(&nodal, &mut pulled);
+            let forward: f64 = space
+                .node_positions(&rest)
+                .iter()
+                .enumerate()
+                .map(|(i, x)| x.dot(&at(&nodal, i)))
+                .sum();
+            let backward: f64 = rest.iter().enumerate().map(|(i, x)| x.dot(&at(&pulled, i))).sum();
+            assert!((forward / backward - 1.0).abs() < 1e-13);
+        }
     }
 }

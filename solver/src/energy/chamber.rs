@@ -127,6 +127,10 @@ impl Chamber {
 }
 
 impl Energy for Chamber {
+    fn name(&self) -> &'static str {
+        "pressure"
+    }
+
     fn value(&self, at_: &Iterate) -> f64 {
         self.state(at_).1.value
     }

@@ -246,33 +246,36 @@ impl Elastic {
     }
 }
 
-// The number of nodes per element is a constant inside the kernels.
+/// Calls a method with the number of nodes per element as a constant, so that
+/// its loops have fixed lengths.
+macro_rules! with_nodes {
+    ($space:expr, $this:ident.$method:ident($($argument:expr),*)) => {
+        match $space.nodes_per_element() {
+            4 => $this.$method::<4>($($argument),*),
+            10 => $this.$method::<10>($($argument),*),
+            _ => $this.$method::<20>($($argument),*),
+        }
+    };
+}
+
 impl Energy for Elastic {
+    fn name(&self) -> &'static str {
+        "elastic"
+    }
+
     fn value(&self, at_: &Iterate) -> f64 {
-        if at_.space.degree() == 1 { self.total::<4>(at_) } else { self.total::<10>(at_) }
+        with_nodes!(at_.space, self.total(at_))
     }
 
     fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        if at_.space.degree() == 1 {
-            self.merge_gradients::<4>(at_, out);
-        } else {
-            self.merge_gradients::<10>(at_, out);
-        }
+        with_nodes!(at_.space, self.merge_gradients(at_, out));
     }
 
     fn add_hessian(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        if at_.space.degree() == 1 {
-            self.merge_hessians::<4>(at_, kind, out);
-        } else {
-            self.merge_hessians::<10>(at_, kind, out);
-        }
+        with_nodes!(at_.space, self.merge_hessians(at_, kind, out));
     }
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        if at_.space.degree() == 1 {
-            self.merge_mixed::<4>(at_, lambda, out);
-        } else {
-            self.merge_mixed::<10>(at_, lambda, out);
-        }
+        with_nodes!(at_.space, self.merge_mixed(at_, lambda, out));
     }
 }

@@ -1,11 +1,15 @@
 //! Terms of the potential energy [J].
 
+mod body_force;
 mod chamber;
 mod elastic;
+mod traction;
 mod wall;
 
+pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential};
 pub use elastic::Elastic;
+pub use traction::Traction;
 pub use wall::Wall;
 
 use mesh::Vec3;
@@ -47,6 +51,8 @@ pub struct RankOne {
 
 /// One term E(u; X) of the potential energy with all its derivatives.
 pub trait Energy: Send + Sync {
+    /// Kind of the term, as reports call it.
+    fn name(&self) -> &'static str;
     /// E [J]; infinite where the state is not admissible.
     fn value(&self, at: &Iterate) -> f64;
     /// Adds ∂E/∂u [N].

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use mesh::Vec3;
 
-use super::System;
+use super::{System, Uncertified};
 use crate::energy::Hessian;
 use crate::math::linear::{Symmetric, dot, norm};
 
@@ -67,6 +67,9 @@ pub enum Failure {
         /// Residual asked for [N].
         wanted: f64,
     },
+    /// The forces balance, but an element is turned inside out, or might be.
+    #[error("the forces balance, but {0}")]
+    Uncertified(#[from] Uncertified),
 }
 
 impl Newton {

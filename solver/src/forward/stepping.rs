@@ -1,9 +1,11 @@
 //! Equilibrium under the full load, reached in adaptive load steps.
 
+use std::time::Instant;
+
 use mesh::Vec3;
 use serde::Serialize;
 
-use super::{Failure, Newton, System};
+use super::{Failure, Newton, System, certificate};
 
 /// Newton iterations after which a load step counts as easy.
 const EASY: usize = 5;
@@ -30,6 +32,8 @@ pub struct LoadStep {
     pub newton_iterations: usize,
     /// Norm of the unbalanced force [N].
     pub residual: f64,
+    /// Lower bound of J = det(I + ∇u) over all points of all elements.
+    pub smallest_volume_ratio: f64,
     /// Displacement [m], three components per node.
     #[serde(skip)]
     pub u: Vec<f64>,
@@ -128,6 +132,20 @@ struct Failed {
     iterations: usize,
 }
 
+impl From<Failure> for Failed {
+    fn from(failure: Failure) -> Self {
+        let iterations = match failure {
+            Failure::Inadmissible | Failure::Uncertified(_) => 0,
+            Failure::IterationLimit { iterations, .. } | Failure::Stalled { iterations, .. } => {
+                iterations
+            }
+        };
+        Self { failure, iterations }
+    }
+}
+
+/// One load step: the supports are moved, the forces balanced and the state
+/// certified.
 fn attempt(
     system: &mut System,
     rest: &[Vec3],
@@ -135,24 +153,29 @@ fn attempt(
     load: f64,
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
-    match newton.solve(system, rest, &mut u, load) {
-        Ok((newton_iterations, residual)) => Ok(LoadStep { load, newton_iterations, residual, u }),
-        Err(failure) => {
-            let iterations = match failure {
-                Failure::Inadmissible => 0,
-                Failure::IterationLimit { iterations, .. }
-                | Failure::Stalled { iterations, .. } => iterations,
-            };
-            Err(Failed { failure, iterations })
+    system.move_supports(rest, &mut u, load);
+    let (newton_iterations, residual) =
+        newton.solve(system, rest, &mut u, load).map_err(Failed::from)?;
+    let start = Instant::now();
+    let certified = certificate(&system.space, rest, &u);
+    system.timings.certificate_s += start.elapsed().as_secs_f64();
+    match certified {
+        Ok(smallest_volume_ratio) => {
+            Ok(LoadStep { load, newton_iterations, residual, smallest_volume_ratio, u })
         }
+        Err(failure) => Err(Failed { failure: failure.into(), iterations: newton_iterations }),
     }
 }
 
 /// Linear extrapolation in the load from the last two states.
 fn predict(steps: &[LoadStep], load: f64, len: usize) -> Vec<f64> {
     let Some(b) = steps.last() else { return vec![0.0; len] };
-    let origin = LoadStep { load: 0.0, newton_iterations: 0, residual: 0.0, u: vec![0.0; len] };
-    let a = if steps.len() > 1 { &steps[steps.len() - 2] } else { &origin };
-    let t = (load - b.load) / (b.load - a.load);
-    a.u.iter().zip(&b.u).map(|(a, b)| b + t * (b - a)).collect()
+    let rest = (0.0, &vec![0.0; len]);
+    let a = if steps.len() > 1 {
+        (steps[steps.len() - 2].load, &steps[steps.len() - 2].u)
+    } else {
+        rest
+    };
+    let t = (load - b.load) / (b.load - a.0);
+    a.1.iter().zip(&b.u).map(|(a, b)| b + t * (b - a)).collect()
 }

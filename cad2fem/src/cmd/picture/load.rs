@@ -46,7 +46,8 @@ pub struct Loaded {
 pub fn load(path: &Path, paint: &Paint) -> Result<Loaded> {
     let loaded = match path.extension().and_then(|e| e.to_str()) {
         Some("msh") => tagged(path, paint),
-        Some("vtu") => result(&read_vtu(path)?, paint).with_context(|| path.display().to_string()),
+        Some("vtu") => result(&read_vtu(path)?.at_most_quadratic(), paint)
+            .with_context(|| path.display().to_string()),
         _ => Ok(surface(&read_surface(path)?, paint)),
     }?;
     ensure!(!loaded.shape.facets.is_empty(), "{}: no triangle to draw", path.display());

@@ -1,8 +1,11 @@
 //! VTK unstructured grids (`.vtu`) and their time series (`.pvd`), for ParaView.
 //!
 //! Nodes of quadratic cells are in VTK's order: the corners, then the middles of
-//! the edges listed by [`CellType::edges`].
+//! the edges listed by [`CellType::edges`]. Those of cubic cells: the corners,
+//! the thirds of these edges from their first end to their second, then the
+//! centres of the faces 013, 123, 023, 012.
 
+mod lower;
 mod read;
 mod write;
 
@@ -22,35 +25,40 @@ pub enum CellType {
     Tri6 = 22,
     /// Tetrahedron with a node on every edge.
     Tet10 = 24,
+    /// Tetrahedron with two nodes on every edge and one on every face
+    /// (VTK_LAGRANGE_TETRAHEDRON of degree 3).
+    Tet20 = 71,
 }
 
 impl CellType {
-    const ALL: [Self; 4] = [Self::Tri3, Self::Tet4, Self::Tri6, Self::Tet10];
+    const ALL: [Self; 5] = [Self::Tri3, Self::Tet4, Self::Tri6, Self::Tet10, Self::Tet20];
 
     /// Number of corners.
     #[must_use]
     pub fn corners(self) -> usize {
         match self {
             Self::Tri3 | Self::Tri6 => 3,
-            Self::Tet4 | Self::Tet10 => 4,
+            Self::Tet4 | Self::Tet10 | Self::Tet20 => 4,
         }
     }
 
-    /// The corners at the ends of the edges whose middles are the nodes after the
-    /// corners, in order; empty for cells without such nodes.
+    /// The corners at the ends of the edges that have nodes inside, in the order
+    /// of these nodes; empty for cells without such nodes.
     #[must_use]
     pub fn edges(self) -> &'static [[usize; 2]] {
         match self {
             Self::Tri3 | Self::Tet4 => &[],
             Self::Tri6 => &[[0, 1], [1, 2], [2, 0]],
-            Self::Tet10 => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+            Self::Tet10 | Self::Tet20 => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
         }
     }
 
     /// Number of nodes.
     #[must_use]
     pub fn nodes(self) -> usize {
-        self.corners() + self.edges().len()
+        let inside =
+            if self == Self::Tet20 { 2 * self.edges().len() + 4 } else { self.edges().len() };
+        self.corners() + inside
     }
 }
 

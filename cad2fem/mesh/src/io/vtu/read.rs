@@ -108,7 +108,7 @@ fn assemble(arrays: &[Array], points: usize, cells: usize) -> Parsed<Grid> {
             .into_iter()
             .find(|&t| types.iter().all(|&other| other == first) && t as u8 == first)
             .ok_or_else(|| {
-                format!("cells must be all of one type, 5, 10, 22 or 24; found {first}")
+                format!("cells must be all of one type, 5, 10, 22, 24 or 71; found {first}")
             })?,
     };
     let connectivity = find("Cells", "connectivity")?.data.chunks_exact(8);

@@ -37,11 +37,11 @@ fn field(name: &str, unit: &str, components: usize, count: usize) -> Field {
 
 fn grid(cell_type: CellType) -> Grid {
     Grid {
-        points: VTK_PLACES.map(Vec3::from).to_vec(),
+        points: VTK_PLACES.map(Vec3::from).repeat(2),
         // The same cell twice, from different points.
         cells: (0..cell_type.nodes()).chain((0..cell_type.nodes()).rev()).collect(),
         cell_type,
-        point_fields: vec![field("displacement", "m", 3, 10), field("a < b & \"c\"", "", 1, 10)],
+        point_fields: vec![field("displacement", "m", 3, 20), field("a < b & \"c\"", "", 1, 20)],
         cell_fields: vec![field("stress", "Pa", 9, 2), field("detF [odd", "1", 1, 2)],
     }
 }
@@ -80,7 +80,7 @@ fn what_does_not_fit_is_not_written() {
     let broken: [(&str, Damage); 4] = [
         ("field \"stress\" has 17 values, not 2 × 9", |g| g.cell_fields[0].values.truncate(17)),
         ("field \"displacement\" is NaN at index 5", |g| g.point_fields[0].values[5] = f64::NAN),
-        ("cell 1 refers to point 10 of 10", |g| g.cells[4] = 10),
+        ("cell 1 refers to point 20 of 20", |g| g.cells[4] = 20),
         ("do not divide into 4", |g| g.cells.truncate(7)),
     ];
     for (needed, damage) in broken {
@@ -99,4 +99,33 @@ fn a_time_series_names_its_files() {
     write_pvd(&path, &[(0.0, "step0.vtu".into()), (0.1, "R&D/step1.vtu".into())]).expect("fine");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.contains("timestep=\"0.1\" part=\"0\" file=\"R&amp;D/step1.vtu\""), "{text}");
+}
+
+#[test]
+fn cubic_cells_become_quadratic_ones_through_the_same_middles() {
+    let cubic = |p: &Vec3| p.x.powi(3) - 2.0 * p.y * p.z * p.x + p.z * p.z - 0.5 * p.y;
+    let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+    let mut points = corners.to_vec();
+    for &[a, b] in CellType::Tet20.edges() {
+        let third = |k: f64| corners[a] + (corners[b] - corners[a]) * (k / 3.0);
+        points.extend([third(1.0), third(2.0)]);
+    }
+    for face in [[0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 1, 2]] {
+        points.push(face.map(|c| corners[c]).iter().sum::<Vec3>() / 3.0);
+    }
+    let values = points.iter().flat_map(|p| [p.x, cubic(p)]).collect();
+    let grid = Grid {
+        points,
+        cells: (0..20).collect(),
+        cell_type: CellType::Tet20,
+        point_fields: vec![Field { name: "f".into(), unit: String::new(), components: 2, values }],
+        cell_fields: vec![],
+    };
+    let lowered = grid.at_most_quadratic();
+    assert_eq!((lowered.cell_type, lowered.cells.len()), (CellType::Tet10, 10));
+    for (&node, place) in lowered.cells.iter().zip(VTK_PLACES.map(Vec3::from)) {
+        assert!((lowered.points[node] - place).norm() < 1e-15);
+        let values = &lowered.point_fields[0].values[2 * node..2 * node + 2];
+        assert!((values[0] - place.x).abs() < 1e-15 && (values[1] - cubic(&place)).abs() < 1e-15);
+    }
 }

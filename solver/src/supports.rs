@@ -1,0 +1,206 @@
+//! Which degrees of freedom a scene fixes, and at which displacement.
+
+use anyhow::{Result, bail, ensure};
+use mesh::Vec3;
+use nalgebra::{Matrix6, Vector6};
+
+use crate::body::Body;
+use crate::config::Fixed;
+use crate::element::FunctionSpace;
+
+/// Two prescribed displacements differ when they do so by more than this [m].
+const SAME: f64 = 1e-15;
+/// A rigid motion is free when the supports feel less than this fraction of it.
+const FREE: f64 = 1e-8;
+
+/// Fixed degrees of freedom.
+pub struct Supports {
+    /// Index of the support that fixes each degree of freedom, if any.
+    pub owner: Vec<Option<usize>>,
+    /// Displacement of the fixed ones at full load [m], else zero.
+    pub displacement: Vec<f64>,
+}
+
+impl Supports {
+    /// Fixes the nodes of tags. Where tags meet, the first one owns what both
+    /// fix.
+    ///
+    /// # Errors
+    /// When a tag is missing, two tags prescribe different displacements, or
+    /// the body can still move as a whole.
+    pub fn new(configs: &[Fixed], body: &Body, space: &FunctionSpace) -> Result<Self> {
+        let len = 3 * space.node_count();
+        let mut supports = Self { owner: vec![None; len], displacement: vec![0.0; len] };
+        let positions = space.node_positions(&body.mesh.vertices);
+        for (index, config) in configs.iter().enumerate() {
+            check(config)?;
+            for facet in body.facets(&config.on)? {
+                for node in space.facet_nodes(facet) {
+                    supports.fix(node, index, configs, &positions)?;
+                }
+            }
+        }
+        supports.check_rigid_motions(&positions)?;
+        Ok(supports)
+    }
+
+    /// Whether each degree of freedom is fixed.
+    #[must_use]
+    pub fn fixed(&self) -> Vec<bool> {
+        self.owner.iter().map(Option::is_some).collect()
+    }
+
+    /// Whether all components of a node are fixed.
+    #[must_use]
+    pub fn holds(&self, node: usize) -> bool {
+        self.owner[3 * node..3 * node + 3].iter().all(Option::is_some)
+    }
+
+    fn fix(&mut self, node: usize, index: usize, all: &[Fixed], at: &[Vec3]) -> Result<()> {
+        let config = &all[index];
+        for (k, _) in config.axes().into_iter().enumerate().filter(|a| a.1) {
+            let (dof, value) = (3 * node + k, config.displacement[k]);
+            let Some(first) = self.owner[dof] else {
+                self.owner[dof] = Some(index);
+                self.displacement[dof] = value;
+                continue;
+            };
+            if (self.displacement[dof] - value).abs() > SAME {
+                let (axis, p) = (["x", "y", "z"][k], at[node]);
+                bail!(
+                    "[[fixed]]: \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {} m along \
+                     {axis}, \"{}\" by {value} m; tags that meet must agree",
+                    all[first].on,
+                    p.x,
+                    p.y,
+                    p.z,
+                    self.displacement[dof],
+                    config.on
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The six rigid motions must all be felt by the supports.
+    fn check_rigid_motions(&self, positions: &[Vec3]) -> Result<()> {
+        let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
+        let size = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let mut felt = Matrix6::zeros();
+        for dof in (0..self.owner.len()).filter(|&d| self.owner[d].is_some()) {
+            let (arm, k) = ((positions[dof / 3] - centre) / size, dof % 3);
+            let axis = Vec3::from_fn(|c, _| f64::from(u8::from(c == k)));
+            // component k of t + ω × arm, linear in (t, ω)
+            let turn = arm.cross(&axis);
+            let row = Vector6::new(axis.x, axis.y, axis.z, turn.x, turn.y, turn.z);
+            felt += row * row.transpose();
+        }
+        let eigen = felt.symmetric_eigen();
+        let (weakest, value) = eigen.eigenvalues.argmin();
+        if value > FREE * eigen.eigenvalues.max() {
+            return Ok(());
+        }
+        let motion = eigen.eigenvectors.column(weakest);
+        let names = [
+            "shift along x",
+            "shift along y",
+            "shift along z",
+            "turn about x",
+            "turn about y",
+            "turn about z",
+        ];
+        let largest = names[motion.iamax()];
+        bail!("[[fixed]]: the body can still {largest} as a whole; fix more components or tags");
+    }
+}
+
+fn check(config: &Fixed) -> Result<()> {
+    let Fixed { on, components, displacement } = config;
+    let axes = config.axes();
+    ensure!(
+        components.len() == axes.iter().filter(|a| **a).count() && !components.is_empty(),
+        "[[fixed]] on \"{on}\": components = \"{components}\": must be some of x, y, z, each once"
+    );
+    for k in 0..3 {
+        ensure!(
+            displacement[k].is_finite() && (axes[k] || displacement[k] == 0.0),
+            "[[fixed]] on \"{on}\": displacement = {displacement:?} m: must be finite, and zero \
+             along axes that are not in components = \"{components}\""
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+    use mesh::{Tags, TetMesh};
+
+    /// A cube with one tag per face of the lower corner, and the top.
+    fn body() -> Body {
+        let mesh: TetMesh = testing::cube(2, 0.0);
+        let mut tags = Tags::new(["left", "front", "bottom", "top"].map(str::to_owned).to_vec());
+        for facet in mesh::topology::boundary(&mesh).facets {
+            let c = facet.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0;
+            let id = [c.x, c.y, c.z, 1.0 - c.z].iter().position(|d| d.abs() < 1e-12);
+            if let Some(id) = id {
+                tags.set(facet, u32::try_from(id + 1).expect("small"));
+            }
+        }
+        Body::new(mesh, tags)
+    }
+
+    fn fixed(on: &str, components: &str, displacement: [f64; 3]) -> Fixed {
+        Fixed { on: on.to_owned(), components: components.to_owned(), displacement }
+    }
+
+    fn supports(configs: &[Fixed]) -> Result<Supports> {
+        let body = body();
+        let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
+        Supports::new(configs, &body, &space)
+    }
+
+    fn message(configs: &[Fixed]) -> String {
+        supports(configs).err().expect("refused").to_string()
+    }
+
+    #[test]
+    fn components_are_fixed_one_by_one() {
+        let zero = [0.0; 3];
+        let symmetric =
+            [fixed("left", "x", zero), fixed("front", "y", zero), fixed("bottom", "z", zero)];
+        let supports = supports(&symmetric).expect("enough");
+        // 25 nodes per face of a P2 cube of two cells, one component each
+        assert_eq!(supports.fixed().iter().filter(|f| **f).count(), 75);
+        assert!(supports.holds(0) && !supports.holds(1));
+    }
+
+    #[test]
+    fn what_floats_is_refused_with_its_motion() {
+        let text = message(&[fixed("left", "x", [0.0; 3]), fixed("front", "y", [0.0; 3])]);
+        assert!(text.contains("shift along z"), "{text}");
+        let text = message(&[fixed("bottom", "z", [0.0; 3]), fixed("left", "x", [0.0; 3])]);
+        assert!(text.contains("shift along y"), "{text}");
+    }
+
+    #[test]
+    fn contradictions_and_slips_are_refused_with_numbers() {
+        let text =
+            message(&[fixed("bottom", "xyz", [0.0; 3]), fixed("left", "x", [1e-3, 0.0, 0.0])]);
+        assert!(text.contains("by 0 m along x") && text.contains("by 0.001 m"), "{text}");
+        let text = message(&[fixed("bottom", "xq", [0.0; 3])]);
+        assert!(text.contains("\"xq\""), "{text}");
+        let text = message(&[fixed("bottom", "xy", [0.0, 0.0, 1e-3])]);
+        assert!(text.contains("0.001") && text.contains("\"xy\""), "{text}");
+    }
+
+    #[test]
+    fn a_prescribed_displacement_stands_at_its_nodes() {
+        let supports =
+            supports(&[fixed("bottom", "xyz", [0.0; 3]), fixed("top", "xyz", [0.0, 0.0, -0.2])])
+                .expect("enough");
+        let moved = supports.displacement.iter().filter(|d| **d == -0.2).count();
+        assert_eq!(moved, 25);
+    }
+}

@@ -1,0 +1,24 @@
+//! Against closed forms and independent numbers, with tables on standard error:
+//! `cargo test --release -p tests --test convergence -- --nocapture`.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+#[path = "convergence/cantilever.rs"]
+mod cantilever;
+#[path = "convergence/land.rs"]
+mod land;
+#[path = "convergence/loads.rs"]
+mod loads;
+#[path = "convergence/manufactured.rs"]
+mod manufactured;
+#[path = "convergence/node_order.rs"]
+mod node_order;
+#[path = "convergence/patch.rs"]
+mod patch;
+#[path = "convergence/ring.rs"]
+mod ring;
+#[path = "convergence/scene_loads.rs"]
+mod scene_loads;
+#[path = "convergence/shell.rs"]
+mod shell;
+#[path = "convergence/sphere_volume.rs"]
+mod sphere_volume;

@@ -1,0 +1,94 @@
+//! Plane strain as a slab one element thick: a quarter of a ring under inner
+//! pressure, ratio of radii 1.5, no displacement along z.
+//!
+//! References: Lamé's cylinder; for large pressure the boundary value problem of
+//! a Neo-Hookean ring, solved independently.
+
+use mesh::Vec3;
+use solver::element::FunctionSpace;
+use solver::energy::{Elastic, Energy};
+use solver::material::{Isotropic, Kinematics, Material, Partials};
+use tests::equilibrium::{Problem, SILICONE, facets_where, mean};
+use tests::meshes::ring_quarter;
+use tests::symmetric_gas::{Planes, SymmetricGas};
+
+const HEIGHT: f64 = 0.1;
+
+/// ψ = ½ μ (I₁ − 3 − 2 ln J) + ½ λ ln²J
+struct NeoHookean {
+    mu: f64,
+    lambda: f64,
+}
+
+impl Isotropic for NeoHookean {
+    fn partials(&self, k: &Kinematics) -> Partials {
+        let (j, log) = (k.j(), k.j_minus_1.ln_1p());
+        let pull = self.lambda * log - self.mu;
+        Partials {
+            value: 0.5 * self.mu * (k.i1_minus_3 - 2.0 * log) + 0.5 * self.lambda * log * log,
+            first: [0.5 * self.mu, 0.0, pull / j],
+            second: [0.0, 0.0, 0.0, 0.0, 0.0, (self.lambda - pull) / (j * j)],
+        }
+    }
+}
+
+fn ring(
+    degree: usize,
+    n: [usize; 2],
+    material: impl Fn() -> Box<dyn Material>,
+    pressure: f64,
+) -> Problem {
+    let mesh = ring_quarter(1.0, 1.5, HEIGHT, n);
+    let inner = facets_where(&mesh, |p| p.xy().norm() < 1.0 + 1e-9);
+    let energies = |space: &FunctionSpace| -> Vec<Box<dyn Energy>> {
+        let gas = SymmetricGas::new(space, &inner, Planes::Slab, pressure);
+        vec![Box::new(Elastic { material: material() }), Box::new(gas)]
+    };
+    Problem::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])
+}
+
+/// a/A and b/B.
+fn stretches(problem: &Problem) -> [f64; 2] {
+    [1.0, 1.5].map(|radius: f64| {
+        let on = |x: &&(Vec3, Vec3)| (x.0.xy().norm() / radius - 1.0).abs() < 1e-9;
+        let vertices = problem.vertices();
+        let ratios: Vec<f64> =
+            vertices.iter().filter(on).map(|x| x.1.xy().norm() / radius).collect();
+        mean(&ratios)
+    })
+}
+
+#[test]
+fn the_ring_inflates_as_its_radial_solution() {
+    let law =
+        || -> Box<dyn Material> { Box::new(NeoHookean { mu: 37_037.037, lambda: 39_886.040 }) };
+    let table = [
+        [1e3, 1.030_860_75, 1.016_788_62],
+        [5e3, 1.191_106_78, 1.105_447_28],
+        [1e4, 1.575_771_51, 1.326_154_25],
+    ];
+    let mut problem = ring(2, [6, 24], law, 1e4);
+    eprintln!("ring, P2, {} dofs: Pa, a/A b/B, errors in %", problem.u.len());
+    for [pressure, reference @ ..] in table {
+        problem.solve(pressure / 1e4);
+        let ours = stretches(&problem);
+        let error: [f64; 2] = std::array::from_fn(|k| 100.0 * (ours[k] / reference[k] - 1.0));
+        eprintln!("  {pressure:6} {ours:.6?} {reference:.6?} {error:+.3?}");
+        assert!(error.iter().all(|e| e.abs() < 0.5));
+    }
+}
+
+#[test]
+fn small_pressure_gives_the_cylinder_of_lame() {
+    let reference = [7.696_078e-6, 3.529_412e-6];
+    let errors = [[3, 12], [6, 24]].map(|n| {
+        let mut problem = ring(2, n, || Box::new(SILICONE), 1.0);
+        problem.solve(1.0);
+        let ours = stretches(&problem);
+        [0, 1].map(|k: usize| (ours[k] - 1.0) / reference[k] - 1.0)
+    });
+    eprintln!("cylinder of Lamé, P2, 12 and 24 segments: u(A), u(B) off by {errors:+.4?}");
+    for (coarse, fine) in errors[0].iter().zip(errors[1]) {
+        assert!(fine.abs() < 0.01 && fine.abs() < coarse.abs() / 2.5);
+    }
+}

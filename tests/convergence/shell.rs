@@ -1,0 +1,121 @@
+//! An octant of a spherical shell, 10 to 15 mm, under inner pressure.
+//!
+//! References: a radial boundary value problem of the compressible law, solved
+//! independently; at small pressure Lamé's sphere,
+//! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
+
+use mesh::Vec3;
+use solver::energy::{Elastic, Energy};
+use tests::equilibrium::{MODULI, Problem, SILICONE, facets_where, mean};
+use tests::meshes::shell_octant;
+use tests::symmetric_gas::{Planes, SymmetricGas};
+
+const A: f64 = 0.010;
+const B: f64 = 0.015;
+
+/// Pressure [kPa], a/A, b/B, V/V₀.
+const TABLE: [[f64; 4]; 8] = [
+    [1.0, 1.003_053_93, 1.000_956_56, 1.009_190],
+    [5.0, 1.015_757_64, 1.004_976_99, 1.048_022],
+    [10.0, 1.032_853_62, 1.010_491_99, 1.101_834],
+    [20.0, 1.072_060_60, 1.023_586_24, 1.232_134],
+    [30.0, 1.120_467_59, 1.040_590_18, 1.406_688],
+    [40.0, 1.183_367_77, 1.064_013_87, 1.657_140],
+    [50.0, 1.272_372_85, 1.099_577_34, 2.059_886],
+    [60.0, 1.421_362_04, 1.164_843_37, 2.871_535],
+];
+
+struct Shell {
+    problem: Problem,
+    gas: SymmetricGas,
+}
+
+impl Shell {
+    fn new(degree: usize, n: usize, layers: usize, pressure: f64) -> Self {
+        let mesh = shell_octant(A, B, n, layers);
+        let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
+        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, pressure);
+        let energies = |space: &_| -> Vec<Box<dyn Energy>> {
+            vec![Box::new(Elastic { material: Box::new(SILICONE) }), Box::new(gas(space))]
+        };
+        let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
+        let problem = Problem::new(mesh, degree, energies, on_plane);
+        let gas = gas(&problem.system.space);
+        Self { problem, gas }
+    }
+
+    /// a/A, b/B, V/V₀.
+    fn measures(&self) -> [f64; 3] {
+        let stretch = |radius: f64| {
+            let on = |x: &&(Vec3, Vec3)| (x.0.norm() / radius - 1.0).abs() < 1e-9;
+            let vertices = self.problem.vertices();
+            let ratios: Vec<f64> =
+                vertices.iter().filter(on).map(|x| x.1.norm() / radius).collect();
+            mean(&ratios)
+        };
+        let (rest, deformed): (Vec<_>, Vec<_>) = self.problem.nodes().into_iter().unzip();
+        let volume = |x: &[Vec3]| self.gas.volume(&self.problem.system.space, x);
+        [stretch(A), stretch(B), volume(&deformed) / volume(&rest)]
+    }
+}
+
+#[test]
+fn the_thick_shell_inflates_as_its_radial_solution() {
+    let mut shell = Shell::new(2, 10, 3, 60e3);
+    eprintln!(
+        "shell, P2, 10 arcs, 3 layers, {} dofs: kPa, a/A b/B V/V0, errors in %",
+        shell.problem.u.len()
+    );
+    for [kpa, reference @ ..] in TABLE {
+        shell.problem.solve(kpa / 60.0);
+        let ours = shell.measures();
+        let error: [f64; 3] = std::array::from_fn(|k| 100.0 * (ours[k] / reference[k] - 1.0));
+        eprintln!("  {kpa:4} {ours:.6?} {reference:.6?} {error:+.3?}");
+        // the inner radius moves with the cube root of the volume
+        assert!(error[0].abs() < 0.5 && error[1].abs() < 0.5 && error[2].abs() < 1.5);
+    }
+}
+
+/// Error of a/A − 1 at 30 kPa relative to the reference.
+fn error_at_30(degree: usize, n: usize, layers: usize) -> f64 {
+    let mut shell = Shell::new(degree, n, layers, 30e3);
+    [0.3, 0.6, 1.0].into_iter().for_each(|load| shell.problem.solve(load));
+    (shell.measures()[0] - 1.0) / (TABLE[4][1] - 1.0) - 1.0
+}
+
+/// Straight facets limit every degree to second order in the element size.
+#[test]
+fn the_shell_converges_with_second_order() {
+    // linear elements lock and are not there yet
+    for (degree, levels, least) in [(1, [3, 6, 12], 1.1), (2, [2, 4, 8], 1.7)] {
+        let errors = levels.map(|n| error_at_30(degree, n, n / 2 + n % 2));
+        let order = (errors[1] / errors[2]).abs().log2();
+        eprintln!("shell at 30 kPa, P{degree}, {levels:?} arcs: {errors:+.4?}, order {order:.2}");
+        assert!(order > least, "P{degree}: {order}");
+    }
+}
+
+#[test]
+#[ignore = "half a minute of cubic elements: runs in make test-all"]
+fn the_shell_converges_with_second_order_for_cubic_elements() {
+    let errors = [3, 6, 12].map(|n| error_at_30(3, n, n.div_ceil(2)));
+    let order = (errors[1] / errors[2]).abs().log2();
+    eprintln!("shell at 30 kPa, P3, [3, 6, 12] arcs: {errors:+.4?}, order {order:.2}");
+    assert!((order - 2.0).abs() < 0.3, "{order}");
+}
+
+#[test]
+fn small_pressure_gives_the_sphere_of_lame() {
+    let (mu, bulk) = MODULI;
+    let exact =
+        A.powi(3) / (B.powi(3) - A.powi(3)) * (A / (3.0 * bulk) + B.powi(3) / (4.0 * mu * A * A));
+    assert!((exact / A / 3.030_701_8e-6 - 1.0).abs() < 1e-7);
+    let slope = |n: usize| {
+        let mut shell = Shell::new(2, n, n / 2, 1.0);
+        shell.problem.solve(1.0);
+        (shell.measures()[0] - 1.0) * A / exact - 1.0
+    };
+    let errors = [slope(6), slope(12)];
+    eprintln!("sphere of Lamé, P2, 6 and 12 arcs: u(A) off by {errors:+.4?}");
+    assert!(errors[1].abs() < 0.01 && errors[1].abs() < errors[0].abs() / 2.5);
+}

@@ -1,0 +1,90 @@
+//! Equilibria of small bodies without a scene file.
+
+use mesh::{TetMesh, Vec3};
+use solver::element::{FunctionSpace, at};
+use solver::energy::Energy;
+use solver::forward::{Newton, System, certificate};
+use solver::material::MooneyRivlin;
+
+/// The silicone of the frog, finger and gripper of Gjoka et al. 2024.
+pub const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
+
+/// Shear and bulk modulus of [`SILICONE`] at small strain [Pa].
+pub const MODULI: (f64, f64) = (120e3, 2e6);
+
+/// A body under loads that grow together.
+pub struct Problem {
+    /// Rest positions of the vertices [m].
+    pub rest: Vec<Vec3>,
+    /// The discrete problem.
+    pub system: System,
+    /// Displacement of the last equilibrium [m].
+    pub u: Vec<f64>,
+}
+
+impl Problem {
+    /// Elements of a degree on a mesh; `energies` may look at the space, and
+    /// `held` tells which components are fixed at a rest position.
+    pub fn new(
+        mesh: TetMesh,
+        degree: usize,
+        energies: impl Fn(&FunctionSpace) -> Vec<Box<dyn Energy>>,
+        held: impl Fn(Vec3) -> [bool; 3],
+    ) -> Self {
+        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
+        let rest = mesh.vertices;
+        let fixed: Vec<bool> = space.node_positions(&rest).into_iter().flat_map(held).collect();
+        let energies = energies(&space);
+        let u = vec![0.0; fixed.len()];
+        Self { rest, system: System::new(space, energies, &fixed), u }
+    }
+
+    /// Moves on to the equilibrium at a fraction of the load.
+    ///
+    /// # Panics
+    /// When there is none or it is not certified.
+    pub fn solve(&mut self, load: f64) {
+        // slender bodies cancel large inner forces: 1e-10 is below their rounding
+        let newton = Newton { iterations: 40, relative: 1e-9, absolute: 0.0 };
+        newton
+            .solve(&mut self.system, &self.rest, &mut self.u, load)
+            .unwrap_or_else(|failure| panic!("load {load}: {failure}"));
+        certificate(&self.system.space, &self.rest, &self.u)
+            .unwrap_or_else(|found| panic!("load {load}: {found}"));
+    }
+
+    /// Rest and deformed positions of all nodes [m].
+    #[must_use]
+    pub fn nodes(&self) -> Vec<(Vec3, Vec3)> {
+        let rest = self.system.space.node_positions(&self.rest);
+        rest.into_iter().enumerate().map(|(i, x)| (x, x + at(&self.u, i))).collect()
+    }
+
+    /// Rest and deformed positions of the mesh vertices [m].
+    #[must_use]
+    pub fn vertices(&self) -> Vec<(Vec3, Vec3)> {
+        let mut nodes = self.nodes();
+        nodes.truncate(self.rest.len());
+        nodes
+    }
+}
+
+/// Boundary facets, oriented out of the solid, whose vertices all satisfy a
+/// condition.
+#[must_use]
+pub fn facets_where(mesh: &TetMesh, inside: impl Fn(Vec3) -> bool) -> Vec<[usize; 3]> {
+    let facets = mesh::topology::boundary(mesh).facets;
+    facets.into_iter().filter(|f| f.iter().all(|&v| inside(mesh.vertices[v]))).collect()
+}
+
+/// The mean of some numbers.
+#[must_use]
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Numbers in scientific notation, for tables.
+#[must_use]
+pub fn scientific(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{v:.3e}")).collect::<Vec<_>>().join(" ")
+}
