@@ -12,6 +12,7 @@ use solver::energy::Wall;
 use solver::forward::{LoadStep, Solution, System, solve};
 use solver::results;
 use solver::scene::Scene;
+use solver::stretch::Stretches;
 
 /// Solve a scene for its equilibrium under the full load
 ///
@@ -122,8 +123,20 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     report["force_balance"] = results::balance(scene, &scene.body, system, &solution.u)?;
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
     report["walls"] = json!(results::walls(scene, &scene.body, &system.space, &solution.u)?);
+    report["stretch_range"] = json!(stretches(scene, system, solution));
     report["timings"] = json!(system.timings);
     Ok(())
+}
+
+/// Principal stretches of the state, with a warning where the material was not
+/// tested.
+fn stretches(scene: &Scene, system: &System, solution: &Solution) -> Stretches {
+    let range = scene.material.stretch_range;
+    let found = Stretches::of(&system.space, &scene.body.mesh.vertices, &solution.u, range);
+    if let Some(warning) = found.warning() {
+        log::warn!("{warning}");
+    }
+    found
 }
 
 /// Σ ∫ P dV along the load steps by the trapezoidal rule [J]: second order in
