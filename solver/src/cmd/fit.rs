@@ -206,12 +206,12 @@ fn snippet(tests: &[Test], fit: &Fitted) -> Result<String> {
     }
     writeln!(
         text,
-        "# R² {:.6}, rms error {:.4e} Pa, data at stretch {:.4} to {:.4}",
+        "# R² {:.6}, rms error {:.1} Pa, data at stretch {:.4} to {:.4}",
         q.r2, q.rms, q.fitted[0], q.fitted[1]
     )?;
     writeln!(
         text,
-        "# The bulk modulus is chosen, not measured ({:.4} of the shear modulus); in this range it\n\
+        "# The bulk modulus is chosen, not measured ({:.1} times the shear modulus); in this range it\n\
          # changes the uniaxial stress by up to {:.2} % of its largest value.",
         q.moduli.bulk / q.moduli.shear,
         100.0 * q.compressibility
@@ -224,7 +224,7 @@ fn snippet(tests: &[Test], fit: &Fitted) -> Result<String> {
     }
     writeln!(text, "[material]\nkind = \"{}\"", fit.law().key)?;
     for (parameter, values) in fit.law().named(&fit.values) {
-        let numbers: Vec<_> = values.iter().map(|v| format!("{v:?}")).collect();
+        let numbers: Vec<_> = values.iter().map(|v| format!("{v:.7e}")).collect();
         match (parameter.list, numbers.as_slice()) {
             (true, numbers) => {
                 writeln!(text, "{} = [{}]", parameter.name, numbers.join(", "))?;

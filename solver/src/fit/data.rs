@@ -108,7 +108,7 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
         stress + 1,
         &header[stress]
     );
-    let stress_unit = titles[stress].1.clone().or_else(|| units.stress.clone());
+    let stress_unit = one_unit("stress", titles[stress].1.as_ref(), units.stress.as_ref())?;
     let stress = (stress, stress_factor(stress_unit.as_deref())?);
     if let Some(stretch) = find("stretch")? {
         let unit = titles[stretch].1.as_deref();
@@ -122,8 +122,19 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
              stress [kPa]"
         )
     })?;
-    let unit = titles[strain].1.clone().or_else(|| units.strain.clone());
+    let unit = one_unit("strain", titles[strain].1.as_ref(), units.strain.as_ref())?;
     Ok(Layout { stretch: (strain, strain_factor(unit.as_deref())?, 1.0), stress, decimal_comma })
+}
+
+/// The unit of the header or the one given apart, which must not differ.
+fn one_unit(name: &str, header: Option<&String>, apart: Option<&String>) -> Result<Option<String>> {
+    if let (Some(header), Some(apart)) = (header, apart) {
+        ensure!(
+            header == apart,
+            "{name} in \"{header}\" says the header, in \"{apart}\" says --{name}-unit"
+        );
+    }
+    Ok(header.or(apart).cloned())
 }
 
 fn strain_factor(unit: Option<&str>) -> Result<f64> {
@@ -251,6 +262,9 @@ mod tests {
         let units = Units { strain: Some("%".into()), stress: Some("kPa".into()) };
         let last = *parse(&text, &units, None).expect("readable").last().expect("seven points");
         assert!((last.0 - 1.6).abs() < 1e-12 && (last.1 - 600.0).abs() < 1e-9);
+        let text = table("strain [1],stress [Pa]", |e| format!("{e},{e}"));
+        let message = format!("{:#}", parse(&text, &units, None).expect_err("two units"));
+        assert!(message.contains("\"Pa\" says the header, in \"kPa\""), "{message}");
     }
 
     #[test]

@@ -30,8 +30,7 @@ fn assert_close(found: &[f64], exact: &[f64], tolerance: f64) {
 #[test]
 fn every_candidate_names_a_law_and_recovers_itself() {
     for candidate in CANDIDATES {
-        let law = candidate.law();
-        assert_eq!(candidate.start.is_empty(), law.key == "ogden", "{}", candidate.name);
+        assert!(candidate.name.starts_with(candidate.law().key) && candidate.unknowns() > 0);
     }
     let neo = NeoHookean(Lame::new(1e5, 0.45));
     let found = named("neo-hookean", &[test(&neo, Mode::Uniaxial, 2.0, 0.0)]);

@@ -39,14 +39,15 @@ pub fn levenberg_marquardt(
             // a column of zeros must not make the matrix singular
             normal[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE.sqrt());
         }
-        let Some(factor) = normal.cholesky() else { break };
-        let step = factor.solve(&-gradient);
-        let trial = &x + &step;
-        let better = residuals(trial.as_slice())
-            .filter(|(new, _)| new.norm_squared().is_finite() && new.norm() < r.norm());
-        let moved = step.norm() > 1e-12 * x.norm();
-        if let Some(new) = better {
-            (x, (r, jacobian)) = (trial, new);
+        let step = normal.cholesky().map(|factor| factor.solve(&-gradient));
+        let moved = step.as_ref().is_none_or(|s| s.norm() > 1e-12 * x.norm());
+        let trial = step.map(|step| &x + step);
+        let better = trial.and_then(|trial| {
+            let new = residuals(trial.as_slice())?;
+            (new.0.norm() < r.norm()).then_some((trial, new))
+        });
+        if let Some(better) = better {
+            (x, (r, jacobian)) = better;
             damping = (damping * 0.2).max(1e-15);
         } else {
             damping *= 4.0;
