@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&fits, chosen)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    fit::draw(&folder.join("fit.svg"), &tests, &fits)?;
+    fit::draw(&folder.join("fit.svg"), &tests, &fits, chosen)?;
     results::write_json(&folder.join("fit.json"), &report(&tests, &fits, chosen)?)?;
     let material = folder.join("material.toml");
     if chosen.quality.r2 < USABLE {
@@ -167,16 +167,10 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
         }))
     };
     let one = |fit: &Fitted| {
-        let parameters: serde_json::Map<_, _> = fit
-            .law()
-            .named(&fit.values)
-            .into_iter()
-            .map(|(p, v)| (p.name.to_owned(), if p.list { json!(v) } else { json!(v[0]) }))
-            .collect();
         json!({
             "name": fit.candidate.name,
             "kind": fit.law().key,
-            "parameters": parameters,
+            "parameters": fit.law().table(&fit.values),
             "quality": fit.quality,
         })
     };

@@ -126,15 +126,9 @@ fn fit_text(fit: &Fit) -> String {
 fn silicone_json(silicone: &Silicone) -> Value {
     let fit = |fit: &Fit| {
         let s = &fit.specification;
-        let parameters: serde_json::Map<_, _> = s
-            .law
-            .named(&s.values)
-            .into_iter()
-            .map(|(p, v)| (p.name.to_owned(), if p.list { json!(v) } else { json!(v[0]) }))
-            .collect();
         json!({
             "kind": s.law.key,
-            "parameters": parameters,
+            "parameters": s.law.table(&s.values),
             "moduli": s.moduli(),
             "stretch_range": s.stretch_range,
             "r2": fit.r2,

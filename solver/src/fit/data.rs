@@ -247,7 +247,7 @@ mod tests {
             }
         }
         let psi = points(&table("strain [1],stress [psi]", |e| format!("{e},{e}")));
-        assert!((psi[6].1 / (0.6 * 6894.757_293) - 1.0).abs() < 1e-9);
+        assert!((psi[6].1 / (0.6 * 6894.757293) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -164,6 +164,20 @@ impl Law {
         self.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
     }
 
+    /// The values of `numbers` as a `[material]` table has them, without `kind`.
+    ///
+    /// # Panics
+    /// As [`Law::named`].
+    #[must_use]
+    pub fn table(&self, numbers: &[f64]) -> toml::Table {
+        let value = |(p, values): (&Parameter, Vec<f64>)| {
+            let mut items: Vec<_> = values.into_iter().map(Value::Float).collect();
+            let value = if p.list { Value::Array(items) } else { items.remove(0) };
+            (p.name.to_owned(), value)
+        };
+        self.named(numbers).into_iter().map(value).collect()
+    }
+
     /// The values of `numbers` under the names of the parameters.
     ///
     /// # Panics
