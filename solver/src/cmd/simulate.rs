@@ -101,6 +101,11 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
             "mesh": { "path": scene.mesh_path, "sha256": mesh::io::sha256_file(&scene.mesh_path)? },
         },
         "config": scene.config,
+        "material": {
+            "kind": scene.material.law.key,
+            "parameters": scene.material.law.table(&scene.material.values),
+            "moduli": scene.material.moduli(),
+        },
         "dofs": system.len(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),

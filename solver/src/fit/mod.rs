@@ -22,7 +22,7 @@ use crate::material::{Law, Moduli, Specification};
 
 /// Bulk over shear modulus at rest, where nothing is known: Poisson's ratio
 /// 0.4975. Real silicone has some 10⁴, which locks elements of pure
-/// displacement; see the README for what the difference does.
+/// displacement; the README says what was measured.
 pub const BULK_RATIO: f64 = 200.0;
 
 /// Stretch up to which stability is looked for.

@@ -77,7 +77,7 @@ fn chart(text: &mut String, tests: &[Test], fits: &[Fitted], chosen: &Fitted) ->
         draw_points(&mut chart, test)?;
     }
     for (fit, color) in fits.iter().zip(COLORS.iter().cycle()) {
-        let width = if std::ptr::eq(fit, chosen) { 4 } else { 1 };
+        let width = if std::ptr::eq(fit, chosen) { 4 } else { 2 };
         draw_curves(&mut chart, tests, fit, color.stroke_width(fine(width)))?;
     }
     chart
