@@ -8,6 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use mesh::cli::Unusable;
 use serde_json::{Value, json};
 use solver::fit::{self, CANDIDATES, Fitted, Test, Units};
+use solver::material::BULK_RATIO;
 use solver::material::response::Mode;
 use solver::results;
 
@@ -47,7 +48,7 @@ pub struct Arguments {
     #[arg(long)]
     law: Option<String>,
     /// Bulk over shear modulus at rest, which a tensile test does not tell
-    #[arg(long, default_value_t = fit::BULK_RATIO)]
+    #[arg(long, default_value_t = BULK_RATIO)]
     bulk_ratio: f64,
 }
 

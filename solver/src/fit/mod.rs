@@ -5,7 +5,7 @@
 //! residuals and their derivatives come from the laws of the table themselves.
 //!
 //! A test of a soft rubber says nothing about its bulk modulus: it is set to a
-//! fixed ratio to the shear modulus, [`BULK_RATIO`] unless told otherwise.
+//! fixed ratio to the shear modulus, [`crate::material::BULK_RATIO`] unless told otherwise.
 
 mod candidate;
 mod data;
@@ -19,11 +19,6 @@ use serde::Serialize;
 
 use crate::material::response::{Mode, free_uniaxial};
 use crate::material::{Law, Moduli, Specification};
-
-/// Bulk over shear modulus at rest, where nothing is known: Poisson's ratio
-/// 0.4975. Real silicone has some 10⁴, which locks elements of pure
-/// displacement; the README says what was measured.
-pub const BULK_RATIO: f64 = 200.0;
 
 /// Stretch up to which stability is looked for.
 const STABILITY_LIMIT: f64 = 20.0;

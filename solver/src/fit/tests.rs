@@ -1,7 +1,7 @@
 //! Fits of data whose law is known.
 
 use super::*;
-use crate::material::{Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
+use crate::material::{BULK_RATIO, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
 use crate::math::random::Random;
 
 /// A test of a law, with noise relative to the largest stress.

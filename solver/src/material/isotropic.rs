@@ -39,6 +39,8 @@ pub struct Invariants {
     pub log_j: f64,
     /// J − 1.
     pub j_minus_1: f64,
+    /// J^{−2/3}.
+    ratio: f64,
 }
 
 /// An isotropic law; J > 0 is given.
@@ -56,18 +58,17 @@ impl Invariants {
         let log_j = k.log_j();
         let y = -2.0 / 3.0 * log_j;
         let [first, second] = k.excess();
+        // r − 1 = eʸ − 1 and e²ʸ − 1, and what of them is beyond first order
+        let (e, beyond) = (y.exp_m1(), exp_m1_minus(y));
+        let (e2, beyond2) = (e * (2.0 + e), e * e + 2.0 * beyond);
         Self {
-            a: first + 3.0 * exp_m1_minus(y) + k.i1_minus_3() * y.exp_m1(),
-            b: second + 3.0 * exp_m1_minus(2.0 * y) + k.i2_minus_3() * (2.0 * y).exp_m1(),
+            a: first + 3.0 * beyond + k.i1_minus_3() * e,
+            b: second + 3.0 * beyond2 + k.i2_minus_3() * e2,
             j: k.j(),
             log_j,
             j_minus_1: k.j_minus_1,
+            ratio: 1.0 + e,
         }
-    }
-
-    /// J^{−2/3}.
-    fn ratio(&self) -> f64 {
-        (-2.0 / 3.0 * self.log_j).exp()
     }
 }
 
@@ -111,7 +112,7 @@ impl<T: Isotropic> Material for T {
 /// ∂Ī₁/∂F and ∂Ī₂/∂F.
 fn gradients(k: &Kinematics, at: &Invariants) -> [Mat3; 2] {
     let g = k.left_minus_1();
-    let r = at.ratio();
+    let r = at.ratio;
     // with G = B − I: I₁B − B² = (1 + tr G) G − G² + a multiple of I
     let second = (1.0 + g.trace()) * g - g * g;
     let inverse_transpose = k.cofactor / at.j;
@@ -134,7 +135,7 @@ struct Plain {
 
 impl Plain {
     fn new(k: &Kinematics, at: &Invariants, p: &Partials) -> Self {
-        let (j, r) = (at.j, at.ratio());
+        let (j, r) = (at.j, at.ratio);
         let r2 = r * r;
         let (i1, i2) = (k.i1_minus_3() + 3.0, k.i2_minus_3() + 3.0);
         let [p1, p2, pj] = p.first;
