@@ -4,9 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::material::{Material, MooneyRivlin};
+use crate::material::Specification;
+use crate::silicone;
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -49,20 +51,30 @@ fn quintic() -> usize {
     crate::element::quadrature::DEFAULT_DEGREE
 }
 
-/// A constitutive law by its kind.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
+/// The name of a silicone of the library, or a law with its parameters.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "needed is the name of a silicone, as in \
+    material = \"ecoflex-00-30\", or a table [material] with kind and parameters"
+)]
 pub enum MaterialConfig {
-    /// See [`MooneyRivlin`].
-    MooneyRivlin(MooneyRivlin),
+    /// A row of `solver list --silicones`.
+    Silicone(String),
+    /// `kind`, the parameters of that law in `solver list`, and optionally
+    /// `density` [kg/m³] and `stretch_range` [1].
+    Law(toml::Table),
 }
 
 impl MaterialConfig {
-    /// The law.
-    #[must_use]
-    pub fn build(&self) -> Box<dyn Material> {
+    /// The law with its parameters.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn specification(&self) -> Result<Specification> {
         match self {
-            Self::MooneyRivlin(law) => Box::new(*law),
+            Self::Silicone(name) => silicone::find(name).map(|fit| fit.specification.clone()),
+            Self::Law(table) => Specification::read(table).context("[material]"),
         }
     }
 }

@@ -8,6 +8,9 @@ pub mod math; // small dense and sparse algebra
 pub mod body; // a tagged mesh
 pub mod element; // discretisation
 pub mod material; // constitutive laws ψ(F)
+pub mod silicone; // known materials
+pub mod fit; // tensile tests to laws
+pub mod stretch; // how far a state strains its material
 pub mod contact; // distances between surfaces
 pub mod energy; // terms of the potential energy
 pub mod forward; // from energies to an equilibrium

@@ -25,6 +25,8 @@ enum Verb {
     Simulate(cmd::simulate::Arguments),
     Optimize(cmd::optimize::Arguments),
     Check(cmd::check::Arguments),
+    List(cmd::list::Arguments),
+    Fit(cmd::fit::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -37,6 +39,8 @@ fn main() -> ExitCode {
             Verb::Simulate(arguments) => cmd::simulate::run(arguments),
             Verb::Optimize(arguments) => cmd::optimize::run(arguments),
             Verb::Check(arguments) => cmd::check::run(arguments),
+            Verb::List(arguments) => cmd::list::run(arguments),
+            Verb::Fit(arguments) => cmd::fit::run(arguments),
         }
     })
 }

@@ -70,6 +70,9 @@ impl Material for Guccione {
         }
         tangent
     }
+
+    /// The law has no parameters that can be differentiated.
+    fn add_parameter_vjp(&self, _: &Kinematics, _: &Mat3, _: &mut [f64]) {}
 }
 
 /// Constant nodal forces.

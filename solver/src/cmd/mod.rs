@@ -1,5 +1,7 @@
 //! The verbs of `solver`.
 
 pub mod check;
+pub mod fit;
+pub mod list;
 pub mod optimize;
 pub mod simulate;

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use solver::forward::{LoadStep, Solution, System, solve};
 use solver::results;
 use solver::scene::Scene;
+use solver::stretch::Stretches;
 
 /// Solve a scene for its equilibrium under the full load
 ///
@@ -98,6 +99,11 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
             "mesh": { "path": scene.mesh_path, "sha256": mesh::io::sha256_file(&scene.mesh_path)? },
         },
         "config": scene.config,
+        "material": {
+            "kind": scene.material.law.key,
+            "parameters": scene.material.law.table(&scene.material.values),
+            "moduli": scene.material.moduli(),
+        },
         "dofs": system.len(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
@@ -121,8 +127,20 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     report["force_balance"] = results::balance(system, rest, &solution.u);
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
     report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u)?);
+    report["stretch_range"] = json!(stretches(scene, system, solution));
     report["timings"] = json!(system.timings);
     Ok(())
+}
+
+/// Principal stretches of the state, with a warning where the material was not
+/// tested.
+fn stretches(scene: &Scene, system: &System, solution: &Solution) -> Stretches {
+    let range = scene.material.stretch_range;
+    let found = Stretches::of(&system.space, &scene.body.mesh.vertices, &solution.u, range);
+    if let Some(warning) = found.warning() {
+        log::warn!("{warning}");
+    }
+    found
 }
 
 /// Work of gas, dead loads and moving supports along the load steps by the

@@ -1,16 +1,40 @@
 //! Constitutive laws ψ(F): energy per rest volume [J/m³].
+//!
+//! One law per file, one row per law in [`LAWS`].
 
 mod isotropic;
 mod kinematics;
+mod lame;
+mod law;
+mod linear_elastic;
 mod mooney_rivlin;
+mod mooney_rivlin_quadratic;
+mod neo_hookean;
+mod ogden;
+pub mod response;
+mod saint_venant_kirchhoff;
+mod specification;
+#[cfg(test)]
+mod tests;
+mod yeoh;
 
-pub use isotropic::{Isotropic, Partials};
+pub use isotropic::{Invariants, Isotropic, Partials};
 pub use kinematics::Kinematics;
+pub use lame::Lame;
+pub use law::{BULK_RATIO, Law, Moduli, Parameter};
+pub use linear_elastic::LinearElastic;
 pub use mooney_rivlin::MooneyRivlin;
+pub use mooney_rivlin_quadratic::MooneyRivlinQuadratic;
+pub use neo_hookean::NeoHookean;
+pub use ogden::Ogden;
+pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+pub use specification::Specification;
+pub use yeoh::Yeoh;
 
 use crate::math::tensor::{Mat3, Mat9};
 
-/// A hyperelastic law. The energy of an inverted point (J ≤ 0) is infinite.
+/// A hyperelastic law. The energy of an inverted point (J ≤ 0) is infinite; its
+/// stress and tangent have no meaning there.
 pub trait Material: Send + Sync {
     /// ψ [J/m³].
     fn energy_density(&self, k: &Kinematics) -> f64;
@@ -18,4 +42,17 @@ pub trait Material: Send + Sync {
     fn first_piola(&self, k: &Kinematics) -> Mat3;
     /// A = ∂P/∂F [Pa].
     fn tangent(&self, k: &Kinematics) -> Mat9;
+    /// Adds P̄ : ∂P/∂parameters, in the order of the law's [`Law::parameters`].
+    fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]);
 }
+
+/// The laws, in the order in which they are listed.
+pub const LAWS: &[Law] = &[
+    mooney_rivlin::LAW,
+    mooney_rivlin_quadratic::LAW,
+    neo_hookean::LAW,
+    yeoh::LAW,
+    ogden::LAW,
+    saint_venant_kirchhoff::LAW,
+    linear_elastic::LAW,
+];

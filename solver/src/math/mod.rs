@@ -1,8 +1,10 @@
 //! Small dense and sparse algebra.
 
+pub mod least_squares;
 pub mod linear;
 pub mod ordering;
 pub mod random;
+pub mod remainder;
 pub mod sparse;
 pub mod taylor;
 pub mod tensor;

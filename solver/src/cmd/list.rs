@@ -1,0 +1,149 @@
+//! `solver list`: what a scene may name.
+
+use std::io::Write;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+use solver::material::{LAWS, Law};
+use solver::silicone::{self, Fit, Silicone};
+
+/// Characters in a line.
+const WIDTH: usize = 96;
+
+/// List the material laws, or the silicones, that a scene may name
+///
+/// A law is the kind of a table [material]; a silicone is named by
+/// material = "its-name".
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The silicones in place of the laws
+    #[arg(long)]
+    silicones: bool,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    let text = match (arguments.silicones, arguments.json) {
+        (false, false) => LAWS.iter().map(law_text).collect::<Vec<_>>().join("\n"),
+        (true, false) => silicone::all().iter().map(silicone_text).collect::<Vec<_>>().join("\n"),
+        (false, true) => pretty(LAWS.iter().map(law_json).collect())?,
+        (true, true) => pretty(silicone::all().iter().map(silicone_json).collect())?,
+    };
+    write!(out, "{text}")?;
+    Ok(())
+}
+
+fn pretty(rows: Vec<Value>) -> Result<String> {
+    Ok(serde_json::to_string_pretty(&rows)? + "\n")
+}
+
+fn law_text(law: &Law) -> String {
+    let mut text = format!("{}\n  {}\n", law.key, law.formula);
+    for p in law.parameters {
+        text += &format!("    {:8} {:5} {}\n", p.name, format!("[{}]", p.unit), p.meaning);
+    }
+    text += &format!("  shear modulus at rest  {}\n", law.shear);
+    text += &format!("  bulk modulus at rest   {}\n", law.bulk);
+    if !law.limits.is_empty() {
+        text += &wrapped("limits: ", law.limits);
+    }
+    text + &wrapped("source: ", law.source)
+}
+
+/// Words after a label, indented under it.
+fn wrapped(label: &str, words: &str) -> String {
+    let mut text = format!("  {label}");
+    let indent = text.chars().count();
+    let mut column = indent;
+    for word in words.split_whitespace() {
+        let length = word.chars().count();
+        if column > indent && column + 1 + length > WIDTH {
+            text += &format!("\n{:indent$}", "");
+            column = indent;
+        }
+        if column > indent {
+            text.push(' ');
+            column += 1;
+        }
+        text += word;
+        column += length;
+    }
+    text + "\n"
+}
+
+fn law_json(law: &Law) -> Value {
+    let parameter = |p: &solver::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
+    json!({
+        "kind": law.key,
+        "formula": law.formula,
+        "parameters": law.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "shear_modulus": law.shear,
+        "bulk_modulus": law.bulk,
+        "limits": law.limits,
+        "source": law.source,
+    })
+}
+
+fn silicone_text(silicone: &Silicone) -> String {
+    let mut facts = vec![format!("{}, {}", silicone.name, silicone.vendor)];
+    facts.extend(silicone.density.map(|d| format!("{d} kg/m³")));
+    facts.extend(silicone.mix.as_ref().map(|m| format!("mix {m}")));
+    facts.extend(silicone.pot_life_min.map(|t| format!("pot life {t} min")));
+    facts.extend(silicone.cure_h.map(|t| format!("demold after {t} h")));
+    let mut text = format!("{}\n  {}\n", silicone.key, facts.join("; "));
+    for fit in &silicone.fits {
+        text += &fit_text(fit);
+    }
+    if let Some(fit) = silicone.fits.first() {
+        text += &wrapped("source: ", &format!("{} [{}]", fit.citation, fit.licence));
+    }
+    text
+}
+
+fn fit_text(fit: &Fit) -> String {
+    let s = &fit.specification;
+    let one = |(p, values): (&solver::material::Parameter, Vec<f64>)| {
+        let values: Vec<_> = values.iter().map(|v| format!("{v}")).collect();
+        format!("{} {}", p.name, values.join(" "))
+    };
+    let parameters: Vec<_> = s.law.named(&s.values).into_iter().map(one).collect();
+    let range = s
+        .stretch_range
+        .map_or("range unknown".to_owned(), |[low, high]| format!("stretch {low} to {high}"));
+    let r2 = fit.r2.map_or(String::new(), |r2| format!(", R² {r2}"));
+    format!(
+        "    {:14} {}\n    {:14} shear {:.1} kPa, {range}{r2}\n",
+        s.law.key,
+        parameters.join(", "),
+        "",
+        1e-3 * s.moduli().shear
+    )
+}
+
+fn silicone_json(silicone: &Silicone) -> Value {
+    let fit = |fit: &Fit| {
+        let s = &fit.specification;
+        json!({
+            "kind": s.law.key,
+            "parameters": s.law.table(&s.values),
+            "moduli": s.moduli(),
+            "stretch_range": s.stretch_range,
+            "r2": fit.r2,
+            "source": fit.citation,
+            "licence": fit.licence,
+        })
+    };
+    json!({
+        "key": silicone.key,
+        "name": silicone.name,
+        "vendor": silicone.vendor,
+        "density": silicone.density,
+        "mix": silicone.mix,
+        "pot_life_min": silicone.pot_life_min,
+        "cure_h": silicone.cure_h,
+        "fits": silicone.fits.iter().map(fit).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,296 @@
+//! Tensile tests as tables of text.
+//!
+//! A header names the columns and their units, as in `strain [%], stress [kPa]`;
+//! others are ignored. `stretch` is deformed over rest length, `strain` is
+//! stretch − 1, and `stress` is nominal: force over rest area. Columns are
+//! separated by commas, tabs, or semicolons (then numbers may have decimal
+//! commas). Lines that start with # are comments.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use csv::StringRecord;
+
+use crate::material::response::Mode;
+
+/// Fewest points away from rest that make a test.
+const FEWEST: usize = 5;
+
+/// A test of homogeneous strain.
+#[derive(Clone, Debug)]
+pub struct Test {
+    /// How it was pulled.
+    pub mode: Mode,
+    /// The file it came from.
+    pub path: PathBuf,
+    /// Stretch along the pull [1] and nominal stress [Pa].
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Units that the header does not tell.
+#[derive(Clone, Debug, Default)]
+pub struct Units {
+    /// Unit of strain: 1 or %.
+    pub strain: Option<String>,
+    /// Unit of stress: Pa, kPa, MPa, N/mm2 or psi.
+    pub stress: Option<String>,
+}
+
+/// Columns and factors to SI.
+struct Layout {
+    /// Column of the stretch or strain, its factor, and 1 for strain.
+    stretch: (usize, f64, f64),
+    stress: (usize, f64),
+    decimal_comma: bool,
+}
+
+/// Reads a test, as far as `up_to`.
+///
+/// # Errors
+/// With file, line and what was found and needed.
+pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Result<Test> {
+    let text = mesh::io::read_text(path)?;
+    let points = parse(&text, units, up_to).with_context(|| path.display().to_string())?;
+    Ok(Test { mode, path: path.to_path_buf(), points })
+}
+
+fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)>> {
+    let text = text.trim_start_matches('\u{feff}');
+    let header = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#'));
+    let header = header.context("empty; needed is a header and a line per point")?;
+    let delimiter = [b';', b'\t'].into_iter().find(|d| header.as_bytes().contains(d));
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter.unwrap_or(b','))
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let layout = layout(reader.headers()?, units, delimiter == Some(b';'))?;
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let point = layout.point(&record).with_context(|| format!("line {line}"))?;
+        if up_to.is_none_or(|end| point.0 <= end) {
+            points.push(point);
+        }
+    }
+    check(&points)?;
+    Ok(points)
+}
+
+/// A column's name in lower case and the unit in its brackets.
+fn split(title: &str) -> (String, Option<String>) {
+    let cut = title.find(['[', '(']);
+    let name = cut.map_or(title, |at| &title[..at]);
+    let unit = cut.map(|at| title[at + 1..].trim_end_matches([']', ')', ' ']).trim().to_owned());
+    (name.trim().to_lowercase(), unit)
+}
+
+fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<Layout> {
+    let titles: Vec<_> = header.iter().map(split).collect();
+    let find = |word: &str| -> Result<Option<usize>> {
+        let found: Vec<_> = (0..titles.len()).filter(|&i| titles[i].0.contains(word)).collect();
+        ensure!(
+            found.len() < 2,
+            "columns {} all are named {word}; keep one",
+            found.iter().map(|i| (i + 1).to_string()).collect::<Vec<_>>().join(", ")
+        );
+        Ok(found.first().copied())
+    };
+    let shown = header.iter().collect::<Vec<_>>().join(" | ");
+    let stress = find("stress")?.with_context(|| {
+        format!("no column named stress in the header: {shown}\n  as in: strain [%], stress [kPa]")
+    })?;
+    ensure!(
+        !["true", "cauchy"].iter().any(|word| titles[stress].0.contains(word)),
+        "column {} is \"{}\": needed is nominal stress, force over rest area",
+        stress + 1,
+        &header[stress]
+    );
+    let stress_unit = one_unit("stress", titles[stress].1.as_ref(), units.stress.as_ref())?;
+    let stress = (stress, stress_factor(stress_unit.as_deref())?);
+    if let Some(stretch) = find("stretch")? {
+        let unit = titles[stretch].1.as_deref();
+        let plain = unit.is_none_or(|u| ["1", "-", "", "mm/mm", "m/m"].contains(&u));
+        ensure!(plain, "stretch in {unit:?}: it is a ratio of lengths, with unit [1]");
+        return Ok(Layout { stretch: (stretch, 1.0, 0.0), stress, decimal_comma });
+    }
+    let strain = find("strain")?.with_context(|| {
+        format!(
+            "no column named stretch or strain in the header: {shown}\n  as in: strain [%], \
+             stress [kPa]"
+        )
+    })?;
+    let unit = one_unit("strain", titles[strain].1.as_ref(), units.strain.as_ref())?;
+    Ok(Layout { stretch: (strain, strain_factor(unit.as_deref())?, 1.0), stress, decimal_comma })
+}
+
+/// The unit of the header or the one given apart, which must not differ.
+fn one_unit(name: &str, header: Option<&String>, apart: Option<&String>) -> Result<Option<String>> {
+    if let (Some(header), Some(apart)) = (header, apart) {
+        ensure!(
+            header == apart,
+            "{name} in \"{header}\" says the header, in \"{apart}\" says --{name}-unit"
+        );
+    }
+    Ok(header.or(apart).cloned())
+}
+
+fn strain_factor(unit: Option<&str>) -> Result<f64> {
+    match unit {
+        Some("1" | "-" | "mm/mm" | "m/m") => Ok(1.0),
+        Some("%" | "percent") => Ok(0.01),
+        Some(other) => bail!("strain in \"{other}\": known units are 1 and %"),
+        None => bail!(
+            "no unit of strain: write it in the header, as in strain [%], or give \
+                       --strain-unit 1 or --strain-unit %"
+        ),
+    }
+}
+
+fn stress_factor(unit: Option<&str>) -> Result<f64> {
+    match unit {
+        Some("Pa" | "N/m2" | "N/m²") => Ok(1.0),
+        Some("kPa") => Ok(1e3),
+        Some("MPa" | "N/mm2" | "N/mm²" | "N/mm^2") => Ok(1e6),
+        // pound-force 4.448 221 615 260 5 N on a square of 25.4 mm
+        Some("psi") => Ok(4.448_221_615_260_5 / (0.0254 * 0.0254)),
+        Some(other) => {
+            bail!("stress in \"{other}\": known units are Pa, kPa, MPa, N/mm2 and psi")
+        }
+        None => bail!(
+            "no unit of stress: write it in the header, as in stress [kPa], or give \
+                       --stress-unit kPa"
+        ),
+    }
+}
+
+impl Layout {
+    fn point(&self, record: &StringRecord) -> Result<(f64, f64)> {
+        let (column, factor, offset) = self.stretch;
+        let stretch = offset + factor * self.number(record, column)?;
+        ensure!(stretch > 0.0, "stretch {stretch}: must be positive (is the unit right?)");
+        Ok((stretch, self.stress.1 * self.number(record, self.stress.0)?))
+    }
+
+    fn number(&self, record: &StringRecord, column: usize) -> Result<f64> {
+        let text = record.get(column).with_context(|| {
+            format!("{} columns; needed is column {}", record.len(), column + 1)
+        })?;
+        let plain = if self.decimal_comma { text.replace(',', ".") } else { text.to_owned() };
+        let number = plain.parse::<f64>().ok().filter(|n| n.is_finite());
+        number.with_context(|| format!("column {}: \"{text}\" is not a number", column + 1))
+    }
+}
+
+/// Refuses what cannot be a test of a rubber; warns of what may not be.
+fn check(points: &[(f64, f64)]) -> Result<()> {
+    let away = points.iter().filter(|p| (p.0 - 1.0).abs() > 1e-3).count();
+    ensure!(
+        away >= FEWEST,
+        "{} points, {away} of them strained by more than 0.001; needed are at least {FEWEST}",
+        points.len()
+    );
+    let against: Vec<_> = points.iter().filter(|p| p.1 * (p.0 - 1.0) < 0.0).collect();
+    ensure!(
+        2 * against.len() < points.len(),
+        "{} of {} points have stress against their strain, as {:.4e} Pa at stretch {:.4}: tension \
+         is positive",
+        against.len(),
+        points.len(),
+        against[0].1,
+        against[0].0
+    );
+    let highest = points.iter().fold((1.0, 0.0), |m, p| if p.1 > m.1 { *p } else { m });
+    if let Some(last) = points.last().filter(|p| p.0 > 1.0 && p.1 < 0.8 * highest.1) {
+        log::warn!(
+            "stress falls from {:.4e} Pa at stretch {:.3} to {:.4e} Pa at the end: if the specimen \
+             broke or was unloaded, cut the data with --up-to {:.3}",
+            highest.1,
+            highest.0,
+            last.1,
+            highest.0
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(header: &str, line: impl Fn(f64) -> String) -> String {
+        let lines: Vec<_> = (0..=6).map(|i| line(0.1 * f64::from(i))).collect();
+        format!("{header}\n{}\n", lines.join("\n"))
+    }
+
+    fn points(text: &str) -> Vec<(f64, f64)> {
+        parse(text, &Units::default(), None).expect("readable")
+    }
+
+    #[test]
+    fn columns_and_units_come_from_the_header() {
+        let si = points(&table("stretch,stress [Pa]", |e| format!("{},{}", 1.0 + e, 1e4 * e)));
+        assert!((si[6].0 - 1.6).abs() < 1e-15 && (si[6].1 - 6e3).abs() < 1e-9);
+        for other in [
+            table("time [s], Stress (MPa), Strain (%)", |e| {
+                format!("0,{},{}", 0.01 * e, 100.0 * e)
+            }),
+            table("\u{feff}strain [1]\tstress [N/mm2]", |e| format!("{e}\t{}", 0.01 * e)),
+            table("# made by hand\nstrain [%];nominal stress [kPa]", |e| {
+                format!("{};{}", 100.0 * e, 10.0 * e).replace('.', ",")
+            }),
+        ] {
+            for (a, b) in points(&other).iter().zip(&si) {
+                assert!((a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-6, "{other}");
+            }
+        }
+        let psi = points(&table("strain [1],stress [psi]", |e| format!("{e},{e}")));
+        assert!((psi[6].1 / (0.6 * 6894.757293) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn data_are_cut_where_told() {
+        let text = table("strain [1],stress [kPa]", |e| format!("{e},{e}"));
+        assert_eq!(parse(&text, &Units::default(), Some(1.55)).expect("six points").len(), 6);
+    }
+
+    #[test]
+    fn units_may_be_given_apart() {
+        let text = table("strain,stress", |e| format!("{},{e}", 100.0 * e));
+        let units = Units { strain: Some("%".into()), stress: Some("kPa".into()) };
+        let last = *parse(&text, &units, None).expect("readable").last().expect("seven points");
+        assert!((last.0 - 1.6).abs() < 1e-12 && (last.1 - 600.0).abs() < 1e-9);
+        let text = table("strain [1],stress [Pa]", |e| format!("{e},{e}"));
+        let message = format!("{:#}", parse(&text, &units, None).expect_err("two units"));
+        assert!(message.contains("\"Pa\" says the header, in \"kPa\""), "{message}");
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_the_line() {
+        let good = |header: &str| table(header, |e| format!("{},{}", 1.0 + e, e));
+        for (text, needed) in [
+            (String::new(), "empty"),
+            (good("a,b"), "no column named stress in the header: a | b"),
+            (good("elongation,stress [kPa]"), "no column named stretch or strain"),
+            (good("strain,stress [kPa]"), "--strain-unit"),
+            (good("strain [%],stress"), "--stress-unit"),
+            (good("strain [inch],stress [kPa]"), "strain in \"inch\""),
+            (good("strain [%],stress [bar]"), "stress in \"bar\""),
+            (good("stretch [%],stress [kPa]"), "ratio of lengths"),
+            (good("stretch,true stress [kPa]"), "nominal stress, force over rest area"),
+            (good("stress 1 [kPa],stress 2 [kPa]"), "columns 1, 2"),
+            (good("stretch,stress [kPa]") + "1.7,\n", "line 9: column 2: \"\" is not a number"),
+            (good("stretch,stress [kPa]") + "1.7,nan\n", "line 9"),
+            (good("stretch,stress [kPa]") + "1.7\n", "line 9: 1 columns; needed is column 2"),
+            (good("stretch,stress [kPa]") + "-1.7,3\n", "stretch -1.7: must be positive"),
+            ("stretch,stress [kPa]\n1.5,3\n".into(), "1 points"),
+            (table("stretch,stress [kPa]", |e| format!("{},{}", 1.0 + e, -e)), "against"),
+        ] {
+            let error = parse(&text, &Units::default(), None).expect_err(needed);
+            let message = format!("{error:#}");
+            assert!(message.contains(needed), "{needed} is not in: {message}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Fits of data whose law is known.
+
+use super::*;
+use crate::material::{BULK_RATIO, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
+use crate::math::random::Random;
+
+/// A test of a law, with noise relative to the largest stress.
+fn test(material: &dyn Material, mode: Mode, end: f64, noise: f64) -> Test {
+    let mut random = Random::new(3);
+    let largest = mode.nominal_stress(material, end);
+    let point = |i: i32| {
+        let stretch = 1.0 + (end - 1.0) * f64::from(i) / 120.0;
+        let stress = mode.nominal_stress(material, stretch);
+        (stretch, stress + noise * largest * random.uniform())
+    };
+    Test { mode, path: "made.csv".into(), points: (0..=120).map(point).collect() }
+}
+
+fn named(name: &str, tests: &[Test]) -> Fitted {
+    let candidate = CANDIDATES.iter().find(|c| c.name == name).expect("a candidate");
+    fit(candidate, tests, BULK_RATIO).expect("a fit")
+}
+
+fn assert_close(found: &[f64], exact: &[f64], tolerance: f64) {
+    for (f, e) in found.iter().zip(exact) {
+        assert!((f - e).abs() <= tolerance * e.abs(), "{found:?} is not {exact:?}");
+    }
+}
+
+#[test]
+fn every_candidate_names_a_law_and_recovers_itself() {
+    for candidate in CANDIDATES {
+        assert!(candidate.name.starts_with(candidate.law().key) && candidate.unknowns() > 0);
+    }
+    let neo = NeoHookean(Lame::new(1e5, 0.45));
+    let found = named("neo-hookean", &[test(&neo, Mode::Uniaxial, 2.0, 0.0)]);
+    assert_close(&[found.quality.moduli.shear], &[neo.0.mu], 1e-10);
+    let yeoh = Yeoh { c: [24.293e3, 2250.0, -54.28], bulk: 1e6 };
+    let found = named("yeoh", &[test(&yeoh, Mode::Uniaxial, 4.0, 0.0)]);
+    assert_close(&found.values[..3], &yeoh.c, 1e-8);
+    let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
+    let found = named("mooney-rivlin", &[test(&mooney, Mode::Uniaxial, 2.5, 0.0)]);
+    assert_close(&found.values[..3], &[55e3, 5e3, 1.7e3], 1e-8);
+    let ogden = Ogden { terms: vec![(12.28e3, 2.351)], bulk: 1e6 };
+    let found = named("ogden-1", &[test(&ogden, Mode::Uniaxial, 4.0, 0.0)]);
+    assert_close(&found.values[..2], &[12.28e3, 2.351], 1e-8);
+}
+
+#[test]
+fn two_and_three_terms_of_ogden_reproduce_the_stress() {
+    // their parameters trade against each other; the curve is what is known
+    let two = Ogden { terms: vec![(20e3, 1.4), (0.8e3, 5.2)], bulk: 1e6 };
+    let found = named("ogden-2", &[test(&two, Mode::Uniaxial, 4.0, 0.0)]);
+    assert!(found.quality.r2 > 1.0 - 1e-10, "{:?}", found.quality);
+    let mut parts: Vec<_> = found.values[..2].iter().zip(&found.values[2..4]).collect();
+    parts.sort_by(|a, b| a.1.total_cmp(b.1));
+    assert_close(&[*parts[0].1, *parts[1].1], &[1.4, 5.2], 1e-3);
+    let three = Ogden { terms: vec![(20e3, 1.3), (0.3e3, 5.0), (-2e3, -2.0)], bulk: 1e6 };
+    let tests = [
+        test(&three, Mode::Uniaxial, 4.0, 0.0),
+        test(&three, Mode::Biaxial, 3.0, 0.0),
+        test(&three, Mode::Planar, 4.0, 0.0),
+    ];
+    assert!(named("ogden-3", &tests).quality.r2 > 1.0 - 1e-6);
+}
+
+#[test]
+fn noise_moves_parameters_by_no_more_than_its_size() {
+    // 2 % of the largest stress, uniform: the rms is 0.02/√3
+    let ogden = Ogden { terms: vec![(12.28e3, 2.351)], bulk: 1e6 };
+    let tests = [test(&ogden, Mode::Uniaxial, 4.0, 0.02)];
+    let found = named("ogden-1", &tests);
+    let largest = Mode::Uniaxial.nominal_stress(&ogden, 4.0);
+    assert!((found.quality.rms / largest - 0.02 / 3.0_f64.sqrt()).abs() < 2e-3);
+    assert!((found.quality.moduli.shear / 14.43e3 - 1.0).abs() < 0.03, "{:?}", found.values);
+    assert!(found.quality.r2 > 0.99);
+}
+
+#[test]
+fn a_negative_second_coefficient_is_not_accepted() {
+    // unbounded least squares give c₂ < 0 for silicones: unstable when squeezed
+    let soft = Yeoh { c: [7.83e3, 103.4, -0.8065], bulk: 1e6 };
+    let found = named("mooney-rivlin", &[test(&soft, Mode::Uniaxial, 2.0, 0.0)]);
+    assert!(found.values.iter().all(|v| *v >= 0.0) && found.stable(), "{:?}", found.values);
+    assert!(found.quality.r2 > 0.99);
+}
+
+#[test]
+fn the_range_ends_where_the_law_or_the_data_end() {
+    let yeoh = Yeoh { c: [24.293e3, 2250.0, -54.28], bulk: 1e6 };
+    let found = named("yeoh", &[test(&yeoh, Mode::Uniaxial, 4.0, 0.0)]);
+    let biaxial = found.quality.stable_up_to[1].1.expect("it turns down");
+    assert!(biaxial < 4.0 && (found.quality.stretch_range[1] - biaxial).abs() < 1e-12);
+    assert!(!found.stable());
+    let ogden = named("ogden-1", &[test(&yeoh, Mode::Uniaxial, 4.0, 0.0)]);
+    assert_eq!(ogden.quality.stretch_range, [1.0, 4.0]);
+    assert!(ogden.stable());
+    let chosen = [found, ogden];
+    assert_eq!(choose(&chosen).expect("one of two").candidate.name, "ogden-1");
+}
+
+#[test]
+fn the_simplest_of_equally_good_laws_is_chosen() {
+    let neo = NeoHookean(Lame::new(1e5, 0.45));
+    let tests = [test(&neo, Mode::Uniaxial, 2.0, 0.005)];
+    let fits: Vec<_> = CANDIDATES.iter().filter_map(|c| fit(c, &tests, BULK_RATIO)).collect();
+    assert_eq!(fits.len(), CANDIDATES.len());
+    assert_eq!(choose(&fits).expect("a fit").candidate.name, "neo-hookean");
+}
+
+#[test]
+fn the_bulk_modulus_follows_the_stated_ratio() {
+    let yeoh = Yeoh { c: [24.293e3, 2250.0, -54.28], bulk: 1e6 };
+    let tests = [test(&yeoh, Mode::Uniaxial, 3.0, 0.0)];
+    for candidate in CANDIDATES {
+        let loose = fit(candidate, &tests, 50.0).expect("a fit").quality;
+        let stiff = fit(candidate, &tests, 500.0).expect("a fit").quality;
+        assert!((loose.moduli.bulk / loose.moduli.shear / 50.0 - 1.0).abs() < 1e-9);
+        assert!((stiff.moduli.bulk / stiff.moduli.shear / 500.0 - 1.0).abs() < 1e-9);
+        assert!(stiff.compressibility < 0.2 * loose.compressibility, "{}", candidate.name);
+    }
+}

@@ -1,0 +1,73 @@
+//! Compressible neo-Hookean law.
+//!
+//! ψ = ½μ(I₁ − 3 − 2 ln J) + ½λ ln²J
+//! P = τ F⁻ᵀ      τ = μ(FFᵀ − I) + λ ln J I
+//!
+//! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
+//! Analysis", section on compressible neo-Hookean material.
+
+use super::isotropic::add_j_hessian;
+use super::lame::{self, Lame};
+use super::law::Law;
+use super::{Kinematics, Material};
+use crate::math::tensor::{Mat3, Mat9, vec9};
+
+/// Parameters of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeoHookean(pub Lame);
+
+/// The row of the table.
+pub(super) const LAW: Law = Law {
+    key: "neo-hookean",
+    formula: "ψ = ½ μ (I1 − 3 − 2 ln J) + ½ λ ln²J",
+    parameters: lame::PARAMETERS,
+    shear: lame::SHEAR,
+    bulk: lame::BULK,
+    source: "Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis; \
+             μ, λ: Lamé's parameters in space (not plane stress)",
+    limits: "no stiffening: fits silicone to about twice its length",
+    objective: true,
+    moduli: lame::moduli,
+    build: |p| Box::new(NeoHookean(Lame::new(p[0], p[1]))),
+    sample: &[1e5, 0.35],
+};
+
+impl Material for NeoHookean {
+    fn energy_density(&self, k: &Kinematics) -> f64 {
+        if k.j() <= 0.0 {
+            return f64::INFINITY;
+        }
+        let log_j = k.log_j();
+        0.5 * self.0.mu * k.excess()[0] + 0.5 * self.0.lambda * log_j * log_j
+    }
+
+    fn first_piola(&self, k: &Kinematics) -> Mat3 {
+        let [by_mu, by_lambda] = by_lame(k);
+        self.0.mu * by_mu + self.0.lambda * by_lambda
+    }
+
+    /// With T = F⁻ᵀ: A = μ 1 + λ T⊗T + (λ ln J − μ) ∂T/∂F, and
+    /// ∂T/∂F = (∂²J/∂F²)/J − T⊗T.
+    fn tangent(&self, k: &Kinematics) -> Mat9 {
+        let Lame { mu, lambda, .. } = self.0;
+        let t = vec9(&(k.cofactor / k.j()));
+        let by_inverse = lambda * k.log_j() - mu;
+        let mut a = (lambda - by_inverse) * t * t.transpose();
+        for i in 0..9 {
+            a[(i, i)] += mu;
+        }
+        add_j_hessian(k, by_inverse / k.j(), &mut a);
+        a
+    }
+
+    fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
+        let [by_mu, by_lambda] = by_lame(k);
+        self.0.add_vjp(by_mu.dot(p_bar), by_lambda.dot(p_bar), out);
+    }
+}
+
+/// ∂P/∂μ and ∂P/∂λ.
+fn by_lame(k: &Kinematics) -> [Mat3; 2] {
+    let inverse_transpose = k.cofactor / k.j();
+    [k.left_minus_1() * inverse_transpose, k.log_j() * inverse_transpose]
+}

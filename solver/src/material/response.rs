@@ -1,0 +1,170 @@
+//! Nominal stress of an incompressible block under the tests of a laboratory.
+//!
+//! λ is the stretch along the pull, and the free face carries no load:
+//!
+//! | mode     | F                   | σ                            |
+//! |----------|---------------------|------------------------------|
+//! | uniaxial | diag(λ, λ^−½, λ^−½) | force / rest area            |
+//! | biaxial  | diag(λ, λ, λ⁻²)     | force / rest area, each side |
+//! | planar   | diag(λ, 1, λ⁻¹)     | force / rest area            |
+//!
+//! At J = 1 the unknown pressure is eliminated by the free face 3:
+//! σ = P₁₁ − P₃₃ λ₃/λ₁, for any law, and σ is linear in P, so its derivatives
+//! with respect to the parameters come from [`Material::add_parameter_vjp`].
+//!
+//! Source: Ogden, "Non-linear Elastic Deformations", section 7.2.
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use super::{Kinematics, Material};
+use crate::math::tensor::Mat3;
+
+/// A test of homogeneous strain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Pulled along one axis.
+    Uniaxial,
+    /// Pulled equally along two axes.
+    Biaxial,
+    /// Pulled along one axis, held along another ("pure shear").
+    Planar,
+}
+
+impl Mode {
+    /// All modes.
+    pub const ALL: [Self; 3] = [Self::Uniaxial, Self::Biaxial, Self::Planar];
+
+    /// The name in messages and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniaxial => "uniaxial",
+            Self::Biaxial => "biaxial",
+            Self::Planar => "planar",
+        }
+    }
+
+    /// Principal stretches at stretch λ along the pull.
+    #[must_use]
+    pub fn stretches(self, lambda: f64) -> [f64; 3] {
+        match self {
+            Self::Uniaxial => [lambda, lambda.powf(-0.5), lambda.powf(-0.5)],
+            Self::Biaxial => [lambda, lambda, lambda.powi(-2)],
+            Self::Planar => [lambda, 1.0, 1.0 / lambda],
+        }
+    }
+
+    /// Deformation and the weights of σ = Σ weightᵢ Pᵢᵢ.
+    fn block(self, lambda: f64) -> (Kinematics, Mat3) {
+        let stretch = self.stretches(lambda);
+        let grad_u = Mat3::from_diagonal(&Vector3::from(stretch.map(|s| s - 1.0)));
+        let weights = Vector3::new(1.0, 0.0, -stretch[2] / stretch[0]);
+        (Kinematics::new(&grad_u), Mat3::from_diagonal(&weights))
+    }
+
+    /// Nominal stress σ(λ) [Pa].
+    #[must_use]
+    pub fn nominal_stress(self, material: &dyn Material, lambda: f64) -> f64 {
+        let (k, weights) = self.block(lambda);
+        material.first_piola(&k).dot(&weights)
+    }
+
+    /// Adds ∂σ/∂parameters.
+    pub fn add_stress_gradient(self, material: &dyn Material, lambda: f64, out: &mut [f64]) {
+        let (k, weights) = self.block(lambda);
+        material.add_parameter_vjp(&k, &weights, out);
+    }
+
+    /// The stretch up to which σ rises with λ, looked for up to `limit`;
+    /// infinite when it rises all the way.
+    #[must_use]
+    pub fn stable_up_to(self, material: &dyn Material, limit: f64) -> f64 {
+        let step = 1e-3;
+        let mut stress = 0.0;
+        let mut lambda = 1.0;
+        while lambda < limit {
+            let next = self.nominal_stress(material, lambda + step);
+            if next.is_nan() || next <= stress {
+                return lambda;
+            }
+            (lambda, stress) = (lambda + step, next);
+        }
+        f64::INFINITY
+    }
+}
+
+/// Nominal stress [Pa] and lateral stretch of a block of compressible material
+/// whose sides are free, at stretch λ along the pull.
+///
+/// Newton's method for P₂₂ = 0, halved while it would leave J > 0 or not lower
+/// |P₂₂|.
+#[must_use]
+pub fn free_uniaxial(material: &dyn Material, lambda: f64) -> (f64, f64) {
+    let block = |side: f64| {
+        Kinematics::new(&Mat3::from_diagonal(&Vector3::new(lambda - 1.0, side - 1.0, side - 1.0)))
+    };
+    let residual = |side: f64| material.first_piola(&block(side))[(1, 1)];
+    let mut side = lambda.powf(-0.5);
+    for _ in 0..50 {
+        let tangent = material.tangent(&block(side));
+        // vec index 4 is component (2, 2), index 8 is (3, 3)
+        let mut step = -residual(side) / (tangent[(4, 4)] + tangent[(4, 8)]);
+        while side + step <= 0.0 || residual(side + step).abs() > residual(side).abs() {
+            step *= 0.5;
+            if step.abs() < f64::EPSILON * side {
+                return (material.first_piola(&block(side))[(0, 0)], side);
+            }
+        }
+        side += step;
+    }
+    (material.first_piola(&block(side))[(0, 0)], side)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Lame, NeoHookean, Ogden, Yeoh};
+    use super::*;
+
+    #[test]
+    fn neo_hookean_has_its_closed_forms() {
+        // μ(λ − λ⁻²), μ(λ − λ⁻⁵), μ(λ − λ⁻³): Ogden, section 7.2
+        let law = NeoHookean(Lame::new(1e5, 0.35));
+        for l in [0.6_f64, 1.0, 1.3, 2.5] {
+            let exact = [l - l.powi(-2), l - l.powi(-5), l - l.powi(-3)];
+            for (mode, exact) in Mode::ALL.iter().zip(exact) {
+                let stress = mode.nominal_stress(&law, l);
+                assert!((stress - law.0.mu * exact).abs() < 1e-9 * law.0.mu, "{mode:?} {l}");
+            }
+        }
+    }
+
+    #[test]
+    fn ogden_and_yeoh_have_their_closed_forms() {
+        let (mu, alpha) = (17e3, 2.76);
+        let ogden = Ogden { terms: vec![(mu, alpha)], bulk: 1e6 };
+        let yeoh = Yeoh { c: [13.5e3, 579.0, -7.6], bulk: 1e6 };
+        for l in [0.7_f64, 1.4, 3.0] {
+            let exact = mu * (l.powf(alpha - 1.0) - l.powf(-0.5 * alpha - 1.0));
+            let stress = Mode::Uniaxial.nominal_stress(&ogden, l);
+            assert!((stress / exact - 1.0).abs() < 1e-12);
+            let a = l * l + 2.0 / l - 3.0;
+            let slope = 13.5e3 + 2.0 * 579.0 * a - 3.0 * 7.6 * a * a;
+            let stress = Mode::Uniaxial.nominal_stress(&yeoh, l);
+            assert!((stress / (2.0 * slope * (l - l.powi(-2))) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_falling_yeoh_stress_is_found() {
+        // Dragon Skin 10, a fit to 300 % [Pa]: monotone up to 4.5 in a
+        // uniaxial test, says an independent fit
+        let yeoh = Yeoh { c: [24.293e3, 2250.0, -54.28], bulk: 1e6 };
+        let end = Mode::Uniaxial.stable_up_to(&yeoh, 20.0);
+        assert!((end - 4.5).abs() < 0.05, "{end}");
+        assert!(Mode::Biaxial.stable_up_to(&yeoh, 20.0) < end);
+        let rising = Yeoh { c: [24e3, 2e3, 1.0], bulk: 1e6 };
+        assert_eq!(Mode::Biaxial.stable_up_to(&rising, 20.0), f64::INFINITY);
+    }
+}

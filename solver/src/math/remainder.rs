@@ -1,0 +1,55 @@
+//! Remainders of series whose leading terms cancel near zero.
+//!
+//! An energy is of second order in strain, but its textbook formula is a
+//! difference of terms of first order or of order one; these functions keep
+//! its digits.
+
+/// ln(1 + x) − x.
+///
+/// With r = x/(2 + x): ln(1 + x) = 2(r + r³/3 + r⁵/5 + …), and 2r − x = −r x.
+#[must_use]
+pub fn ln_1p_minus(x: f64) -> f64 {
+    if x.abs() > 0.25 {
+        return x.ln_1p() - x;
+    }
+    let r = x / (2.0 + x);
+    let r2 = r * r;
+    // |r²| ≤ 0.0205: eleven terms reach 1e-18
+    let tail = (1..=11).rev().fold(0.0, |sum, k| (sum + 1.0 / f64::from(2 * k + 1)) * r2);
+    2.0 * r * tail - r * x
+}
+
+/// eˣ − 1 − x.
+#[must_use]
+pub fn exp_m1_minus(x: f64) -> f64 {
+    if x.abs() > 0.5 {
+        return x.exp_m1() - x;
+    }
+    // x²/2 (1 + x/3 (1 + x/4 (1 + …))); sixteen factors reach 1e-18
+    let tail = (3..=16).rev().fold(1.0, |sum, k| 1.0 + sum * x / f64::from(k));
+    0.5 * x * x * tail
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_meet_their_series_near_zero() {
+        for x in [1e-12, -1e-9, 3e-7, -1e-5] {
+            let log = x * x * (-0.5 + x * (1.0 / 3.0 - x / 4.0));
+            let exp = x * x * (0.5 + x * (1.0 / 6.0 + x / 24.0));
+            assert!((ln_1p_minus(x) / log - 1.0).abs() < 1e-15);
+            assert!((exp_m1_minus(x) / exp - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn both_meet_the_direct_formula_where_it_is_exact() {
+        // the direct formula loses a factor 1/x, so to 1e-14 it may be used here
+        for x in [-0.7, -0.5, -0.26, -0.24, -0.1, 0.1, 0.2, 0.249, 0.251, 0.49, 0.51, 3.0_f64] {
+            assert!((ln_1p_minus(x) / (x.ln_1p() - x) - 1.0).abs() < 1e-14, "{x}");
+            assert!((exp_m1_minus(x) / (x.exp_m1() - x) - 1.0).abs() < 1e-14, "{x}");
+        }
+    }
+}
