@@ -52,7 +52,10 @@ $(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
 	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh --cut y=0 --view front \
 		--captions "baseline,optimised" --title "$(1), at rest" -o $$@
 
-$(2)/done: $(addprefix $(2)/pictures/,optimized.png section.png)
+$(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
+	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --x-title "accepted shapes" -o $$@
+
+$(2)/done: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
 endef
 
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4).

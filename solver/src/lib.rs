@@ -5,6 +5,7 @@
 
 pub mod parallel; // the one parallel loop
 pub mod math; // small dense and sparse algebra
+pub mod plot; // curves as pictures
 pub mod body; // a tagged mesh
 pub mod element; // discretisation
 pub mod material; // constitutive laws ψ(F)

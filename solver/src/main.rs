@@ -27,6 +27,7 @@ enum Verb {
     Check(cmd::check::Arguments),
     List(cmd::list::Arguments),
     Fit(cmd::fit::Arguments),
+    Plot(cmd::plot::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
             Verb::Check(arguments) => cmd::check::run(arguments),
             Verb::List(arguments) => cmd::list::run(arguments),
             Verb::Fit(arguments) => cmd::fit::run(arguments),
+            Verb::Plot(arguments) => cmd::plot::run(arguments),
         }
     })
 }

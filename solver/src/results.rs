@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::body::Body;
 use crate::element::{FunctionSpace, at};
 use crate::energy::Chamber;
-use crate::forward::System;
+use crate::forward::{LoadStep, System};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
 use crate::scene::Scene;
@@ -57,7 +57,7 @@ pub fn tags(
     system: &mut System,
     u: &[f64],
 ) -> Result<BTreeMap<String, TagReport>> {
-    let reactions = reactions(scene, body, system, u)?;
+    let reactions = reactions(scene, body, system, u, 1.0)?;
     let mut reports = BTreeMap::new();
     for name in body.used_tags() {
         let mut report = displacements(body, &system.space, &body.facets(name)?, u);
@@ -76,8 +76,9 @@ fn reactions(
     body: &Body,
     system: &mut System,
     u: &[f64],
+    load: f64,
 ) -> Result<BTreeMap<String, [f64; 3]>> {
-    let (gradient, _) = system.gradient(&body.mesh.vertices, u, 1.0);
+    let (gradient, _) = system.gradient(&body.mesh.vertices, u, load);
     let supports = scene.supports(body, &system.space)?;
     let fixed = &scene.config.fixed;
     let mut reactions: BTreeMap<String, [f64; 3]> =
@@ -121,7 +122,20 @@ pub fn displacements(
     }
 }
 
-/// Measures every chamber under the full load.
+/// Measures of one load step: the step, its chambers, reactions and balance of
+/// forces.
+///
+/// # Errors
+/// When a tag is missing.
+pub fn step(scene: &Scene, body: &Body, system: &mut System, step: &LoadStep) -> Result<Value> {
+    let mut report = json!(step);
+    report["walls"] = json!(walls(scene, body, system, &step.u, step.load)?);
+    report["reactions"] = json!(reactions(scene, body, system, &step.u, step.load)?);
+    report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
+    Ok(report)
+}
+
+/// Measures every chamber under a fraction of the load.
 ///
 /// # Errors
 /// When a tag is missing.
@@ -130,8 +144,9 @@ pub fn walls(
     body: &Body,
     system: &System,
     u: &[f64],
+    load: f64,
 ) -> Result<BTreeMap<String, WallReport>> {
-    let here = system.iterate(&body.mesh.vertices, u, 1.0);
+    let here = system.iterate(&body.mesh.vertices, u, load);
     let report = |chamber: &Chamber| {
         let (volume, gas) = chamber.state(&here);
         let volume_rest = chamber.rest_volume(&here);
@@ -159,17 +174,17 @@ pub fn energies(system: &System, rest: &[Vec3], u: &[f64]) -> BTreeMap<&'static 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their
 /// sum is `out_of_balance`.
 #[must_use]
-pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64]) -> Value {
+pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Value {
     let nodes = system.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("pressure", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
     for energy in system.energies.iter().filter(|e| e.name() != "elastic") {
         let mut gradient = vec![0.0; system.len()];
-        energy.add_gradient(&system.iterate(rest, u, 1.0), &mut gradient);
+        energy.add_gradient(&system.iterate(rest, u, load), &mut gradient);
         *loads.entry(energy.name()).or_default() -= resultant(&gradient);
     }
-    let (gradient, _) = system.gradient(rest, u, 1.0);
+    let (gradient, _) = system.gradient(rest, u, load);
     loads.insert("reaction", resultant(&gradient));
     let sum: Vec3 = loads.values().sum();
     let mut report: BTreeMap<&str, Value> =

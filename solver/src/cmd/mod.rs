@@ -4,4 +4,5 @@ pub mod check;
 pub mod fit;
 pub mod list;
 pub mod optimize;
+pub mod plot;
 pub mod simulate;

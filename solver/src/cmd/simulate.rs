@@ -117,16 +117,17 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     let work = work_of_loads(scene, system, &solution.steps)?;
     let elastic = energies["elastic"];
     report["newton_iterations"] = json!(solution.newton_iterations);
-    report["steps"] = json!(solution.steps);
+    let steps = solution.steps.iter().map(|step| results::step(scene, &scene.body, system, step));
+    report["steps"] = json!(steps.collect::<Result<Vec<_>>>()?);
     report["energy_balance"] = json!({
         "work_of_loads": work,
         "elastic": elastic,
         "relative_gap": (work - elastic) / elastic.max(f64::MIN_POSITIVE),
     });
     report["energies"] = json!(energies);
-    report["force_balance"] = results::balance(system, rest, &solution.u);
+    report["force_balance"] = results::balance(system, rest, &solution.u, 1.0);
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
-    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u)?);
+    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u, 1.0)?);
     report["stretch_range"] = json!(stretches(scene, system, solution));
     report["timings"] = json!(system.timings);
     Ok(())

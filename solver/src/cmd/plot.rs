@@ -1,0 +1,129 @@
+//! `solver plot`: numbers of runs as curves.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+use solver::plot::{Axes, Series, Style, draw};
+
+/// Draw numbers of one or more runs against each other, as SVG
+///
+/// A run is a history.jsonl of optimize, a row per line, or a report.json of
+/// simulate, a row per load step. A column is a key, or keys joined by dots:
+/// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star,
+/// as in `mean_displacement.throat*1e3`. Without --x, rows are counted.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Runs: one curve each, for every --y
+    #[arg(required = true)]
+    runs: Vec<PathBuf>,
+    /// SVG file to write
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Column of the abscissa
+    #[arg(long)]
+    x: Option<String>,
+    /// Columns of the ordinate
+    #[arg(long, required = true, value_delimiter = ',')]
+    y: Vec<String>,
+    /// Names of the curves, in their order
+    #[arg(long, value_delimiter = ',')]
+    labels: Vec<String>,
+    /// Written at the abscissa
+    #[arg(long)]
+    x_title: Option<String>,
+    /// Written at the ordinate
+    #[arg(long)]
+    y_title: Option<String>,
+    /// Logarithmic ordinate
+    #[arg(long)]
+    log: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let curves = arguments.runs.len() * arguments.y.len();
+    ensure!(
+        arguments.labels.is_empty() || arguments.labels.len() == curves,
+        "--labels names {} curves, there are {curves}",
+        arguments.labels.len()
+    );
+    let mut series: Vec<Series> = Vec::new();
+    for path in &arguments.runs {
+        let rows = rows(path)?;
+        for y in &arguments.y {
+            let turn = series.len();
+            let label =
+                arguments.labels.get(turn).cloned().unwrap_or_else(|| match arguments.runs.len() {
+                    1 => y.clone(),
+                    _ => format!("{}: {y}", path.display()),
+                });
+            let points = points(&rows, arguments.x.as_deref(), y)
+                .with_context(|| path.display().to_string())?;
+            series.push(Series { label: Some(label), points, style: Style::Dotted(2), turn });
+        }
+    }
+    let title =
+        |title: &Option<String>, column: &str| title.clone().unwrap_or_else(|| column.to_owned());
+    let axes = Axes {
+        x: title(&arguments.x_title, arguments.x.as_deref().unwrap_or("row")),
+        y: title(&arguments.y_title, &arguments.y.join(", ")),
+        log_y: arguments.log,
+    };
+    draw(&arguments.output, &axes, &series)
+}
+
+/// The rows of a run.
+fn rows(path: &Path) -> Result<Vec<Value>> {
+    let text = mesh::io::read_text(path)?;
+    let context = || path.display().to_string();
+    if path.extension().is_some_and(|e| e == "jsonl") {
+        let lines = text.lines().enumerate();
+        let row = |(i, line): (usize, &str)| {
+            serde_json::from_str(line)
+                .with_context(|| format!("{}: line {}", path.display(), i + 1))
+        };
+        return lines.map(row).collect();
+    }
+    let report: Value = serde_json::from_str(&text).with_context(context)?;
+    match report.get("steps") {
+        Some(Value::Array(steps)) => Ok(steps.clone()),
+        _ => bail!(
+            "{}: no \"steps\": needed is a report.json of simulate or a history.jsonl of optimize",
+            path.display()
+        ),
+    }
+}
+
+fn points(rows: &[Value], x: Option<&str>, y: &str) -> Result<Vec<(f64, f64)>> {
+    let point = |(i, row): (usize, &Value)| {
+        let x = x.map_or(Ok(i as f64), |x| number(row, x))?;
+        Ok((x, number(row, y)?))
+    };
+    rows.iter().enumerate().map(point).collect()
+}
+
+/// The number of a column in a row.
+fn number(row: &Value, column: &str) -> Result<f64> {
+    let (keys, factor) = column.split_once('*').unwrap_or((column, "1"));
+    let factor: f64 = factor.parse().with_context(|| format!("the factor of {column:?}"))?;
+    let mut value = row;
+    for key in keys.split('.') {
+        let next = match value {
+            Value::Array(items) => key.parse().ok().and_then(|i: usize| items.get(i)),
+            _ => value.get(key),
+        };
+        value =
+            next.with_context(|| format!("no {key:?} of {keys:?}; there are: {}", known(value)))?;
+    }
+    let number = value.as_f64().with_context(|| format!("{keys:?} is {value}, not a number"))?;
+    Ok(factor * number)
+}
+
+/// What a value holds.
+fn known(value: &Value) -> String {
+    match value {
+        Value::Object(map) => map.keys().cloned().collect::<Vec<_>>().join(", "),
+        Value::Array(items) => format!("0 to {}", items.len().saturating_sub(1)),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,264 @@
+//! Curves and points as a picture (SVG).
+
+use std::fmt::Display;
+use std::ops::Range;
+use std::path::Path;
+
+use anyhow::{Result, anyhow, ensure};
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+/// Colours that remain apart for colour-blind readers, by Okabe and Ito 2008.
+const COLORS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+];
+
+/// Pixels of the canvas per pixel of the picture: the library rounds to pixels,
+/// and a curve should not show it.
+const FINE: u8 = 8;
+
+/// Width and height of the picture [pixels].
+const SIZE: [u32; 2] = [900, 600];
+
+/// What is drawn along the axes.
+#[derive(Clone, Debug, Default)]
+pub struct Axes {
+    /// Name and unit of the abscissa.
+    pub x: String,
+    /// Name and unit of the ordinate.
+    pub y: String,
+    /// Whether the ordinate is logarithmic.
+    pub log_y: bool,
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// A line of a width [pixels], in the colour of its turn.
+    Line(u8),
+    /// The same with a dot at each point.
+    Dotted(u8),
+    /// Grey circles of a radius [pixels].
+    Circles(u8),
+}
+
+/// Points in the order in which they are joined.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name in the legend; none without.
+    pub label: Option<String>,
+    /// Points (x, y).
+    pub points: Vec<(f64, f64)>,
+    /// Look.
+    pub style: Style,
+    /// Series of the same turn have the same colour.
+    pub turn: usize,
+}
+
+/// Draws series as SVG.
+///
+/// # Errors
+/// When there is no point, one that cannot be drawn (not finite, or not positive
+/// on a logarithmic axis), or the file cannot be written.
+pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
+    let context = |e| anyhow!("{}: {e}", path.display());
+    let text = svg(axes, series).map_err(context)?;
+    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
+    let points = || series.iter().flat_map(|s| &s.points);
+    ensure!(points().next().is_some(), "there is nothing to draw");
+    let drawable =
+        |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!axes.log_y || p.1 > 0.0);
+    if let Some(bad) = points().find(|p| !drawable(p)) {
+        let needed = if axes.log_y { "finite numbers, positive along y" } else { "finite numbers" };
+        return Err(anyhow!(
+            "the point ({}, {}) cannot be drawn: needed are {needed}",
+            bad.0,
+            bad.1
+        ));
+    }
+    let x = room(points().map(|p| p.0), 0.02);
+    let corner = free_corner(points().copied(), axes.log_y);
+    let mut text = String::new();
+    {
+        let size = (fine(SIZE[0]), fine(SIZE[1]));
+        let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        canvas.fill(&WHITE).map_err(plain)?;
+        if axes.log_y {
+            let decades = room(points().map(|p| p.1.log10()), 0.06);
+            let y = 10_f64.powf(decades.start)..10_f64.powf(decades.end);
+            chart(&canvas, axes, series, corner, x, y.log_scale())?;
+        } else {
+            let y = room(points().map(|p| p.1), 0.06);
+            chart(&canvas, axes, series, corner, x, y)?;
+        }
+        canvas.present().map_err(plain)?;
+    }
+    // the view box keeps the canvas; only the size to show it at changes
+    let size = |[width, height]: [u32; 2]| format!("width=\"{width}\" height=\"{height}\"");
+    Ok(text.replacen(&size(SIZE.map(fine)), &size(SIZE), 1))
+}
+
+/// The range of values with a margin on both sides.
+fn room(values: impl Iterator<Item = f64> + Clone, margin: f64) -> Range<f64> {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    let extent = if high > low { high - low } else { low.abs().max(1.0) };
+    low - margin * extent..high + margin * extent
+}
+
+/// The corner with the fewest points, for the legend.
+fn free_corner(
+    points: impl Iterator<Item = (f64, f64)> + Clone,
+    log_y: bool,
+) -> SeriesLabelPosition {
+    let points = points.map(|p| (p.0, if log_y { p.1.log10() } else { p.1 }));
+    let (x, y) = (room(points.clone().map(|p| p.0), 0.0), room(points.clone().map(|p| p.1), 0.0));
+    let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
+    let crowd = |right: bool, upper: bool| {
+        points.clone().filter(|p| (p.0 > middle.0) == right && (p.1 > middle.1) == upper).count()
+    };
+    let corners = [
+        (crowd(false, true), SeriesLabelPosition::UpperLeft),
+        (crowd(true, true), SeriesLabelPosition::UpperRight),
+        (crowd(false, false), SeriesLabelPosition::LowerLeft),
+        (crowd(true, false), SeriesLabelPosition::LowerRight),
+    ];
+    corners.into_iter().min_by_key(|c| c.0).map_or(SeriesLabelPosition::UpperLeft, |c| c.1)
+}
+
+fn chart<Y>(
+    canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+    axes: &Axes,
+    series: &[Series],
+    corner: SeriesLabelPosition,
+    x: Range<f64>,
+    y: Y,
+) -> Result<()>
+where
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let mut chart = ChartBuilder::on(canvas)
+        .margin(fine(15))
+        .x_label_area_size(fine(50))
+        .y_label_area_size(fine(90))
+        .build_cartesian_2d(x, y)
+        .map_err(plain)?;
+    chart
+        .configure_mesh()
+        .axis_style(BLACK.stroke_width(fine(1)))
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(BLACK.mix(0.12).stroke_width(fine(1)))
+        .set_all_tick_mark_size(fine(5))
+        .x_label_formatter(&|x| tick(*x))
+        .y_label_formatter(&|y| tick(*y))
+        .x_desc(&axes.x)
+        .y_desc(&axes.y)
+        .axis_desc_style(("sans-serif", fine(20)))
+        .label_style(("sans-serif", fine(16)))
+        .draw()
+        .map_err(plain)?;
+    for one in series {
+        let color = COLORS[one.turn % COLORS.len()];
+        let grey = BLACK.mix(0.6).stroke_width(fine(1));
+        let points = one.points.iter().copied();
+        let drawn = match one.style {
+            Style::Line(width) | Style::Dotted(width) => {
+                let line = LineSeries::new(points.clone(), color.stroke_width(fine(width.into())));
+                chart.draw_series(line)
+            }
+            Style::Circles(size) => chart
+                .draw_series(points.clone().map(|p| Circle::new(p, fine(i32::from(size)), grey))),
+        };
+        let drawn = drawn.map_err(plain)?;
+        if let Some(label) = &one.label {
+            let style = one.style;
+            drawn.label(label).legend(move |(x, y)| match style {
+                Style::Line(width) | Style::Dotted(width) => {
+                    let line = color.stroke_width(fine(width.into()));
+                    PathElement::new([(x, y), (x + fine(24), y)], line).into_dyn()
+                }
+                Style::Circles(size) => {
+                    Circle::new((x + fine(12), y), fine(i32::from(size)), grey).into_dyn()
+                }
+            });
+        }
+        if let Style::Dotted(width) = one.style {
+            let dot = |p| Circle::new(p, fine(i32::from(width) + 1), color.filled());
+            chart.draw_series(points.map(dot)).map_err(plain)?;
+        }
+    }
+    if series.iter().any(|s| s.label.is_some()) {
+        chart
+            .configure_series_labels()
+            .position(corner)
+            .margin(fine(10))
+            .legend_area_size(fine(34))
+            .background_style(WHITE.mix(0.9))
+            .border_style(BLACK.mix(0.3).stroke_width(fine(1)))
+            .label_font(("sans-serif", fine(17)))
+            .draw()
+            .map_err(plain)?;
+    }
+    Ok(())
+}
+
+/// A number at the axis, short whatever its size.
+fn tick(y: f64) -> String {
+    if y == 0.0 || (1e-3..1e5).contains(&y.abs()) {
+        let digits = format!("{y:.4}");
+        return digits.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{y:.2e}")
+}
+
+/// Pixels of the canvas.
+fn fine<T: std::ops::Mul<Output = T> + From<u8>>(pixels: T) -> T {
+    pixels * T::from(FINE)
+}
+
+/// The library's errors borrow the backend; their text does not.
+fn plain(error: impl Display) -> anyhow::Error {
+    anyhow!("{error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(points: Vec<(f64, f64)>) -> Vec<Series> {
+        vec![Series { label: Some("a & b".into()), points, style: Style::Dotted(2), turn: 0 }]
+    }
+
+    #[test]
+    fn labels_axes_and_every_point_are_drawn() {
+        let axes = Axes { x: "time [s]".into(), y: "error [1]".into(), log_y: true };
+        let text =
+            svg(&axes, &line(vec![(0.0, 1e-3), (1.0, 1e-6), (2.0, 1e-9)])).expect("drawable");
+        for word in ["time [s]", "error [1]", "a &amp; b", "polyline", "</svg>"] {
+            assert!(text.contains(word), "{word}");
+        }
+        assert_eq!(text.matches("<circle").count(), 3);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_named() {
+        let axes = Axes { log_y: true, ..Axes::default() };
+        let error =
+            svg(&axes, &line(vec![(1.0, 1.0), (2.0, -3.0)])).expect_err("-3 has no logarithm");
+        assert!(error.to_string().contains("(2, -3)"), "{error}");
+        assert!(svg(&Axes::default(), &line(Vec::new())).is_err());
+        assert!(svg(&Axes::default(), &line(vec![(1.0, f64::NAN)])).is_err());
+        // a single value has a range, too
+        assert!(svg(&Axes::default(), &line(vec![(1.0, 0.0)])).is_ok());
+    }
+}
