@@ -67,7 +67,7 @@ fn reactions_balance_every_load() {
     let solution = solve(&mut system, &rest, &scene.stepping(), |_| ()).unwrap();
     assert!(solution.steps.iter().all(|s| s.smallest_volume_ratio > 0.0));
 
-    let balance = results::balance(&mut system, &rest, &solution.u);
+    let balance = results::balance(&mut system, &rest, &solution.u, 1.0);
     let weight = 9810.0 * (45.0 - 1.0) * 1e-6;
     let [body_force, traction, pressure, reaction] =
         ["body_force", "traction", "pressure", "reaction"].map(|key| vector(&balance[key]));
