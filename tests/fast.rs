@@ -15,6 +15,8 @@ mod resume;
 mod solver_bad_input;
 #[path = "fast/solver_cli.rs"]
 mod solver_cli;
+#[path = "fast/solver_tools.rs"]
+mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
 #[path = "fast/threads.rs"]

@@ -1,0 +1,100 @@
+//! `solver list`, `fit` and `plot`, named silicones and enclosed gas as their
+//! user sees them.
+
+use serde_json::Value;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+#[test]
+fn list_names_every_law_and_silicone() {
+    let dir = Workdir::new();
+    let run = dir.solver("list");
+    run.assert_good();
+    for word in ["mooney-rivlin", "ogden", "[Pa]", "shear modulus at rest", "source"] {
+        assert!(run.stdout.contains(word), "{word}");
+    }
+    let run = dir.solver("list --json");
+    let laws: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(laws.as_array().unwrap().len() >= 7, "{laws}");
+    let run = dir.solver("list --silicones");
+    run.assert_good();
+    assert!(run.stdout.contains("ecoflex-00-30") && run.stdout.contains("ODbL"), "{}", run.stdout);
+}
+
+#[test]
+fn a_silicone_is_named_and_its_range_is_kept() {
+    let dir = chamber::workdir();
+    let sim = dir.text("sim.toml");
+    let table = &sim[sim.find("[material]").unwrap()..sim.find("[[fixed]]").unwrap()];
+    let named = |name: &str| {
+        let scene =
+            sim.replace(table, "").replace("degree", &format!("material = \"{name}\"\ndegree"));
+        dir.write("named.toml", &scene.replace("8e3", "1e3"));
+        dir.solver("simulate named.toml -o out")
+    };
+    named("ecoflex-00-30").assert_good();
+    let range = &dir.json("out/report.json")["stretch_range"];
+    assert!(number(&range["largest"]) > 1.0 && number(&range["smallest"]) < 1.0, "{range}");
+    named("ecoflex").assert_refused(2, &["\"ecoflex\"", "ecoflex-00-30"]);
+}
+
+/// Data of a neo-Hookean material of 100 kPa: σ = μ (λ − λ⁻²).
+#[test]
+fn a_tensile_test_becomes_a_material() {
+    let dir = Workdir::new();
+    let mut csv = "stretch [1], stress [kPa]\n".to_owned();
+    for i in 0..=40 {
+        let stretch = 1.0 + 0.05 * f64::from(i);
+        csv += &format!("{stretch}, {}\n", 100.0 * (stretch - stretch.powi(-2)));
+    }
+    dir.write("test.csv", &csv);
+    dir.solver("fit test.csv -o fit --law neo-hookean").assert_good();
+    assert_eq!(dir.files("fit"), ["fit.json", "fit.svg", "material.toml"]);
+    let material: toml::Table = dir.text("fit/material.toml").parse().unwrap();
+    let material = material["material"].as_table().unwrap();
+    let young = material["young"].as_float().unwrap();
+    let poisson = material["poisson"].as_float().unwrap();
+    let shear = young / (2.0 * (1.0 + poisson));
+    assert!((shear / 1e5 - 1.0).abs() < 1e-6, "{shear}");
+    assert!(dir.text("fit/fit.svg").contains("nominal stress [kPa]"));
+
+    dir.write("bad.csv", "stretch [1], stress [kPa]\n1.0, 0.0\n1.1, abc\n");
+    dir.solver("fit bad.csv -o none").assert_refused(2, &["bad.csv", "line 3", "abc"]);
+    assert!(dir.files("none").is_empty());
+}
+
+#[test]
+fn columns_of_runs_are_drawn() {
+    let dir = chamber::workdir();
+    dir.solver("simulate p1.toml -o out").assert_good();
+    let plot = "plot out/report.json --x load --y walls.cavity.volume*1e6 -o volume.svg";
+    dir.solver(plot).assert_good();
+    assert!(dir.text("volume.svg").contains("walls.cavity.volume*1e6"));
+    let run = dir.solver("plot out/report.json --y walls.hole.volume -o none.svg");
+    run.assert_refused(2, &["out/report.json", "\"hole\"", "cavity"]);
+    assert!(!dir.path("none.svg").exists());
+}
+
+/// Gas keeps to P V = const, and presses less than a supply once it has spread.
+#[test]
+fn enclosed_gas_follows_its_volume() {
+    let dir = chamber::workdir();
+    let gas = "[[gas]]\non = \"cavity\"\nfill = 8e3\nambient = 101.3e3\nexponent = 1.0\n";
+    let sim = dir.text("sim.toml");
+    let pressure = &sim[sim.find("[[pressure]]").unwrap()..];
+    dir.write("gas.toml", &sim.replace(pressure, gas));
+    dir.solver("simulate gas.toml -o out").assert_good();
+    let wall = &dir.json("out/report.json")["walls"]["cavity"];
+    let [rest, volume, pressure] =
+        ["volume_rest", "volume", "pressure"].map(|key| number(&wall[key]));
+    assert!(volume > 1.001 * rest, "{wall}");
+    let expected = (8e3 + 101.3e3) * rest / volume - 101.3e3;
+    assert!((pressure / expected - 1.0).abs() < 1e-12, "{pressure} {expected}");
+
+    dir.write("both.toml", &format!("{sim}\n{gas}"));
+    dir.solver("simulate both.toml -o none").assert_refused(2, &["both.toml", "\"cavity\"", "two"]);
+}
