@@ -83,8 +83,28 @@ $(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json),
 $(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh))
 endef
 
+# Force against displacement, with the cavity closed and vented.
+build/compression/vented/report.json: pipelines/compression/sim.vented.toml build/compression/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/compression/pictures/force.svg: build/compression/baseline/report.json build/compression/vented/report.json | setup
+	$(BIN)/solver plot $^ --x "load*10" --y "reactions.bottom.2" --labels closed,vented \
+		--x-title "compression [mm]" --y-title "force [N]" -o $@
+
+build/compression/pictures/pressure.svg: build/compression/baseline/report.json | setup
+	$(BIN)/solver plot $< --x "load*10" --y "walls.cavity.pressure*1e-3" --labels "trapped air" \
+		--x-title "compression [mm]" --y-title "gauge pressure [kPa]" -o $@
+
+build/compression/pictures/pressed.png: build/compression/vented/report.json build/compression/baseline/report.json | setup
+	$(BIN)/cad2fem picture build/compression/vented/result.vtu build/compression/baseline/result.vtu --cut y=0 \
+		--view front --color displacement --captions "vented,closed" --title "pressed by 10 mm" -o $@
+
+build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
+	@touch $@
+
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
+$(eval $(call simulate,compression,build/compression,))
 $(eval $(call scene,frog,build/frog/paper,.paper))

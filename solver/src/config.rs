@@ -153,6 +153,8 @@ pub struct GasConfig {
 pub struct SolverConfig {
     /// First load increment as a fraction of the full load [1].
     pub first_load_step: f64,
+    /// Largest load increment, for smooth curves over the load [1].
+    pub largest_load_step: f64,
     /// Increment below which the load counts as unreachable [1].
     pub smallest_load_step: f64,
     /// Newton iterations allowed in one load step.
@@ -167,6 +169,7 @@ impl Default for SolverConfig {
     fn default() -> Self {
         Self {
             first_load_step: 0.25,
+            largest_load_step: 1.0,
             smallest_load_step: 1e-3,
             newton_iterations: 30,
             relative_tolerance: 1e-10,

@@ -133,6 +133,7 @@ impl Scene {
     pub fn stepping(&self) -> Stepping {
         let SolverConfig {
             first_load_step,
+            largest_load_step,
             smallest_load_step,
             newton_iterations,
             relative_tolerance,
@@ -140,6 +141,7 @@ impl Scene {
         } = self.config.solver;
         Stepping {
             first: first_load_step,
+            largest: largest_load_step,
             smallest: smallest_load_step,
             newton: Newton {
                 iterations: newton_iterations,
@@ -207,6 +209,12 @@ fn check(config: &SimConfig) -> Result<()> {
         s.smallest_load_step > 0.0 && s.smallest_load_step <= s.first_load_step,
         "smallest_load_step = {}: must be above 0 and at most first_load_step",
         s.smallest_load_step
+    );
+    ensure!(
+        s.largest_load_step >= s.first_load_step,
+        "largest_load_step = {}: must be at least first_load_step = {}",
+        s.largest_load_step,
+        s.first_load_step
     );
     ensure!(
         s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,

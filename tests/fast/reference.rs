@@ -47,7 +47,7 @@ fn compare(degree: usize, reference: &str) {
     ];
     let mut system = System::new(space, energies, &fixed);
     let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10 };
-    let stepping = Stepping { first: 1.0, smallest: 1e-3, newton };
+    let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     let rest = body.mesh.vertices.clone();
     let clock = std::time::Instant::now();
     let solution = solve(&mut system, &rest, &stepping, |_| ()).unwrap();

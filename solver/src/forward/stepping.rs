@@ -17,6 +17,8 @@ const LOOSE: f64 = 1e4;
 pub struct Stepping {
     /// First increment as a fraction of the full load.
     pub first: f64,
+    /// Largest increment.
+    pub largest: f64,
     /// Smallest increment before giving up.
     pub smallest: f64,
     /// Stopping rule of the full load.
@@ -102,7 +104,7 @@ pub fn solve(
             Ok(step) => {
                 newton_iterations += step.newton_iterations;
                 if step.newton_iterations <= EASY {
-                    increment *= 1.5;
+                    increment = (1.5 * increment).min(stepping.largest);
                 }
                 load = next;
                 observe(&step);
