@@ -48,6 +48,14 @@ pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     Matrix3::from_columns(&[b - a, c - a, d - a]).determinant() / 6.0
 }
 
+/// Mean length of the edges of triangles [m]; NaN without any.
+#[must_use]
+pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
+    let edges = crate::topology::edge_facets(triangles);
+    let total: f64 = edges.keys().map(|&[a, b]| (vertices[a] - vertices[b]).norm()).sum();
+    total / edges.len() as f64
+}
+
 /// Volume of a tetrahedral mesh [m³].
 #[must_use]
 pub fn volume(mesh: &TetMesh) -> f64 {

@@ -7,7 +7,9 @@
 //! c_j   the vertex at which handle j sits [m]
 //! t_j   translation [m]
 //! α     angles [rad]
-//! r_j   radius of the handle's support, r_j² = Σ_v w_j² |v − c_j|² / Σ_v w_j² [m]
+//! r_j   radius of the handle's support, r_j² = Σ_v w_j² |v − c_j|² / Σ_v w_j²,
+//!       but at least the mean edge: a handle that moves hardly more than its own
+//!       vertex must not spin with its variables [m]
 //!
 //! The variables of a handle are (θ₁, θ₂, θ₃, t_x, t_y, t_z), all in metres: a
 //! rotation variable is the path of a vertex at distance r_j, so that equal
@@ -16,6 +18,7 @@
 //!
 //! Source: Gjoka et al. 2024, equation (17).
 
+use mesh::measure::mean_edge;
 use mesh::{Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
@@ -62,19 +65,21 @@ pub fn sample_handles(
     let points = farthest_points(&surface, count)?;
     let weights = bounded_biharmonic(&surface, &rim(&surface), &points)?;
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
-    let radii =
-        centers.iter().zip(&weights).map(|(c, w)| radius(&surface.vertices, c, w)).collect();
+    let edge = mean_edge(&surface.vertices, &surface.triangles);
+    let radii = centers
+        .iter()
+        .zip(&weights)
+        .map(|(c, w)| radius(&surface.vertices, c, w).max(edge))
+        .collect();
     Ok(Handles { vertices, centers, radii, weights })
 }
 
-/// Root mean square distance to `center`, weighted with w²; one if no vertex
-/// off the center has weight, where rotation has no effect.
+/// Root mean square distance to `center`, weighted with w² [m].
 fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
     let squares =
         || vertices.iter().zip(weights).map(|(v, w)| (w * w, (v - center).norm_squared()));
     let (moment, total) = squares().fold((0.0, 0.0), |(m, t), (w2, d2)| (m + w2 * d2, t + w2));
-    let radius = (moment / total).sqrt();
-    if radius > 0.0 { radius } else { 1.0 }
+    (moment / total).sqrt()
 }
 
 impl Handles {

@@ -77,7 +77,7 @@ impl Level {
         let moving = body.facets(on)?;
         let handles = sample_handles(&body.mesh.vertices, &moving, handles)?;
         let extension = Extension::new(&body.mesh)?;
-        let mean_edge = mean_edge(&body.mesh.vertices, &moving);
+        let mean_edge = mesh::measure::mean_edge(&body.mesh.vertices, &moving);
         let stepping = scene.stepping();
         Ok(Self { body, handles, system, stepping, terms, extension, moving, mean_edge })
     }
@@ -246,10 +246,4 @@ impl Level {
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
         crate::results::grid(&self.system.space, &at.rest, &at.u)
     }
-}
-
-fn mean_edge(vertices: &[Vec3], facets: &[[usize; 3]]) -> f64 {
-    let edges = mesh::topology::edge_facets(facets);
-    let total: f64 = edges.keys().map(|&[a, b]| (vertices[a] - vertices[b]).norm()).sum();
-    total / edges.len() as f64
 }
