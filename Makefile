@@ -16,9 +16,8 @@ help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
 
 frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
-beam: build/beam/done  ## the same for a small beam, in a minute or two
+beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD and make its molds
-
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs

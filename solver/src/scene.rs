@@ -183,9 +183,12 @@ fn check(config: &SimConfig) -> Result<()> {
     ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
     for gas in &config.gas {
         ensure!(
-            gas.ambient > 0.0 && gas.fill + gas.ambient > 0.0 && gas.exponent >= 1.0,
+            gas.ambient > 0.0
+                && gas.fill + gas.ambient > 0.0
+                && gas.exponent >= 1.0
+                && (gas.fill + gas.ambient + gas.exponent).is_finite(),
             "gas on \"{}\": ambient = {} Pa and ambient + fill = {} Pa must be positive, exponent = {} \
-             at least 1",
+             at least 1, all finite",
             gas.on,
             gas.ambient,
             gas.fill + gas.ambient,

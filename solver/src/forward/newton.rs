@@ -159,8 +159,8 @@ fn factor(system: &mut System, matrix: Symmetric) -> bool {
 
 /// Adds ρ I, with ρ from nothing upwards by powers of ten, until the matrix is
 /// positive definite. Ends because ρ passes every eigenvalue of a finite matrix.
-/// What gas pressure takes from the smallest eigenvalues is seldom less than the
-/// first ρ > 0, and each attempt costs a factorisation.
+/// Each attempt costs a factorisation, so the first ρ > 0 is not small: the frog
+/// under pressure needed 1e-4 of the largest diagonal entry.
 fn factor_shifted(system: &mut System, matrix: &Symmetric) {
     let largest = system.diagonal().iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
     let mut shift = 0.0;

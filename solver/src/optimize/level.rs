@@ -20,8 +20,8 @@ use crate::objective::Equilibrium;
 use crate::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted};
 
-/// Newton iterations from a nearby equilibrium. Good starts need 3 to 6; what
-/// needs twice as many is better reached by a shorter step.
+/// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
+/// took 2 to 8; what takes more is better reached by a shorter step.
 const NEARBY: usize = 12;
 
 /// A shape that was not accepted, and why.
