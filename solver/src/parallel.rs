@@ -17,14 +17,24 @@ pub fn map_merge<T: Send>(
     map: impl Fn(std::ops::Range<usize>) -> T + Sync,
     mut merge: impl FnMut(std::ops::Range<usize>, T),
 ) {
-    let chunks = len.div_ceil(CHUNK);
-    let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(len);
-    for first in (0..chunks).step_by(WAVE) {
-        let wave = first..(first + WAVE).min(chunks);
-        let results: Vec<T> = wave.clone().into_par_iter().map(|c| map(range(c))).collect();
-        for (c, result) in wave.zip(results) {
-            merge(range(c), result);
-        }
+    map_merge_waves(len, map, |range, results| {
+        let ranges = range.clone().step_by(CHUNK).map(|i| i..(i + CHUNK).min(range.end));
+        ranges.zip(results).for_each(|(range, result)| merge(range, result));
+    });
+}
+
+/// As [`map_merge`], but `merge` gets the results of many consecutive ranges at
+/// once, to go about them in parallel.
+pub fn map_merge_waves<T: Send>(
+    len: usize,
+    map: impl Fn(std::ops::Range<usize>) -> T + Sync,
+    mut merge: impl FnMut(std::ops::Range<usize>, Vec<T>),
+) {
+    for first in (0..len).step_by(WAVE * CHUNK) {
+        let wave = first..(first + WAVE * CHUNK).min(len);
+        let chunks: Vec<usize> = wave.clone().step_by(CHUNK).collect();
+        let one = |i: usize| map(i..(i + CHUNK).min(wave.end));
+        merge(wave.clone(), chunks.into_par_iter().map(one).collect());
     }
 }
 

@@ -17,9 +17,10 @@ use mesh::Vec3;
 use super::{Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::{Kinematics, Material};
+use crate::math::simd::{Wide, widest};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::math::tensor::{Mat3, project_positive, vec9};
-use crate::parallel::map_merge;
+use crate::parallel::{map_merge, map_merge_waves};
 
 /// Elastic energy with one law for the whole body.
 pub struct Elastic {
@@ -37,6 +38,7 @@ struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
+    #[inline(always)]
     fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
         let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
         let g = Mat3::from_columns(&[b - a, c - a, d - a]);
@@ -50,6 +52,7 @@ impl<'a> Element<'a> {
     }
 
     /// Rest gradients ∇φ_a of all nodes at quadrature point q.
+    #[inline(always)]
     fn gradients<const N: usize>(&self, space: &FunctionSpace, q: usize) -> [Vec3; N] {
         let table = &space.volume_table().gradients[q];
         std::array::from_fn(|a| self.to_rest * Vec3::from(table[a]))
@@ -57,6 +60,7 @@ impl<'a> Element<'a> {
 }
 
 /// ∇w = Σ w_a ⊗ ∇φ_a for a nodal field.
+#[inline(always)]
 fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> Mat3 {
     let mut result = Mat3::zeros();
     for (w, g) in values.iter().zip(gradients) {
@@ -106,6 +110,7 @@ impl Elastic {
     }
 
     /// Lower blocks of the elements' Hessians in the order of [`pair_index`].
+    #[inline(always)]
     fn element_hessians<const N: usize>(
         &self,
         at_: &Iterate,
@@ -114,7 +119,8 @@ impl Elastic {
     ) -> Vec<[f64; 9]> {
         let pairs = pair_count(N);
         let mut blocks = vec![[0.0; 9]; pairs * elements.len()];
-        for (e, local) in elements.zip(blocks.chunks_exact_mut(pairs)) {
+        for (e, blocks) in elements.zip(blocks.chunks_exact_mut(pairs)) {
+            let mut local: Dense<N> = [[[[0.0; N]; 3]; 3]; N];
             let element = Element::new(at_.space, at_.rest, e);
             let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
             for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
@@ -124,8 +130,9 @@ impl Elastic {
                     tangent = project_positive(&tangent);
                 }
                 tangent *= weight * element.volume;
-                add_point_hessian(&tangent, &g, local);
+                add_point_hessian(&tangent, &g, &mut local);
             }
+            lower_blocks(&local, blocks);
         }
         blocks
     }
@@ -163,34 +170,71 @@ impl Elastic {
     }
 }
 
+/// The lower blocks of the Hessians of some elements.
+struct ElementHessians<'a, const N: usize> {
+    elastic: &'a Elastic,
+    at_: &'a Iterate<'a>,
+    kind: Hessian,
+    elements: Range<usize>,
+}
+
+impl<const N: usize> Wide for ElementHessians<'_, N> {
+    type Output = Vec<[f64; 9]>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.elastic.element_hessians::<N>(self.at_, self.kind, self.elements)
+    }
+}
+
 /// Rest gradients of the four barycentric coordinates.
 fn corner_gradients(element: &Element) -> [Vec3; 4] {
     let c = |k: usize| element.to_rest.column(k).into_owned();
     [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
 }
 
-/// Adds ∇φ_a · A · ∇φ_b for all pairs b ≤ a; A is symmetric.
+/// Hessian of one element: entry (a, i), (b, j) at `[a][i][j][b]`, so that the
+/// last two indices make long rows.
+type Dense<const N: usize> = [[[[f64; N]; 3]; 3]; N];
+
+/// Adds ∇φ_a · A · ∇φ_b for all pairs; A is symmetric.
+#[inline(always)]
 fn add_point_hessian<const N: usize>(
     tangent: &crate::math::tensor::Mat9,
     g: &[Vec3; N],
-    local: &mut [[f64; 9]],
+    local: &mut Dense<N>,
 ) {
-    for b in 0..N {
-        // c[j] holds, for component j of node b, the stress it causes
-        let mut c = [[0.0; 9]; 3];
-        for (j, c) in c.iter_mut().enumerate() {
-            for (l, g) in g[b].iter().enumerate() {
-                let column = tangent.column(3 * l + j);
-                for (c, t) in c.iter_mut().zip(column.iter()) {
-                    *c += t * g;
+    let [g0, g1, g2]: [[f64; N]; 3] = std::array::from_fn(|l| std::array::from_fn(|b| g[b][l]));
+    for i in 0..3 {
+        // c[k][j][b] is the stress (i, k) that component j of node b causes
+        let mut c = [[[0.0; N]; 3]; 3];
+        for (k, c) in c.iter_mut().enumerate() {
+            for (j, c) in c.iter_mut().enumerate() {
+                let t: [f64; 3] = std::array::from_fn(|l| tangent[(3 * l + j, 3 * k + i)]);
+                for b in 0..N {
+                    c[b] = t[0] * g0[b] + t[1] * g1[b] + t[2] * g2[b];
                 }
             }
         }
-        for (a, ga) in g.iter().enumerate().skip(b) {
-            let block = &mut local[pair_index(a, b)];
+        for (local, g) in local.iter_mut().zip(g) {
+            for j in 0..3 {
+                for b in 0..N {
+                    local[i][j][b] += g[0] * c[0][j][b] + g[1] * c[1][j][b] + g[2] * c[2][j][b];
+                }
+            }
+        }
+    }
+}
+
+/// Copies the blocks b ≤ a in the order of [`pair_index`].
+#[inline(always)]
+fn lower_blocks<const N: usize>(local: &Dense<N>, blocks: &mut [[f64; 9]]) {
+    for (a, rows) in local.iter().enumerate() {
+        for b in 0..=a {
+            let block = &mut blocks[pair_index(a, b)];
             for i in 0..3 {
                 for j in 0..3 {
-                    block[3 * i + j] += ga[0] * c[j][i] + ga[1] * c[j][3 + i] + ga[2] * c[j][6 + i];
+                    block[3 * i + j] = rows[i][j][b];
                 }
             }
         }
@@ -224,9 +268,9 @@ impl Elastic {
     }
 
     fn merge_hessians<const N: usize>(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        map_merge(
+        map_merge_waves(
             at_.space.tets().len(),
-            |r| self.element_hessians::<N>(at_, kind, r),
+            |elements| widest(ElementHessians::<N> { elastic: self, at_, kind, elements }),
             |r, blocks| out.add_elements(r, &blocks),
         );
     }

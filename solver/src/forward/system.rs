@@ -55,8 +55,11 @@ impl System {
     pub fn new(space: FunctionSpace, energies: Vec<Box<dyn Energy>>, fixed: &[bool]) -> Self {
         let pattern =
             Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
-        let free = FreeTriangle::new(&pattern, fixed);
-        let order = order_of_unknowns(&pattern, &free, fixed);
+        let (free, nodes) = rayon::join(
+            || FreeTriangle::new(&pattern, fixed),
+            || nested_dissection(&pattern.adjacency()),
+        );
+        let order = order_of_unknowns(&nodes, &free, fixed);
         let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
         let supports = (0..fixed.len()).filter(|&d| fixed[d]).map(|d| (d, 0.0)).collect();
         Self { space, energies, linear, timings: Timings::default(), pattern, free, supports }
@@ -221,14 +224,14 @@ impl System {
     }
 }
 
-/// Nested dissection of the nodes; the unknowns of a node stay together.
-fn order_of_unknowns(pattern: &Pattern, free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
+/// The unknowns in the order of their nodes.
+fn order_of_unknowns(nodes: &[usize], free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
     let mut unknown_of = vec![None; fixed.len()];
     for (i, &dof) in free.dof.iter().enumerate() {
         unknown_of[dof] = Some(i);
     }
-    nested_dissection(&pattern.adjacency())
-        .into_iter()
+    nodes
+        .iter()
         .flat_map(|node| (3 * node..3 * node + 3).filter_map(|dof| unknown_of[dof]))
         .collect()
 }

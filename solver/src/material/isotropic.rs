@@ -14,6 +14,7 @@
 
 use super::{Kinematics, Material};
 use crate::math::remainder::exp_m1_minus;
+use crate::math::simd::{Wide, widest};
 use crate::math::tensor::{Mat3, Mat9, cross_matrix, vec9};
 
 /// ψ and its derivatives [J/m³] with respect to (Ī₁, Ī₂, J); J does not couple
@@ -87,19 +88,7 @@ impl<T: Isotropic> Material for T {
     fn tangent(&self, k: &Kinematics) -> Mat9 {
         let at = Invariants::new(k);
         let p = Plain::new(k, &at, &self.partials(&at));
-        let (g1, g2, gj) = (2.0 * vec9(&k.f), vec9(&i2_gradient(k)), vec9(&k.cofactor));
-        let [s11, s12, s22, s1j, s2j, sjj] = p.second;
-        let h1 = s11 * g1 + s12 * g2 + s1j * gj;
-        let h2 = s12 * g1 + s22 * g2 + s2j * gj;
-        let hj = s1j * g1 + s2j * g2 + sjj * gj;
-        let mut a = g1 * h1.transpose() + g2 * h2.transpose() + gj * hj.transpose();
-        let [p1, p2, pj] = p.first;
-        for i in 0..9 {
-            a[(i, i)] += 2.0 * p1;
-        }
-        add_i2_hessian(k, p2, &mut a);
-        add_j_hessian(k, pj, &mut a);
-        a
+        widest(Tangent { partials: &p, k })
     }
 
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
@@ -158,36 +147,77 @@ impl Plain {
     }
 }
 
+/// ∂²ψ/∂F² from partial derivatives.
+struct Tangent<'a> {
+    partials: &'a Plain,
+    k: &'a Kinematics,
+}
+
+impl Wide for Tangent<'_> {
+    type Output = Mat9;
+
+    #[inline(always)]
+    fn run(self) -> Mat9 {
+        self.partials.tangent(self.k)
+    }
+}
+
+impl Plain {
+    /// ∂²ψ/∂F².
+    #[inline(always)]
+    fn tangent(&self, k: &Kinematics) -> Mat9 {
+        let (g1, g2, gj) = (2.0 * vec9(&k.f), vec9(&i2_gradient(k)), vec9(&k.cofactor));
+        let [s11, s12, s22, s1j, s2j, sjj] = self.second;
+        let [p1, p2, pj] = self.first;
+        // with the term 4 p₂ F ⊗ F of ∂²I₂/∂F²
+        let h1 = (s11 + p2) * g1 + s12 * g2 + s1j * gj;
+        let h2 = s12 * g1 + s22 * g2 + s2j * gj;
+        let hj = s1j * g1 + s2j * g2 + sjj * gj;
+        let mut a = g1 * h1.transpose() + g2 * h2.transpose() + gj * hj.transpose();
+        for i in 0..9 {
+            a[(i, i)] += 2.0 * p1;
+        }
+        if p2 != 0.0 {
+            add_i2_hessian(k, p2, &mut a);
+        }
+        add_j_hessian(k, pj, &mut a);
+        a
+    }
+}
+
+#[inline(always)]
 fn i2_gradient(k: &Kinematics) -> Mat3 {
     // 2(I₁F − FFᵀF)
     2.0 * ((k.i1_minus_3() + 3.0) * k.f - k.f * k.f.transpose() * k.f)
 }
 
-/// ∂²I₂/∂F² : H = 2[2(F:H)F + I₁H − HFᵀF − FHᵀF − FFᵀH].
+/// ∂²I₂/∂F² : H = 2[2(F:H)F + I₁H − HFᵀF − FHᵀF − FFᵀH], without the first
+/// term.
+#[inline(always)]
 fn add_i2_hessian(k: &Kinematics, scale: f64, a: &mut Mat9) {
-    if scale == 0.0 {
-        return;
-    }
     let s = 2.0 * scale;
-    let f = vec9(&k.f);
-    *a += (2.0 * s) * f * f.transpose();
+    let i1 = k.i1_minus_3() + 3.0;
     let (b, c) = (k.f * k.f.transpose(), k.f.transpose() * k.f);
+    let same = Mat3::from_diagonal_element(s * i1) - s * b;
     for j in 0..3 {
-        for i in 0..3 {
-            let row = 3 * j + i;
-            a[(row, row)] += s * (k.i1_minus_3() + 3.0);
-            for m in 0..3 {
-                a[(row, 3 * m + i)] -= s * c[(m, j)];
-                a[(row, 3 * j + m)] -= s * b[(i, m)];
-                for l in 0..3 {
-                    a[(row, 3 * l + m)] -= s * k.f[(i, l)] * k.f[(m, j)];
-                }
+        for l in 0..3 {
+            // ∂(column j) / ∂H (column l)
+            let mut block = -s * k.f.column(l) * k.f.column(j).transpose();
+            let c = s * c[(l, j)];
+            for i in 0..3 {
+                block[(i, i)] -= c;
             }
+            if j == l {
+                block += same;
+            }
+            let mut target = a.fixed_view_mut::<3, 3>(3 * j, 3 * l);
+            target += block;
         }
     }
 }
 
 /// ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
+#[inline(always)]
 pub(super) fn add_j_hessian(k: &Kinematics, scale: f64, a: &mut Mat9) {
     for c in 0..3 {
         let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);

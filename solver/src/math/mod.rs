@@ -5,6 +5,7 @@ pub mod linear;
 pub mod ordering;
 pub mod random;
 pub mod remainder;
+pub mod simd;
 pub mod sparse;
 pub mod taylor;
 pub mod tensor;

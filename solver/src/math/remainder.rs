@@ -26,7 +26,7 @@ pub fn exp_m1_minus(x: f64) -> f64 {
         return x.exp_m1() - x;
     }
     // x²/2 (1 + x/3 (1 + x/4 (1 + …))); sixteen factors reach 1e-18
-    let tail = (3..=16).rev().fold(1.0, |sum, k| 1.0 + sum * x / f64::from(k));
+    let tail = (3..=16).rev().fold(1.0, |sum, k| 1.0 + sum * (x * (1.0 / f64::from(k))));
     0.5 * x * x * tail
 }
 

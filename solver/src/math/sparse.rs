@@ -1,7 +1,8 @@
 //! Symmetric matrices of 3×3 node blocks with a fixed pattern.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
+
+use rayon::prelude::*;
 
 /// The blocks (row ≥ column) that elements couple, and where each element's
 /// blocks are among them.
@@ -102,25 +103,30 @@ impl<'a> BlockMatrix<'a> {
         Self { pattern, blocks: vec![[0.0; 9]; pattern.rows.len()] }
     }
 
-    /// Adds the lower blocks of consecutive elements, laid out by
-    /// [`pair_index`].
-    pub fn add_elements(&mut self, elements: Range<usize>, local: &[[f64; 9]]) {
+    /// Adds the lower blocks of consecutive elements, given in consecutive
+    /// parts and laid out by [`pair_index`].
+    pub fn add_elements(&mut self, elements: Range<usize>, parts: &[Vec<[f64; 9]>]) {
         let pairs = pair_count(self.pattern.nodes_per_element);
         let slots = &self.pattern.slots[elements.start * pairs..elements.end * pairs];
-        for (&(slot, transpose), block) in slots.iter().zip(local) {
-            let target = &mut self.blocks[slot as usize];
-            if transpose {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        target[3 * i + j] += block[3 * j + i];
+        // every task owns a range of blocks and looks through all elements
+        let share = self.blocks.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+        self.blocks.par_chunks_mut(share).enumerate().for_each(|(i, own)| {
+            for (&(slot, transpose), block) in slots.iter().zip(parts.iter().flatten()) {
+                let Some(target) = (slot as usize).checked_sub(i * share) else { continue };
+                let Some(target) = own.get_mut(target) else { continue };
+                if transpose {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            target[3 * i + j] += block[3 * j + i];
+                        }
+                    }
+                } else {
+                    for (t, b) in target.iter_mut().zip(block) {
+                        *t += b;
                     }
                 }
-            } else {
-                for (t, b) in target.iter_mut().zip(block) {
-                    *t += b;
-                }
             }
-        }
+        });
     }
 
     /// Adds the block of the node pair (`row`, `column`); pairs in the upper
@@ -167,7 +173,7 @@ pub struct FreeTriangle {
     /// Row of each entry.
     pub rows: Vec<usize>,
     /// Index into the flat block values of each entry.
-    source: Vec<usize>,
+    source: Vec<u32>,
     /// Degree of freedom of each free unknown.
     pub dof: Vec<usize>,
 }
@@ -177,7 +183,10 @@ impl FreeTriangle {
     #[must_use]
     pub fn new(pattern: &Pattern, fixed: &[bool]) -> Self {
         let dof: Vec<usize> = (0..fixed.len()).filter(|&d| !fixed[d]).collect();
-        let index: BTreeMap<usize, usize> = dof.iter().enumerate().map(|(i, &d)| (d, i)).collect();
+        let mut index = vec![None; fixed.len()];
+        for (i, &d) in dof.iter().enumerate() {
+            index[d] = Some(i);
+        }
         let mut triangle =
             Self { column_start: vec![0], rows: Vec::new(), source: Vec::new(), dof };
         for c in 0..triangle.dof.len() {
@@ -187,10 +196,11 @@ impl FreeTriangle {
                 for i in 0..3 {
                     let d = 3 * row + i;
                     if d >= triangle.dof[c]
-                        && let Some(&r) = index.get(&d)
+                        && let Some(r) = index[d]
                     {
                         triangle.rows.push(r);
-                        triangle.source.push(9 * k + 3 * i + j);
+                        let source = u32::try_from(9 * k + 3 * i + j);
+                        triangle.source.push(source.expect("< 2^32 entries"));
                     }
                 }
             }
@@ -203,7 +213,12 @@ impl FreeTriangle {
     #[must_use]
     pub fn gather(&self, matrix: &BlockMatrix) -> Vec<f64> {
         let flat = matrix.blocks.as_flattened();
-        self.source.iter().map(|&s| flat[s]).collect()
+        let mut values = vec![0.0; self.source.len()];
+        let parts = values.par_chunks_mut(1 << 14).zip(self.source.par_chunks(1 << 14));
+        parts.for_each(|(values, source)| {
+            values.iter_mut().zip(source).for_each(|(v, &s)| *v = flat[s as usize]);
+        });
+        values
     }
 
     /// The free part of a vector over all degrees of freedom.
