@@ -29,7 +29,7 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
         Box::new(Elastic { material: Box::new(SILICONE) }),
-        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3 } }),
+        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3.into() } }),
         Box::new(BodyForce { force: FORCE.into() }),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),
     ]
@@ -63,7 +63,7 @@ fn every_term_has_its_derivatives_for_every_degree() {
         for energy in energies(&body, &space) {
             let name = format!("{} P{degree}", energy.name());
             let iterate = |rest: &[Vec3], u: &[f64], f: &mut dyn FnMut(&Iterate)| {
-                f(&Iterate { space: &space, rest, u, load: 0.8 });
+                f(&Iterate { space: &space, rest, u, load: 0.8, multipliers: &[] });
             };
             let value = |u: &[f64]| {
                 let mut value = 0.0;
@@ -114,7 +114,10 @@ fn resultants_are_force_times_volume_and_traction_times_area() {
         let u = vec![0.0; 3 * space.node_count()];
         let resultant = |energy: &dyn Energy| -> Vec3 {
             let mut g = vec![0.0; u.len()];
-            energy.add_gradient(&Iterate { space: &space, rest, u: &u, load: 1.0 }, &mut g);
+            energy.add_gradient(
+                &Iterate { space: &space, rest, u: &u, load: 1.0, multipliers: &[] },
+                &mut g,
+            );
             -(0..space.node_count()).map(|i| at(&g, i)).sum::<Vec3>()
         };
         let weight = resultant(&BodyForce { force: FORCE.into() });

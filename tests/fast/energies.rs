@@ -52,9 +52,9 @@ fn cases() -> Vec<Case> {
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
                     let gas = if name == "isobaric" {
-                        GasLaw::Isobaric { pressure: 20e3 }
+                        GasLaw::Isobaric { pressure: 20e3.into() }
                     } else {
-                        GasLaw::Ideal { fill: 20e3, ambient: 101.3e3, exponent: 1.4 }
+                        GasLaw::Ideal { fill: 20e3.into(), ambient: 101.3e3, exponent: 1.4 }
                     };
                     Box::new(Chamber { wall, gas })
                 }
@@ -72,7 +72,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 0.8 }
+        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &[] }
     }
 
     fn gradient(&self, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
@@ -168,7 +168,8 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
         let elastic = Elastic { material: Box::new(SILICONE) };
-        let at = Iterate { space: &space, rest: &mesh.vertices, u: &u, load: 1.0 };
+        let at =
+            Iterate { space: &space, rest: &mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
         let mut g = vec![0.0; u.len()];
         elastic.add_gradient(&at, &mut g);
         let mut on_boundary = vec![false; nodes.len()];
@@ -200,9 +201,10 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
     assert!((wall.volume(&space, &nodes) / 1e-6 - 1.0).abs() < 1e-13);
     let mut random = Random::new(3);
     let u: Vec<f64> = (0..3 * nodes.len()).map(|_| 1e-3 * random.uniform()).collect();
-    let pressure = Chamber { wall, gas: GasLaw::Isobaric { pressure: 1e3 } };
+    let pressure = Chamber { wall, gas: GasLaw::Isobaric { pressure: 1e3.into() } };
     let mut g = vec![0.0; u.len()];
-    let at = Iterate { space: &space, rest: &body.mesh.vertices, u: &u, load: 1.0 };
+    let at =
+        Iterate { space: &space, rest: &body.mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
     pressure.add_gradient(&at, &mut g);
     let force = |n: usize| solver::element::at(&g, n);
     let position = |n: usize| nodes[n] + solver::element::at(&u, n);

@@ -40,7 +40,7 @@ fn scenes() {
             ("c1 = 55e3", "c1 = -5e3", &["shear = 2 (c1 + c2) = 0 Pa"]),
             ("c1 = 55e3", "c1 = nan", &["c1 = NaN [Pa]"]),
             ("d1 = 1e6", "d1 = 0.0", &["bulk = 2 d1 = 0 Pa"]),
-            ("pressure = 8e3", "pressure = nan", &["pressure on \"cavity\" is NaN"]),
+            ("pressure = 8e3", "pressure = nan", &["pressure on \"cavity\": NaN is not finite"]),
             ("[[fixed]]\non = \"seat\"", "", &["missing field `fixed`"]),
             ("on = \"seat\"", "on = \"seta\"", &["\"seta\"", "seat, cavity, top, skin"]),
             ("on = \"cavity\"", "on = \"hole\"", &["\"hole\"", "seat, cavity, top, skin"]),

@@ -273,10 +273,9 @@ impl Parser<'_> {
                 return Ok(Node::Call(known, arguments));
             }
             self.next = start;
-            return Err(self.malformed(format!(
-                "{name} has {} arguments, needs {count}",
-                arguments.len()
-            )));
+            return Err(
+                self.malformed(format!("{name} has {} arguments, needs {count}", arguments.len()))
+            );
         }
         match (call, name.as_str()) {
             (false, "t") => return Ok(Node::Time),

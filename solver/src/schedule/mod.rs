@@ -71,6 +71,12 @@ impl Schedule {
         matches!(&self.written, Written::Expression(e) if e.uses_position())
     }
 
+    /// 1 − t/t₁ during the first step, 0 after it.
+    #[must_use]
+    pub fn to_come(&self, load: f64) -> f64 {
+        (1.0 - load / self.first).max(0.0)
+    }
+
     /// v at a load, the time t, where it does not depend on the position; NaN
     /// where it is not defined.
     #[must_use]
@@ -81,7 +87,7 @@ impl Schedule {
     /// v and its gradient at a rest position [m] and a load.
     #[must_use]
     pub fn jet(&self, position: Vec3, load: f64) -> Jet {
-        let to_come = (1.0 - load / self.first).max(0.0);
+        let to_come = self.to_come(load);
         if let Written::Number(value) = self.written {
             return Jet::constant((load / self.first).min(1.0) * value);
         }
@@ -98,7 +104,7 @@ impl Schedule {
     /// With the value and where it was found.
     pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
         if let Written::Number(value) = self.written {
-            return if value.is_finite() { Ok(()) } else { Err(format!("is {value}")) };
+            return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };
         }
         if let Written::Table(table) = &self.written {
             table.check_range(times)?;
@@ -280,8 +286,11 @@ mod tests {
         };
         assert_eq!(told("\"log(t)\"", &[0.0, 1.0]), "\"log(t)\" is -inf at t = 0 s");
         let message = told("\"1/(z - 0.25)\"", &[0.5]);
-        assert_eq!(message, "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m");
-        assert_eq!(told("nan", &[0.0]), "is NaN");
+        assert_eq!(
+            message,
+            "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m"
+        );
+        assert_eq!(told("nan", &[0.0]), "NaN is not finite");
         let table = "{ t = [0.1, 0.5], value = [0, 1] }";
         assert!(told(table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
         assert!(sound(table, 1.0).at(0.6).is_nan(), "never a silent zero");

@@ -58,9 +58,7 @@ impl Table {
         if first <= from && to <= last {
             return Ok(());
         }
-        Err(format!(
-            "the table goes from t = {first} to {last} s, needed is from {from} to {to} s"
-        ))
+        Err(format!("the table goes from t = {first} to {last} s, needed is from {from} to {to} s"))
     }
 
     /// The value at a time [s]; NaN outside the range.
