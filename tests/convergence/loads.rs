@@ -10,6 +10,7 @@ use solver::energy::{
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
 use solver::math::taylor::taylor;
+use solver::schedule::Field;
 use tests::equilibrium::SILICONE;
 use tests::{block, tag};
 
@@ -31,8 +32,18 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
         Box::new(Elastic { material: Box::new(SILICONE) }),
         Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3.into() } }),
         Box::new(BodyForce { force: FORCE.into() }),
+        Box::new(BodyForce { force: field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]) }),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),
+        Box::new(Traction::new(
+            space,
+            &body.facets("side").unwrap(),
+            field(["3e4*y", "-2e6*y*z*t", "exp(30*(y - z))"]),
+        )),
     ]
+}
+
+fn field(components: [&str; 3]) -> Field {
+    Field(components.map(|text| text.parse().unwrap()))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -2,11 +2,15 @@
 
 use mesh::Vec3;
 use solver::element::FunctionSpace;
-use solver::energy::{Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Wall};
+use solver::energy::{
+    Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Multiplier, Prescribed, Wall,
+};
 use solver::material::MooneyRivlin;
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
 use tests::{block, tag};
+
+const MULTIPLIERS: [Multiplier; 1] = [Multiplier { pressure: 20e3, penalty: 5e10 }];
 
 const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
 
@@ -35,7 +39,7 @@ struct Case {
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for degree in [1, 2] {
-        for name in ["elastic", "isobaric", "ideal"] {
+        for name in ["elastic", "isobaric", "ideal", "volume"] {
             let body = body();
             let rest = body.mesh.vertices.clone();
             let space = FunctionSpace::new(degree, rest.len(), body.mesh.tets.clone());
@@ -51,10 +55,11 @@ fn cases() -> Vec<Case> {
                 "elastic" => Box::new(Elastic { material: Box::new(SILICONE) }),
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
-                    let gas = if name == "isobaric" {
-                        GasLaw::Isobaric { pressure: 20e3.into() }
-                    } else {
-                        GasLaw::Ideal { fill: 20e3.into(), ambient: 101.3e3, exponent: 1.4 }
+                    let factor = Prescribed::Factor(1.3.into());
+                    let gas = match name {
+                        "isobaric" => GasLaw::Isobaric { pressure: 20e3.into() },
+                        "volume" => GasLaw::Volume { prescribed: factor, multiplier: 0 },
+                        _ => GasLaw::Ideal { fill: 20e3.into(), ambient: 101.3e3, exponent: 1.4 },
                     };
                     Box::new(Chamber { wall, gas })
                 }
@@ -72,7 +77,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &[] }
+        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &MULTIPLIERS }
     }
 
     fn gradient(&self, u: &[f64], rest: &[Vec3]) -> Vec<f64> {

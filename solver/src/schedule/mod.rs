@@ -53,6 +53,16 @@ impl From<f64> for Schedule {
     }
 }
 
+impl std::str::FromStr for Schedule {
+    type Err = Malformed;
+
+    /// An expression.
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        let written = Written::Expression(Arc::new(Expression::parse(text)?));
+        Ok(Self { written, first: 1.0 })
+    }
+}
+
 impl Schedule {
     /// Sets the end of the first time step, t₁ > 0 [s]; it is 1 if not set.
     pub fn begin(&mut self, first: f64) {
@@ -187,8 +197,7 @@ impl<'de> Visitor<'de> for Reader {
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
-        let expression = Expression::parse(text).map_err(E::custom)?;
-        Ok(Written::Expression(Arc::new(expression)))
+        text.parse().map(|schedule: Schedule| schedule.written).map_err(E::custom)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Written, A::Error> {
@@ -205,6 +214,12 @@ pub struct Field(pub [Schedule; 3]);
 impl From<[f64; 3]> for Field {
     fn from(values: [f64; 3]) -> Self {
         Self(values.map(Schedule::from))
+    }
+}
+
+impl From<Vec3> for Field {
+    fn from(values: Vec3) -> Self {
+        <[f64; 3]>::from(values).into()
     }
 }
 
