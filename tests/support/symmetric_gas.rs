@@ -94,7 +94,9 @@ impl Energy for SymmetricGas {
         let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
         let (volume, rest, _) = self.state(at);
         let wanted = prescribed.at(rest, at.load).0;
-        Some(Constraint { multiplier: *multiplier, volume, wanted })
+        let mut gradient = vec![0.0; at.u.len()];
+        self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut gradient);
+        Some(Constraint { multiplier: *multiplier, volume, wanted, gradient })
     }
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
         unreachable!("no shape is varied here")

@@ -207,8 +207,11 @@ impl Energy for Chamber {
     fn constraint(&self, at_: &Iterate) -> Option<Constraint> {
         let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
         let (wanted, _) = prescribed.at(self.rest_volume(at_), at_.load);
-        let volume = self.wall.volume(at_.space, &positions(at_));
-        Some(Constraint { multiplier: *multiplier, volume, wanted })
+        let x = positions(at_);
+        let volume = self.wall.volume(at_.space, &x);
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut gradient);
+        Some(Constraint { multiplier: *multiplier, volume, wanted, gradient })
     }
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {

@@ -43,7 +43,7 @@ pub struct Multiplier {
 }
 
 /// A prescribed volume at an iterate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     /// Index of its multiplier.
     pub multiplier: usize,
@@ -51,6 +51,8 @@ pub struct Constraint {
     pub volume: f64,
     /// Volume that it shall have [m³].
     pub wanted: f64,
+    /// ∂V/∂u, three components per node [m²].
+    pub gradient: Vec<f64>,
 }
 
 /// Which Hessian to assemble.
