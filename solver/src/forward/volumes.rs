@@ -28,10 +28,11 @@ use crate::math::linear::{Symmetric, dot, norm};
 const ROUGH: f64 = 1e-4;
 /// Rough minima before a volume counts as out of reach.
 const MINIMA: usize = 30;
-/// A step must bring residual and gap down to this fraction, or the penalty is
-/// too weak ...
+/// Steps of Newton's method from one of them, which converges or is of no use.
+const STEPS: usize = 8;
+/// A gap of which more than this is left asks for a larger penalty ...
 const SLOW: f64 = 0.1;
-/// ... and grows by this factor.
+/// ... by this factor.
 const GROWTH: f64 = 10.0;
 /// Relative residual of the linear systems, enough for quadratic convergence
 /// from a rough minimum.
@@ -59,7 +60,10 @@ pub fn balance(
     for minimum in 0.. {
         iterations += rough.solve(system, rest, u, load)?.0;
         let mut distance = Distance::of(system, rest, u, load, newton);
-        while !distance.is_reached() {
+        for _ in 0..STEPS {
+            if distance.is_reached() {
+                break;
+            }
             let Some(nearer) = joint_step(system, rest, u, load, newton, &distance) else { break };
             iterations += 1;
             distance = nearer;
@@ -133,7 +137,7 @@ impl Distance {
 }
 
 /// One step of Newton's method in u and P̂; nothing changes if it does not come
-/// much nearer.
+/// nearer.
 fn joint_step(
     system: &mut System,
     rest: &[Vec3],
@@ -172,7 +176,7 @@ fn joint_step(
         nearer.residual,
         nearer.largest_gap()
     );
-    if nearer.is_reached() || nearer.measure() <= SLOW * distance.measure() {
+    if nearer.measure() < distance.measure() {
         *u = trial;
         return Some(nearer);
     }
