@@ -181,7 +181,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
     let mut factor: Schedule = "(1 + t)^3".parse().unwrap();
     factor.begin(0.1);
     let gas = GasLaw::Volume { prescribed: Prescribed::Factor(factor), multiplier: 0 };
-    let Shell { problem, gas } = Shell::with(law, 2, [8, 3], &gas);
+    let Shell { problem, gas } = Shell::with(law, 2, [6, 2], &gas);
     let octant = std::f64::consts::PI / 6.0 * A.powi(3);
     let start = Multiplier { pressure: 0.0, penalty: 10.0 * mu / octant };
     let mut system = problem.system.with_multipliers(vec![start]);
