@@ -52,6 +52,27 @@ fn a_table_is_the_expression_of_its_lines() {
     assert!(table.ends()[0].u.iter().all(|u| *u == 0.0), "nothing acts before 0.1 s");
 }
 
+/// Time steps that Newton's method cannot take at once are cut, which their ends
+/// do not show.
+#[test]
+fn a_time_step_is_cut_where_it_is_too_long() {
+    let with = |solver: &str| {
+        simulate(&format!(
+            "{HELD}[time]\nat = [1.0, 4.0]\n\
+             [[pressure]]\non = \"left\"\npressure = {{ t = [0, 1, 4], value = [0, 5e3, 90e3] }}\n{solver}"
+        ))
+    };
+    let cut = with("[solver]\nfirst_load_step = 1.0\nnewton_iterations = 3\n");
+    let whole = with("[solver]\nfirst_load_step = 1.0\n");
+    assert_eq!(whole.solution.steps.len(), 2, "with 30 iterations no cut is needed");
+    let between = cut.solution.steps.iter().filter(|s| !s.ends_time_step);
+    assert!(between.clone().count() > 0 && between.clone().all(|s| s.load > 0.0 && s.load < 4.0));
+    for (a, b) in cut.ends().iter().zip(whole.ends()) {
+        assert_eq!(a.load, b.load);
+        assert!(difference(&a.u, &b.u) < SAME, "t = {}", a.load);
+    }
+}
+
 /// There and back: the body is at rest again, and feels nothing.
 #[test]
 fn a_support_moves_in_time() {

@@ -79,3 +79,17 @@ fn a_volume_follows_its_schedule() {
     assert!((walls[2].pressure / walls[1].pressure - 1.0).abs() < 1e-8);
     assert!(walls[3].pressure.abs() < 1e-6 * walls[1].pressure, "{}", walls[3].pressure);
 }
+
+/// Air let in over time: at every moment the amount of gas of that moment.
+#[test]
+fn a_fill_follows_its_schedule() {
+    let loads = "[time]\nat = [0.25, 1.0, 1.5]\n\
+                 [[gas]]\non = \"middle\"\nfill = \"60e3*t*(2 - t)\"\nambient = 101.3e3\nexponent = 1.4\n";
+    let mut simulated = simulate(&format!("{HELD}{loads}"));
+    for step in simulated.ends() {
+        let wall = simulated.walls(&step)["middle"].clone();
+        let fill = 60e3 * step.load * (2.0 - step.load);
+        let by_law = (fill + 101.3e3) * (wall.volume_rest / wall.volume).powf(1.4) - 101.3e3;
+        assert!((wall.pressure / by_law - 1.0).abs() < 1e-10 && by_law > 5e3, "{by_law}");
+    }
+}

@@ -69,8 +69,14 @@ pub fn balance(
             distance = nearer;
         }
         log::debug!("volumes {minimum}  largest gap {:.2e}", distance.largest_gap());
-        if distance.is_reached() {
-            return Ok((iterations, distance.residual));
+        if distance.largest_gap() <= newton.relative {
+            // what is left, if anything, are digits that rounding takes
+            let (count, residual) = newton.solve(system, rest, u, load)?;
+            iterations += count;
+            distance = Distance::of(system, rest, u, load, newton);
+            if distance.largest_gap() <= newton.relative {
+                return Ok((iterations, residual));
+            }
         }
         if minimum == MINIMA {
             return Err(distance.failure());
