@@ -28,6 +28,7 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
             200.0 * t
         );
         let gap = difference(&step.u, &simulate(&format!("{HELD}{loads}")).solution.u);
+        eprintln!("schedule at t = {t} against the static scene: {gap:.1e}");
         assert!(gap < SAME, "t = {t}: {gap:e}");
     }
 }
@@ -46,7 +47,10 @@ fn a_table_is_the_expression_of_its_lines() {
     for other in [expression, condition] {
         for (a, b) in table.ends().iter().zip(other.ends()) {
             assert!((a.load - b.load).abs() < 1e-15);
-            assert!(difference(&a.u, &b.u) < SAME || a.load < 0.1, "t = {}", a.load);
+            // until 0.1 s there is nothing but rounding
+            let gap = if a.load < 0.1 { 0.0 } else { difference(&a.u, &b.u) };
+            eprintln!("table against expression at t = {:.2}: {gap:.1e}", a.load);
+            assert!(gap < SAME, "t = {}", a.load);
         }
     }
     assert!(table.ends()[0].u.iter().all(|u| *u == 0.0), "nothing acts before 0.1 s");
@@ -93,7 +97,12 @@ fn a_support_moves_in_time() {
     let largest = |u: &[f64]| u.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     assert!(largest(&ends[3].u) < 1e-10 && largest(&ends[7].u) < 1e-10);
     let quarter = simulate(&scene("5e-3", ""));
-    assert!(difference(&ends[1].u, &quarter.solution.u) < SAME);
+    let gap = difference(&ends[1].u, &quarter.solution.u);
+    eprintln!(
+        "moving support against the static scene: {gap:.1e}, and back: {:.1e} m",
+        largest(&ends[3].u)
+    );
+    assert!(gap < SAME);
     let report = results::step(&moving.scene, &body, &mut moving.system, &ends[1]).unwrap();
     assert!(report["reactions"]["end"][0].as_f64().unwrap() > 1.0, "{report}");
     assert_eq!(report["t"], 0.25);
@@ -124,6 +133,7 @@ fn supports_follow_expressions_of_the_position() {
             })
             .collect();
         let gap = difference(&step.u, &exact);
+        eprintln!("motion linear in the position at t = {t}: {gap:.1e}");
         assert!(gap < 1e-10, "t = {t}: {gap:e}");
     }
 }
