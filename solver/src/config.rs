@@ -64,42 +64,6 @@ impl SimConfig {
             }
         }
     }
-
-    /// All values that may change with time: what they are called in messages,
-    /// the tag on which they act, and whether they may change with the position.
-    fn schedules(&mut self) -> Vec<(String, Option<&str>, bool, &mut Schedule)> {
-        let mut all = Vec::new();
-        for c in &mut self.pressure {
-            all.push((format!("pressure on \"{}\"", c.on), None, false, &mut c.pressure));
-        }
-        for c in &mut self.gas {
-            all.push((format!("gas on \"{}\": fill", c.on), None, false, &mut c.fill));
-        }
-        for c in &mut self.volume {
-            for (key, value) in [("change", &mut c.change), ("factor", &mut c.factor)] {
-                let name = format!("[[volume]] on \"{}\": {key}", c.on);
-                all.extend(value.as_mut().map(|value| (name, None, false, value)));
-            }
-        }
-        for c in &mut self.fixed {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
-                let name = format!("[[fixed]] on \"{}\": displacement along {axis}", c.on);
-                all.push((name, Some(c.on.as_str()), true, value));
-            }
-        }
-        for c in &mut self.body_force {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
-                all.push((format!("[[body_force]]: force along {axis}"), None, true, value));
-            }
-        }
-        for c in &mut self.traction {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.traction.0) {
-                let name = format!("[[traction]] on \"{}\": traction along {axis}", c.on);
-                all.push((name, Some(c.on.as_str()), true, value));
-            }
-        }
-        all
-    }
 }
 
 /// Time steps: `end` and `steps`, or `at`. The body is at rest at t = 0.

@@ -4,6 +4,7 @@ use anyhow::{Result, anyhow, bail, ensure};
 
 use super::{SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
+use crate::schedule::Schedule;
 
 /// Moments at which schedules are looked at in each time step, for load steps
 /// may end in between.
@@ -32,7 +33,7 @@ impl SimConfig {
             time.check()?;
         }
         let (first, moments) = (self.times()[0], self.moments());
-        for (name, _, may_use_position, schedule) in self.schedules() {
+        for (name, may_use_position, schedule) in self.schedules() {
             schedule.begin(first);
             if schedule.uses_position() {
                 ensure!(may_use_position, "{name} = {schedule}: must depend on t alone");
@@ -55,6 +56,42 @@ impl SimConfig {
             moments.push(end);
         }
         moments
+    }
+
+    /// All values that may change with time: what they are called in messages,
+    /// and whether they may change with the position.
+    fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
+        let mut all = Vec::new();
+        for c in &mut self.pressure {
+            all.push((format!("pressure on \"{}\"", c.on), false, &mut c.pressure));
+        }
+        for c in &mut self.gas {
+            all.push((format!("gas on \"{}\": fill", c.on), false, &mut c.fill));
+        }
+        for c in &mut self.volume {
+            for (key, value) in [("change", &mut c.change), ("factor", &mut c.factor)] {
+                let name = format!("[[volume]] on \"{}\": {key}", c.on);
+                all.extend(value.as_mut().map(|value| (name, false, value)));
+            }
+        }
+        for c in &mut self.fixed {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
+                let name = format!("[[fixed]] on \"{}\": displacement along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        for c in &mut self.body_force {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
+                all.push((format!("[[body_force]]: force along {axis}"), true, value));
+            }
+        }
+        for c in &mut self.traction {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.traction.0) {
+                let name = format!("[[traction]] on \"{}\": traction along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        all
     }
 
     fn check_chambers(&self) -> Result<()> {

@@ -11,10 +11,12 @@
 
 mod expression;
 mod jet;
+mod parser;
 mod table;
 
-pub use expression::{Expression, FUNCTIONS, Malformed};
+pub use expression::Expression;
 pub use jet::Jet;
+pub use parser::{FUNCTIONS, Malformed};
 pub use table::Table;
 
 use std::fmt;
