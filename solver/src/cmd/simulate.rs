@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn progress(scene: &Scene, load: f64) -> String {
     if scene.config.time.is_some() {
-        return format!("t {load:9.4e} s");
+        return format!("t {load:.4e} s");
     }
     format!("load {:5.1} %", 100.0 * load)
 }
