@@ -18,7 +18,11 @@ mod patch;
 mod ring;
 #[path = "convergence/scene_loads.rs"]
 mod scene_loads;
+#[path = "convergence/schedules.rs"]
+mod schedules;
 #[path = "convergence/shell.rs"]
 mod shell;
 #[path = "convergence/sphere_volume.rs"]
 mod sphere_volume;
+#[path = "convergence/volumes.rs"]
+mod volumes;

@@ -1,5 +1,7 @@
 //! Small bodies and helpers that the tests share.
 
+#[path = "support/bar.rs"]
+pub mod bar;
 #[path = "support/chamber.rs"]
 pub mod chamber;
 #[path = "support/equilibrium.rs"]

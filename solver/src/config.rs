@@ -2,12 +2,15 @@
 //!
 //! Everything is SI. Paths are relative to the file that names them.
 
+mod check;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::material::Specification;
+use crate::schedule::{Field, Schedule};
 use crate::silicone;
 
 /// A scene: a tagged body, its material, supports and loads.
@@ -32,15 +35,47 @@ pub struct SimConfig {
     /// Closed chambers with a fixed amount of gas.
     #[serde(default)]
     pub gas: Vec<GasConfig>,
+    /// Closed chambers with a prescribed volume.
+    #[serde(default)]
+    pub volume: Vec<VolumeConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,
     /// Forces on parts of the boundary.
     #[serde(default)]
     pub traction: Vec<TractionConfig>,
+    /// Time steps; without them the loads grow together from nothing.
+    pub time: Option<TimeConfig>,
     /// Numerical settings.
     #[serde(default)]
     pub solver: SolverConfig,
+}
+
+impl SimConfig {
+    /// Ends of the time steps [s]; of a static scene the full load, 1.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        match &self.time {
+            None => vec![1.0],
+            Some(TimeConfig { at: Some(times), .. }) => times.clone(),
+            Some(TimeConfig { end, steps, .. }) => {
+                let (end, steps) = (end.unwrap_or(1.0), steps.unwrap_or(1));
+                (1..=steps).map(|n| end * (n as f64 / steps as f64)).collect()
+            }
+        }
+    }
+}
+
+/// Time steps: `end` and `steps`, or `at`. The body is at rest at t = 0.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeConfig {
+    /// End of the last step [s].
+    pub end: Option<f64>,
+    /// Number of steps of equal length.
+    pub steps: Option<usize>,
+    /// Ends of all steps [s].
+    pub at: Option<Vec<f64>>,
 }
 
 fn quadratic() -> usize {
@@ -88,9 +123,9 @@ pub struct Fixed {
     /// The axes, such as "xyz" or "z".
     #[serde(default = "all_axes")]
     pub components: String,
-    /// Displacement at full load, zero along axes that are not fixed [m].
+    /// Displacement, zero along axes that are not fixed [m].
     #[serde(default)]
-    pub displacement: [f64; 3],
+    pub displacement: Field,
 }
 
 fn all_axes() -> String {
@@ -105,22 +140,22 @@ impl Fixed {
     }
 }
 
-/// A constant force per rest volume.
+/// A force per rest volume.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyForceConfig {
     /// Force per volume, for gravity density times acceleration [N/m³].
-    pub force: [f64; 3],
+    pub force: Field,
 }
 
-/// A constant force per rest area.
+/// A force per rest area.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TractionConfig {
     /// Tag name.
     pub on: String,
     /// Force per area [Pa].
-    pub traction: [f64; 3],
+    pub traction: Field,
 }
 
 /// A chamber wall with gas behind it.
@@ -130,7 +165,7 @@ pub struct PressureConfig {
     /// Tag name of the wall.
     pub on: String,
     /// Gauge pressure; positive inflates [Pa].
-    pub pressure: f64,
+    pub pressure: Schedule,
 }
 
 /// A chamber that is filled in its rest shape and closed.
@@ -140,18 +175,31 @@ pub struct GasConfig {
     /// Tag name of the wall.
     pub on: String,
     /// Gauge pressure of the fill in the rest volume [Pa].
-    pub fill: f64,
+    pub fill: Schedule,
     /// Ambient pressure [Pa].
     pub ambient: f64,
     /// Polytropic exponent: 1 isothermal, 1.4 adiabatic for air [1].
     pub exponent: f64,
 }
 
+/// A chamber whose volume is prescribed by one of two keys.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeConfig {
+    /// Tag name of the wall.
+    pub on: String,
+    /// Volume minus rest volume [m³].
+    pub change: Option<Schedule>,
+    /// Volume over rest volume [1].
+    pub factor: Option<Schedule>,
+}
+
 /// Numerical settings of the equilibrium.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SolverConfig {
-    /// First load increment as a fraction of the full load [1].
+    /// First load increment as a fraction of a time step, in a static scene of
+    /// the full load [1].
     pub first_load_step: f64,
     /// Largest load increment, for smooth curves over the load [1].
     pub largest_load_step: f64,
@@ -159,7 +207,8 @@ pub struct SolverConfig {
     pub smallest_load_step: f64,
     /// Newton iterations allowed in one load step.
     pub newton_iterations: usize,
-    /// Unbalanced force relative to the forces that balance [1].
+    /// Unbalanced force relative to the forces that balance, and gap of a
+    /// prescribed volume relative to it [1].
     pub relative_tolerance: f64,
     /// Unbalanced force that counts as none [N].
     pub absolute_tolerance: f64,

@@ -13,6 +13,7 @@ pub mod silicone; // known materials
 pub mod fit; // tensile tests to laws
 pub mod stretch; // how far a state strains its material
 pub mod contact; // distances between surfaces
+pub mod schedule; // values over time, as people write them
 pub mod energy; // terms of the potential energy
 pub mod forward; // from energies to an equilibrium
 pub mod objective; // what to minimise

@@ -57,7 +57,7 @@ pub fn tags(
     system: &mut System,
     u: &[f64],
 ) -> Result<BTreeMap<String, TagReport>> {
-    let reactions = reactions(scene, body, system, u, 1.0)?;
+    let reactions = reactions(scene, body, system, u, scene.end())?;
     let mut reports = BTreeMap::new();
     for name in body.used_tags() {
         let mut report = displacements(body, &system.space, &body.facets(name)?, u);
@@ -122,20 +122,29 @@ pub fn displacements(
     }
 }
 
-/// Measures of one load step: the step, its chambers, reactions and balance of
-/// forces.
+/// Measures of one load step: the step, its chambers, reactions, balance of
+/// forces and energies.
 ///
 /// # Errors
 /// When a tag is missing.
 pub fn step(scene: &Scene, body: &Body, system: &mut System, step: &LoadStep) -> Result<Value> {
+    system.multipliers.clone_from(&step.multipliers);
     let mut report = json!(step);
+    report["t"] = json!(step.load);
+    if scene.config.time.is_some()
+        && let Some(report) = report.as_object_mut()
+    {
+        // there is no full load of which it would be a fraction
+        report.remove("load");
+    }
     report["walls"] = json!(walls(scene, body, system, &step.u, step.load)?);
     report["reactions"] = json!(reactions(scene, body, system, &step.u, step.load)?);
     report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
+    report["energies"] = json!(energies(system, &body.mesh.vertices, &step.u, step.load));
     Ok(report)
 }
 
-/// Measures every chamber under a fraction of the load.
+/// Measures every chamber at a load.
 ///
 /// # Errors
 /// When a tag is missing.
@@ -157,10 +166,15 @@ pub fn walls(
     Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
 }
 
-/// Energies of a state under the full load by kind, and their sum `total` [J].
+/// Energies of a state by kind, and their sum `total` [J].
 #[must_use]
-pub fn energies(system: &System, rest: &[Vec3], u: &[f64]) -> BTreeMap<&'static str, f64> {
-    let at = system.iterate(rest, u, 1.0);
+pub fn energies(
+    system: &System,
+    rest: &[Vec3],
+    u: &[f64],
+    load: f64,
+) -> BTreeMap<&'static str, f64> {
+    let at = system.iterate(rest, u, load);
     // those that a scene may lack are reported, too
     let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
     for energy in &system.energies {

@@ -1,20 +1,24 @@
 //! From config and files to objects: the only place where names become
 //! meshes, energies and objectives.
 
+mod chambers;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use mesh::Vec3;
 
 use crate::body::Body;
-use crate::config::{GasConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
-use crate::element::{FunctionSpace, HIGHEST_DEGREE};
-use crate::energy::{BodyForce, Chamber, Elastic, Energy, GasLaw, Traction, Wall};
+use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::element::FunctionSpace;
+use crate::energy::{BodyForce, Elastic, Energy, Traction};
 use crate::forward::{Newton, Stepping, System};
 use crate::material::Specification;
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
 };
+use crate::schedule::Field;
 use crate::supports::Supports;
 
 /// A scene as read from its file.
@@ -37,9 +41,9 @@ impl Scene {
     /// # Errors
     /// With the file, what was found and what was needed.
     pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<Self> {
-        let config: SimConfig = mesh::io::read_toml(path)?;
+        let mut config: SimConfig = mesh::io::read_toml(path)?;
         let context = || path.display().to_string();
-        check(&config).with_context(context)?;
+        config.check().with_context(context)?;
         let material = config.material.specification().with_context(context)?;
         let mesh_path =
             other_mesh.map_or_else(|| beside(path, &config.mesh), std::path::Path::to_path_buf);
@@ -63,8 +67,42 @@ impl Scene {
         let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
         let supports = self.supports(body, &space)?;
         let energies = self.energies(body, &space, &supports).with_context(context)?;
-        let system = System::new(space, energies, &supports.fixed());
-        Ok(system.with_displacement(&supports.displacement))
+        let multipliers = self.multipliers(body, &space)?;
+        let system = System::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
+        if supports.move_at_all() {
+            return Ok(system.with_motion(Box::new(move |load| supports.displacement(load))));
+        }
+        Ok(system)
+    }
+
+    /// Ends of the time steps [s]; of a static scene the full load, 1.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        self.config.times()
+    }
+
+    /// The load at the end [s].
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.times().last().copied().unwrap_or(1.0)
+    }
+
+    /// Whether the equilibrium under the full load has a gradient by shape.
+    ///
+    /// # Errors
+    /// With the table that has none.
+    pub fn check_differentiable(&self) -> Result<()> {
+        for (found, table) in
+            [(self.config.time.is_some(), "[time]"), (!self.config.volume.is_empty(), "[[volume]]")]
+        {
+            ensure!(
+                !found,
+                "{}: {table}: there is no gradient with it; it is for solver simulate only\n  \
+                 remove it from the scene of a design problem",
+                self.path.display()
+            );
+        }
+        Ok(())
     }
 
     /// The fixed degrees of freedom on a body with this scene's tags.
@@ -72,7 +110,7 @@ impl Scene {
     /// # Errors
     /// When a tag is missing, tags contradict each other or the body floats.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        Supports::new(&self.config.fixed, body, space)
+        Supports::new(&self.config.fixed, &self.config.moments(), body, space)
             .with_context(|| self.path.display().to_string())
     }
 
@@ -86,46 +124,33 @@ impl Scene {
         let mut energies: Vec<Box<dyn Energy>> =
             vec![Box::new(Elastic { material: self.material.build() })];
         for (name, chamber) in self.chambers(body, space)? {
-            check_rim(&name, &body.facets(&name)?, supports, space, body)?;
+            chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
+        let nodes = space.node_positions(&body.mesh.vertices);
         for load in &self.config.body_force {
-            energies.push(Box::new(BodyForce { force: load.force.into() }));
+            self.check_field("[[body_force]]: force", &load.force, &nodes)?;
+            energies.push(Box::new(BodyForce { force: load.force.clone() }));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;
-            energies.push(Box::new(Traction::new(space, &facets, load.traction.into())));
+            let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
+            let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
+            let name = format!("[[traction]] on \"{}\": traction", load.on);
+            self.check_field(&name, &load.traction, &places)?;
+            energies.push(Box::new(Traction::new(space, &facets, load.traction.clone())));
         }
         Ok(energies)
     }
 
-    /// The chambers of a body, by the tags of their walls.
-    ///
-    /// # Errors
-    /// When a tag is missing or closes no volume that gas could fill.
-    pub fn chambers(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<(String, Chamber)>> {
-        let context = || self.path.display().to_string();
-        let isobaric =
-            self.config.pressure.iter().map(|c| (&c.on, GasLaw::Isobaric { pressure: c.pressure }));
-        let ideal = self.config.gas.iter().map(|c| {
-            let GasConfig { fill, ambient, exponent, .. } = *c;
-            (&c.on, GasLaw::Ideal { fill, ambient, exponent })
-        });
-        let nodes = space.node_positions(&body.mesh.vertices);
-        let mut chambers = Vec::new();
-        for (on, gas) in isobaric.chain(ideal) {
-            let wall = Wall::new(space, &body.facets(on).with_context(context)?);
-            let volume = wall.volume(space, &nodes);
-            if matches!(gas, GasLaw::Ideal { .. }) && volume <= 0.0 {
-                bail!(
-                    "{}: gas on \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
-                     positive\n  the tag is not the wall of a chamber",
-                    self.path.display()
-                );
-            }
-            chambers.push((on.clone(), Chamber { wall, gas }));
+    /// Whether a load is defined at all these positions, at the ends of all time
+    /// steps.
+    fn check_field(&self, name: &str, field: &Field, positions: &[Vec3]) -> Result<()> {
+        let times: Vec<f64> = [0.0].into_iter().chain(self.times()).collect();
+        for schedule in field.0.iter().filter(|s| s.uses_position()) {
+            schedule.check(&times, positions).map_err(|what| anyhow!("{name}: {what}"))?;
         }
-        Ok(chambers)
+        Ok(())
     }
 
     /// How to approach the full load.
@@ -150,121 +175,6 @@ impl Scene {
             },
         }
     }
-}
-
-/// Settings that no type can rule out.
-fn check(config: &SimConfig) -> Result<()> {
-    let s = &config.solver;
-    ensure!(
-        (1..=HIGHEST_DEGREE).contains(&config.degree),
-        "degree = {}: must be 1, 2 or 3",
-        config.degree
-    );
-    ensure!(
-        (5..=12).contains(&config.quadrature),
-        "quadrature = {}: must be from 5 to 12",
-        config.quadrature
-    );
-    for load in &config.body_force {
-        ensure!(
-            load.force.iter().all(|f| f.is_finite()),
-            "[[body_force]]: force = {:?} N/m³ must be finite",
-            load.force
-        );
-    }
-    for load in &config.traction {
-        ensure!(
-            load.traction.iter().all(|t| t.is_finite()),
-            "[[traction]] on \"{}\": traction = {:?} Pa must be finite",
-            load.on,
-            load.traction
-        );
-    }
-    ensure!(!config.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
-    for gas in &config.gas {
-        ensure!(
-            gas.ambient > 0.0
-                && gas.fill + gas.ambient > 0.0
-                && gas.exponent >= 1.0
-                && (gas.fill + gas.ambient + gas.exponent).is_finite(),
-            "gas on \"{}\": ambient = {} Pa and ambient + fill = {} Pa must be positive, exponent = {} \
-             at least 1, all finite",
-            gas.on,
-            gas.ambient,
-            gas.fill + gas.ambient,
-            gas.exponent
-        );
-    }
-    let walls: Vec<&String> =
-        config.pressure.iter().map(|c| &c.on).chain(config.gas.iter().map(|c| &c.on)).collect();
-    if let Some(twice) = walls.iter().enumerate().find(|(i, w)| walls[..*i].contains(w)) {
-        bail!("\"{}\" is the wall of two chambers: keep one of [[pressure]] and [[gas]]", twice.1);
-    }
-    for load in &config.pressure {
-        ensure!(load.pressure.is_finite(), "pressure on \"{}\" is {}", load.on, load.pressure);
-    }
-    ensure!(
-        s.first_load_step > 0.0 && s.first_load_step <= 1.0,
-        "first_load_step = {}: must be above 0 and at most 1",
-        s.first_load_step
-    );
-    ensure!(
-        s.smallest_load_step > 0.0 && s.smallest_load_step <= s.first_load_step,
-        "smallest_load_step = {}: must be above 0 and at most first_load_step",
-        s.smallest_load_step
-    );
-    ensure!(
-        s.largest_load_step >= s.first_load_step,
-        "largest_load_step = {}: must be at least first_load_step = {}",
-        s.largest_load_step,
-        s.first_load_step
-    );
-    ensure!(
-        s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
-        "relative_tolerance = {}: must be above 0 and below 1",
-        s.relative_tolerance
-    );
-    ensure!(
-        s.absolute_tolerance >= 0.0 && s.absolute_tolerance.is_finite(),
-        "absolute_tolerance = {} N: must be finite and not negative",
-        s.absolute_tolerance
-    );
-    ensure!(
-        s.newton_iterations > 0,
-        "newton_iterations = {}: must be positive",
-        s.newton_iterations
-    );
-    Ok(())
-}
-
-/// The gas force has a potential only when every rim of its wall is fixed along
-/// all axes.
-fn check_rim(
-    name: &str,
-    facets: &[[usize; 3]],
-    supports: &Supports,
-    space: &FunctionSpace,
-    body: &Body,
-) -> Result<()> {
-    let rim = mesh::topology::boundary_edges(facets);
-    let held = |&[a, b]: &[usize; 2]| {
-        [a, b].into_iter().chain(space.edge_nodes([a, b])).all(|node| supports.holds(node))
-    };
-    let free: Vec<_> = rim.iter().filter(|edge| !held(edge)).collect();
-    if let Some([a, _]) = free.first() {
-        let p = body.mesh.vertices[*a];
-        bail!(
-            "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
-             ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
-             rim is fixed along x, y and z: add the tag around the opening to [[fixed]]",
-            free.len(),
-            rim.len(),
-            p.x,
-            p.y,
-            p.z
-        );
-    }
-    Ok(())
 }
 
 /// A term and its weight.

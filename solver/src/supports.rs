@@ -1,12 +1,13 @@
 //! Which degrees of freedom a scene fixes, and at which displacement.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use mesh::Vec3;
 use nalgebra::{Matrix6, Vector6};
 
 use crate::body::Body;
 use crate::config::Fixed;
 use crate::element::FunctionSpace;
+use crate::schedule::Field;
 
 /// Two prescribed displacements differ when they do so by more than this [m].
 const SAME: f64 = 1e-15;
@@ -17,31 +18,67 @@ const FREE: f64 = 1e-8;
 pub struct Supports {
     /// Index of the support that fixes each degree of freedom, if any.
     pub owner: Vec<Option<usize>>,
-    /// Displacement of the fixed ones at full load [m], else zero.
-    pub displacement: Vec<f64>,
+    /// Displacement that each support prescribes.
+    motions: Vec<Field>,
+    /// Rest positions of the nodes [m].
+    positions: Vec<Vec3>,
 }
 
 impl Supports {
     /// Fixes the nodes of tags. Where tags meet, the first one owns what both
-    /// fix.
+    /// fix. Motions must be defined and agree at the moments `times` [s].
     ///
     /// # Errors
     /// When a tag is missing, two tags prescribe different displacements, or
     /// the body can still move as a whole.
-    pub fn new(configs: &[Fixed], body: &Body, space: &FunctionSpace) -> Result<Self> {
-        let len = 3 * space.node_count();
-        let mut supports = Self { owner: vec![None; len], displacement: vec![0.0; len] };
-        let positions = space.node_positions(&body.mesh.vertices);
+    pub fn new(
+        configs: &[Fixed],
+        times: &[f64],
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Self> {
+        let mut supports = Self {
+            owner: vec![None; 3 * space.node_count()],
+            motions: configs.iter().map(|c| c.displacement.clone()).collect(),
+            positions: space.node_positions(&body.mesh.vertices),
+        };
         for (index, config) in configs.iter().enumerate() {
             check(config)?;
-            for facet in body.facets(&config.on)? {
-                for node in space.facet_nodes(facet) {
-                    supports.fix(node, index, configs, &positions)?;
-                }
+            let facets = body.facets(&config.on)?;
+            let mut nodes: Vec<usize> = facets.iter().flat_map(|&f| space.facet_nodes(f)).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let places: Vec<Vec3> = nodes.iter().map(|&n| supports.positions[n]).collect();
+            for schedule in config.displacement.0.iter().filter(|s| s.uses_position()) {
+                schedule.check(times, &places).map_err(|what| {
+                    anyhow!("[[fixed]] on \"{}\": displacement: {what}", config.on)
+                })?;
+            }
+            for node in nodes {
+                supports.fix(node, index, configs, times)?;
             }
         }
-        supports.check_rigid_motions(&positions)?;
+        supports.check_rigid_motions()?;
         Ok(supports)
+    }
+
+    /// Whether any support moves.
+    #[must_use]
+    pub fn move_at_all(&self) -> bool {
+        self.motions.iter().any(|motion| motion.0.iter().any(|s| !s.is_zero()))
+    }
+
+    /// Displacement of the fixed degrees of freedom at a load [m], else zero.
+    #[must_use]
+    pub fn displacement(&self, load: f64) -> Vec<f64> {
+        let one = |(dof, owner): (usize, &Option<usize>)| {
+            owner.map_or(0.0, |index| self.value(index, dof, load))
+        };
+        self.owner.iter().enumerate().map(one).collect()
+    }
+
+    fn value(&self, index: usize, dof: usize, load: f64) -> f64 {
+        self.motions[index].0[dof % 3].jet(self.positions[dof / 3], load).value
     }
 
     /// Whether each degree of freedom is fixed.
@@ -56,34 +93,36 @@ impl Supports {
         self.owner[3 * node..3 * node + 3].iter().all(Option::is_some)
     }
 
-    fn fix(&mut self, node: usize, index: usize, all: &[Fixed], at: &[Vec3]) -> Result<()> {
+    fn fix(&mut self, node: usize, index: usize, all: &[Fixed], times: &[f64]) -> Result<()> {
         let config = &all[index];
         for (k, _) in config.axes().into_iter().enumerate().filter(|a| a.1) {
-            let (dof, value) = (3 * node + k, config.displacement[k]);
+            let dof = 3 * node + k;
             let Some(first) = self.owner[dof] else {
                 self.owner[dof] = Some(index);
-                self.displacement[dof] = value;
                 continue;
             };
-            if (self.displacement[dof] - value).abs() > SAME {
-                let (axis, p) = (["x", "y", "z"][k], at[node]);
-                bail!(
-                    "[[fixed]]: \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {} m along \
-                     {axis}, \"{}\" by {value} m; tags that meet must agree",
-                    all[first].on,
-                    p.x,
-                    p.y,
-                    p.z,
-                    self.displacement[dof],
-                    config.on
-                );
+            for &t in times.iter().rev() {
+                let [before, value] = [first, index].map(|i| self.value(i, dof, t));
+                if (before - value).abs() > SAME {
+                    let (axis, p) = (["x", "y", "z"][k], self.positions[node]);
+                    bail!(
+                        "[[fixed]]: \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {before} m \
+                         along {axis}, \"{}\" by {value} m at t = {t}; tags that meet must agree",
+                        all[first].on,
+                        p.x,
+                        p.y,
+                        p.z,
+                        config.on
+                    );
+                }
             }
         }
         Ok(())
     }
 
     /// The six rigid motions must all be felt by the supports.
-    fn check_rigid_motions(&self, positions: &[Vec3]) -> Result<()> {
+    fn check_rigid_motions(&self) -> Result<()> {
+        let positions = &self.positions;
         let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
         let size = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let mut felt = Matrix6::zeros();
@@ -121,11 +160,11 @@ fn check(config: &Fixed) -> Result<()> {
         components.len() == axes.iter().filter(|a| **a).count() && !components.is_empty(),
         "[[fixed]] on \"{on}\": components = \"{components}\": must be some of x, y, z, each once"
     );
-    for k in 0..3 {
+    for (free, value) in axes.iter().map(|a| !a).zip(&displacement.0) {
         ensure!(
-            displacement[k].is_finite() && (axes[k] || displacement[k] == 0.0),
-            "[[fixed]] on \"{on}\": displacement = {displacement:?} m: must be finite, and zero \
-             along axes that are not in components = \"{components}\""
+            !free || value.is_zero(),
+            "[[fixed]] on \"{on}\": displacement {value}: must be zero along axes that are not in \
+             components = \"{components}\""
         );
     }
     Ok(())
@@ -152,13 +191,17 @@ mod tests {
     }
 
     fn fixed(on: &str, components: &str, displacement: [f64; 3]) -> Fixed {
-        Fixed { on: on.to_owned(), components: components.to_owned(), displacement }
+        Fixed {
+            on: on.to_owned(),
+            components: components.to_owned(),
+            displacement: displacement.into(),
+        }
     }
 
     fn supports(configs: &[Fixed]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::new(configs, &body, &space)
+        Supports::new(configs, &[0.0, 1.0], &body, &space)
     }
 
     fn message(configs: &[Fixed]) -> String {
@@ -200,7 +243,7 @@ mod tests {
         let supports =
             supports(&[fixed("bottom", "xyz", [0.0; 3]), fixed("top", "xyz", [0.0, 0.0, -0.2])])
                 .expect("enough");
-        let moved = supports.displacement.iter().filter(|d| **d == -0.2).count();
+        let moved = supports.displacement(1.0).iter().filter(|d| **d == -0.2).count();
         assert_eq!(moved, 25);
     }
 }

@@ -54,7 +54,7 @@ fn ratio(end_held: End, degree: usize, cells: usize) -> f64 {
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
         vec![
             Box::new(Elastic { material: Box::new(SILICONE) }),
-            Box::new(Traction::new(space, &end, shear)),
+            Box::new(Traction::new(space, &end, shear.into())),
         ]
     };
     let mut problem = Problem::new(mesh, degree, energies, |p| end_held.held(p));

@@ -10,6 +10,7 @@ use solver::energy::{
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
 use solver::math::taylor::taylor;
+use solver::schedule::Field;
 use tests::equilibrium::SILICONE;
 use tests::{block, tag};
 
@@ -29,10 +30,20 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
         Box::new(Elastic { material: Box::new(SILICONE) }),
-        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3 } }),
+        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3.into() } }),
         Box::new(BodyForce { force: FORCE.into() }),
+        Box::new(BodyForce { force: field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]) }),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),
+        Box::new(Traction::new(
+            space,
+            &body.facets("side").unwrap(),
+            field(["3e4*y", "-2e6*y*z*t", "exp(30*(y - z))"]),
+        )),
     ]
+}
+
+fn field(components: [&str; 3]) -> Field {
+    Field(components.map(|text| text.parse().unwrap()))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -63,7 +74,7 @@ fn every_term_has_its_derivatives_for_every_degree() {
         for energy in energies(&body, &space) {
             let name = format!("{} P{degree}", energy.name());
             let iterate = |rest: &[Vec3], u: &[f64], f: &mut dyn FnMut(&Iterate)| {
-                f(&Iterate { space: &space, rest, u, load: 0.8 });
+                f(&Iterate { space: &space, rest, u, load: 0.8, multipliers: &[] });
             };
             let value = |u: &[f64]| {
                 let mut value = 0.0;
@@ -114,7 +125,10 @@ fn resultants_are_force_times_volume_and_traction_times_area() {
         let u = vec![0.0; 3 * space.node_count()];
         let resultant = |energy: &dyn Energy| -> Vec3 {
             let mut g = vec![0.0; u.len()];
-            energy.add_gradient(&Iterate { space: &space, rest, u: &u, load: 1.0 }, &mut g);
+            energy.add_gradient(
+                &Iterate { space: &space, rest, u: &u, load: 1.0, multipliers: &[] },
+                &mut g,
+            );
             -(0..space.node_count()).map(|i| at(&g, i)).sum::<Vec3>()
         };
         let weight = resultant(&BodyForce { force: FORCE.into() });

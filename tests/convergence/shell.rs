@@ -5,7 +5,10 @@
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
 use mesh::Vec3;
-use solver::energy::{Elastic, Energy};
+use solver::energy::{Elastic, Energy, GasLaw, Multiplier, Prescribed};
+use solver::forward::{Newton, Stepping, solve_in_time};
+use solver::material::{Lame, Material, NeoHookean};
+use solver::schedule::Schedule;
 use tests::equilibrium::{MODULI, Problem, SILICONE, facets_where, mean};
 use tests::meshes::shell_octant;
 use tests::symmetric_gas::{Planes, SymmetricGas};
@@ -32,11 +35,21 @@ struct Shell {
 
 impl Shell {
     fn new(degree: usize, n: usize, layers: usize, pressure: f64) -> Self {
+        let gas = GasLaw::Isobaric { pressure: pressure.into() };
+        Self::with(|| Box::new(SILICONE), degree, [n, layers], &gas)
+    }
+
+    fn with(
+        material: impl Fn() -> Box<dyn Material>,
+        degree: usize,
+        [n, layers]: [usize; 2],
+        law: &GasLaw,
+    ) -> Self {
         let mesh = shell_octant(A, B, n, layers);
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
-        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, pressure);
+        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.clone());
         let energies = |space: &_| -> Vec<Box<dyn Energy>> {
-            vec![Box::new(Elastic { material: Box::new(SILICONE) }), Box::new(gas(space))]
+            vec![Box::new(Elastic { material: material() }), Box::new(gas(space))]
         };
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let problem = Problem::new(mesh, degree, energies, on_plane);
@@ -118,4 +131,80 @@ fn small_pressure_gives_the_sphere_of_lame() {
     let errors = [slope(6), slope(12)];
     eprintln!("sphere of Lamé, P2, 6 and 12 arcs: u(A) off by {errors:+.4?}");
     assert!(errors[1].abs() < 0.01 && errors[1].abs() < errors[0].abs() / 2.5);
+}
+
+/// Filled to P₀ in the rest volume, closed and released: γ, P₀ [kPa], P [Pa], V/V₀.
+const CLOSED: [[f64; 4]; 4] = [
+    [1.0, 20.0, 9434.07, 1.095_417_18],
+    [1.0, 50.0, 20_601.31, 1.241_168_00],
+    [1.4, 20.0, 7871.71, 1.078_149_67],
+    [1.4, 50.0, 17_135.14, 1.191_160_41],
+];
+
+#[test]
+fn gas_in_a_closed_shell_comes_to_the_pressure_of_its_radial_solution() {
+    const AMBIENT: f64 = 101.3e3;
+    eprintln!("closed shell, P2, 10 arcs, 3 layers: γ, kPa, P V/V0, errors in %");
+    for [exponent, kpa, reference @ ..] in CLOSED {
+        let fill = 1e3 * kpa;
+        let law = GasLaw::Ideal { fill: fill.into(), ambient: AMBIENT, exponent };
+        let mut shell = Shell::with(|| Box::new(SILICONE), 2, [10, 3], &law);
+        [0.5, 1.0].into_iter().for_each(|load| shell.problem.solve(load));
+        let Problem { rest, system, u } = &shell.problem;
+        let (volume, rest_volume, gas) = shell.gas.state(&system.iterate(rest, u, 1.0));
+        let ours = [gas.pressure, volume / rest_volume];
+        let error: [f64; 2] = std::array::from_fn(|k| 100.0 * (ours[k] / reference[k] - 1.0));
+        eprintln!("  {exponent} {kpa:4} {ours:.6?} {reference:.6?} {error:+.3?}");
+        assert!(error.iter().all(|e| e.abs() < 1.0));
+        let by_law = (fill + AMBIENT) * ours[1].powf(-exponent) - AMBIENT;
+        assert!((gas.pressure / by_law - 1.0).abs() < 1e-10, "{} {by_law}", gas.pressure);
+    }
+}
+
+/// Pressure of an incompressible Neo-Hookean shell,
+/// P = (μ/2) [4/λ_b + λ_b⁻⁴ − 4/λ_a − λ_a⁻⁴], with a³ − A³ = b³ − B³.
+fn incompressible(mu: f64, inner: f64) -> f64 {
+    let outer = (1.0 + (inner.powi(3) - 1.0) * (A / B).powi(3)).cbrt();
+    let part = |l: f64| 4.0 / l + l.powi(-4);
+    0.5 * mu * (part(outer) - part(inner))
+}
+
+/// Beyond λ_a ≈ 1.6 the pressure falls while the shell grows: no pressure can be
+/// prescribed there, but a volume can.
+#[test]
+fn a_prescribed_volume_passes_the_limit_point() {
+    let mu = 120e3;
+    let poisson = 0.4995;
+    let law = || -> Box<dyn Material> {
+        Box::new(NeoHookean(Lame::new(2.0 * mu * (1.0 + poisson), poisson)))
+    };
+    let mut factor: Schedule = "(1 + t)^3".parse().unwrap();
+    factor.begin(0.1);
+    let gas = GasLaw::Volume { prescribed: Prescribed::Factor(factor), multiplier: 0 };
+    let Shell { problem, gas } = Shell::with(law, 2, [6, 2], &gas);
+    let octant = std::f64::consts::PI / 6.0 * A.powi(3);
+    let start = Multiplier { pressure: 0.0, penalty: 10.0 * mu / octant };
+    let mut system = problem.system.with_multipliers(vec![start]);
+    let newton = Newton { iterations: 30, relative: 1e-9, absolute: 0.0 };
+    let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-2, newton };
+    let times: Vec<f64> = (1..=10).map(|n| 0.1 * f64::from(n)).collect();
+    let solution = solve_in_time(&mut system, &problem.rest, &stepping, &times, |_| ()).unwrap();
+    eprintln!(
+        "Neo-Hookean shell by volume, {} Newton iterations: λ, P [Pa], incompressible, error in %",
+        solution.newton_iterations
+    );
+    let mut pressures = Vec::new();
+    for step in solution.steps.iter().filter(|s| s.ends_time_step) {
+        system.multipliers.clone_from(&step.multipliers);
+        let (volume, rest, now) = gas.state(&system.iterate(&problem.rest, &step.u, step.load));
+        let stretch = (volume / rest).cbrt();
+        assert!((stretch / (1.0 + step.load) - 1.0).abs() < 1e-9, "{stretch}");
+        let exact = incompressible(mu, stretch);
+        let error = 100.0 * (now.pressure / exact - 1.0);
+        eprintln!("  {stretch:.2} {:.1} {exact:.1} {error:+.2}", now.pressure);
+        assert!(error.abs() < 2.0);
+        pressures.push(now.pressure);
+    }
+    assert_eq!(pressures.len(), 10);
+    assert!(pressures[9] < 0.95 * pressures[5], "the limit point is passed: {pressures:?}");
 }

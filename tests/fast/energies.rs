@@ -2,11 +2,15 @@
 
 use mesh::Vec3;
 use solver::element::FunctionSpace;
-use solver::energy::{Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Wall};
+use solver::energy::{
+    Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Multiplier, Prescribed, Wall,
+};
 use solver::material::MooneyRivlin;
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
 use tests::{block, tag};
+
+const MULTIPLIERS: [Multiplier; 1] = [Multiplier { pressure: 20e3, penalty: 5e10 }];
 
 const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
 
@@ -35,7 +39,7 @@ struct Case {
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for degree in [1, 2] {
-        for name in ["elastic", "isobaric", "ideal"] {
+        for name in ["elastic", "isobaric", "ideal", "volume"] {
             let body = body();
             let rest = body.mesh.vertices.clone();
             let space = FunctionSpace::new(degree, rest.len(), body.mesh.tets.clone());
@@ -51,10 +55,11 @@ fn cases() -> Vec<Case> {
                 "elastic" => Box::new(Elastic { material: Box::new(SILICONE) }),
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
-                    let gas = if name == "isobaric" {
-                        GasLaw::Isobaric { pressure: 20e3 }
-                    } else {
-                        GasLaw::Ideal { fill: 20e3, ambient: 101.3e3, exponent: 1.4 }
+                    let factor = Prescribed::Factor(1.3.into());
+                    let gas = match name {
+                        "isobaric" => GasLaw::Isobaric { pressure: 20e3.into() },
+                        "volume" => GasLaw::Volume { prescribed: factor, multiplier: 0 },
+                        _ => GasLaw::Ideal { fill: 20e3.into(), ambient: 101.3e3, exponent: 1.4 },
                     };
                     Box::new(Chamber { wall, gas })
                 }
@@ -72,7 +77,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 0.8 }
+        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &MULTIPLIERS }
     }
 
     fn gradient(&self, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
@@ -168,7 +173,8 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
         let elastic = Elastic { material: Box::new(SILICONE) };
-        let at = Iterate { space: &space, rest: &mesh.vertices, u: &u, load: 1.0 };
+        let at =
+            Iterate { space: &space, rest: &mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
         let mut g = vec![0.0; u.len()];
         elastic.add_gradient(&at, &mut g);
         let mut on_boundary = vec![false; nodes.len()];
@@ -200,9 +206,10 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
     assert!((wall.volume(&space, &nodes) / 1e-6 - 1.0).abs() < 1e-13);
     let mut random = Random::new(3);
     let u: Vec<f64> = (0..3 * nodes.len()).map(|_| 1e-3 * random.uniform()).collect();
-    let pressure = Chamber { wall, gas: GasLaw::Isobaric { pressure: 1e3 } };
+    let pressure = Chamber { wall, gas: GasLaw::Isobaric { pressure: 1e3.into() } };
     let mut g = vec![0.0; u.len()];
-    let at = Iterate { space: &space, rest: &body.mesh.vertices, u: &u, load: 1.0 };
+    let at =
+        Iterate { space: &space, rest: &body.mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
     pressure.add_gradient(&at, &mut g);
     let force = |n: usize| solver::element::at(&g, n);
     let position = |n: usize| nodes[n] + solver::element::at(&u, n);

@@ -123,6 +123,18 @@ fn gradients_are_exact_with_quadratic_elements() {
     assert_eq!(slopes(&run.stdout).len(), 2);
 }
 
+/// Forces that depend on the rest position change with the shape.
+#[test]
+fn gradients_are_exact_with_forces_from_expressions() {
+    let dir = chamber::workdir();
+    let loads = "[[body_force]]\nforce = [0, \"2e5*y*t\", \"-3e5*(1 + sin(60*x))\"]\n\
+                 [[traction]]\non = \"top\"\ntraction = [\"1e5*x\", 0, \"5e4*(x - y)\"]\n";
+    dir.write("p1.toml", &(dir.text("p1.toml") + loads));
+    let run = dir.solver("check design.toml --motion 3e-4");
+    run.assert_good();
+    assert_eq!(slopes(&run.stdout).len(), 2);
+}
+
 #[test]
 fn nothing_to_gain_is_no_result() {
     let dir = chamber::workdir();

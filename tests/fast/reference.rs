@@ -43,7 +43,7 @@ fn compare(degree: usize, reference: &str) {
     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
     let energies: Vec<Box<dyn Energy>> = vec![
         Box::new(Elastic { material: Box::new(law) }),
-        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 5e3 } }),
+        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 5e3.into() } }),
     ];
     let mut system = System::new(space, energies, &fixed);
     let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10 };

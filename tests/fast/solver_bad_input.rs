@@ -40,7 +40,7 @@ fn scenes() {
             ("c1 = 55e3", "c1 = -5e3", &["shear = 2 (c1 + c2) = 0 Pa"]),
             ("c1 = 55e3", "c1 = nan", &["c1 = NaN [Pa]"]),
             ("d1 = 1e6", "d1 = 0.0", &["bulk = 2 d1 = 0 Pa"]),
-            ("pressure = 8e3", "pressure = nan", &["pressure on \"cavity\" is NaN"]),
+            ("pressure = 8e3", "pressure = nan", &["pressure on \"cavity\": NaN is not finite"]),
             ("[[fixed]]\non = \"seat\"", "", &["missing field `fixed`"]),
             ("on = \"seat\"", "on = \"seta\"", &["\"seta\"", "seat, cavity, top, skin"]),
             ("on = \"cavity\"", "on = \"hole\"", &["\"hole\"", "seat, cavity, top, skin"]),
@@ -58,6 +58,134 @@ fn scenes() {
             ("[mat", "[solver]\ntolerance = 0.0\n[mat", &["`tolerance`", "`relative_tolerance`"]),
         ],
     );
+}
+
+#[test]
+fn schedules() {
+    refuse(
+        "simulate",
+        "p1.toml",
+        &[
+            (
+                "pressure = 8e3",
+                "pressure = \"8e3*sn(t)\"",
+                &[
+                    "pressure = ",
+                    "line 1",
+                    "\"8e3*sn(t)\"",
+                    "\"sn\"",
+                    "character 5",
+                    "half_smoothstep",
+                ],
+            ),
+            ("pressure = 8e3", "pressure = \"8e3*q\"", &["unknown name \"q\"", "t, x, y, z"]),
+            ("pressure = 8e3", "pressure = \"8e3*(t\"", &["it ends where ')'", "character 7"]),
+            ("pressure = 8e3", "pressure = true", &["a number, an expression", "a table"]),
+            (
+                "pressure = 8e3",
+                "pressure = \"8e3*x\"",
+                &["pressure on \"cavity\" = \"8e3*x\": must depend on t alone"],
+            ),
+            (
+                "pressure = 8e3",
+                "pressure = \"8e3/(t - 1)\"",
+                &["pressure on \"cavity\": \"8e3/(t - 1)\" is inf at t = 1 s"],
+            ),
+            ("pressure = 8e3", "pressure = \"log(t)\"", &["\"log(t)\" is -inf at t = 0 s"]),
+            (
+                "pressure = 8e3",
+                "pressure = { t = [0, 0.5], value = [0, 8e3] }",
+                &["pressure on \"cavity\"", "from t = 0 to 0.5 s", "needed is from 0 to 1 s"],
+            ),
+            (
+                "pressure = 8e3",
+                "pressure = { t = [0, 1], value = [8e3] }",
+                &["2 times and 1 value"],
+            ),
+            ("pressure = 8e3", "pressure = { t = [1, 0], value = [1, 2] }", &["increase", "1, 0"]),
+            (
+                "on = \"seat\"",
+                "on = \"seat\"\ndisplacement = [\"t/x\", 0, 0]",
+                &["[[fixed]] on \"seat\": displacement", "\"t/x\"", "at t = ", "(0.00000,"],
+            ),
+            (
+                "[mat",
+                "[[body_force]]\nforce = [0, 0, \"sqrt(-z)\"]\n[mat",
+                &["[[body_force]]: force", "\"sqrt(-z)\" is NaN"],
+            ),
+            (
+                "[mat",
+                "[[traction]]\non = \"top\"\ntraction = [inf, 0, 0]\n[mat",
+                &["[[traction]] on \"top\": traction along x: inf is not finite"],
+            ),
+        ],
+    );
+}
+
+#[test]
+fn times_and_volumes() {
+    let volume = |text: &str| format!("[[volume]]\non = \"cavity\"\n{text}\n");
+    let dir = chamber::workdir();
+    let sound = dir.text("p1.toml");
+    let body = sound.replace("[[pressure]]\non = \"cavity\"\npressure = 8e3\n", "");
+    assert_ne!(sound, body);
+    for (scene, words) in [
+        (
+            sound.clone() + "[time]\nend = 1.0\n",
+            &["[time]: needed is either end [s] and steps"][..],
+        ),
+        (sound.clone() + "[time]\nend = 1.0\nsteps = 2\nat = [1.0]\n", &["[time]", "or at"]),
+        (sound.clone() + "[time]\nend = -1.0\nsteps = 2\n", &["end = -1 s", "positive"]),
+        (sound.clone() + "[time]\nend = 1.0\nsteps = 0\n", &["steps = 0"]),
+        (sound.clone() + "[time]\nat = []\n", &["at is empty"]),
+        (sound.clone() + "[time]\nat = [0.5, 0.5]\n", &["0.5 s after 0.5 s", "increase from 0"]),
+        (sound.clone() + "[time]\nat = [0.0, 0.5]\n", &["0 s after 0 s"]),
+        (sound.clone() + "[time]\nat = [nan]\n", &["NaN s after 0 s", "finite"]),
+        (sound.clone() + &volume("factor = 1.1"), &["\"cavity\" is the wall of two chambers"]),
+        (
+            body.clone() + &volume(""),
+            &["[[volume]] on \"cavity\"", "one of change [m³] and factor"],
+        ),
+        (body.clone() + &volume("change = 1e-9\nfactor = 1.1"), &["one of change [m³] and factor"]),
+        (body.clone() + &volume("factor = -0.1"), &["1.600e-5 m³ would have -1.600e-6 m³ at t = "]),
+        (body.clone() + &volume("factor = \"y\""), &["factor = \"y\": must depend on t alone"]),
+        (body.clone() + &volume("factor = nan"), &["[[volume]] on \"cavity\": factor: NaN"]),
+    ] {
+        dir.write("changed.toml", &scene);
+        let run = dir.solver("simulate changed.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["changed.toml"]);
+        assert_eq!(dir.files("out"), [""; 0], "{scene}");
+    }
+}
+
+/// There is no gradient over time or with a prescribed volume; a wrong one must
+/// not be used in silence.
+#[test]
+fn designs_without_a_gradient() {
+    let dir = chamber::workdir();
+    let sound = dir.text("p1.toml");
+    let timed = sound.clone() + "[time]\nend = 1.0\nsteps = 2\n";
+    let pressure = "[[pressure]]\non = \"cavity\"\npressure = 8e3";
+    let volume = sound.replace(pressure, "[[volume]]\non = \"cavity\"\nfactor = 1.1");
+    for (scene, table) in [(timed, "[time]"), (volume, "[[volume]]")] {
+        dir.write("p1.toml", &scene);
+        dir.solver("simulate p1.toml -o simulated").assert_good();
+        for verb in ["optimize design.toml -o out", "check design.toml"] {
+            dir.solver(verb).assert_refused(2, &["p1.toml", table, "no gradient", "simulate only"]);
+        }
+        assert!(!dir.path("out").exists());
+    }
+}
+
+#[test]
+fn a_time_without_equilibrium() {
+    let dir = chamber::workdir();
+    let timed = beyond_any_equilibrium(&dir.text("p1.toml").replace("8e3", "\"8e3*t\""));
+    dir.write("high.toml", &(timed + "[time]\nend = 2.0\nsteps = 2\n"));
+    let run = dir.solver("simulate high.toml -o out");
+    run.assert_refused(1, &["high.toml", "no equilibrium beyond t = 0"]);
+    assert_eq!(dir.files("out"), ["report.json"]);
 }
 
 #[test]

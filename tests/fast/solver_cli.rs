@@ -142,6 +142,67 @@ fn the_point_field_is_called_displacement() {
     assert!(String::from_utf8_lossy(&bytes).contains("Name=\"displacement\""));
 }
 
+/// One state per time step, whatever load steps it takes; ParaView shows them at
+/// their times.
+#[test]
+fn a_scene_with_time_has_one_result_per_time_step() {
+    let dir = chamber::workdir();
+    let pressure = "{ t = [0, 0.2, 1], value = [0, 8e3, 2e3] }";
+    let scene = dir.text("p1.toml").replace("8e3", pressure) + "[time]\nat = [0.1, 0.2, 0.6, 1]\n";
+    dir.write("timed.toml", &scene);
+    dir.solver("simulate timed.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let steps = report["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 4);
+    for (step, (t, pressure)) in steps.iter().zip([(0.1, 4e3), (0.2, 8e3), (0.6, 5e3), (1.0, 2e3)])
+    {
+        assert_eq!(number(&step["t"]), t);
+        assert!(step["load"].is_null(), "there is no full load");
+        let wall = &step["walls"]["cavity"];
+        assert!((number(&wall["pressure"]) / pressure - 1.0).abs() < 1e-12, "{wall}");
+        for key in ["newton_iterations", "residual", "smallest_volume_ratio"] {
+            assert!(number(&step[key]) > 0.0, "{key}");
+        }
+        assert!(number(&step["energies"]["elastic"]) > 0.0);
+        let reaction = vector(&step["reactions"]["seat"])[0];
+        assert!((reaction / (-pressure * MOUTH * MOUTH) - 1.0).abs() < 1e-6, "{reaction}");
+        assert!(number(&step["force_balance"]["out_of_balance"]) < 1e-9);
+    }
+    // the last state is the result
+    assert!((number(&report["walls"]["cavity"]["pressure"]) / 2e3 - 1.0).abs() < 1e-12);
+    assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.05);
+    assert_eq!(report["config"]["pressure"][0]["pressure"]["value"][1], 8e3);
+    let pvd = dir.text("out/result.pvd");
+    for (i, t) in ["0.1", "0.2", "0.6", "1.0"].iter().enumerate() {
+        let entry = format!("timestep=\"{t}\" part=\"0\" file=\"step_{i:03}.vtu\"");
+        assert!(
+            pvd.contains(&entry) && dir.path(&format!("out/step_{i:03}.vtu")).exists(),
+            "{pvd}"
+        );
+    }
+    assert!(!dir.path("out/step_004.vtu").exists());
+}
+
+/// An open wall with a plug: the pressure that its volume needs is reported.
+#[test]
+fn a_prescribed_volume_reports_its_pressure() {
+    let dir = chamber::workdir();
+    let pressure = "[[pressure]]\non = \"cavity\"\npressure = 8e3";
+    let volume = "[[volume]]\non = \"cavity\"\nchange = 1e-6";
+    dir.write("volume.toml", &dir.text("sim.toml").replace(pressure, volume));
+    dir.solver("simulate volume.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let wall = &report["walls"]["cavity"];
+    let change = number(&wall["volume"]) - number(&wall["volume_rest"]);
+    assert!((change / 1e-6 - 1.0).abs() < 1e-8, "{wall}");
+    let pressure = number(&wall["pressure"]);
+    let force = vector(&report["force_balance"]["pressure"])[0];
+    assert!(pressure > 1e3 && (force / (pressure * MOUTH * MOUTH) - 1.0).abs() < 1e-8, "{wall}");
+    // the work done on the volume is the elastic energy
+    assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.01);
+    assert!(number(&report["energies"]["pressure"]).abs() < 1e-8 * pressure * 1e-6);
+}
+
 #[test]
 fn options_change_what_is_written() {
     let dir = chamber::workdir();

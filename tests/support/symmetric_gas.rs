@@ -2,7 +2,7 @@
 
 use mesh::Vec3;
 use solver::element::{FunctionSpace, at};
-use solver::energy::{Chamber, Energy, GasLaw, Hessian, Iterate, Wall};
+use solver::energy::{Constraint, Energy, GasLaw, Hessian, Iterate, Potential, RankOne, Wall};
 use solver::math::sparse::BlockMatrix;
 
 /// Where the planes are, on which the rim of the wall slides.
@@ -14,30 +14,23 @@ pub enum Planes {
     Slab,
 }
 
-/// Constant pressure behind an open wall. [`Chamber`] closes it by caps from
-/// rim to rim, which is not the chamber's share here; force and stiffness of
-/// the wall are the same.
+/// Gas behind an open wall. `solver::energy::Chamber` closes it by caps from
+/// rim to rim, which is not the chamber's share here; law, force and stiffness
+/// of the wall are the same.
 pub struct SymmetricGas {
-    chamber: Chamber,
-    pressure: f64,
+    wall: Wall,
+    gas: GasLaw,
     facets: Vec<Vec<usize>>,
     planes: Planes,
 }
 
 impl SymmetricGas {
-    /// Gas behind facets (vertex ids, oriented out of the solid) at a gauge
-    /// pressure [Pa].
+    /// Gas behind facets (vertex ids, oriented out of the solid).
     #[must_use]
-    pub fn new(
-        space: &FunctionSpace,
-        facets: &[[usize; 3]],
-        planes: Planes,
-        pressure: f64,
-    ) -> Self {
-        let chamber =
-            Chamber { wall: Wall::new(space, facets), gas: GasLaw::Isobaric { pressure } };
+    pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], planes: Planes, gas: GasLaw) -> Self {
+        let wall = Wall::new(space, facets);
         let facets = facets.iter().map(|&f| space.facet_nodes(f)).collect();
-        Self { chamber, pressure, facets, planes }
+        Self { wall, gas, facets, planes }
     }
 
     /// Volume at node positions `x` [m³].
@@ -61,25 +54,51 @@ impl SymmetricGas {
         }
         volume
     }
+
+    /// Volume, rest volume [m³] and gas.
+    #[must_use]
+    pub fn state(&self, at_: &Iterate) -> (f64, f64, Potential) {
+        let rest = self.volume(at_.space, &at_.space.node_positions(at_.rest));
+        let volume = self.volume(at_.space, &deformed(at_));
+        (volume, rest, self.gas.at(volume, rest, at_.load, at_.multipliers))
+    }
+}
+
+fn deformed(at_: &Iterate) -> Vec<Vec3> {
+    let rest = at_.space.node_positions(at_.rest);
+    rest.iter().enumerate().map(|(i, x)| x + at(at_.u, i)).collect()
 }
 
 impl Energy for SymmetricGas {
     fn name(&self) -> &'static str {
         "pressure"
     }
-    fn value(&self, at_: &Iterate) -> f64 {
-        let rest = at_.space.node_positions(at_.rest);
-        let x: Vec<Vec3> = rest.iter().enumerate().map(|(i, x)| x + at(at_.u, i)).collect();
-        let change = self.volume(at_.space, &x) - self.volume(at_.space, &rest);
-        -at_.load * self.pressure * change
+    fn value(&self, at: &Iterate) -> f64 {
+        self.state(at).2.value
     }
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        self.chamber.add_gradient(at, out);
+        let pressure = self.state(at).2.pressure;
+        self.wall.add_wall_gradient(at.space, &deformed(at), -pressure, out);
     }
-    fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        self.chamber.add_hessian(at, kind, out);
+    fn add_hessian(&self, at: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        let pressure = self.state(at).2.pressure;
+        self.wall.add_stiffness(at.space, &deformed(at), pressure, out);
     }
-    fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        self.chamber.add_mixed_vjp(at, lambda, out);
+    fn rank_one(&self, at: &Iterate) -> Option<RankOne> {
+        let scale = self.state(at).2.stiffness;
+        let mut vector = vec![0.0; at.u.len()];
+        self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut vector);
+        (scale != 0.0).then_some(RankOne { scale, vector })
+    }
+    fn constraint(&self, at: &Iterate) -> Option<Constraint> {
+        let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
+        let (volume, rest, _) = self.state(at);
+        let wanted = prescribed.at(rest, at.load).0;
+        let mut gradient = vec![0.0; at.u.len()];
+        self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut gradient);
+        Some(Constraint { multiplier: *multiplier, volume, wanted, gradient })
+    }
+    fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
+        unreachable!("no shape is varied here")
     }
 }

@@ -74,6 +74,7 @@ pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Sce
         ensure!(level.handles > 0, "{}: a level needs a handle or more", path.display());
     }
     let scene = Scene::read(&beside(path, &design.scene), other_mesh)?;
+    scene.check_differentiable()?;
     Ok((design, scene))
 }
 

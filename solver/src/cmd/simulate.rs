@@ -7,15 +7,16 @@ use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
-use solver::forward::{LoadStep, Solution, System, solve};
+use solver::forward::{LoadStep, Solution, System, Unreached, solve_in_time};
 use solver::results;
 use solver::scene::Scene;
 use solver::stretch::Stretches;
 
-/// Solve a scene for its equilibrium under the full load
+/// Solve a scene for its equilibrium under the full load, or over time
 ///
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
-/// (exact), result.pvd with one .vtu per load step, and result.vtu.
+/// (exact, of the last state), result.pvd with one .vtu per load step or, in a
+/// scene with [time], per time step, and result.vtu.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The scene
@@ -45,10 +46,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         system.len()
     );
     let rest = scene.body.mesh.vertices.clone();
-    let outcome = solve(&mut system, &rest, &scene.stepping(), |step| {
+    let times = scene.times();
+    let outcome = solve_in_time(&mut system, &rest, &scene.stepping(), &times, |step| {
         log::info!(
-            "load {:5.1} %  newton {:2}  |g| {:.1e} N  {:.1} s",
-            100.0 * step.load,
+            "{}  newton {:2}  |g| {:.1e} N  {:.1} s",
+            progress(&scene, step.load),
             step.newton_iterations,
             step.residual,
             start.elapsed().as_secs_f64()
@@ -57,9 +59,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut report = header(&scene, &system, arguments)?;
     let solution = match outcome {
         Ok(solution) => solution,
-        Err(failure) => {
+        Err(unreached) => {
+            let failure = explain(&scene, &unreached);
             report["status"] = json!("no equilibrium");
-            report["reason"] = json!(failure.to_string());
+            report["reason"] = json!(failure);
             results::write_json(&folder.join("report.json"), &report)?;
             return Err(Unusable(format!(
                 "{}: {failure}\n  lower the pressure, thicken the wall, or refine the mesh; \
@@ -69,11 +72,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .into());
         }
     };
-    write(folder, &system, &rest, &solution, arguments.final_only)?;
+    write(folder, &scene, &system, &solution, arguments.final_only)?;
     fill(&mut report, &scene, &mut system, &solution)?;
     report["wall_s"] = json!(start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(results::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)
+}
+
+fn progress(scene: &Scene, load: f64) -> String {
+    if scene.config.time.is_some() {
+        return format!("t {load:.4e} s");
+    }
+    format!("load {:5.1} %", 100.0 * load)
+}
+
+fn explain(scene: &Scene, unreached: &Unreached) -> String {
+    if scene.config.time.is_some() {
+        return format!("no equilibrium beyond t = {} s: {}", unreached.load, unreached.failure);
+    }
+    unreached.to_string()
+}
+
+/// The steps to report: those that the scene asks for.
+fn reported<'a>(scene: &Scene, solution: &'a Solution) -> impl Iterator<Item = &'a LoadStep> {
+    let all = scene.config.time.is_none();
+    solution.steps.iter().filter(move |step| all || step.ends_time_step)
 }
 
 /// Results of an earlier run must not stand beside a report that says
@@ -113,11 +136,13 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
 
 fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solution) -> Result<()> {
     let rest = &scene.body.mesh.vertices;
-    let energies = results::energies(system, rest, &solution.u);
+    let end = scene.end();
+    let energies = results::energies(system, rest, &solution.u, end);
     let work = work_of_loads(scene, system, &solution.steps)?;
     let elastic = energies["elastic"];
     report["newton_iterations"] = json!(solution.newton_iterations);
-    let steps = solution.steps.iter().map(|step| results::step(scene, &scene.body, system, step));
+    let steps = reported(scene, solution);
+    let steps = steps.map(|step| results::step(scene, &scene.body, system, step));
     report["steps"] = json!(steps.collect::<Result<Vec<_>>>()?);
     report["energy_balance"] = json!({
         "work_of_loads": work,
@@ -125,9 +150,9 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
         "relative_gap": (work - elastic) / elastic.max(f64::MIN_POSITIVE),
     });
     report["energies"] = json!(energies);
-    report["force_balance"] = results::balance(system, rest, &solution.u, 1.0);
+    report["force_balance"] = results::balance(system, rest, &solution.u, end);
     report["tags"] = json!(results::tags(scene, &scene.body, system, &solution.u)?);
-    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u, 1.0)?);
+    report["walls"] = json!(results::walls(scene, &scene.body, system, &solution.u, end)?);
     report["stretch_range"] = json!(stretches(scene, system, solution));
     report["timings"] = json!(system.timings);
     Ok(())
@@ -150,28 +175,37 @@ fn stretches(scene: &Scene, system: &System, solution: &Solution) -> Stretches {
 fn work_of_loads(scene: &Scene, system: &mut System, steps: &[LoadStep]) -> Result<f64> {
     let rest = &scene.body.mesh.vertices;
     let chambers = scene.chambers(&scene.body, &system.space)?;
-    let supports = scene.supports(&scene.body, &system.space)?;
-    let moved: Vec<(usize, f64)> =
-        supports.displacement.iter().copied().enumerate().filter(|d| d.1 != 0.0).collect();
-    // pairs of a force and the quantity it works on: gas, dead loads, supports
-    let mut pairs = |load: f64, u: &[f64]| -> Vec<[f64; 2]> {
-        let here = system.iterate(rest, u, load);
+    let fixed = scene.supports(&scene.body, &system.space)?.fixed();
+    // pairs of a force and the quantity it works on: gas on volumes, dead loads
+    // and supports on displacements
+    let mut pairs = |step: &LoadStep| -> Vec<[f64; 2]> {
+        system.multipliers.clone_from(&step.multipliers);
+        let (reactions, _) = system.gradient(rest, &step.u, step.load);
+        let here = system.iterate(rest, &step.u, step.load);
+        let mut dead = vec![0.0; step.u.len()];
+        for energy in &system.energies {
+            if ["body_force", "traction"].contains(&energy.name()) {
+                energy.add_gradient(&here, &mut dead);
+            }
+        }
         let gas = chambers.iter().map(|(_, chamber)| {
             let (volume, gas) = chamber.state(&here);
             [gas.pressure, volume]
         });
-        let full = system.iterate(rest, u, 1.0);
-        let dead =
-            system.energies.iter().filter(|e| ["body_force", "traction"].contains(&e.name()));
-        let mut pairs: Vec<_> = gas.chain(dead.map(|e| [load, -e.value(&full)])).collect();
-        let (gradient, _) = system.gradient(rest, u, load);
-        pairs.push([moved.iter().map(|&(dof, u)| gradient[dof] * u).sum(), load]);
-        pairs
+        let dofs = (0..dead.len()).map(|dof| {
+            let reaction = if fixed[dof] { reactions[dof] } else { 0.0 };
+            [reaction - dead[dof], step.u[dof]]
+        });
+        gas.chain(dofs).collect()
     };
-    let mut last = pairs(0.0, &vec![0.0; supports.displacement.len()]);
+    let Some(first) = steps.first() else { return Ok(0.0) };
+    let mut multipliers = first.multipliers.clone();
+    multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
+    let u = vec![0.0; first.u.len()];
+    let mut last = pairs(&LoadStep { load: 0.0, u, multipliers, ..first.clone() });
     let mut work = 0.0;
     for step in steps {
-        let next = pairs(step.load, &step.u);
+        let next = pairs(step);
         for ([f, q], [next_f, next_q]) in last.iter().zip(&next) {
             work += 0.5 * (f + next_f) * (next_q - q);
         }
@@ -182,18 +216,19 @@ fn work_of_loads(scene: &Scene, system: &mut System, steps: &[LoadStep]) -> Resu
 
 fn write(
     folder: &Path,
+    scene: &Scene,
     system: &System,
-    rest: &[mesh::Vec3],
     solution: &Solution,
     final_only: bool,
 ) -> Result<()> {
+    let rest = &scene.body.mesh.vertices;
     results::write_state(folder, &system.space, rest, &solution.u)?;
     vtu::write_vtu(&folder.join("result.vtu"), &results::grid(&system.space, rest, &solution.u))?;
     if final_only {
         return Ok(());
     }
     let mut collection = Vec::new();
-    for (i, step) in solution.steps.iter().enumerate() {
+    for (i, step) in reported(scene, solution).enumerate() {
         let name = format!("step_{i:03}.vtu");
         vtu::write_vtu(&folder.join(&name), &results::grid(&system.space, rest, &step.u))?;
         collection.push((step.load, name));

@@ -1,44 +1,66 @@
-//! Constant force per rest volume, such as gravity.
+//! Force per rest volume, such as gravity.
 //!
 //! E(u; X) = −∫ f · u dX           ∂E/∂u_a = −∫ φ_a f dX      ∂²E/∂u² = 0
-//! δ(λ·∂E/∂u) = −∫ (f · λ) div V dX for a velocity field V of the rest shape
+//! δ(λ·∂E/∂u) = −∫ (f · λ) div V + λ · ∇f V dX for a velocity field V of the
+//! rest shape
 //!
-//! f [N/m³] acts in full at full load.
+//! f(X, t) [N/m³] may depend on the rest position.
 
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
-use crate::element::{FunctionSpace, add_at, at};
+use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
+use crate::schedule::Field;
 
-/// A constant force per rest volume.
+/// A force per rest volume.
 pub struct BodyForce {
-    /// f at full load [N/m³].
-    pub force: Vec3,
+    /// f [N/m³].
+    pub force: Field,
 }
 
-/// ∫ φ_a over the reference tetrahedron divided by its volume, for each a.
-fn shares(space: &FunctionSpace) -> Vec<f64> {
-    let table = space.volume_table();
-    let mut shares = vec![0.0; space.nodes_per_element()];
-    for (values, weight) in table.values.iter().zip(&table.weights) {
-        shares.iter_mut().zip(values).for_each(|(s, v)| *s += weight * v);
+/// One quadrature point of one element.
+struct Point<'a> {
+    tet: [usize; 4],
+    nodes: &'a [usize],
+    /// Basis functions.
+    values: &'a [f64],
+    /// Share of the element's volume.
+    weight: f64,
+    /// Rest volume of the element [m³].
+    volume: f64,
+    /// Rest position [m]; zero where the force is the same everywhere.
+    place: Vec3,
+    /// f [N/m³].
+    force: Vec3,
+}
+
+impl Point<'_> {
+    fn value_of(&self, field: &[f64]) -> Vec3 {
+        self.nodes.iter().zip(self.values).map(|(&n, v)| at(field, n) * *v).sum()
     }
-    shares
 }
 
-/// Calls `f` with the corners of each element and the mean of a nodal field.
-fn for_each_mean(space: &FunctionSpace, field: &[f64], mut f: impl FnMut([usize; 4], Vec3)) {
-    let shares = shares(space);
-    let nodes = space.element_nodes().chunks_exact(shares.len());
-    for (&tet, nodes) in space.tets().iter().zip(nodes) {
-        f(tet, nodes.iter().zip(&shares).map(|(&n, s)| at(field, n) * *s).sum());
+impl BodyForce {
+    fn for_each_point(&self, at_: &Iterate, mut f: impl FnMut(&Point)) {
+        let table = at_.space.volume_table();
+        let positions = at_.space.node_positions(at_.rest);
+        let varies = self.force.uses_position();
+        let uniform = self.force.at(Vec3::zeros(), at_.load);
+        let nodes = at_.space.element_nodes().chunks_exact(at_.space.nodes_per_element());
+        for (&tet, nodes) in at_.space.tets().iter().zip(nodes) {
+            let [a, b, c, d] = tet.map(|v| at_.rest[v]);
+            let volume = mesh::measure::tet_volume(a, b, c, d);
+            for (values, &weight) in table.values.iter().zip(&table.weights) {
+                let (mut place, mut force) = (Vec3::zeros(), uniform);
+                if varies {
+                    place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
+                    force = self.force.at(place, at_.load);
+                }
+                f(&Point { tet, nodes, values, weight, volume, place, force });
+            }
+        }
     }
-}
-
-fn volume(tet: [usize; 4], rest: &[Vec3]) -> f64 {
-    let [a, b, c, d] = tet.map(|v| rest[v]);
-    mesh::measure::tet_volume(a, b, c, d)
 }
 
 impl Energy for BodyForce {
@@ -48,36 +70,44 @@ impl Energy for BodyForce {
 
     fn value(&self, at_: &Iterate) -> f64 {
         let mut work = 0.0;
-        for_each_mean(at_.space, at_.u, |tet, mean| {
-            work += volume(tet, at_.rest) * self.force.dot(&mean);
+        self.for_each_point(at_, |p| {
+            work += p.weight * p.volume * p.force.dot(&p.value_of(at_.u));
         });
-        -at_.load * work
+        -work
     }
 
     fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        let shares = shares(at_.space);
-        let nodes = at_.space.element_nodes().chunks_exact(shares.len());
-        for (&tet, nodes) in at_.space.tets().iter().zip(nodes) {
-            let force = -at_.load * volume(tet, at_.rest) * self.force;
-            for (&node, share) in nodes.iter().zip(&shares) {
-                add_at(out, node, &(force * *share));
+        self.for_each_point(at_, |p| {
+            let force = -p.weight * p.volume * p.force;
+            for (&node, v) in p.nodes.iter().zip(p.values) {
+                add_at(out, node, &(force * *v));
             }
-        }
+        });
     }
 
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        for_each_mean(at_.space, lambda, |tet, mean| {
-            let density = -at_.load * self.force.dot(&mean);
-            let [a, b, c, d] = tet.map(|v| at_.rest[v]);
+        let varies = self.force.uses_position();
+        let mut nodal = vec![0.0; at_.u.len()];
+        self.for_each_point(at_, |p| {
+            let lambda = p.value_of(lambda);
+            let density = -p.weight * p.force.dot(&lambda);
+            let [a, b, c, d] = p.tet.map(|v| at_.rest[v]);
             // gradient of the volume with respect to b, c, d; that of a is minus their sum
             let by = [(c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
-            for (vertex, by) in tet[1..].iter().zip(by) {
+            for (vertex, by) in p.tet[1..].iter().zip(by) {
                 let part = density / 6.0 * by;
                 add_at(out, *vertex, &part);
-                add_at(out, tet[0], &-part);
+                add_at(out, p.tet[0], &-part);
+            }
+            if varies {
+                let by_place = self.force.gradient(p.place, at_.load).transpose() * lambda;
+                for (&node, v) in p.nodes.iter().zip(p.values) {
+                    add_at(&mut nodal, node, &(-p.weight * p.volume * *v * by_place));
+                }
             }
         });
+        at_.space.add_to_vertices(&nodal, out);
     }
 }

@@ -5,40 +5,76 @@
 //! ∂E/∂u   = Φ' ∂V/∂u
 //! ∂²E/∂u² = P S + Φ'' (∂V/∂u)(∂V/∂u)ᵀ
 //!
-//! isobaric    Φ = −P (V − V₀)
-//! ideal gas   Φ' = p_a − (P₀ + p_a)(V₀/V)^γ
+//! isobaric            Φ = −P (V − V₀)
+//! ideal gas           Φ' = p_a − (P₀ + p_a)(V₀/V)^γ
+//! prescribed volume   Φ = −P̂ (V − V*) + ½ k (V − V*)²
 //!
 //! P₀     gauge pressure of the fill in the rest volume [Pa]
 //! p_a    ambient pressure [Pa]
 //! γ      1 isothermal, 1.4 adiabatic for air
+//! V*     V₀ plus a change, or V₀ times a factor [m³]
+//! P̂, k   multiplier and penalty of the augmented Lagrangian [Pa, Pa/m³]
 //!
-//! P, P₀ grow with the load; P > 0 inflates. The dense second term is never
-//! assembled, see [`Energy::rank_one`].
+//! P, P₀ and V* follow their schedules; P > 0 inflates. P̂ and k belong to the
+//! iterate: `forward` finds the P̂ for which V = V*, and P is then the pressure
+//! that holds it, whatever k. The dense second term is never assembled, see
+//! [`Energy::rank_one`].
 
 use mesh::Vec3;
 
 use super::wall::{Wall, positions};
-use super::{Energy, Hessian, Iterate, RankOne};
+use super::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
 use crate::element::at;
 use crate::math::sparse::BlockMatrix;
+use crate::schedule::Schedule;
 
 /// How the pressure behind a wall follows its volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum GasLaw {
     /// The same gauge pressure at any volume.
     Isobaric {
         /// Gauge pressure [Pa].
-        pressure: f64,
+        pressure: Schedule,
+    },
+    /// The pressure that a volume needs.
+    Volume {
+        /// The volume.
+        prescribed: Prescribed,
+        /// Index of its multiplier.
+        multiplier: usize,
     },
     /// A fixed amount of ideal gas.
     Ideal {
         /// Gauge pressure in the rest volume [Pa].
-        fill: f64,
+        fill: Schedule,
         /// Ambient pressure [Pa].
         ambient: f64,
         /// Polytropic exponent γ.
         exponent: f64,
     },
+}
+
+/// A volume V* that a chamber shall have.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Prescribed {
+    /// V₀ plus a change [m³].
+    Change(Schedule),
+    /// V₀ times a factor, which is 1 at rest.
+    Factor(Schedule),
+}
+
+impl Prescribed {
+    /// V* and ∂V*/∂V₀.
+    #[must_use]
+    pub fn at(&self, rest: f64, load: f64) -> (f64, f64) {
+        match self {
+            Self::Change(change) => (rest + change.at(load), 1.0),
+            Self::Factor(factor) => {
+                let factor = factor.at(load) + factor.to_come(load);
+                (rest * factor, factor)
+            }
+        }
+    }
 }
 
 /// Φ and its derivatives at one volume.
@@ -55,13 +91,12 @@ pub struct Potential {
 }
 
 impl GasLaw {
-    /// At volume `v` of a chamber with rest volume `rest`, under a fraction
-    /// `load` of the pressure.
+    /// At volume `v` of a chamber with rest volume `rest`, at a load.
     #[must_use]
-    pub fn at(&self, v: f64, rest: f64, load: f64) -> Potential {
-        match *self {
+    pub fn at(&self, v: f64, rest: f64, load: f64, multipliers: &[Multiplier]) -> Potential {
+        match self {
             Self::Isobaric { pressure } => {
-                let pressure = load * pressure;
+                let pressure = pressure.at(load);
                 Potential {
                     value: -pressure * (v - rest),
                     pressure,
@@ -69,7 +104,18 @@ impl GasLaw {
                     pressure_by_rest: 0.0,
                 }
             }
-            Self::Ideal { fill, ambient, exponent } => {
+            Self::Volume { prescribed, multiplier } => {
+                let Multiplier { pressure, penalty } = multipliers[*multiplier];
+                let (wanted, by_rest) = prescribed.at(rest, load);
+                let gap = v - wanted;
+                Potential {
+                    value: (0.5 * penalty * gap - pressure) * gap,
+                    pressure: pressure - penalty * gap,
+                    stiffness: penalty,
+                    pressure_by_rest: penalty * by_rest,
+                }
+            }
+            &Self::Ideal { ref fill, ambient, exponent } => {
                 if v <= 0.0 {
                     let value = f64::INFINITY;
                     return Potential {
@@ -79,7 +125,7 @@ impl GasLaw {
                         pressure_by_rest: 0.0,
                     };
                 }
-                let full = load * fill + ambient;
+                let full = fill.at(load) + ambient;
                 let ratio = rest / v;
                 let absolute = full * ratio.powf(exponent);
                 // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1
@@ -116,7 +162,7 @@ impl Chamber {
 
     fn state_at(&self, at_: &Iterate, x: &[Vec3]) -> (f64, Potential) {
         let volume = self.wall.volume(at_.space, x);
-        (volume, self.gas.at(volume, self.rest_volume(at_), at_.load))
+        (volume, self.gas.at(volume, self.rest_volume(at_), at_.load, at_.multipliers))
     }
 
     /// Volume behind the rest wall [m³].
@@ -158,6 +204,16 @@ impl Energy for Chamber {
         Some(RankOne { scale: gas.stiffness, vector })
     }
 
+    fn constraint(&self, at_: &Iterate) -> Option<Constraint> {
+        let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
+        let (wanted, _) = prescribed.at(self.rest_volume(at_), at_.load);
+        let x = positions(at_);
+        let volume = self.wall.volume(at_.space, &x);
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut gradient);
+        Some(Constraint { multiplier: *multiplier, volume, wanted, gradient })
+    }
+
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let x = positions(at_);
         let (_, gas) = self.state_at(at_, &x);
@@ -187,8 +243,8 @@ mod tests {
     #[test]
     fn compressed_air_has_the_pressures_of_the_gas_law() {
         let pressure = |exponent: f64, ratio: f64| {
-            GasLaw::Ideal { fill: 0.0, ambient: 101.3e3, exponent }
-                .at(ratio * 2e-5, 2e-5, 1.0)
+            GasLaw::Ideal { fill: 0.0.into(), ambient: 101.3e3, exponent }
+                .at(ratio * 2e-5, 2e-5, 1.0, &[])
                 .pressure
         };
         for (exponent, ratio, expected) in [
@@ -203,19 +259,38 @@ mod tests {
 
     #[test]
     fn derivatives_of_the_potential_are_those_of_its_value() {
-        for exponent in [1.0, 1.4] {
-            let law = GasLaw::Ideal { fill: 3e4, ambient: 101.3e3, exponent };
-            let (v, rest, load) = (1.3, 0.9, 0.7);
-            let here = law.at(v, rest, load);
+        let ideal = |exponent| GasLaw::Ideal { fill: 3e4.into(), ambient: 101.3e3, exponent };
+        let volume = |prescribed| GasLaw::Volume { prescribed, multiplier: 0 };
+        let laws = [
+            ideal(1.0),
+            ideal(1.4),
+            volume(Prescribed::Change(0.3.into())),
+            volume(Prescribed::Factor(1.4.into())),
+        ];
+        let multipliers = [Multiplier { pressure: 2e4, penalty: 3e4 }];
+        for law in laws {
+            let (v, rest) = (1.3, 0.9);
+            let at = |v: f64, rest: f64| law.at(v, rest, 0.7, &multipliers);
+            let here = at(v, rest);
             let h = 1e-5;
             let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h);
-            let by_v = slope(&|e| law.at(v + e, rest, load).value);
-            let twice = slope(&|e| -law.at(v + e, rest, load).pressure);
-            let by_rest = slope(&|e| law.at(v, rest + e, load).pressure);
-            assert!((by_v + here.pressure).abs() < 1e-5 * here.pressure.abs());
-            assert!((twice - here.stiffness).abs() < 1e-8 * here.stiffness);
-            assert!((by_rest - here.pressure_by_rest).abs() < 1e-8 * here.pressure_by_rest);
-            assert!(law.at(-1e-3, rest, load).value.is_infinite());
+            let by_v = slope(&|e| at(v + e, rest).value);
+            let twice = slope(&|e| -at(v + e, rest).pressure);
+            let by_rest = slope(&|e| at(v, rest + e).pressure);
+            assert!((by_v + here.pressure).abs() < 1e-5 * here.pressure.abs(), "{law:?}");
+            assert!((twice - here.stiffness).abs() < 1e-8 * here.stiffness, "{law:?}");
+            assert!((by_rest / here.pressure_by_rest - 1.0).abs() < 1e-8, "{law:?}");
+        }
+        assert!(ideal(1.4).at(-1e-3, 0.9, 0.7, &[]).value.is_infinite());
+    }
+
+    #[test]
+    fn prescribed_volumes_begin_at_the_rest_volume() {
+        for prescribed in [Prescribed::Change(0.8.into()), Prescribed::Factor(1.4.into())] {
+            let wanted = [0.0, 0.5, 1.0, 2.0].map(|load| prescribed.at(2.0, load).0);
+            for (found, expected) in wanted.into_iter().zip([2.0, 2.4, 2.8, 2.8]) {
+                assert!((found - expected).abs() < 1e-15, "{prescribed:?}: {wanted:?}");
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ mod traction;
 mod wall;
 
 pub use body_force::BodyForce;
-pub use chamber::{Chamber, GasLaw, Potential};
+pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
 pub use elastic::Elastic;
 pub use traction::Traction;
 pub use wall::Wall;
@@ -26,8 +26,33 @@ pub struct Iterate<'a> {
     pub rest: &'a [Vec3],
     /// Nodal displacement u [m], three components per node.
     pub u: &'a [f64],
-    /// Fraction of the full load.
+    /// Load parameter: the time t [s]; in a static scene the fraction of the
+    /// full load.
     pub load: f64,
+    /// Of the chambers with a prescribed volume.
+    pub multipliers: &'a [Multiplier],
+}
+
+/// What holds a prescribed volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multiplier {
+    /// Gauge pressure at the wanted volume [Pa].
+    pub pressure: f64,
+    /// What a gap in the volume adds to it [Pa/m³].
+    pub penalty: f64,
+}
+
+/// A prescribed volume at an iterate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// Index of its multiplier.
+    pub multiplier: usize,
+    /// Volume [m³].
+    pub volume: f64,
+    /// Volume that it shall have [m³].
+    pub wanted: f64,
+    /// ∂V/∂u, three components per node [m²].
+    pub gradient: Vec<f64>,
 }
 
 /// Which Hessian to assemble.
@@ -61,6 +86,10 @@ pub trait Energy: Send + Sync {
     fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix);
     /// The rest of ∂²E/∂u², where every node is coupled with every other [N/m].
     fn rank_one(&self, _: &Iterate) -> Option<RankOne> {
+        None
+    }
+    /// The volume that the term prescribes, if any.
+    fn constraint(&self, _: &Iterate) -> Option<Constraint> {
         None
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.

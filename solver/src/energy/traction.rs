@@ -1,50 +1,80 @@
-//! Constant force per rest area on a part of the boundary (a dead load).
+//! Force per rest area on a part of the boundary (a dead load).
 //!
 //! E(u; X) = −∫_Γ t · u dA        ∂E/∂u_a = −∫_Γ φ_a t dA      ∂²E/∂u² = 0
-//! δ(λ·∂E/∂u) = −Σ (mean of t · λ over a facet) δA
+//! δ(λ·∂E/∂u) = −∫_Γ λ · ∇t V dA − Σ (mean of t · λ over a facet) δA
 //! ∂A/∂X_i = ½ n × (X_{i+2} − X_{i+1})      n the unit normal of the facet
 //!
-//! t [Pa] is neither turned nor stretched by the deformation, unlike gas
-//! pressure; it acts in full at full load.
+//! t(X, t) [Pa] may depend on the rest position, but is neither turned nor
+//! stretched by the deformation, unlike gas pressure.
 
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
+use crate::schedule::Field;
 
-/// A constant force per rest area of some facets.
+/// A force per rest area of some facets.
 pub struct Traction {
-    /// t at full load [Pa].
-    pub traction: Vec3,
+    /// t [Pa].
+    pub traction: Field,
     /// Facets as vertices and nodes.
     facets: Vec<([usize; 3], Vec<usize>)>,
-    /// ∫ φ_a over a facet divided by its area, for each a.
-    shares: Vec<f64>,
+}
+
+/// One quadrature point of one facet.
+struct Point<'a> {
+    facet: [usize; 3],
+    nodes: &'a [usize],
+    /// Basis functions.
+    values: &'a [f64],
+    /// Share of the facet's area.
+    weight: f64,
+    /// Twice the rest area vector [m²].
+    normal: Vec3,
+    /// Rest position [m]; zero where the traction is the same everywhere.
+    place: Vec3,
+    /// t [Pa].
+    traction: Vec3,
+}
+
+impl Point<'_> {
+    fn value_of(&self, field: &[f64]) -> Vec3 {
+        self.nodes.iter().zip(self.values).map(|(&n, v)| at(field, n) * *v).sum()
+    }
+
+    /// Weight times area [m²].
+    fn area(&self) -> f64 {
+        0.5 * self.weight * self.normal.norm()
+    }
 }
 
 impl Traction {
     /// The force t [Pa] on boundary facets (vertex ids).
     #[must_use]
-    pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], traction: Vec3) -> Self {
-        let table = space.facet_table();
-        let mut shares = vec![0.0; table.values[0].len()];
-        for (values, weight) in table.values.iter().zip(&table.weights) {
-            shares.iter_mut().zip(values).for_each(|(s, v)| *s += weight * v);
-        }
+    pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], traction: Field) -> Self {
         let facets = facets.iter().map(|&f| (f, space.facet_nodes(f))).collect();
-        Self { traction, facets, shares }
+        Self { traction, facets }
     }
 
-    /// The mean of a nodal field over a facet.
-    fn mean(&self, nodes: &[usize], field: &[f64]) -> Vec3 {
-        nodes.iter().zip(&self.shares).map(|(&n, s)| at(field, n) * *s).sum()
+    fn for_each_point(&self, at_: &Iterate, mut f: impl FnMut(&Point)) {
+        let table = at_.space.facet_table();
+        let varies = self.traction.uses_position();
+        let uniform = self.traction.at(Vec3::zeros(), at_.load);
+        let positions = at_.space.node_positions(at_.rest);
+        for (facet, nodes) in &self.facets {
+            let [a, b, c] = facet.map(|v| at_.rest[v]);
+            let normal = (b - a).cross(&(c - a));
+            for (values, &weight) in table.values.iter().zip(&table.weights) {
+                let (mut place, mut traction) = (Vec3::zeros(), uniform);
+                if varies {
+                    place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
+                    traction = self.traction.at(place, at_.load);
+                }
+                f(&Point { facet: *facet, nodes, values, weight, normal, place, traction });
+            }
+        }
     }
-}
-
-/// Twice the area vector n A [m²].
-fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
-    (b - a).cross(&(c - a))
 }
 
 impl Energy for Traction {
@@ -53,34 +83,41 @@ impl Energy for Traction {
     }
 
     fn value(&self, at_: &Iterate) -> f64 {
-        let work = |(facet, nodes): &([usize; 3], Vec<usize>)| {
-            let area = 0.5 * normal(facet.map(|v| at_.rest[v])).norm();
-            area * self.traction.dot(&self.mean(nodes, at_.u))
-        };
-        -at_.load * self.facets.iter().map(work).sum::<f64>()
+        let mut work = 0.0;
+        self.for_each_point(at_, |p| work += p.area() * p.traction.dot(&p.value_of(at_.u)));
+        -work
     }
 
     fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        for (facet, nodes) in &self.facets {
-            let area = 0.5 * normal(facet.map(|v| at_.rest[v])).norm();
-            let force = -at_.load * area * self.traction;
-            for (&node, share) in nodes.iter().zip(&self.shares) {
-                add_at(out, node, &(force * *share));
+        self.for_each_point(at_, |p| {
+            let force = -p.area() * p.traction;
+            for (&node, v) in p.nodes.iter().zip(p.values) {
+                add_at(out, node, &(force * *v));
             }
-        }
+        });
     }
 
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        for (facet, nodes) in &self.facets {
-            let x = facet.map(|v| at_.rest[v]);
-            let unit = normal(x).normalize();
-            let density = -at_.load * self.traction.dot(&self.mean(nodes, lambda));
+        let varies = self.traction.uses_position();
+        let mut nodal = vec![0.0; at_.u.len()];
+        self.for_each_point(at_, |p| {
+            let lambda = p.value_of(lambda);
+            let x = p.facet.map(|v| at_.rest[v]);
+            let unit = p.normal.normalize();
+            let density = -p.weight * p.traction.dot(&lambda);
             for i in 0..3 {
                 let by = 0.5 * unit.cross(&(x[(i + 2) % 3] - x[(i + 1) % 3]));
-                add_at(out, facet[i], &(density * by));
+                add_at(out, p.facet[i], &(density * by));
             }
-        }
+            if varies {
+                let by_place = self.traction.gradient(p.place, at_.load).transpose() * lambda;
+                for (&node, v) in p.nodes.iter().zip(p.values) {
+                    add_at(&mut nodal, node, &(-p.area() * *v * by_place));
+                }
+            }
+        });
+        at_.space.add_to_vertices(&nodal, out);
     }
 }

@@ -67,6 +67,17 @@ pub enum Failure {
         /// Residual asked for [N].
         wanted: f64,
     },
+    /// The forces balance, but a chamber does not take its prescribed volume.
+    #[error(
+        "the forces balance, but a chamber with the prescribed volume {wanted:.6e} m³ has \
+         {volume:.6e} m³"
+    )]
+    Volume {
+        /// Volume reached [m³].
+        volume: f64,
+        /// Volume prescribed [m³].
+        wanted: f64,
+    },
     /// The forces balance, but an element is turned inside out, or might be.
     #[error("the forces balance, but {0}")]
     Uncertified(#[from] Uncertified),
@@ -137,7 +148,13 @@ fn descent(
     if let Some(direction) = near {
         return system.prolong(&direction);
     }
+    // where gas or a prescribed volume stiffens the body, its sparse part alone
+    // need not be positive definite
+    let dense = exact.updates.iter().any(|u| u.0 > 0.0).then(|| exact.clone());
     if !factor(system, exact) {
+        if let Some(direction) = dense.and_then(|whole| indefinite(system, whole, gradient)) {
+            return direction;
+        }
         let projected = system.hessian(rest, u, load, Hessian::Projected);
         factor_shifted(system, &projected);
     }
@@ -155,6 +172,20 @@ fn factor(system: &mut System, matrix: Symmetric) -> bool {
         log::debug!("{error}");
     }
     result.is_ok()
+}
+
+/// −H⁻¹g by an indefinite factor, if it is accurate and descends.
+fn indefinite(system: &mut System, whole: Symmetric, gradient: &[f64]) -> Option<Vec<f64>> {
+    let start = Instant::now();
+    system.linear.factor_indefinite(whole);
+    system.timings.factor_s += start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut direction = system.restrict(gradient);
+    direction.iter_mut().for_each(|d| *d = -*d);
+    let residual = system.linear.solve(&mut direction);
+    system.timings.solve_s += start.elapsed().as_secs_f64();
+    let direction = system.prolong(&direction);
+    (residual < FORCING.1 && dot(gradient, &direction) < 0.0).then_some(direction)
 }
 
 /// Adds ρ I, with ρ from nothing upwards by powers of ten, until the matrix is

@@ -1,34 +1,42 @@
-//! Equilibrium under the full load, reached in adaptive load steps.
+//! Equilibria over time, reached in adaptive load steps.
+//!
+//! The load parameter is the time t. Time steps end at t₁ < t₂ < …; each is cut
+//! into load steps where Newton's method needs them. A static scene is one time
+//! step with t₁ = 1, where t is the fraction of the load.
 
 use std::time::Instant;
 
 use mesh::Vec3;
 use serde::Serialize;
 
+use super::volumes::balance;
 use super::{Failure, Newton, System, certificate};
+use crate::energy::Multiplier;
+use crate::math::linear::norm;
 
 /// Newton iterations after which a load step counts as easy.
 const EASY: usize = 5;
 /// Residual of intermediate load steps relative to the final one's.
 const LOOSE: f64 = 1e4;
 
-/// How to approach the full load.
+/// How to approach the end of a time step, in fractions of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepping {
-    /// First increment as a fraction of the full load.
+    /// First increment of the first time step.
     pub first: f64,
     /// Largest increment.
     pub largest: f64,
     /// Smallest increment before giving up.
     pub smallest: f64,
-    /// Stopping rule of the full load.
+    /// Stopping rule at the end of a time step.
     pub newton: Newton,
 }
 
 /// One accepted load step.
 #[derive(Clone, Debug, Serialize)]
 pub struct LoadStep {
-    /// Fraction of the full load.
+    /// Load parameter: the time t [s]; in a static scene the fraction of the
+    /// full load.
     pub load: f64,
     /// Newton iterations.
     pub newton_iterations: usize,
@@ -39,23 +47,29 @@ pub struct LoadStep {
     /// Displacement [m], three components per node.
     #[serde(skip)]
     pub u: Vec<f64>,
+    /// Of the chambers with a prescribed volume.
+    #[serde(skip)]
+    pub multipliers: Vec<Multiplier>,
+    /// Whether it is the end of a time step.
+    #[serde(skip)]
+    pub ends_time_step: bool,
 }
 
 /// An equilibrium and the way to it.
 pub struct Solution {
     /// Displacement [m], three components per node.
     pub u: Vec<f64>,
-    /// Accepted load steps; the last is the full load.
+    /// Accepted load steps; the last is the end of the last time step.
     pub steps: Vec<LoadStep>,
     /// All Newton iterations, those of rejected steps included.
     pub newton_iterations: usize,
 }
 
-/// No equilibrium under the full load.
+/// No equilibrium at the end of a time step.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("no equilibrium beyond {:.1} % of the load: {failure}", 100.0 * load)]
 pub struct Unreached {
-    /// Largest load that has an equilibrium, as a fraction.
+    /// Last load that has an equilibrium.
     pub load: f64,
     /// What stopped the next step.
     pub failure: Failure,
@@ -79,9 +93,7 @@ pub fn solve_from(
     Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
 }
 
-/// Solves under the full load from the rest shape, in load steps that shrink
-/// where Newton fails and grow where it is easy. `observe` is called after
-/// every accepted step.
+/// Solves under the full load from the rest shape: one time step of length 1.
 ///
 /// # Errors
 /// [`Unreached`] with the load that was reached.
@@ -89,36 +101,62 @@ pub fn solve(
     system: &mut System,
     rest: &[Vec3],
     stepping: &Stepping,
+    observe: impl FnMut(&LoadStep),
+) -> Result<Solution, Unreached> {
+    solve_in_time(system, rest, stepping, &[1.0], observe)
+}
+
+/// Solves from the rest shape at t = 0 to the ends `times` of time steps, in load
+/// steps that shrink where Newton fails and grow where it is easy. `observe` is
+/// called after every accepted step.
+///
+/// # Errors
+/// [`Unreached`] with the load that was reached.
+pub fn solve_in_time(
+    system: &mut System,
+    rest: &[Vec3],
+    stepping: &Stepping,
+    times: &[f64],
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
     system.linear.forget();
+    system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
     let mut newton_iterations = 0;
     let mut steps: Vec<LoadStep> = Vec::new();
     let mut increment = stepping.first;
-    let mut load = 0.0;
-    while load < 1.0 {
-        let next = if load + increment > 1.0 - 1e-9 { 1.0 } else { load + increment };
-        let newton = if next < 1.0 { loosened(&stepping.newton) } else { stepping.newton };
-        let start = predict(&steps, next, system.len());
-        match attempt(system, rest, start, next, &newton) {
-            Ok(step) => {
-                newton_iterations += step.newton_iterations;
-                if step.newton_iterations <= EASY {
-                    increment = (1.5 * increment).min(stepping.largest);
+    let mut begin = 0.0;
+    for &end in times {
+        let mut done = 0.0; // fraction of the time step
+        while done < 1.0 {
+            let next = if done + increment > 1.0 - 1e-9 { 1.0 } else { done + increment };
+            let ends = next >= 1.0;
+            let load = if ends { end } else { begin + next * (end - begin) };
+            let newton = if ends { stepping.newton } else { loosened(&stepping.newton) };
+            let multipliers = system.multipliers.clone();
+            let start = predict(system, rest, &steps, load, begin > 0.0);
+            match attempt(system, rest, start, load, &newton) {
+                Ok(step) => {
+                    newton_iterations += step.newton_iterations;
+                    if step.newton_iterations <= EASY {
+                        increment = (1.5 * increment).min(stepping.largest);
+                    }
+                    done = next;
+                    observe(&step);
+                    steps.push(LoadStep { ends_time_step: ends, ..step });
                 }
-                load = next;
-                observe(&step);
-                steps.push(step);
-            }
-            Err(Failed { failure, iterations }) => {
-                newton_iterations += iterations;
-                increment *= 0.5;
-                log::debug!("load {next:.4} failed ({failure}); increment {increment:.4}");
-                if increment < stepping.smallest {
-                    return Err(Unreached { load, failure });
+                Err(Failed { failure, iterations }) => {
+                    newton_iterations += iterations;
+                    system.multipliers = multipliers;
+                    increment *= 0.5;
+                    log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
+                    if increment < stepping.smallest {
+                        let load = steps.last().map_or(0.0, |step| step.load);
+                        return Err(Unreached { load, failure });
+                    }
                 }
             }
         }
+        begin = end;
     }
     let u = steps.last().map_or_else(|| vec![0.0; system.len()], |s| s.u.clone());
     Ok(Solution { u, steps, newton_iterations })
@@ -137,7 +175,7 @@ struct Failed {
 impl From<Failure> for Failed {
     fn from(failure: Failure) -> Self {
         let iterations = match failure {
-            Failure::Inadmissible | Failure::Uncertified(_) => 0,
+            Failure::Inadmissible | Failure::Uncertified(_) | Failure::Volume { .. } => 0,
             Failure::IterationLimit { iterations, .. } | Failure::Stalled { iterations, .. } => {
                 iterations
             }
@@ -146,8 +184,8 @@ impl From<Failure> for Failed {
     }
 }
 
-/// One load step: the supports are moved, the forces balanced and the state
-/// certified.
+/// One load step: the supports are moved, the forces balanced, prescribed
+/// volumes reached and the state certified.
 fn attempt(
     system: &mut System,
     rest: &[Vec3],
@@ -157,27 +195,55 @@ fn attempt(
 ) -> Result<LoadStep, Failed> {
     system.move_supports(rest, &mut u, load);
     let (newton_iterations, residual) =
-        newton.solve(system, rest, &mut u, load).map_err(Failed::from)?;
+        balance(system, rest, &mut u, load, newton).map_err(Failed::from)?;
     let start = Instant::now();
     let certified = certificate(&system.space, rest, &u);
     system.timings.certificate_s += start.elapsed().as_secs_f64();
     match certified {
-        Ok(smallest_volume_ratio) => {
-            Ok(LoadStep { load, newton_iterations, residual, smallest_volume_ratio, u })
-        }
+        Ok(smallest_volume_ratio) => Ok(LoadStep {
+            load,
+            newton_iterations,
+            residual,
+            smallest_volume_ratio,
+            u,
+            multipliers: system.multipliers.clone(),
+            ends_time_step: false,
+        }),
         Err(failure) => Err(Failed { failure: failure.into(), iterations: newton_iterations }),
     }
 }
 
-/// Linear extrapolation in the load from the last two states.
-fn predict(steps: &[LoadStep], load: f64, len: usize) -> Vec<f64> {
+/// Linear extrapolation in the load from the last two states, pressures that hold
+/// volumes included. Loads may bend where time steps meet, so `bent` asks whether
+/// the last state itself is nearer to balance.
+fn predict(
+    system: &mut System,
+    rest: &[Vec3],
+    steps: &[LoadStep],
+    load: f64,
+    bent: bool,
+) -> Vec<f64> {
+    let len = system.len();
     let Some(b) = steps.last() else { return vec![0.0; len] };
-    let rest = (0.0, &vec![0.0; len]);
-    let a = if steps.len() > 1 {
-        (steps[steps.len() - 2].load, &steps[steps.len() - 2].u)
-    } else {
-        rest
-    };
+    let zero = (0.0, &vec![0.0; len], &Vec::new());
+    let a = if steps.len() > 1 { &steps[steps.len() - 2] } else { b };
+    let a = if steps.len() > 1 { (a.load, &a.u, &a.multipliers) } else { zero };
     let t = (load - b.load) / (b.load - a.0);
-    a.1.iter().zip(&b.u).map(|(a, b)| b + t * (b - a)).collect()
+    let further = |a: f64, b: f64| b + t * (b - a);
+    let u: Vec<f64> = a.1.iter().zip(&b.u).map(|(a, b)| further(*a, *b)).collect();
+    let before = |i: usize| a.2.get(i).map_or(0.0, |m| m.pressure);
+    if bent && residual(system, rest, &b.u, load) <= residual(system, rest, &u, load) {
+        return b.u.clone();
+    }
+    for (i, (m, b)) in system.multipliers.iter_mut().zip(&b.multipliers).enumerate() {
+        m.pressure = further(before(i), b.pressure);
+    }
+    u
+}
+
+/// Norm of the unbalanced force [N]; infinite where it is not defined.
+fn residual(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
+    let (gradient, _) = system.gradient(rest, u, load);
+    let residual = norm(&system.restrict(&gradient));
+    if residual.is_nan() { f64::INFINITY } else { residual }
 }

@@ -6,7 +6,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Energy, Hessian, Iterate, RankOne};
+use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
@@ -31,8 +31,13 @@ pub struct Timings {
     pub certificate_s: f64,
 }
 
+/// Displacement [m] of all degrees of freedom at a load; only those of the fixed
+/// ones are looked at.
+type Motion = Box<dyn Fn(f64) -> Vec<f64> + Send + Sync>;
+
 /// Energies on a function space with some degrees of freedom fixed, at zero or
-/// at a displacement that grows with the load. Symbolic work is done once, for any rest shape.
+/// at a displacement that follows the load. Symbolic work is done once, for any
+/// rest shape.
 pub struct System {
     /// Where displacements live.
     pub space: FunctionSpace,
@@ -42,10 +47,14 @@ pub struct System {
     pub linear: SparseSolver,
     /// Time spent so far.
     pub timings: Timings,
+    /// Of the chambers with a prescribed volume.
+    pub multipliers: Vec<Multiplier>,
     pattern: Pattern,
     free: FreeTriangle,
-    /// Fixed degrees of freedom and their displacement at full load [m].
-    supports: Vec<(usize, f64)>,
+    /// Fixed degrees of freedom.
+    supports: Vec<usize>,
+    /// How they move, if they do.
+    motion: Option<Motion>,
 }
 
 impl System {
@@ -61,33 +70,59 @@ impl System {
         );
         let order = order_of_unknowns(&nodes, &free, fixed);
         let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
-        let supports = (0..fixed.len()).filter(|&d| fixed[d]).map(|d| (d, 0.0)).collect();
-        Self { space, energies, linear, timings: Timings::default(), pattern, free, supports }
+        Self {
+            space,
+            energies,
+            linear,
+            timings: Timings::default(),
+            multipliers: Vec::new(),
+            pattern,
+            free,
+            supports: (0..fixed.len()).filter(|&d| fixed[d]).collect(),
+            motion: None,
+        }
+    }
+
+    /// Starts the multipliers of prescribed volumes, as the energies number them.
+    #[must_use]
+    pub fn with_multipliers(mut self, multipliers: Vec<Multiplier>) -> Self {
+        self.multipliers = multipliers;
+        self
+    }
+
+    /// Prescribes the displacement of all degrees of freedom at a load [m];
+    /// entries of those that are not fixed are not looked at.
+    #[must_use]
+    pub fn with_motion(mut self, motion: Motion) -> Self {
+        self.motion = Some(motion);
+        self
     }
 
     /// Prescribes the displacement of the fixed degrees of freedom at full load
-    /// [m]; entries of the others are not looked at.
+    /// [m], in proportion to which they move; entries of the others are not
+    /// looked at.
     #[must_use]
-    pub fn with_displacement(mut self, displacement: &[f64]) -> Self {
-        self.supports.iter_mut().for_each(|(dof, value)| *value = displacement[*dof]);
-        self
+    pub fn with_displacement(self, displacement: &[f64]) -> Self {
+        let full = displacement.to_vec();
+        self.with_motion(Box::new(move |load| full.iter().map(|u| load * u).collect()))
     }
 
     /// Sets the fixed degrees of freedom of `u` to their displacement at a load,
     /// and moves the others as the tangent at `u` says, so that elements at the
     /// supports are not crushed. Nothing happens where they are already there.
     pub fn move_supports(&mut self, rest: &[Vec3], u: &mut [f64], load: f64) {
+        let wanted = self.motion.as_ref().map_or_else(|| vec![0.0; u.len()], |at| at(load));
         let mut motion = vec![0.0; u.len()];
-        for &(dof, value) in &self.supports {
-            motion[dof] = load * value - u[dof];
+        for &dof in &self.supports {
+            motion[dof] = wanted[dof] - u[dof];
         }
         let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if size(&motion) > ROUNDING * size(u).max(f64::MIN_POSITIVE) {
             let du = self.follow_supports(rest, u, load, &motion).unwrap_or(motion);
             u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
         }
-        for &(dof, value) in &self.supports {
-            u[dof] = load * value;
+        for &dof in &self.supports {
+            u[dof] = wanted[dof];
         }
     }
 
@@ -131,7 +166,14 @@ impl System {
     /// An iterate of this system.
     #[must_use]
     pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], load: f64) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load }
+        Iterate { space: &self.space, rest, u, load, multipliers: &self.multipliers }
+    }
+
+    /// The prescribed volumes.
+    #[must_use]
+    pub fn constraints(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<Constraint> {
+        let at = self.iterate(rest, u, load);
+        self.energies.iter().filter_map(|e| e.constraint(&at)).collect()
     }
 
     /// Total potential energy [J].
@@ -157,8 +199,8 @@ impl System {
             scale = scale.max(crate::math::linear::norm(&self.free.restrict(&part)));
             total.iter_mut().zip(&part).for_each(|(t, p)| *t += p);
         }
-        if self.supports.iter().any(|s| s.1 != 0.0) {
-            let reactions: Vec<f64> = self.supports.iter().map(|s| total[s.0]).collect();
+        if self.motion.is_some() {
+            let reactions: Vec<f64> = self.supports.iter().map(|&dof| total[dof]).collect();
             scale = scale.max(crate::math::linear::norm(&reactions));
         }
         self.timings.assembly_s += start.elapsed().as_secs_f64();

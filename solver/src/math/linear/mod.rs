@@ -281,7 +281,8 @@ impl SparseSolver {
         let mut z = self.inverse_times(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
-        let mut best = (x.clone(), norm(b) / size);
+        // where a matrix proves not positive definite at once, a descent
+        let mut best = (z.clone(), if rz > 0.0 { f64::INFINITY } else { 0.0 });
         let mut since = 0;
         for step in 1..=stop.steps {
             let ap = self.pattern.multiply(matrix, &p);

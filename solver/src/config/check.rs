@@ -1,0 +1,205 @@
+//! Settings that no type can rule out.
+
+use anyhow::{Result, anyhow, bail, ensure};
+
+use super::{SimConfig, SolverConfig, TimeConfig};
+use crate::element::HIGHEST_DEGREE;
+use crate::schedule::Schedule;
+
+/// Moments at which schedules are looked at in each time step, for load steps
+/// may end in between.
+const MOMENTS: usize = 8;
+
+impl SimConfig {
+    /// Checks all settings that can be checked without a body, and tells the
+    /// schedules when the first time step ends.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check(&mut self) -> Result<()> {
+        ensure!(
+            (1..=HIGHEST_DEGREE).contains(&self.degree),
+            "degree = {}: must be 1, 2 or 3",
+            self.degree
+        );
+        ensure!(
+            (5..=12).contains(&self.quadrature),
+            "quadrature = {}: must be from 5 to 12",
+            self.quadrature
+        );
+        ensure!(!self.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
+        self.solver.check()?;
+        if let Some(time) = &self.time {
+            time.check()?;
+        }
+        let (first, moments) = (self.times()[0], self.moments());
+        for (name, may_use_position, schedule) in self.schedules() {
+            schedule.begin(first);
+            if schedule.uses_position() {
+                ensure!(may_use_position, "{name} = {schedule}: must depend on t alone");
+            } else {
+                schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
+            }
+        }
+        self.check_chambers()
+    }
+
+    /// Moments at which schedules are checked: t = 0, the ends of time steps,
+    /// and some in between [s].
+    #[must_use]
+    pub fn moments(&self) -> Vec<f64> {
+        let mut moments = vec![0.0];
+        for end in self.times() {
+            let begin = moments[moments.len() - 1];
+            let part = |i: usize| begin + (end - begin) * (i as f64 / MOMENTS as f64);
+            moments.extend((1..MOMENTS).map(part));
+            moments.push(end);
+        }
+        moments
+    }
+
+    /// All values that may change with time: what they are called in messages,
+    /// and whether they may change with the position.
+    fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
+        let mut all = Vec::new();
+        for c in &mut self.pressure {
+            all.push((format!("pressure on \"{}\"", c.on), false, &mut c.pressure));
+        }
+        for c in &mut self.gas {
+            all.push((format!("gas on \"{}\": fill", c.on), false, &mut c.fill));
+        }
+        for c in &mut self.volume {
+            for (key, value) in [("change", &mut c.change), ("factor", &mut c.factor)] {
+                let name = format!("[[volume]] on \"{}\": {key}", c.on);
+                all.extend(value.as_mut().map(|value| (name, false, value)));
+            }
+        }
+        for c in &mut self.fixed {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
+                let name = format!("[[fixed]] on \"{}\": displacement along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        for c in &mut self.body_force {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
+                all.push((format!("[[body_force]]: force along {axis}"), true, value));
+            }
+        }
+        for c in &mut self.traction {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.traction.0) {
+                let name = format!("[[traction]] on \"{}\": traction along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        all
+    }
+
+    fn check_chambers(&self) -> Result<()> {
+        for gas in &self.gas {
+            ensure!(
+                gas.ambient > 0.0
+                    && gas.exponent >= 1.0
+                    && (gas.ambient + gas.exponent).is_finite(),
+                "gas on \"{}\": ambient = {} Pa must be positive, exponent = {} at least 1, both finite",
+                gas.on,
+                gas.ambient,
+                gas.exponent
+            );
+            for t in self.moments() {
+                let fill = gas.fill.at(t);
+                ensure!(
+                    fill + gas.ambient > 0.0,
+                    "gas on \"{}\": ambient + fill = {} Pa at t = {t} must be positive",
+                    gas.on,
+                    fill + gas.ambient
+                );
+            }
+        }
+        for volume in &self.volume {
+            ensure!(
+                volume.change.is_some() != volume.factor.is_some(),
+                "[[volume]] on \"{}\": needed is one of change [m³] and factor [1]",
+                volume.on
+            );
+        }
+        let pressure = self.pressure.iter().map(|c| &c.on);
+        let gas = self.gas.iter().map(|c| &c.on);
+        let volume = self.volume.iter().map(|c| &c.on);
+        let walls: Vec<&String> = pressure.chain(gas).chain(volume).collect();
+        if let Some(twice) = walls.iter().enumerate().find(|(i, w)| walls[..*i].contains(w)) {
+            bail!(
+                "\"{}\" is the wall of two chambers: keep one of [[pressure]], [[gas]] and \
+                 [[volume]]",
+                twice.1
+            );
+        }
+        Ok(())
+    }
+}
+
+impl TimeConfig {
+    fn check(&self) -> Result<()> {
+        match (self.end, self.steps, &self.at) {
+            (Some(end), Some(steps), None) => {
+                ensure!(
+                    end > 0.0 && end.is_finite(),
+                    "[time]: end = {end} s: must be finite and positive"
+                );
+                ensure!(steps > 0, "[time]: steps = 0: must be positive");
+            }
+            (None, None, Some(at)) => {
+                let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();
+                ensure!(!at.is_empty(), "[time]: at is empty");
+                if let Some(pair) =
+                    from_rest.windows(2).find(|p| !(p[0] < p[1] && p[1] < f64::INFINITY))
+                {
+                    bail!(
+                        "[time]: at has {} s after {} s: times must be finite and increase from 0",
+                        pair[1],
+                        pair[0]
+                    );
+                }
+            }
+            _ => bail!("[time]: needed is either end [s] and steps, or at, a list of times [s]"),
+        }
+        Ok(())
+    }
+}
+
+impl SolverConfig {
+    fn check(&self) -> Result<()> {
+        let s = self;
+        ensure!(
+            s.first_load_step > 0.0 && s.first_load_step <= 1.0,
+            "first_load_step = {}: must be above 0 and at most 1",
+            s.first_load_step
+        );
+        ensure!(
+            s.smallest_load_step > 0.0 && s.smallest_load_step <= s.first_load_step,
+            "smallest_load_step = {}: must be above 0 and at most first_load_step",
+            s.smallest_load_step
+        );
+        ensure!(
+            s.largest_load_step >= s.first_load_step,
+            "largest_load_step = {}: must be at least first_load_step = {}",
+            s.largest_load_step,
+            s.first_load_step
+        );
+        ensure!(
+            s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
+            "relative_tolerance = {}: must be above 0 and below 1",
+            s.relative_tolerance
+        );
+        ensure!(
+            s.absolute_tolerance >= 0.0 && s.absolute_tolerance.is_finite(),
+            "absolute_tolerance = {} N: must be finite and not negative",
+            s.absolute_tolerance
+        );
+        ensure!(
+            s.newton_iterations > 0,
+            "newton_iterations = {}: must be positive",
+            s.newton_iterations
+        );
+        Ok(())
+    }
+}

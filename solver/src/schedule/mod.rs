@@ -1,0 +1,342 @@
+//! Values of loads and supports over time.
+//!
+//! A scene begins at t = 0 with its body at rest and ends its first time step
+//! at t₁. Whatever is written, w(t), acts from t₁ on as it is; what it has at
+//! t = 0 comes on during the first step:
+//!
+//! v(t) = w(t) − (1 − t/t₁) w(0)   for t < t₁,   v(t) = w(t) after
+//!
+//! so that a number grows in proportion to t and then stays. A static scene is
+//! one time step with t₁ = 1; t is then the fraction of the load.
+
+mod expression;
+mod jet;
+mod parser;
+mod table;
+
+pub use expression::Expression;
+pub use jet::Jet;
+pub use parser::{FUNCTIONS, Malformed};
+pub use table::Table;
+
+use std::fmt;
+use std::sync::Arc;
+
+use mesh::Vec3;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::math::tensor::Mat3;
+
+/// What may be written, for messages.
+const NEEDED: &str =
+    "a number, an expression such as \"20e3*t\", or a table { t = [...], value = [...] }";
+
+/// One number that may change with time, and with the rest position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    written: Written,
+    /// t₁ [s].
+    first: f64,
+}
+
+/// w(t).
+#[derive(Clone, Debug, PartialEq)]
+enum Written {
+    Number(f64),
+    Expression(Arc<Expression>),
+    Table(Arc<Table>),
+}
+
+impl From<f64> for Schedule {
+    fn from(value: f64) -> Self {
+        Self { written: Written::Number(value), first: 1.0 }
+    }
+}
+
+impl std::str::FromStr for Schedule {
+    type Err = Malformed;
+
+    /// An expression.
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        let written = Written::Expression(Arc::new(Expression::parse(text)?));
+        Ok(Self { written, first: 1.0 })
+    }
+}
+
+impl Schedule {
+    /// Sets the end of the first time step, t₁ > 0 [s]; it is 1 if not set.
+    pub fn begin(&mut self, first: f64) {
+        self.first = first;
+    }
+
+    /// Whether it was written as the number zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.written == Written::Number(0.0)
+    }
+
+    /// Whether it depends on the position.
+    #[must_use]
+    pub fn uses_position(&self) -> bool {
+        matches!(&self.written, Written::Expression(e) if e.uses_position())
+    }
+
+    /// 1 − t/t₁ during the first step, 0 after it.
+    #[must_use]
+    pub fn to_come(&self, load: f64) -> f64 {
+        (1.0 - load / self.first).max(0.0)
+    }
+
+    /// v at a load, the time t, where it does not depend on the position; NaN
+    /// where it is not defined.
+    #[must_use]
+    pub fn at(&self, load: f64) -> f64 {
+        self.jet(Vec3::zeros(), load).value
+    }
+
+    /// v and its gradient at a rest position [m] and a load.
+    #[must_use]
+    pub fn jet(&self, position: Vec3, load: f64) -> Jet {
+        let to_come = self.to_come(load);
+        if let Written::Number(value) = self.written {
+            return Jet::constant((load / self.first).min(1.0) * value);
+        }
+        let now = self.written.at(position, load);
+        if to_come == 0.0 {
+            return now;
+        }
+        now - Jet::constant(to_come) * self.written.at(position, 0.0)
+    }
+
+    /// Whether it is defined at all these times [s] and positions [m].
+    ///
+    /// # Errors
+    /// With the value and where it was found.
+    pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
+        if let Written::Number(value) = self.written {
+            return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };
+        }
+        if let Written::Table(table) = &self.written {
+            table.check_range(times)?;
+        }
+        let everywhere = if self.uses_position() { positions } else { &[Vec3::zeros()] };
+        for &t in times {
+            for &x in everywhere {
+                let value = self.written.at(x, t).value;
+                if !value.is_finite() {
+                    let place = if self.uses_position() {
+                        format!(" at ({:.5}, {:.5}, {:.5}) m", x.x, x.y, x.z)
+                    } else {
+                        String::new()
+                    };
+                    return Err(format!("{self} is {value} at t = {t} s{place}"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Written {
+    fn at(&self, position: Vec3, time: f64) -> Jet {
+        match self {
+            Self::Number(value) => Jet::constant(*value),
+            Self::Expression(expression) => expression.at(position, time),
+            Self::Table(table) => Jet::constant(table.at(time)),
+        }
+    }
+}
+
+/// As it was written.
+impl fmt::Display for Schedule {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match &self.written {
+            Written::Number(value) => write!(f, "{value}"),
+            Written::Expression(expression) => write!(f, "\"{}\"", expression.text()),
+            Written::Table(_) => f.write_str("the table"),
+        }
+    }
+}
+
+/// As it was written.
+impl Serialize for Schedule {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.written {
+            Written::Number(value) => serializer.serialize_f64(*value),
+            Written::Expression(expression) => serializer.serialize_str(expression.text()),
+            Written::Table(table) => table.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Schedule {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Reader).map(|written| Self { written, first: 1.0 })
+    }
+}
+
+struct Reader;
+
+impl<'de> Visitor<'de> for Reader {
+    type Value = Written;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(NEEDED)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Written, E> {
+        Ok(Written::Number(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Written, E> {
+        Ok(Written::Number(value as f64))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Written, E> {
+        Ok(Written::Number(value as f64))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
+        text.parse().map(|schedule: Schedule| schedule.written).map_err(E::custom)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Written, A::Error> {
+        let table = Table::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Written::Table(Arc::new(table)))
+    }
+}
+
+/// Three schedules: a vector that may change with time and position.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Field(pub [Schedule; 3]);
+
+impl From<[f64; 3]> for Field {
+    fn from(values: [f64; 3]) -> Self {
+        Self(values.map(Schedule::from))
+    }
+}
+
+impl From<Vec3> for Field {
+    fn from(values: Vec3) -> Self {
+        <[f64; 3]>::from(values).into()
+    }
+}
+
+impl Default for Field {
+    fn default() -> Self {
+        [0.0; 3].into()
+    }
+}
+
+impl Field {
+    /// Whether it depends on the position.
+    #[must_use]
+    pub fn uses_position(&self) -> bool {
+        self.0.iter().any(Schedule::uses_position)
+    }
+
+    /// The vector at a rest position [m] and a load.
+    #[must_use]
+    pub fn at(&self, position: Vec3, load: f64) -> Vec3 {
+        Vec3::from_fn(|k, _| self.0[k].jet(position, load).value)
+    }
+
+    /// ∂f_i/∂X_j at a rest position [m] and a load.
+    #[must_use]
+    pub fn gradient(&self, position: Vec3, load: f64) -> Mat3 {
+        let rows = self.0.each_ref().map(|s| s.jet(position, load).gradient.transpose());
+        Mat3::from_rows(&rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Serialize, Deserialize)]
+    struct Scene {
+        pressure: Schedule,
+    }
+
+    fn read(text: &str) -> Result<Schedule, String> {
+        let scene: Result<Scene, _> = toml::from_str(&format!("pressure = {text}"));
+        scene.map(|s| s.pressure).map_err(|e| e.to_string())
+    }
+
+    fn sound(text: &str, first: f64) -> Schedule {
+        let mut schedule = read(text).expect(text);
+        schedule.begin(first);
+        schedule
+    }
+
+    #[test]
+    fn a_number_grows_in_the_first_step_and_stays() {
+        let number = sound("8", 0.5);
+        let values = [0.0, 0.125, 0.5, 3.0].map(|t| number.at(t));
+        assert_eq!(values, [0.0, 2.0, 8.0, 8.0]);
+        // of a static scene exactly proportional
+        assert_eq!(Schedule::from(55e3).at(0.3), 0.3 * 55e3);
+    }
+
+    #[test]
+    fn numbers_expressions_and_tables_of_one_value_agree() {
+        let written = ["8.0", "\"8 + 0*t\"", "{ t = [0, 2, 3], value = [8, 8, 8.0] }"];
+        let [number, expression, table] = written.map(|text| sound(text, 0.5));
+        for t in [0.0, 0.1, 0.3, 0.5, 1.0, 2.7] {
+            assert!((expression.at(t) - number.at(t)).abs() < 1e-14);
+            assert!((table.at(t) - number.at(t)).abs() < 1e-14);
+        }
+        // what begins with nothing is not touched
+        for t in [0.0, 0.2, 1.3] {
+            assert_eq!(sound("\"3*t\"", 0.5).at(t), 3.0 * t);
+        }
+    }
+
+    #[test]
+    fn what_is_not_defined_is_told_with_its_place() {
+        let told = |text: &str, times: &[f64]| {
+            let at = [Vec3::zeros(), Vec3::new(0.0, 0.0, 0.25)];
+            sound(text, 1.0).check(times, &at).expect_err(text)
+        };
+        assert_eq!(told("\"log(t)\"", &[0.0, 1.0]), "\"log(t)\" is -inf at t = 0 s");
+        let message = told("\"1/(z - 0.25)\"", &[0.5]);
+        assert_eq!(
+            message,
+            "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m"
+        );
+        assert_eq!(told("nan", &[0.0]), "NaN is not finite");
+        let table = "{ t = [0.1, 0.5], value = [0, 1] }";
+        assert!(told(table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
+        assert!(sound(table, 1.0).at(0.6).is_nan(), "never a silent zero");
+    }
+
+    #[test]
+    fn slips_name_line_expression_and_place() {
+        for (text, words) in [
+            ("\"20e3*sn(t)\"", &["line 1", "\"20e3*sn(t)\"", "\"sn\"", "character 6"][..]),
+            ("true", &["line 1", "a number, an expression", "a table"]),
+            ("[1, 2]", &["a number, an expression"]),
+            ("{ t = [0, 1], value = [1] }", &["line 1", "2 times and 1 value"]),
+            ("{ t = [0, 0], value = [1, 2] }", &["must increase", "0, 0"]),
+            ("{ t = [0], value = [1] }", &["two or more"]),
+            ("{ t = [0, 1], value = [1, nan] }", &["NaN"]),
+            ("{ t = [0, 1], values = [1, 2] }", &["unknown field `values`"]),
+        ] {
+            let message = read(text).expect_err(text);
+            assert!(words.iter().all(|w| message.contains(w)), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_what_was_read() {
+        for text in ["8.5", "\"20e3*t\"", "{ t = [0.0, 1.0], value = [2.0, 3.0] }"] {
+            let scene = Scene { pressure: sound(text, 0.25) };
+            let again = toml::to_string(&scene).expect("a table");
+            let again: Scene = toml::from_str(&again).expect("what was written");
+            assert_eq!(again.pressure, sound(text, 1.0));
+        }
+    }
+}

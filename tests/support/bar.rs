@@ -1,0 +1,105 @@
+//! A bar with three closed chambers, and what a scene makes of it.
+
+use std::collections::BTreeMap;
+
+use mesh::Vec3;
+use solver::forward::{LoadStep, Solution, System, solve_in_time};
+use solver::results::{self, WallReport};
+use solver::scene::Scene;
+
+use crate::{block, tag};
+
+/// The beginning of every scene.
+const BODY: &str = r#"
+mesh = "bar.msh"
+degree = 2
+
+[material]
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+"#;
+
+/// A bar that is held at its root.
+pub const HELD: &str = "[[fixed]]\non = \"root\"\n";
+
+/// The equilibria of a scene.
+pub struct Simulated {
+    /// The scene.
+    pub scene: Scene,
+    /// Its discrete problem.
+    pub system: System,
+    /// All accepted load steps.
+    pub solution: Solution,
+}
+
+/// Solves the bar of 70 × 30 × 30 mm with cubic chambers `left`, `middle` and
+/// `right`, and tags `root`, `end`, `top`, `skin`, under some loads.
+///
+/// # Panics
+/// When the scene is refused or has no equilibrium.
+#[must_use]
+pub fn simulate(loads: &str) -> Simulated {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mesh = block([7, 3, 3], 0.01, |c| c[1..] == [1, 1] && c[0] % 2 == 1, |p| p);
+    let inside = |p: Vec3, x: f64| (p - Vec3::new(x, 0.015, 0.015)).amax() < 0.0055;
+    let body = tag(
+        mesh,
+        &[
+            ("root", &|p| p.x < 1e-9),
+            ("end", &|p| p.x > 0.07 - 1e-9),
+            ("top", &|p| p.z > 0.03 - 1e-9),
+            ("left", &|p| inside(p, 0.015)),
+            ("middle", &|p| inside(p, 0.035)),
+            ("right", &|p| inside(p, 0.055)),
+            ("skin", &|_| true),
+        ],
+    );
+    mesh::io::write_tets(&folder.path().join("bar.msh"), &body.mesh, &body.tags)
+        .expect("a sound body");
+    let path = folder.path().join("sim.toml");
+    std::fs::write(&path, format!("{BODY}{loads}")).expect("the folder is writable");
+    let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
+    let mut system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
+    let rest = scene.body.mesh.vertices.clone();
+    let solution = solve_in_time(&mut system, &rest, &scene.stepping(), &scene.times(), |_| ())
+        .unwrap_or_else(|e| panic!("{e}"));
+    Simulated { scene, system, solution }
+}
+
+impl Simulated {
+    /// The ends of time steps.
+    #[must_use]
+    pub fn ends(&self) -> Vec<LoadStep> {
+        self.solution.steps.iter().filter(|s| s.ends_time_step).cloned().collect()
+    }
+
+    /// The chambers at a load step.
+    ///
+    /// # Panics
+    /// Never for a scene that was solved.
+    pub fn walls(&mut self, step: &LoadStep) -> BTreeMap<String, WallReport> {
+        self.system.multipliers.clone_from(&step.multipliers);
+        results::walls(&self.scene, &self.scene.body, &self.system, &step.u, step.load)
+            .expect("tags are known")
+    }
+
+    /// The chambers at the end.
+    ///
+    /// # Panics
+    /// Never for a scene that was solved.
+    pub fn last_walls(&mut self) -> BTreeMap<String, WallReport> {
+        let last = self.ends().pop().expect("there is a step");
+        self.walls(&last)
+    }
+}
+
+/// Largest difference of two fields relative to the largest value.
+#[must_use]
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let largest = a.iter().chain(b).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let gap = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    gap / largest.max(f64::MIN_POSITIVE)
+}
