@@ -282,7 +282,7 @@ impl SparseSolver {
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
         // where a matrix proves not positive definite at once, a descent
-        let mut best = (z.clone(), if rz > 0.0 { f64::INFINITY } else { 0.0 });
+        let mut best = (z.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
         let mut since = 0;
         for step in 1..=stop.steps {
             let ap = self.pattern.multiply(matrix, &p);
