@@ -12,6 +12,7 @@ use crate::element::{FunctionSpace, HIGHEST_DEGREE};
 use crate::energy::{BodyForce, Chamber, Elastic, Energy, GasLaw, Traction, Wall};
 use crate::forward::{Newton, Stepping, System};
 use crate::material::Specification;
+use crate::memory;
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
 };
@@ -55,7 +56,8 @@ impl Scene {
     /// The discrete problem on a body with this scene's tags.
     ///
     /// # Errors
-    /// When a tag is missing or a pressure wall is open with a free rim.
+    /// When a tag is missing, a pressure wall is open with a free rim, or the
+    /// memory is too small.
     pub fn system(&self, body: &Body) -> Result<System> {
         let context = || self.path.display().to_string();
         let (degree, exact) = (self.config.degree, self.config.quadrature);
@@ -64,6 +66,7 @@ impl Scene {
         let supports = self.supports(body, &space)?;
         let energies = self.energies(body, &space, &supports).with_context(context)?;
         let system = System::new(space, energies, &supports.fixed());
+        system.memory().check(memory::available()).with_context(context)?;
         Ok(system.with_displacement(&supports.displacement))
     }
 

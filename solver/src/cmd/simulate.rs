@@ -8,6 +8,8 @@ use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
 use solver::forward::{LoadStep, Solution, System, solve};
+use solver::failure::{self, Diagnosis};
+use solver::memory;
 use solver::results;
 use solver::scene::Scene;
 use solver::stretch::Stretches;
@@ -39,10 +41,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     remove_stale(folder)?;
     log::info!(
-        "{} tets, degree {}, {} degrees of freedom",
+        "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
         scene.config.degree,
-        system.len()
+        system.memory().describe(memory::available())
     );
     let rest = scene.body.mesh.vertices.clone();
     let outcome = solve(&mut system, &rest, &scene.stepping(), |step| {
@@ -57,14 +59,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut report = header(&scene, &system, arguments)?;
     let solution = match outcome {
         Ok(solution) => solution,
-        Err(failure) => {
-            report["status"] = json!("no equilibrium");
-            report["reason"] = json!(failure.to_string());
+        Err(unreached) => {
+            let diagnosis = Diagnosis::new(&scene, &scene.body, &mut system, &unreached);
+            diagnosis.write_state(folder)?;
+            merge(&mut report, &diagnosis.report);
             results::write_json(&folder.join("report.json"), &report)?;
             return Err(Unusable(format!(
-                "{}: {failure}\n  lower the pressure, thicken the wall, or refine the mesh; \
-                 -v shows every Newton iteration",
-                arguments.scene.display()
+                "{}: {}\n  the state at {:.1} % of the load is in {}; its array worst_element \
+                 marks the element",
+                arguments.scene.display(),
+                diagnosis.message,
+                100.0 * unreached.load,
+                folder.join(failure::STATE).display()
             ))
             .into());
         }
@@ -76,13 +82,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_json(&folder.join("report.json"), &report)
 }
 
+fn merge(report: &mut Value, more: &Value) {
+    for (key, value) in more.as_object().into_iter().flatten() {
+        report[key] = value.clone();
+    }
+}
+
 /// Results of an earlier run must not stand beside a report that says
 /// otherwise.
 fn remove_stale(folder: &Path) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", "result.pvd"];
+        let ours = [
+            "report.json",
+            "nodes.npy",
+            "displacement.npy",
+            "result.vtu",
+            "result.pvd",
+            failure::STATE,
+        ];
         if ours.contains(&name) || (name.starts_with("step_") && name.ends_with(".vtu")) {
             std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
         }
@@ -93,6 +112,7 @@ fn remove_stale(folder: &Path) -> Result<()> {
 fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
     Ok(json!({
         "status": "ok",
+        "usable": true,
         "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
         "inputs": {
             "scene": { "path": arguments.scene, "sha256": mesh::io::sha256_file(&arguments.scene)? },
@@ -108,6 +128,7 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
         "factor_entries": system.linear.factor_len(),
+        "memory_estimate_mb": system.memory().bytes as f64 / f64::from(1 << 20),
     }))
 }
 
@@ -116,6 +137,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     let energies = results::energies(system, rest, &solution.u);
     let work = work_of_loads(scene, system, &solution.steps)?;
     let elastic = energies["elastic"];
+    report["tolerance_met"] = json!(solution.steps.iter().all(|s| s.rounding_floor.is_none()));
     report["newton_iterations"] = json!(solution.newton_iterations);
     let steps = solution.steps.iter().map(|step| results::step(scene, &scene.body, system, step));
     report["steps"] = json!(steps.collect::<Result<Vec<_>>>()?);

@@ -1,13 +1,17 @@
 //! From energies to an equilibrium.
 
 mod certificate;
+mod ladder;
+mod line_search;
 mod newton;
+mod softness;
 mod stepping;
 mod system;
 mod tangent;
 
 pub use certificate::{Uncertified, certificate};
-pub use newton::{Failure, Newton};
-pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve, solve_from};
+pub use newton::{Converged, Failure, Newton};
+pub use softness::Softness;
+pub use stepping::{Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from};
 pub use system::{System, Timings};
 pub use tangent::follow;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use mesh::Vec3;
 use serde::Serialize;
 
-use super::{Failure, Newton, System, certificate};
+use super::{Converged, Failure, Newton, System, certificate};
 
 /// Newton iterations after which a load step counts as easy.
 const EASY: usize = 5;
@@ -34,6 +34,11 @@ pub struct LoadStep {
     pub newton_iterations: usize,
     /// Norm of the unbalanced force [N].
     pub residual: f64,
+    /// What was asked for [N].
+    pub residual_wanted: f64,
+    /// Where the residual is larger than that because rounding allows no less:
+    /// its estimated floor [N].
+    pub rounding_floor: Option<f64>,
     /// Lower bound of J = det(I + ∇u) over all points of all elements.
     pub smallest_volume_ratio: f64,
     /// Displacement [m], three components per node.
@@ -59,6 +64,21 @@ pub struct Unreached {
     pub load: f64,
     /// What stopped the next step.
     pub failure: Failure,
+    /// The states on both sides of it.
+    pub attempt: Box<Attempt>,
+}
+
+/// A load step without an equilibrium.
+#[derive(Clone, Debug)]
+pub struct Attempt {
+    /// The last equilibrium, or the rest shape [m].
+    pub reached: Vec<f64>,
+    /// Load that was tried, as a fraction.
+    pub load: f64,
+    /// The last iterate there [m].
+    pub u: Vec<f64>,
+    /// Residual of each iterate [N].
+    pub residuals: Vec<f64>,
 }
 
 /// Solves under the full load from a nearby equilibrium, in one step. A factor
@@ -110,40 +130,34 @@ pub fn solve(
                 observe(&step);
                 steps.push(step);
             }
-            Err(Failed { failure, iterations }) => {
-                newton_iterations += iterations;
+            Err(Failed { failure, u, residuals }) => {
+                newton_iterations += residuals.len().saturating_sub(1);
                 increment *= 0.5;
                 log::debug!("load {next:.4} failed ({failure}); increment {increment:.4}");
                 if increment < stepping.smallest {
-                    return Err(Unreached { load, failure });
+                    let reached = last_state(&steps, system.len());
+                    let attempt = Box::new(Attempt { reached, load: next, u, residuals });
+                    return Err(Unreached { load, failure, attempt });
                 }
             }
         }
     }
-    let u = steps.last().map_or_else(|| vec![0.0; system.len()], |s| s.u.clone());
+    let u = last_state(&steps, system.len());
     Ok(Solution { u, steps, newton_iterations })
+}
+
+fn last_state(steps: &[LoadStep], len: usize) -> Vec<f64> {
+    steps.last().map_or_else(|| vec![0.0; len], |s| s.u.clone())
 }
 
 fn loosened(newton: &Newton) -> Newton {
     Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
 }
 
-/// A load step without an equilibrium, and the iterations spent on it.
 struct Failed {
     failure: Failure,
-    iterations: usize,
-}
-
-impl From<Failure> for Failed {
-    fn from(failure: Failure) -> Self {
-        let iterations = match failure {
-            Failure::Inadmissible | Failure::Uncertified(_) => 0,
-            Failure::IterationLimit { iterations, .. } | Failure::Stalled { iterations, .. } => {
-                iterations
-            }
-        };
-        Self { failure, iterations }
-    }
+    u: Vec<f64>,
+    residuals: Vec<f64>,
 }
 
 /// One load step: the supports are moved, the forces balanced and the state
@@ -156,16 +170,33 @@ fn attempt(
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
     system.move_supports(rest, &mut u, load);
-    let (newton_iterations, residual) =
-        newton.solve(system, rest, &mut u, load).map_err(Failed::from)?;
+    let mut residuals = Vec::new();
+    let converged = match newton.trace(system, rest, &mut u, load, &mut residuals) {
+        Ok(converged) => converged,
+        Err(failure) => return Err(Failed { failure, u, residuals }),
+    };
+    let Converged { iterations, residual, wanted, floor } = converged;
+    if let Some(floor) = floor {
+        log::warn!(
+            "load {:.1} %: residual {residual:.1e} N instead of {wanted:.1e} N: it does not fall \
+             further and rounding alone may leave {floor:.0e} N",
+            100.0 * load
+        );
+    }
     let start = Instant::now();
     let certified = certificate(&system.space, rest, &u);
     system.timings.certificate_s += start.elapsed().as_secs_f64();
     match certified {
-        Ok(smallest_volume_ratio) => {
-            Ok(LoadStep { load, newton_iterations, residual, smallest_volume_ratio, u })
-        }
-        Err(failure) => Err(Failed { failure: failure.into(), iterations: newton_iterations }),
+        Ok(smallest_volume_ratio) => Ok(LoadStep {
+            load,
+            newton_iterations: iterations,
+            residual,
+            residual_wanted: wanted,
+            rounding_floor: floor,
+            smallest_volume_ratio,
+            u,
+        }),
+        Err(failure) => Err(Failed { failure: failure.into(), u, residuals }),
     }
 }
 

@@ -10,12 +10,12 @@
 //!
 //! Source: Golub and Van Loan, "Matrix Computations", section 2.1.4.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
@@ -29,6 +29,17 @@ pub struct NotPositive {
     pub pivot: usize,
     /// Number of unknowns.
     pub size: usize,
+}
+
+/// A pivot L_ii² of a factorisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivot {
+    /// Its value.
+    pub value: f64,
+    /// The largest one.
+    pub largest: f64,
+    /// The unknown that it eliminated.
+    pub unknown: usize,
 }
 
 /// Refinement sweeps after a solve with an indefinite factor.
@@ -73,8 +84,10 @@ pub struct SparseSolver {
     column_start: Vec<usize>,
     rows: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
+    /// Empty until the first factorisation.
     values: Vec<f64>,
     scratch: MemBuffer,
+    scratch_needed: StackReq,
     factor: Factor,
     /// Matrix of the last factorisation, for residuals.
     matrix: Symmetric,
@@ -107,15 +120,15 @@ impl SparseSolver {
             .factorize_numeric_llt_scratch::<f64>(Par::rayon(0), Spec::default())
             .or(symbolic
                 .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default()));
-        let scratch =
-            MemBuffer::new(factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0))));
-        let values = vec![0.0; symbolic.len_val()];
+        let scratch_needed =
+            factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0)));
         Self {
             column_start,
             rows,
             symbolic,
-            values,
-            scratch,
+            values: Vec::new(),
+            scratch: MemBuffer::new(StackReq::EMPTY),
+            scratch_needed,
             factor: Factor::None,
             matrix: Symmetric::sparse(Vec::new()),
             capacitance: None,
@@ -131,7 +144,56 @@ impl SparseSolver {
     /// Number of stored entries of the factor.
     #[must_use]
     pub fn factor_len(&self) -> usize {
-        self.values.len()
+        self.symbolic.len_val()
+    }
+
+    /// Memory that the first factorisation will take [B].
+    #[must_use]
+    pub fn factor_bytes(&self) -> usize {
+        size_of::<f64>() * self.factor_len() + self.scratch_needed.size_bytes()
+    }
+
+    fn allocate(&mut self) {
+        if self.values.is_empty() {
+            self.values = vec![0.0; self.factor_len()];
+            self.scratch = MemBuffer::new(self.scratch_needed);
+        }
+    }
+
+    /// The smallest pivot of the last factorisation, if that was of a positive
+    /// definite matrix without dense columns.
+    #[must_use]
+    pub fn smallest_pivot(&self) -> Option<Pivot> {
+        if !self.is_positive() || self.size() == 0 {
+            return None;
+        }
+        let diagonal: Vec<f64> = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(simplicial) => {
+                let first = &simplicial.col_ptr()[..self.size()];
+                first.iter().map(|&k| self.values[k]).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(supernodal) => {
+                let mut diagonal = Vec::new();
+                for s in 0..supernodal.n_supernodes() {
+                    let columns =
+                        supernodal.supernode_end()[s] - supernodal.supernode_begin()[s];
+                    let rows = columns + supernodal.supernode(s).pattern().len();
+                    let first = supernodal.col_ptr_for_val()[s];
+                    diagonal.extend((0..columns).map(|j| self.values[first + j * rows + j]));
+                }
+                diagonal
+            }
+        };
+        let (position, value) = diagonal.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = diagonal.iter().fold(0.0_f64, |m, d| m.max(*d));
+        let unknown = self.unknown_at(position);
+        Some(Pivot { value: value * value, largest: largest * largest, unknown })
+    }
+
+    /// The unknown that is eliminated at a position.
+    #[must_use]
+    pub fn unknown_at(&self, position: usize) -> usize {
+        self.symbolic.perm().map_or(position, |order| order.arrays().0[position])
     }
 
     /// Factors a matrix whose sparse part is positive definite.
@@ -139,6 +201,7 @@ impl SparseSolver {
     /// # Errors
     /// [`NotPositive`] at the first pivot that is not positive.
     pub fn factor_positive(&mut self, matrix: Symmetric) -> Result<(), NotPositive> {
+        self.allocate();
         let size = self.size();
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &self.column_start, None, &self.rows);
@@ -163,6 +226,7 @@ impl SparseSolver {
 
     /// Factors any symmetric matrix.
     pub fn factor_indefinite(&mut self, matrix: Symmetric) {
+        self.allocate();
         let n = self.size();
         let (mut subdiagonal, mut forward, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
         let pattern =
@@ -388,7 +452,13 @@ mod tests {
         let mut solver = SparseSolver::new(start, rows, &order);
         let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
 
+        assert!(solver.smallest_pivot().is_none());
         solver.factor_positive(Symmetric::sparse(values)).expect("eigenvalues are 2 - 2 cos > 0");
+        // eliminated one by one from the end, the pivots are (k + 1)/k
+        let pivot = solver.smallest_pivot().expect("a positive factor");
+        let expected = (n as f64 + 1.0) / n as f64;
+        assert!((pivot.value - expected).abs() < 1e-13 && (pivot.largest - 2.0).abs() < 1e-15);
+        assert_eq!(pivot.unknown, 0);
         // the condition number is 4/π² n² = 4e4
         assert!(solver.solve(&mut b.clone()) < 1e-11);
         let (_, _, near) = laplacian(n, 1e-6);

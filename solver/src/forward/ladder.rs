@@ -1,0 +1,165 @@
+//! Descent directions −H̃⁻¹g, from the most to the least trusted.
+
+use std::time::Instant;
+
+use mesh::Vec3;
+
+use super::System;
+use crate::energy::Hessian;
+use crate::math::linear::{Symmetric, dot};
+
+/// Relative residual that a direction by an indefinite factor may have.
+const ACCURATE: f64 = 1e-6;
+
+/// Where a direction comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rung {
+    /// The exact Hessian, solved by conjugate gradients with an earlier factor.
+    Near,
+    /// The exact Hessian, factored.
+    Exact,
+    /// Projected elastic tangents.
+    Projected,
+    /// The same with a multiple of the identity added.
+    Shifted,
+}
+
+impl Rung {
+    /// The next one down, if any.
+    pub fn below(self) -> Option<Self> {
+        match self {
+            Self::Near => Some(Self::Exact),
+            Self::Exact => Some(Self::Projected),
+            Self::Projected => Some(Self::Shifted),
+            Self::Shifted => None,
+        }
+    }
+}
+
+/// What a rung may look at: one iterate and its gradient.
+#[derive(Clone, Copy)]
+pub struct Point<'a> {
+    /// Rest vertices [m].
+    pub rest: &'a [Vec3],
+    /// Displacement [m].
+    pub u: &'a [f64],
+    /// Fraction of the load.
+    pub load: f64,
+    /// Gradient over all degrees of freedom [N].
+    pub gradient: &'a [f64],
+}
+
+/// The first direction at `from` or below that a rung can give, and the rung.
+/// None where there is none left.
+pub fn direction(
+    system: &mut System,
+    at: &Point,
+    from: Rung,
+    forcing: f64,
+) -> Option<(Rung, Vec<f64>)> {
+    let mut force = system.restrict(at.gradient);
+    force.iter_mut().for_each(|d| *d = -*d);
+    let mut rung = from;
+    loop {
+        let found = match rung {
+            Rung::Near | Rung::Exact => exact(system, at, &force, rung, forcing),
+            Rung::Projected | Rung::Shifted => {
+                let mode = std::env::var("LADDER").unwrap_or_default();
+                let kind =
+                    if mode == "exactshift" { Hessian::Exact } else { Hessian::Projected };
+                if rung == Rung::Projected && !mode.is_empty() {
+                    rung = Rung::Shifted;
+                }
+                let matrix = system.hessian(at.rest, at.u, at.load, kind);
+                if rung == Rung::Projected {
+                    factor(system, matrix).then(|| (rung, solve(system, force.clone())))
+                } else {
+                    factor_shifted(system, &matrix);
+                    Some((rung, solve(system, force.clone())))
+                }
+            }
+        };
+        if let Some((rung, free)) = found {
+            return Some((rung, system.prolong(&free)));
+        }
+        rung = rung.max(Rung::Exact).below()?;
+    }
+}
+
+fn exact(
+    system: &mut System,
+    at: &Point,
+    force: &[f64],
+    rung: Rung,
+    forcing: f64,
+) -> Option<(Rung, Vec<f64>)> {
+    let hessian = system.hessian(at.rest, at.u, at.load, Hessian::Exact);
+    if rung == Rung::Near {
+        let start = Instant::now();
+        let near = system.linear.solve_near(&hessian, force, forcing);
+        system.timings.solve_s += start.elapsed().as_secs_f64();
+        if let Some(direction) = near {
+            return Some((Rung::Near, direction));
+        }
+    }
+    // where gas stiffens the body, the whole may be positive definite although
+    // its sparse part is not
+    let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
+    if factor(system, hessian) {
+        return Some((Rung::Exact, solve(system, force.to_vec())));
+    }
+    let direction = indefinite(system, stiffened?, force)?;
+    Some((Rung::Exact, direction))
+}
+
+/// H⁻¹f by an indefinite factor, if it is accurate and descends.
+fn indefinite(system: &mut System, whole: Symmetric, force: &[f64]) -> Option<Vec<f64>> {
+    let start = Instant::now();
+    system.linear.factor_indefinite(whole);
+    system.timings.factor_s += start.elapsed().as_secs_f64();
+    system.timings.factorizations += 1;
+    let start = Instant::now();
+    let mut direction = force.to_vec();
+    let residual = system.linear.solve(&mut direction);
+    system.timings.solve_s += start.elapsed().as_secs_f64();
+    (residual < ACCURATE && dot(force, &direction) > 0.0).then_some(direction)
+}
+
+fn solve(system: &mut System, mut force: Vec<f64>) -> Vec<f64> {
+    let start = Instant::now();
+    system.linear.apply_inverse(&mut force);
+    system.timings.solve_s += start.elapsed().as_secs_f64();
+    force
+}
+
+fn factor(system: &mut System, matrix: Symmetric) -> bool {
+    let start = Instant::now();
+    let result = system.linear.factor_positive(matrix);
+    system.timings.factor_s += start.elapsed().as_secs_f64();
+    system.timings.factorizations += 1;
+    if let Err(error) = &result {
+        system.timings.failed_factorizations += 1;
+        log::debug!("{error}");
+    }
+    result.is_ok()
+}
+
+/// Adds ρ I, with ρ upwards by powers of ten, until the matrix is positive
+/// definite. Ends because ρ passes every eigenvalue of a finite matrix. Each
+/// attempt costs a factorisation, so the first ρ is not small: the frog under
+/// pressure needed 1e-4 of the largest diagonal entry.
+fn factor_shifted(system: &mut System, matrix: &Symmetric) {
+    let largest = system.diagonal().iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
+    let mut shift = std::env::var("SHIFT").map_or(1e-5, |s| s.parse().unwrap()) * largest;
+    loop {
+        let mut shifted = matrix.clone();
+        for &d in system.diagonal() {
+            shifted.lower[d] += shift;
+        }
+        if factor(system, shifted) {
+            log::debug!("shifted by {:.0e} of the largest diagonal entry", shift / largest);
+            return;
+        }
+        shift *= 10.0;
+    }
+}
