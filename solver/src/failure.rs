@@ -224,10 +224,8 @@ fn facts(
         ));
     }
     if let Some(part) = remaining(at_rest, reached) {
-        facts.push(format!(
-            "its softest motion has {:.1} % of the stiffness at rest",
-            100.0 * part
-        ));
+        facts
+            .push(format!("its softest motion has {:.1} % of the stiffness at rest", 100.0 * part));
     }
     facts
 }

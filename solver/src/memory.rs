@@ -142,7 +142,9 @@ mod tests {
         file("sys/fs/cgroup/memory.stat", "anon 2000000\nfile 1000000\n");
         assert_eq!(found(), Some(3_000_000));
         let limits = |size: &str| {
-            format!("Limit  Soft Limit  Hard Limit  Units\nMax address space   {size}  unlimited  bytes\n")
+            format!(
+                "Limit  Soft Limit  Hard Limit  Units\nMax address space   {size}  unlimited  bytes\n"
+            )
         };
         file("proc/self/limits", &limits("unlimited"));
         assert_eq!(found(), Some(3_000_000));

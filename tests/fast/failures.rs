@@ -72,19 +72,19 @@ assert numpy.isfinite(field(mesh.point_data, 'displacement')).all()
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// A box with walls of a tenth of its side: as rubber balloons do, it has a
+/// A box with walls of a sixth of its side: as rubber balloons do, it has a
 /// largest pressure. The load steps come close to it, and the body is then soft.
 #[test]
 fn a_balloon_is_told_from_a_bad_mesh() {
-    let hollow = |c: [usize; 3]| c.iter().all(|&i| (1..9).contains(&i));
-    let mesh = block([10, 10, 10], 1e-3, hollow, |p| p);
-    let inner = |p: Vec3| p.iter().all(|&x| x > 0.5e-3 && x < 9.5e-3);
+    let hollow = |c: [usize; 3]| c.iter().all(|&i| (1..5).contains(&i));
+    let mesh = block([6, 6, 6], 1e-3, hollow, |p| p);
+    let inner = |p: Vec3| p.iter().all(|&x| x > 0.5e-3 && x < 5.5e-3);
     let body = tag(mesh, &[("cavity", &inner), ("seat", &|p: Vec3| p.z < 1e-9)]);
     let dir = Workdir::new();
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
     let law = "[material]\nkind = \"neo-hookean\"\nyoung = 3e5\npoisson = 0.45\n";
-    let stepping = "[solver]\nlargest_load_step = 0.25\nsmallest_load_step = 0.002\n";
-    let loads = "[[fixed]]\non = \"seat\"\n[[pressure]]\non = \"cavity\"\npressure = 60e3\n";
+    let stepping = "[solver]\nnewton_iterations = 12\nsmallest_load_step = 0.004\n";
+    let loads = "[[fixed]]\non = \"seat\"\n[[pressure]]\non = \"cavity\"\npressure = 150e3\n";
     dir.write("sim.toml", &format!("mesh = \"body.msh\"\ndegree = 1\n{law}{loads}{stepping}"));
     let (run, report) = failing(&dir, "sim.toml");
     run.assert_refused(1, &["balloons", "prescribe the volume", "of the stiffness at rest"]);

@@ -48,7 +48,7 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, term: fn() -> Box<dyn Energy>) 
     )
 }
 
-const UNREACHABLE: Newton = Newton { iterations: 40, relative: 1e-20, absolute: 0.0 };
+const UNREACHABLE: Newton = Newton { iterations: 60, relative: 1e-20, absolute: 0.0 };
 
 /// What Newton's method ends at, whatever is asked for, is within a factor of
 /// the estimate: for stiff and slender bodies, small and large strain.
@@ -59,7 +59,7 @@ fn the_rounding_floor_is_where_residuals_end() {
         ([2, 2, 2], 1e-2, 1e6),
         ([2, 2, 2], 1e1, 1e2),
         ([12, 1, 1], 1e-2, 1e2),
-        ([40, 1, 1], 1e-3, 1e3),
+        ([40, 1, 1], 1e-3, 1e2),
     ] {
         let mut bar = bar(cells, edge, force, || Box::new(elastic()));
         let (system, rest) = (&mut bar.system, &bar.rest);

@@ -107,7 +107,9 @@ fn forget_failure(folder: &Path) -> Result<()> {
 }
 
 fn forget(folder: &Path) -> Result<()> {
-    remove(folder, &["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"])
+    let names = ["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"];
+    remove(folder, &names)?;
+    remove(folder, &[failure::STATE])
 }
 
 fn remove(folder: &Path, names: &[&str]) -> Result<()> {

@@ -120,14 +120,11 @@ impl Elastic {
             for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
                 let g: [Vec3; N] = element.gradients(at_.space, q);
                 let mut tangent = self.material.tangent(&Kinematics::new(&field_gradient(&u, &g)));
-                if kind == Hessian::Projected && std::env::var("PROJECT").is_err() {
+                if kind == Hessian::Projected {
                     tangent = project_positive(&tangent);
                 }
                 tangent *= weight * element.volume;
                 add_point_hessian(&tangent, &g, local);
-            }
-            if kind == Hessian::Projected && std::env::var("PROJECT").is_ok() {
-                project_element::<N>(local);
             }
         }
         blocks
@@ -164,22 +161,6 @@ impl Elastic {
         };
         elements.map(one).collect()
     }
-}
-
-fn project_element<const N: usize>(local: &mut [[f64; 9]]) {
-    let mut m = nalgebra::DMatrix::zeros(3 * N, 3 * N);
-    for a in 0..N { for b in 0..=a { for i in 0..3 { for j in 0..3 {
-        let v = local[pair_index(a, b)][3 * i + j];
-        m[(3 * a + i, 3 * b + j)] = v;
-        m[(3 * b + j, 3 * a + i)] = v;
-    }}}}
-    let e = m.symmetric_eigen();
-    if e.eigenvalues.min() >= 0.0 { return; }
-    let clamped = e.eigenvalues.map(|v| v.max(0.0));
-    let p = &e.eigenvectors * nalgebra::DMatrix::from_diagonal(&clamped) * e.eigenvectors.transpose();
-    for a in 0..N { for b in 0..=a { for i in 0..3 { for j in 0..3 {
-        local[pair_index(a, b)][3 * i + j] = p[(3 * a + i, 3 * b + j)];
-    }}}}
 }
 
 /// Rest gradients of the four barycentric coordinates.

@@ -50,7 +50,7 @@ pub struct Point<'a> {
 }
 
 /// The first direction at `from` or below that a rung can give, and the rung.
-/// None where there is none left.
+/// None where the Hessian is not finite.
 pub fn direction(
     system: &mut System,
     at: &Point,
@@ -59,31 +59,25 @@ pub fn direction(
 ) -> Option<(Rung, Vec<f64>)> {
     let mut force = system.restrict(at.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
-    let mut rung = from;
-    loop {
-        let found = match rung {
-            Rung::Near | Rung::Exact => exact(system, at, &force, rung, forcing),
-            Rung::Projected | Rung::Shifted => {
-                let mode = std::env::var("LADDER").unwrap_or_default();
-                let kind =
-                    if mode == "exactshift" { Hessian::Exact } else { Hessian::Projected };
-                if rung == Rung::Projected && !mode.is_empty() {
-                    rung = Rung::Shifted;
-                }
-                let matrix = system.hessian(at.rest, at.u, at.load, kind);
-                if rung == Rung::Projected {
-                    factor(system, matrix).then(|| (rung, solve(system, force.clone())))
-                } else {
-                    factor_shifted(system, &matrix);
-                    Some((rung, solve(system, force.clone())))
-                }
-            }
-        };
-        if let Some((rung, free)) = found {
-            return Some((rung, system.prolong(&free)));
-        }
-        rung = rung.max(Rung::Exact).below()?;
+    let found = if from <= Rung::Exact { exact(system, at, &force, from, forcing) } else { None };
+    let (rung, free) = match found {
+        Some(found) => found,
+        None => projected(system, at, force, from)?,
+    };
+    Some((rung, system.prolong(&free)))
+}
+
+fn projected(
+    system: &mut System,
+    at: &Point,
+    force: Vec<f64>,
+    from: Rung,
+) -> Option<(Rung, Vec<f64>)> {
+    let matrix = system.hessian(at.rest, at.u, at.load, Hessian::Projected);
+    if from < Rung::Shifted && factor(system, matrix.clone()) {
+        return Some((Rung::Projected, solve(system, force)));
     }
+    factor_shifted(system, &matrix).then(|| (Rung::Shifted, solve(system, force)))
 }
 
 fn exact(
@@ -145,21 +139,22 @@ fn factor(system: &mut System, matrix: Symmetric) -> bool {
 }
 
 /// Adds ρ I, with ρ upwards by powers of ten, until the matrix is positive
-/// definite. Ends because ρ passes every eigenvalue of a finite matrix. Each
+/// definite, which ρ beyond its eigenvalues makes it if it is finite. Each
 /// attempt costs a factorisation, so the first ρ is not small: the frog under
-/// pressure needed 1e-4 of the largest diagonal entry.
-fn factor_shifted(system: &mut System, matrix: &Symmetric) {
+/// pressure needed 1e-5 of the largest diagonal entry, the gripper 1e-3.
+fn factor_shifted(system: &mut System, matrix: &Symmetric) -> bool {
     let largest = system.diagonal().iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
-    let mut shift = std::env::var("SHIFT").map_or(1e-5, |s| s.parse().unwrap()) * largest;
-    loop {
+    let mut shift = 1e-5 * largest;
+    while shift.is_finite() && shift > 0.0 {
         let mut shifted = matrix.clone();
         for &d in system.diagonal() {
             shifted.lower[d] += shift;
         }
         if factor(system, shifted) {
             log::debug!("shifted by {:.0e} of the largest diagonal entry", shift / largest);
-            return;
+            return true;
         }
         shift *= 10.0;
     }
+    false
 }

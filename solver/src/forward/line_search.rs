@@ -40,15 +40,7 @@ pub fn line_search(
         if value <= energy + ARMIJO * alpha * slope {
             return Some(Accepted { u: trial, energy: value, gradient: None });
         }
-        let robust = std::env::var("SEARCH").is_ok();
-        if robust && (value - energy).abs() <= 0.1 * energy.abs() {
-            let gradient = system.gradient(at.rest, &trial, at.load);
-            let end = dot(&gradient.0, direction);
-            if 0.5 * (end + slope) + 0.5 * (end - slope).abs() <= ARMIJO * slope {
-                return Some(Accepted { u: trial, energy: value, gradient: Some(gradient) });
-            }
-        }
-        if !robust && (value - energy).abs() <= ENERGY_DIGITS * energy.abs() {
+        if (value - energy).abs() <= ENERGY_DIGITS * energy.abs() {
             let gradient = system.gradient(at.rest, &trial, at.load);
             let end = dot(&gradient.0, direction);
             if end.abs() <= (1.0 - ARMIJO) * slope.abs() {

@@ -6,9 +6,9 @@
 //! gradients with an earlier factor, to an accuracy that keeps convergence
 //! superlinear (Dembo, Eisenstat and Steihaug 1982, doi:10.1137/0719025).
 //!
-//! **The end at the rounding floor.** When the residual has not halved for
-//! [`FLAT`] iterations, or there is no step, although the predicted decrease of the energy is below
-//! [`NEGLIGIBLE`] of it, more iterations cannot help. The best state is then
+//! **The end at the rounding floor.** When the predicted decrease of the energy is
+//! below [`NEGLIGIBLE`] of it, and the residual has not halved for [`FLAT`]
+//! iterations, there is no step, or none is left, more iterations cannot help. The best state is then
 //! accepted if its residual is at most [`System::rounding_floor`], and
 //! [`Converged::floor`] says so; else it is a [`Failure::Stagnated`]. The floor is
 //! a bound: residuals of bars, the beam and the gripper ended at 0.03 to 0.1 of it.
@@ -163,7 +163,7 @@ impl Newton {
         load: f64,
         residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
-        let mut before = f64::INFINITY;
+        let (mut before, mut within_rounding) = (f64::INFINITY, false);
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
             let (residual, wanted) = (now.residual, self.wanted(now.scale));
@@ -172,16 +172,20 @@ impl Newton {
             if residual <= wanted {
                 return Ok(Converged { iterations, residual, wanted, floor: None });
             }
+            flat.watch(now);
             if iterations == self.iterations {
+                if within_rounding {
+                    *now = flat.best;
+                    return self.stagnated(system, rest, now, load, iterations);
+                }
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
-            flat.watch(now);
             let forcing = (residual / before).powi(2).clamp(FORCING.1, FORCING.0);
             before = residual;
             let at = Point { rest, u: &now.u, load, gradient: &now.gradient };
             let (step, decrease) = step(system, &at, now.energy, forcing);
-            let stuck = step.is_none() || flat.iterations >= FLAT;
-            if stuck && decrease <= NEGLIGIBLE * now.energy.abs() {
+            within_rounding = decrease <= NEGLIGIBLE * now.energy.abs();
+            if within_rounding && (step.is_none() || flat.iterations >= FLAT) {
                 *now = flat.best;
                 return self.stagnated(system, rest, now, load, iterations);
             }
@@ -246,29 +250,21 @@ fn state(system: &mut System, rest: &[Vec3], accepted: Accepted, load: f64) -> S
 /// A step that decreases the energy, by the first rung that gives one, and the
 /// decrease that the first direction predicts [J].
 fn step(system: &mut System, at: &Point, energy: f64, forcing: f64) -> (Option<Accepted>, f64) {
-    thread_local!(static STAY: std::cell::Cell<usize> = const { std::cell::Cell::new(0) });
-    let stay: usize = std::env::var("STAY").map_or(0, |s| s.parse().unwrap());
     let mut from = Some(Rung::Near);
-    let staying = STAY.get() > 0;
-    if staying {
-        STAY.set(STAY.get() - 1);
-        from = Some(Rung::Projected);
-    }
     let mut predicted = f64::INFINITY;
     while let Some(rung) = from {
         let Some((rung, direction)) = direction(system, at, rung, forcing) else { break };
         let slope = dot(at.gradient, &direction);
         predicted = predicted.min(0.5 * slope.abs());
-        if slope < 0.0 {
-            if let Some(accepted) = line_search(system, at, energy, &direction) {
-                log::debug!("step {rung:?}");
-                if rung >= Rung::Projected && !staying {
-                    STAY.set(stay);
-                }
-                return (Some(accepted), predicted);
-            }
+        if slope < 0.0
+            && let Some(accepted) = line_search(system, at, energy, &direction)
+        {
+            log::debug!("{rung:?} step");
+            return (Some(accepted), predicted);
         }
-        from = rung.below();
+        log::debug!("no {rung:?} step");
+        // other directions have no digits to compare either
+        from = rung.below().filter(|_| predicted > NEGLIGIBLE * energy.abs());
     }
     (None, predicted)
 }

@@ -120,8 +120,7 @@ impl SparseSolver {
             .factorize_numeric_llt_scratch::<f64>(Par::rayon(0), Spec::default())
             .or(symbolic
                 .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default()));
-        let scratch_needed =
-            factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0)));
+        let scratch_needed = factor.or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0)));
         Self {
             column_start,
             rows,
@@ -175,8 +174,7 @@ impl SparseSolver {
             SymbolicCholeskyRaw::Supernodal(supernodal) => {
                 let mut diagonal = Vec::new();
                 for s in 0..supernodal.n_supernodes() {
-                    let columns =
-                        supernodal.supernode_end()[s] - supernodal.supernode_begin()[s];
+                    let columns = supernodal.supernode_end()[s] - supernodal.supernode_begin()[s];
                     let rows = columns + supernodal.supernode(s).pattern().len();
                     let first = supernodal.col_ptr_for_val()[s];
                     diagonal.extend((0..columns).map(|j| self.values[first + j * rows + j]));
