@@ -27,8 +27,10 @@ const RESIDUALS: usize = 8;
 const CRUSHED: f64 = 0.2;
 /// Radius ratio below which a rest element counts as badly shaped.
 const BAD_SHAPE: f64 = 0.2;
-/// Part of the stiffness at rest below which a body is about to give way.
-const SOFT: f64 = 0.1;
+/// A body is about to give way when it yields to more load by this many times
+/// what it did at rest. A thin neo-Hookean balloon does so 12 % below its largest
+/// pressure, where p ~ 1/λ − 1/λ⁷ and dV/dp ~ λ² / (7/λ⁸ − 1/λ²).
+const SOFT: f64 = 8.0;
 
 /// A failure, explained.
 pub struct Diagnosis {
@@ -63,8 +65,10 @@ impl Diagnosis {
         let attempt = &unreached.attempt;
         let force = unbalanced_force(system, rest, &attempt.u, attempt.load);
         let worst = worst_element(&system.space, rest, &attempt.u, &force, &unreached.failure);
-        let at_rest = Softness::of(system, rest, &vec![0.0; system.len()], 0.0);
-        let reached = Softness::of(system, rest, &attempt.reached, unreached.load);
+        let (load, next) = (unreached.load, attempt.load);
+        let zero = vec![0.0; system.len()];
+        let at_rest = Softness::of(system, rest, &zero, [0.0, next - load]);
+        let reached = Softness::of(system, rest, &attempt.reached, [load, next]);
         let range = scene.material.stretch_range;
         let stretches = Stretches::of(&system.space, rest, &attempt.reached, range);
 
@@ -85,6 +89,7 @@ impl Diagnosis {
                 "worst_element": worst,
                 "smallest_pivot": pivot(&reached.pivot, system, rest),
                 "softest_stiffness": { "at_rest": at_rest.stiffness, "reached": reached.stiffness },
+                "softening": softening(&at_rest, &reached),
                 "try": advice,
                 "state": STATE,
             },
@@ -223,19 +228,17 @@ fn facts(
             point(&system.space.node_positions(rest)[node])
         ));
     }
-    if let Some(part) = remaining(at_rest, reached) {
-        facts
-            .push(format!("its softest motion has {:.1} % of the stiffness at rest", 100.0 * part));
+    if reached.pivot.is_none() {
+        facts.push("that state is not stable".to_owned());
+    } else if let Some(times) = softening(at_rest, reached) {
+        facts.push(format!("it yields to more load by {times:.1} times what it did at rest"));
     }
     facts
 }
 
-/// Stiffness of the softest motion as a fraction of that at rest.
-fn remaining(at_rest: &Softness, reached: &Softness) -> Option<f64> {
-    if at_rest.floats() || at_rest.pivot.is_none() {
-        return None;
-    }
-    Some(reached.stiffness.unwrap_or(0.0) / at_rest.stiffness?)
+/// Compliance to the loads, relative to that at rest.
+fn softening(at_rest: &Softness, reached: &Softness) -> Option<f64> {
+    Some(reached.compliance? / at_rest.compliance?)
 }
 
 fn advice(
@@ -265,10 +268,12 @@ fn advice(
         return advice;
     }
     let pressed = scene.config.pressure.iter().any(|p| p.pressure > 0.0);
-    if remaining(at_rest, reached).is_some_and(|part| part < SOFT) {
+    let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
+        || softening(at_rest, reached).is_some_and(|times| times > SOFT);
+    if soft {
         advice.push(if pressed {
             "the body is about to give way, as a thin wall that balloons: more pressure than this \
-             it may not hold. Lower the pressure, thicken the wall, or prescribe the volume of \
+             it may not hold; lower the pressure, thicken the wall, or prescribe the volume of \
              the chamber instead of its pressure"
                 .to_owned()
         } else {
@@ -287,7 +292,7 @@ fn advice(
             point(&worst.at.into())
         ));
     }
-    if advice.is_empty() && pressed {
+    if pressed && !soft {
         advice.push("lower the pressure, or thicken the wall".to_owned());
     }
     advice.push(format!(

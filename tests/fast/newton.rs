@@ -3,6 +3,7 @@
 use mesh::Vec3;
 use solver::energy::{BodyForce, Elastic, Energy, Hessian, Iterate};
 use solver::forward::{Failure, Newton, Softness};
+use solver::math::linear::{SparseSolver, Symmetric};
 use solver::math::sparse::BlockMatrix;
 use tests::block;
 use tests::equilibrium::{Problem, SILICONE};
@@ -96,7 +97,7 @@ fn the_softest_motion_of_a_bar_bends_it() {
             |p| [held && p.x < 1e-9; 3],
         );
         let zero = vec![0.0; bar.system.len()];
-        let softness = Softness::of(&mut bar.system, &bar.rest, &zero, 0.0);
+        let softness = Softness::of(&mut bar.system, &bar.rest, &zero, [0.0, 0.1]);
         let end = bar.rest.iter().position(|p| p.x > 0.01 * length as f64 - 1e-9).unwrap();
         let motion = solver::element::at(&softness.motion, end);
         (softness, motion)
@@ -110,4 +111,38 @@ fn the_softest_motion_of_a_bar_bends_it() {
     // a pivot is never below the smallest eigenvalue
     assert!(short.pivot.unwrap().value >= short.stiffness.unwrap());
     assert!(softness(8, false).0.floats());
+}
+
+/// Dense enough for a factor by supernodes.
+#[test]
+fn the_smallest_pivot_is_that_of_a_dense_factor() {
+    let n = 200;
+    let entry = |i: usize, j: usize| if i == j { 150.0 } else { ((i * j) as f64).sin() };
+    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for c in 0..n {
+        rows.extend(c..n);
+        values.extend((c..n).map(|r| entry(r, c)));
+        start.push(rows.len());
+    }
+    let order: Vec<usize> = (0..n).collect();
+    let mut solver = SparseSolver::new(start, rows, &order);
+    assert!(solver.smallest_pivot().is_none());
+    solver.factor_positive(Symmetric::sparse(values)).unwrap();
+    // Gaussian elimination without exchanges
+    let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            for j in k..n {
+                a[i][j] -= factor * a[k][j];
+            }
+        }
+    }
+    let pivots: Vec<f64> = (0..n).map(|k| a[k][k]).collect();
+    let smallest = pivots.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = pivots.iter().copied().fold(0.0, f64::max);
+    let found = solver.smallest_pivot().unwrap();
+    assert!((found.value / smallest - 1.0).abs() < 1e-11, "{found:?} {smallest}");
+    assert!((found.largest / largest - 1.0).abs() < 1e-11, "{found:?} {largest}");
+    assert_eq!(pivots[found.unknown], smallest);
 }

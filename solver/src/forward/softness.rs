@@ -1,8 +1,10 @@
-//! The softest motion of a state, which tells a body that floats, or that is
-//! about to buckle or balloon, from one that Newton's method fails on.
+//! How soft a state is, which tells a body that floats, or that is about to
+//! give way, from one that Newton's method fails on.
 //!
 //! The smallest eigenvalue λ of the Hessian by inverse iteration,
-//! x ← H⁻¹x / |H⁻¹x|, λ ≈ 1 / (x · H⁻¹x), from above.
+//! x ← H⁻¹x / |H⁻¹x|, λ ≈ 1 / (x · H⁻¹x), from above; and the compliance f · H⁻¹f
+//! to the loads, with f = −∂²E/∂u∂t the force that a unit of the load parameter
+//! adds. It grows without bound towards a limit point.
 //!
 //! Source: Golub and Van Loan, "Matrix Computations", section 8.2.
 
@@ -26,7 +28,10 @@ const NONE: f64 = 1e-11;
 pub struct Softness {
     /// Smallest eigenvalue of the Hessian [N/m]; none if some are negative.
     pub stiffness: Option<f64>,
-    /// Its motion over all degrees of freedom, of length 1.
+    /// Compliance to the loads [J]; none if the Hessian has no Cholesky factor or
+    /// the loads do not act by forces.
+    pub compliance: Option<f64>,
+    /// The softest motion over all degrees of freedom, of length 1.
     pub motion: Vec<f64>,
     /// Smallest pivot of the factored Hessian; none if it has no Cholesky factor.
     pub pivot: Option<Pivot>,
@@ -41,16 +46,18 @@ impl Softness {
         self.stiffness.is_some_and(|stiffness| stiffness < NONE * self.largest)
     }
 
-    /// Of a state under a fraction of the load.
-    pub fn of(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Self {
+    /// Of a state at the first of two loads; forces are those that the step to
+    /// the second adds.
+    pub fn of(system: &mut System, rest: &[Vec3], u: &[f64], [load, next]: [f64; 2]) -> Self {
         let mut hessian = system.hessian(rest, u, load, Hessian::Exact);
         let entries = system.diagonal().iter().map(|&d| hessian.lower[d]);
         let largest = entries.fold(0.0_f64, |m, d| m.max(d.abs()));
-        let nothing = Self { stiffness: None, motion: vec![0.0; u.len()], pivot: None, largest };
-        let mut shift = 0.0;
-        let mut pivot = None;
+        let motion = vec![0.0; u.len()];
+        let nothing = Self { stiffness: None, compliance: None, motion, pivot: None, largest };
+        let (mut shift, mut pivot, mut compliance) = (0.0, None, None);
         if system.linear.factor_positive(hessian.clone()).is_ok() {
             pivot = system.linear.smallest_pivot();
+            compliance = compliance_of(system, rest, u, [load, next]);
         } else {
             shift = SHIFT * largest;
             system.diagonal().iter().for_each(|&d| hessian.lower[d] += shift);
@@ -71,6 +78,21 @@ impl Softness {
         let length = norm(&x);
         x.iter_mut().for_each(|x| *x /= length);
         let stiffness = Some((eigenvalue - shift).max(0.0)).filter(|_| eigenvalue > 0.0);
-        Self { stiffness, motion: system.prolong(&x), pivot, largest }
+        Self { stiffness, compliance, motion: system.prolong(&x), pivot, largest }
     }
+}
+
+fn compliance_of(
+    system: &mut System,
+    rest: &[Vec3],
+    u: &[f64],
+    [load, next]: [f64; 2],
+) -> Option<f64> {
+    let (before, _) = system.gradient(rest, u, load);
+    let (after, _) = system.gradient(rest, u, next);
+    let added: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b - a) / (next - load)).collect();
+    let force = system.restrict(&added);
+    let mut response = force.clone();
+    system.linear.apply_inverse(&mut response);
+    Some(dot(&force, &response)).filter(|c| *c > 0.0)
 }

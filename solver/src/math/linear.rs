@@ -166,32 +166,21 @@ impl SparseSolver {
         if !self.is_positive() || self.size() == 0 {
             return None;
         }
-        let diagonal: Vec<f64> = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(simplicial) => {
-                let first = &simplicial.col_ptr()[..self.size()];
-                first.iter().map(|&k| self.values[k]).collect()
-            }
-            SymbolicCholeskyRaw::Supernodal(supernodal) => {
-                let mut diagonal = Vec::new();
-                for s in 0..supernodal.n_supernodes() {
-                    let columns = supernodal.supernode_end()[s] - supernodal.supernode_begin()[s];
-                    let rows = columns + supernodal.supernode(s).pattern().len();
-                    let first = supernodal.col_ptr_for_val()[s];
-                    diagonal.extend((0..columns).map(|j| self.values[first + j * rows + j]));
-                }
-                diagonal
-            }
+        let positions: Vec<usize> = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => s.col_ptr()[..self.size()].to_vec(),
+            SymbolicCholeskyRaw::Supernodal(s) => (0..s.n_supernodes())
+                .flat_map(|k| {
+                    let columns = s.supernode_end()[k] - s.supernode_begin()[k];
+                    let rows = columns + s.supernode(k).pattern().len();
+                    (0..columns).map(move |j| s.col_ptr_for_val()[k] + j * rows + j)
+                })
+                .collect(),
         };
+        let diagonal: Vec<f64> = positions.into_iter().map(|k| self.values[k]).collect();
         let (position, value) = diagonal.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
         let largest = diagonal.iter().fold(0.0_f64, |m, d| m.max(*d));
-        let unknown = self.unknown_at(position);
+        let unknown = self.symbolic.perm().map_or(position, |order| order.arrays().0[position]);
         Some(Pivot { value: value * value, largest: largest * largest, unknown })
-    }
-
-    /// The unknown that is eliminated at a position.
-    #[must_use]
-    pub fn unknown_at(&self, position: usize) -> usize {
-        self.symbolic.perm().map_or(position, |order| order.arrays().0[position])
     }
 
     /// Factors a matrix whose sparse part is positive definite.
