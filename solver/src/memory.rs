@@ -24,9 +24,8 @@ pub struct Need {
 /// The factorisation does not fit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "{} unknowns: the factor has {:.1} million entries and {:.2} GB are needed, available are \
-     {:.2} GB\n  use a coarser mesh, a lower degree, or a machine with more memory",
-    need.unknowns, need.factor_entries as f64 / 1e6, gigabytes(need.bytes), gigabytes(*available)
+    "{} unknowns: the factor has {:.1} million entries and {} are needed, available are {}\n  use a coarser mesh, a lower degree, or a machine with more memory",
+    need.unknowns, need.factor_entries as f64 / 1e6, size(need.bytes), size(*available)
 )]
 pub struct TooLarge {
     /// What is needed.
@@ -47,21 +46,26 @@ impl Need {
         }
     }
 
-    /// One line for people.
+    /// What a user should know before the first factorisation.
     #[must_use]
     pub fn describe(&self, available: Option<usize>) -> String {
-        let of = available.map_or_else(String::new, |a| format!(" of {:.2}", gigabytes(a)));
+        let of = available.map_or_else(String::new, |a| format!(" of {} available", size(a)));
         format!(
-            "{} unknowns, factor of {:.1} million entries, {:.2}{of} GB of memory",
+            "{} unknowns, factor of {:.1} million entries, {} of memory needed{of}",
             self.unknowns,
             self.factor_entries as f64 / 1e6,
-            gigabytes(self.bytes),
+            size(self.bytes),
         )
     }
 }
 
-fn gigabytes(bytes: usize) -> f64 {
-    bytes as f64 / 1e9
+fn size(bytes: usize) -> String {
+    let megabytes = bytes as f64 / 1e6;
+    if megabytes < 1e3 {
+        format!("{megabytes:.0} MB")
+    } else {
+        format!("{:.2} GB", megabytes / 1e3)
+    }
 }
 
 /// Memory that this process may still take [B]; none where the system does not
@@ -117,8 +121,12 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_told_with_numbers() {
         assert!(NEED.check(None).is_ok() && NEED.check(Some(60_000_000)).is_ok());
+        let line = NEED.describe(Some(23_400_000_000));
+        assert!(line.ends_with("60 MB of memory needed of 23.40 GB available"), "{line}");
         let text = NEED.check(Some(50_000_000)).expect_err("too little").to_string();
-        for word in ["1000 unknowns", "5.0 million", "0.06 GB", "0.05 GB", "coarser", "degree"] {
+        for word in
+            ["1000 unknowns", "5.0 million", "60 MB are needed", "50 MB", "coarser", "degree"]
+        {
             assert!(text.contains(word), "{text}");
         }
     }

@@ -189,7 +189,7 @@ fn a_factor_that_does_not_fit_is_refused_before_it_is_made() {
     limited.args(["-c", "ulimit -v 600000; exec \"$0\" \"$@\""]).arg(solver.get_program());
     limited.args(solver.get_args()).current_dir(dir.path(""));
     let run: Run = limited.output().unwrap().into();
-    let words = ["sim.toml", "unknowns", "million entries", "GB are needed", "coarser mesh"];
+    let words = ["sim.toml", "unknowns", "million entries", "B are needed", "coarser mesh"];
     run.assert_refused(2, &words);
     assert!(!dir.path("out").exists());
 }

@@ -11,7 +11,7 @@
 //! iterations, there is no step, or none is left, more iterations cannot help. The best state is then
 //! accepted if its residual is at most [`System::rounding_floor`], and
 //! [`Converged::floor`] says so; else it is a [`Failure::Stagnated`]. The floor is
-//! a bound: residuals of bars, the beam and the gripper ended at 0.03 to 0.1 of it.
+//! a bound: residuals of cubes, bars, beam and gripper ended at 0.06 to 0.11 of it.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapters 3 and 6.
 
