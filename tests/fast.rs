@@ -5,6 +5,10 @@
 mod bad_design;
 #[path = "fast/energies.rs"]
 mod energies;
+#[path = "fast/failures.rs"]
+mod failures;
+#[path = "fast/newton.rs"]
+mod newton;
 #[path = "fast/optimize.rs"]
 mod optimize;
 #[path = "fast/reference.rs"]

@@ -4,6 +4,7 @@
 //! Modules in dependency order; each uses only those before it:
 
 pub mod parallel; // the one parallel loop
+pub mod memory; // what a factorisation may take
 pub mod math; // small dense and sparse algebra
 pub mod plot; // curves as pictures
 pub mod body; // a tagged mesh
@@ -23,6 +24,7 @@ pub mod config; // what people write
 pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod results; // what programs write
+pub mod failure; // what is known where there is no equilibrium
 pub mod optimize; // outer loop
 
 #[cfg(test)]

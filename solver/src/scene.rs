@@ -15,6 +15,7 @@ use crate::element::FunctionSpace;
 use crate::energy::{BodyForce, Elastic, Energy, Traction};
 use crate::forward::{Newton, Stepping, System};
 use crate::material::Specification;
+use crate::memory;
 use crate::objective::{
     Clearance, DistanceField, DistanceKind, Objective, Smoothness, Target, WallThickness,
 };
@@ -59,7 +60,8 @@ impl Scene {
     /// The discrete problem on a body with this scene's tags.
     ///
     /// # Errors
-    /// When a tag is missing or a pressure wall is open with a free rim.
+    /// When a tag is missing, a pressure wall is open with a free rim, or the
+    /// memory is too small.
     pub fn system(&self, body: &Body) -> Result<System> {
         let context = || self.path.display().to_string();
         let (degree, exact) = (self.config.degree, self.config.quadrature);
@@ -69,6 +71,7 @@ impl Scene {
         let energies = self.energies(body, &space, &supports).with_context(context)?;
         let multipliers = self.multipliers(body, &space)?;
         let system = System::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
+        system.memory().check(memory::available()).with_context(context)?;
         if supports.move_at_all() {
             return Ok(system.with_motion(Box::new(move |load| supports.displacement(load))));
         }
@@ -85,6 +88,15 @@ impl Scene {
     #[must_use]
     pub fn end(&self) -> f64 {
         self.times().last().copied().unwrap_or(1.0)
+    }
+
+    /// A load, as people call it.
+    #[must_use]
+    pub fn progress(&self, load: f64) -> String {
+        if self.config.time.is_some() {
+            return format!("t = {load:.4e} s");
+        }
+        format!("{:.1} % of the load", 100.0 * load)
     }
 
     /// Whether the equilibrium under the full load has a gradient by shape.

@@ -1,5 +1,7 @@
 //! Which degrees of freedom a scene fixes, and at which displacement.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Result, anyhow, bail, ensure};
 use mesh::Vec3;
 use nalgebra::{Matrix6, Vector6};
@@ -58,7 +60,7 @@ impl Supports {
                 supports.fix(node, index, configs, times)?;
             }
         }
-        supports.check_rigid_motions()?;
+        supports.check_rigid_motions(space)?;
         Ok(supports)
     }
 
@@ -120,13 +122,42 @@ impl Supports {
         Ok(())
     }
 
-    /// The six rigid motions must all be felt by the supports.
-    fn check_rigid_motions(&self) -> Result<()> {
+    /// The six rigid motions of every connected part must all be felt by its
+    /// supports.
+    fn check_rigid_motions(&self, space: &FunctionSpace) -> Result<()> {
         let positions = &self.positions;
-        let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
-        let size = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let parts = parts(space);
+        for part in &parts {
+            let centre = part.iter().map(|&n| positions[n]).sum::<Vec3>() / part.len() as f64;
+            if let Some(motion) = self.rigid_motion(part, centre) {
+                if parts.len() == 1 {
+                    bail!(
+                        "[[fixed]]: the body can still {motion} as a whole; fix more components \
+                         or tags"
+                    );
+                }
+                bail!(
+                    "[[fixed]]: the body consists of {} parts that do not touch, and the one \
+                     around ({:.5}, {:.5}, {:.5}) m, of {} nodes, can still {motion} as a whole; \
+                     fix it, too, or take it out of the mesh",
+                    parts.len(),
+                    centre.x,
+                    centre.y,
+                    centre.z,
+                    part.len()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// A rigid motion of some nodes that no support of theirs feels.
+    fn rigid_motion(&self, part: &[usize], centre: Vec3) -> Option<&'static str> {
+        let positions = &self.positions;
+        let size = part.iter().map(|&n| (positions[n] - centre).norm()).fold(0.0, f64::max);
         let mut felt = Matrix6::zeros();
-        for dof in (0..self.owner.len()).filter(|&d| self.owner[d].is_some()) {
+        let dofs = part.iter().flat_map(|n| 3 * n..3 * n + 3);
+        for dof in dofs.filter(|&d| self.owner[d].is_some()) {
             let (arm, k) = ((positions[dof / 3] - centre) / size, dof % 3);
             let axis = Vec3::from_fn(|c, _| f64::from(u8::from(c == k)));
             // component k of t + ω × arm, linear in (t, ω)
@@ -137,7 +168,7 @@ impl Supports {
         let eigen = felt.symmetric_eigen();
         let (weakest, value) = eigen.eigenvalues.argmin();
         if value > FREE * eigen.eigenvalues.max() {
-            return Ok(());
+            return None;
         }
         let motion = eigen.eigenvectors.column(weakest);
         let names = [
@@ -148,9 +179,33 @@ impl Supports {
             "turn about y",
             "turn about z",
         ];
-        let largest = names[motion.iamax()];
-        bail!("[[fixed]]: the body can still {largest} as a whole; fix more components or tags");
+        Some(names[motion.iamax()])
     }
+}
+
+/// The nodes of each connected part of a body.
+fn parts(space: &FunctionSpace) -> Vec<Vec<usize>> {
+    let mut parent: Vec<usize> = (0..space.node_count()).collect();
+    for nodes in space.element_nodes().chunks_exact(space.nodes_per_element()) {
+        for &node in &nodes[1..] {
+            let (a, b) = (root(&mut parent, nodes[0]), root(&mut parent, node));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut parts = BTreeMap::<usize, Vec<usize>>::new();
+    for node in 0..parent.len() {
+        parts.entry(root(&mut parent, node)).or_default().push(node);
+    }
+    parts.into_values().collect()
+}
+
+/// The representative of a node's part; paths are halved on the way.
+fn root(parent: &mut [usize], mut node: usize) -> usize {
+    while parent[node] != node {
+        parent[node] = parent[parent[node]];
+        node = parent[node];
+    }
+    node
 }
 
 fn check(config: &Fixed) -> Result<()> {
@@ -225,6 +280,23 @@ mod tests {
         assert!(text.contains("shift along z"), "{text}");
         let text = message(&[fixed("bottom", "z", [0.0; 3]), fixed("left", "x", [0.0; 3])]);
         assert!(text.contains("shift along y"), "{text}");
+    }
+
+    #[test]
+    fn a_part_that_does_not_touch_the_rest_needs_supports_of_its_own() {
+        let mut body = body();
+        let count = body.mesh.vertices.len();
+        let shifted: Vec<Vec3> = body.mesh.vertices.iter().map(|v| v + 3.0 * Vec3::x()).collect();
+        body.mesh.vertices.extend(shifted);
+        let tets: Vec<[usize; 4]> = body.mesh.tets.iter().map(|t| t.map(|v| v + count)).collect();
+        body.mesh.tets.extend(tets);
+        let body = Body::new(body.mesh, body.tags);
+        let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
+        let configs = [fixed("bottom", "xyz", [0.0; 3])];
+        let text = Supports::new(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+        for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
+            assert!(text.contains(word), "{text}");
+        }
     }
 
     #[test]

@@ -299,7 +299,7 @@ fn pressure_beyond_any_equilibrium() {
     let run = dir.solver("simulate high.toml -o out");
     run.assert_refused(1, &["high.toml", "no equilibrium", "% of the load", "lower the pressure"]);
     // the good result of before must not stand beside it
-    assert_eq!(dir.files("out"), ["report.json"]);
+    assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
     let report = dir.json("out/report.json");
     assert_eq!(report["status"], "no equilibrium");
     assert!(report["reason"].as_str().unwrap().contains("no equilibrium beyond"));

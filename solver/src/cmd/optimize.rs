@@ -8,6 +8,7 @@ use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
 use solver::config::{DesignConfig, ObjectiveConfig, beside};
+use solver::failure;
 use solver::optimize::{Cascade, Checkpoint, Finished};
 use solver::results;
 use solver::scene::{ObjectiveBuilder, Scene};
@@ -39,6 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.restart || outdated(folder, &inputs)? {
         forget(folder)?;
     }
+    forget_failure(folder)?;
     let cascade = Cascade {
         scene: &scene,
         design: &design,
@@ -81,13 +83,38 @@ pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Sce
 /// Whether the folder holds an optimisation of other inputs that is finished or
 /// has no result. Any other is not thrown away unasked.
 fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
-    let finished = folder.join("report.json").exists();
+    let finished = folder.join("report.json").exists() && !failed(folder)?;
     Ok(Checkpoint::read(folder)?
         .is_some_and(|c| c.inputs != inputs && (finished || c.history == 0)))
 }
 
+/// Whether the report in the folder is that of a start without equilibrium.
+fn failed(folder: &Path) -> Result<bool> {
+    let path = folder.join("report.json");
+    if !path.exists() {
+        return Ok(false);
+    }
+    let report: Value = serde_json::from_str(&mesh::io::read_text(&path)?)
+        .with_context(|| path.display().to_string())?;
+    Ok(report["usable"] == json!(false))
+}
+
+/// A failure is not that of a run that goes on.
+fn forget_failure(folder: &Path) -> Result<()> {
+    if failed(folder)? {
+        remove(folder, &["report.json", failure::STATE])?;
+    }
+    Ok(())
+}
+
 fn forget(folder: &Path) -> Result<()> {
-    for name in ["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"] {
+    let names = ["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"];
+    remove(folder, &names)?;
+    remove(folder, &[failure::STATE])
+}
+
+fn remove(folder: &Path, names: &[&str]) -> Result<()> {
+    for name in names {
         let path = folder.join(name);
         if path.exists() {
             std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
@@ -124,6 +151,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
     let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);
     Ok(json!({
+        "usable": true,
         "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
         "stopped": finished.stopped,
         "program": concat!("solver ", env!("CARGO_PKG_VERSION")),

@@ -7,7 +7,9 @@ use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
-use solver::forward::{LoadStep, Solution, System, Unreached, solve_in_time};
+use solver::failure::{self, Diagnosis};
+use solver::forward::{LoadStep, Solution, System, solve_in_time};
+use solver::memory;
 use solver::results;
 use solver::scene::Scene;
 use solver::stretch::Stretches;
@@ -40,17 +42,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     remove_stale(folder)?;
     log::info!(
-        "{} tets, degree {}, {} degrees of freedom",
+        "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
         scene.config.degree,
-        system.len()
+        system.memory().describe(memory::available())
     );
     let rest = scene.body.mesh.vertices.clone();
     let times = scene.times();
     let outcome = solve_in_time(&mut system, &rest, &scene.stepping(), &times, |step| {
         log::info!(
             "{}  newton {:2}  |g| {:.1e} N  {:.1} s",
-            progress(&scene, step.load),
+            scene.progress(step.load),
             step.newton_iterations,
             step.residual,
             start.elapsed().as_secs_f64()
@@ -60,14 +62,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let solution = match outcome {
         Ok(solution) => solution,
         Err(unreached) => {
-            let failure = explain(&scene, &unreached);
-            report["status"] = json!("no equilibrium");
-            report["reason"] = json!(failure);
+            let diagnosis = Diagnosis::new(&scene, &scene.body, &mut system, &unreached);
+            diagnosis.write_state(folder)?;
+            merge(&mut report, &diagnosis.report);
             results::write_json(&folder.join("report.json"), &report)?;
             return Err(Unusable(format!(
-                "{}: {failure}\n  lower the pressure, thicken the wall, or refine the mesh; \
-                 -v shows every Newton iteration",
-                arguments.scene.display()
+                "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
+                arguments.scene.display(),
+                diagnosis.message,
+                scene.progress(unreached.load),
+                folder.join(failure::STATE).display()
             ))
             .into());
         }
@@ -79,24 +83,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_json(&folder.join("report.json"), &report)
 }
 
-fn progress(scene: &Scene, load: f64) -> String {
-    if scene.config.time.is_some() {
-        return format!("t {load:.4e} s");
-    }
-    format!("load {:5.1} %", 100.0 * load)
-}
-
-fn explain(scene: &Scene, unreached: &Unreached) -> String {
-    if scene.config.time.is_some() {
-        return format!("no equilibrium beyond t = {} s: {}", unreached.load, unreached.failure);
-    }
-    unreached.to_string()
-}
-
 /// The steps to report: those that the scene asks for.
 fn reported<'a>(scene: &Scene, solution: &'a Solution) -> impl Iterator<Item = &'a LoadStep> {
     let all = scene.config.time.is_none();
     solution.steps.iter().filter(move |step| all || step.ends_time_step)
+}
+
+fn merge(report: &mut Value, more: &Value) {
+    for (key, value) in more.as_object().into_iter().flatten() {
+        report[key] = value.clone();
+    }
 }
 
 /// Results of an earlier run must not stand beside a report that says
@@ -105,7 +101,14 @@ fn remove_stale(folder: &Path) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", "result.pvd"];
+        let ours = [
+            "report.json",
+            "nodes.npy",
+            "displacement.npy",
+            "result.vtu",
+            "result.pvd",
+            failure::STATE,
+        ];
         if ours.contains(&name) || (name.starts_with("step_") && name.ends_with(".vtu")) {
             std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
         }
@@ -116,6 +119,7 @@ fn remove_stale(folder: &Path) -> Result<()> {
 fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
     Ok(json!({
         "status": "ok",
+        "usable": true,
         "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
         "inputs": {
             "scene": { "path": arguments.scene, "sha256": mesh::io::sha256_file(&arguments.scene)? },
@@ -131,6 +135,7 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
         "factor_entries": system.linear.factor_len(),
+        "memory_estimate_mb": system.memory().bytes as f64 / f64::from(1 << 20),
     }))
 }
 
@@ -140,6 +145,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
     let energies = results::energies(system, rest, &solution.u, end);
     let work = work_of_loads(scene, system, &solution.steps)?;
     let elastic = energies["elastic"];
+    report["tolerance_met"] = json!(solution.steps.iter().all(|s| s.rounding_floor.is_none()));
     report["newton_iterations"] = json!(solution.newton_iterations);
     let steps = reported(scene, solution);
     let steps = steps.map(|step| results::step(scene, &scene.body, system, step));

@@ -1,14 +1,20 @@
 //! From energies to an equilibrium.
 
 mod certificate;
+mod ladder;
+mod line_search;
 mod newton;
+mod softness;
 mod stepping;
 mod system;
 mod tangent;
 mod volumes;
 
 pub use certificate::{Uncertified, certificate};
-pub use newton::{Failure, Newton};
-pub use stepping::{LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time};
+pub use newton::{Converged, Failure, Newton};
+pub use softness::Softness;
+pub use stepping::{
+    Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
+};
 pub use system::{System, Timings};
 pub use tangent::follow;

@@ -10,7 +10,7 @@ use mesh::Vec3;
 use serde::Serialize;
 
 use super::volumes::balance;
-use super::{Failure, Newton, System, certificate};
+use super::{Converged, Failure, Newton, System, certificate};
 use crate::energy::Multiplier;
 use crate::math::linear::norm;
 
@@ -42,6 +42,11 @@ pub struct LoadStep {
     pub newton_iterations: usize,
     /// Norm of the unbalanced force [N].
     pub residual: f64,
+    /// What was asked for [N].
+    pub residual_wanted: f64,
+    /// Where the residual is larger than that because rounding allows no less:
+    /// its estimated floor [N].
+    pub rounding_floor: Option<f64>,
     /// Lower bound of J = det(I + ∇u) over all points of all elements.
     pub smallest_volume_ratio: f64,
     /// Displacement [m], three components per node.
@@ -73,6 +78,21 @@ pub struct Unreached {
     pub load: f64,
     /// What stopped the next step.
     pub failure: Failure,
+    /// The states on both sides of it.
+    pub attempt: Box<Attempt>,
+}
+
+/// A load step without an equilibrium.
+#[derive(Clone, Debug)]
+pub struct Attempt {
+    /// The last equilibrium, or the rest shape [m].
+    pub reached: Vec<f64>,
+    /// Load that was tried.
+    pub load: f64,
+    /// The last iterate there [m].
+    pub u: Vec<f64>,
+    /// Residual of each iterate [N].
+    pub residuals: Vec<f64>,
 }
 
 /// Solves under the full load from a nearby equilibrium, in one step. A factor
@@ -144,44 +164,38 @@ pub fn solve_in_time(
                     observe(&step);
                     steps.push(LoadStep { ends_time_step: ends, ..step });
                 }
-                Err(Failed { failure, iterations }) => {
-                    newton_iterations += iterations;
+                Err(Failed { failure, u, residuals }) => {
+                    newton_iterations += residuals.len().saturating_sub(1);
                     system.multipliers = multipliers;
                     increment *= 0.5;
                     log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
                     if increment < stepping.smallest {
-                        let load = steps.last().map_or(0.0, |step| step.load);
-                        return Err(Unreached { load, failure });
+                        let last = steps.last().map_or(0.0, |step| step.load);
+                        let reached = last_state(&steps, system.len());
+                        let attempt = Box::new(Attempt { reached, load, u, residuals });
+                        return Err(Unreached { load: last, failure, attempt });
                     }
                 }
             }
         }
         begin = end;
     }
-    let u = steps.last().map_or_else(|| vec![0.0; system.len()], |s| s.u.clone());
+    let u = last_state(&steps, system.len());
     Ok(Solution { u, steps, newton_iterations })
+}
+
+fn last_state(steps: &[LoadStep], len: usize) -> Vec<f64> {
+    steps.last().map_or_else(|| vec![0.0; len], |s| s.u.clone())
 }
 
 fn loosened(newton: &Newton) -> Newton {
     Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
 }
 
-/// A load step without an equilibrium, and the iterations spent on it.
 struct Failed {
     failure: Failure,
-    iterations: usize,
-}
-
-impl From<Failure> for Failed {
-    fn from(failure: Failure) -> Self {
-        let iterations = match failure {
-            Failure::Inadmissible | Failure::Uncertified(_) | Failure::Volume { .. } => 0,
-            Failure::IterationLimit { iterations, .. } | Failure::Stalled { iterations, .. } => {
-                iterations
-            }
-        };
-        Self { failure, iterations }
-    }
+    u: Vec<f64>,
+    residuals: Vec<f64>,
 }
 
 /// One load step: the supports are moved, the forces balanced, prescribed
@@ -194,22 +208,34 @@ fn attempt(
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
     system.move_supports(rest, &mut u, load);
-    let (newton_iterations, residual) =
-        balance(system, rest, &mut u, load, newton).map_err(Failed::from)?;
+    let mut residuals = Vec::new();
+    let converged = match balance(system, rest, &mut u, load, newton, &mut residuals) {
+        Ok(converged) => converged,
+        Err(failure) => return Err(Failed { failure, u, residuals }),
+    };
+    let Converged { iterations, residual, wanted, floor } = converged;
+    if let Some(floor) = floor {
+        log::warn!(
+            "load {load:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
+             fall further and rounding alone may leave {floor:.0e} N"
+        );
+    }
     let start = Instant::now();
     let certified = certificate(&system.space, rest, &u);
     system.timings.certificate_s += start.elapsed().as_secs_f64();
     match certified {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
             load,
-            newton_iterations,
+            newton_iterations: iterations,
             residual,
+            residual_wanted: wanted,
+            rounding_floor: floor,
             smallest_volume_ratio,
             u,
             multipliers: system.multipliers.clone(),
             ends_time_step: false,
         }),
-        Err(failure) => Err(Failed { failure: failure.into(), iterations: newton_iterations }),
+        Err(failure) => Err(Failed { failure: failure.into(), u, residuals }),
     }
 }
 

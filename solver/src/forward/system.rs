@@ -10,6 +10,7 @@ use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
+use crate::memory::Need;
 
 /// Relative difference of displacements that is nothing but rounding.
 const ROUNDING: f64 = 1e-13;
@@ -29,6 +30,12 @@ pub struct Timings {
     /// Certificates of positive volume.
     #[serde(default)]
     pub certificate_s: f64,
+    /// Numerical factorisations, failed ones included.
+    #[serde(default)]
+    pub factorizations: usize,
+    /// Those that met a pivot that is not positive.
+    #[serde(default)]
+    pub failed_factorizations: usize,
 }
 
 /// Displacement [m] of all degrees of freedom at a load; only those of the fixed
@@ -151,6 +158,27 @@ impl System {
         Some(motion.iter().zip(&back).map(|(m, b)| m - b).collect())
     }
 
+    /// What the first factorisation and the Hessians beside it will take.
+    #[must_use]
+    pub fn memory(&self) -> Need {
+        // beside the factor: node blocks while they are assembled, and the free
+        // triangle up to three times: kept, assembled, shifted
+        let blocks = 9 * self.pattern.block_count();
+        let triangle = 3 * self.free.rows.len();
+        let hessians = size_of::<f64>() * (blocks + triangle);
+        Need {
+            unknowns: self.linear.size(),
+            factor_entries: self.linear.factor_len(),
+            bytes: self.linear.factor_bytes() + hessians,
+        }
+    }
+
+    /// The degree of freedom of an unknown of the linear system.
+    #[must_use]
+    pub fn dof(&self, unknown: usize) -> usize {
+        self.free.dof[unknown]
+    }
+
     /// Number of degrees of freedom, fixed ones included.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -245,6 +273,33 @@ impl System {
             self.linear.factor_indefinite(hessian);
         }
         self.timings.factor_s += start.elapsed().as_secs_f64();
+    }
+
+    /// What rounding leaves of the gradient's free part [N], whatever `u` is: the
+    /// norm over i of ε Σ_j |H_ij| |w_j|, with ε = 2⁻⁵². It bounds what the
+    /// rounding of w to the nearest f64, and of the sums over it, does to the
+    /// forces: w is the displacement for the elastic forces, which see
+    /// differences of u alone, and the position for all others.
+    pub fn rounding_floor(&mut self, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
+        let start = Instant::now();
+        let at = self.iterate(rest, u, load);
+        let positions = self.space.node_positions(rest);
+        let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
+        let mut noise = vec![0.0; u.len()];
+        for energy in &self.energies {
+            let from = if energy.name() == "elastic" { u } else { &x };
+            let mut matrix = BlockMatrix::zeros(&self.pattern);
+            energy.add_hessian(&at, Hessian::Exact, &mut matrix);
+            let part = matrix.multiply_magnitudes(from);
+            noise.iter_mut().zip(&part).for_each(|(n, p)| *n += p);
+            if let Some(RankOne { scale, vector }) = energy.rank_one(&at) {
+                let along: f64 = vector.iter().zip(from).map(|(v, w)| (v * w).abs()).sum();
+                noise.iter_mut().zip(&vector).for_each(|(n, v)| *n += (scale * v).abs() * along);
+            }
+        }
+        let floor = f64::EPSILON * crate::math::linear::norm(&self.free.restrict(&noise));
+        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        floor
     }
 
     /// Position of each diagonal entry among the Hessian's values.

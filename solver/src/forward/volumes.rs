@@ -20,7 +20,7 @@ use std::time::Instant;
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::{Failure, Newton, System};
+use super::{Converged, Failure, Newton, System};
 use crate::energy::{Constraint, Hessian};
 use crate::math::linear::{Precision, Symmetric, dot, norm};
 
@@ -39,8 +39,8 @@ const GROWTH: f64 = 10.0;
 const LINEAR: f64 = 1e-6;
 
 /// Moves `u` to an equilibrium at which every prescribed volume is reached to
-/// Newton's relative tolerance; returns all Newton iterations and the residual
-/// [N].
+/// Newton's relative tolerance, with all Newton iterations; the residual of
+/// every iterate [N] is added to `residuals`.
 ///
 /// # Errors
 /// [`Failure`]; `u` is then the last state.
@@ -50,15 +50,16 @@ pub fn balance(
     u: &mut Vec<f64>,
     load: f64,
     newton: &Newton,
-) -> Result<(usize, f64), Failure> {
+    residuals: &mut Vec<f64>,
+) -> Result<Converged, Failure> {
     if system.multipliers.is_empty() {
-        return newton.solve(system, rest, u, load);
+        return newton.trace(system, rest, u, load, residuals);
     }
     let rough = Newton { relative: newton.relative.max(ROUGH), ..*newton };
     let mut iterations = 0;
     let mut last = vec![f64::INFINITY; system.multipliers.len()];
     for minimum in 0.. {
-        iterations += rough.solve(system, rest, u, load)?.0;
+        iterations += rough.trace(system, rest, u, load, residuals)?.iterations;
         let mut distance = Distance::of(system, rest, u, load, newton);
         for _ in 0..STEPS {
             if distance.is_reached() {
@@ -66,16 +67,17 @@ pub fn balance(
             }
             let Some(nearer) = joint_step(system, rest, u, load, newton, &distance) else { break };
             iterations += 1;
+            residuals.push(nearer.residual);
             distance = nearer;
         }
         log::debug!("volumes {minimum}  largest gap {:.2e}", distance.largest_gap());
         if distance.largest_gap() <= newton.relative {
             // what is left, if anything, are digits that rounding takes
-            let (count, residual) = newton.solve(system, rest, u, load)?;
-            iterations += count;
+            let converged = newton.trace(system, rest, u, load, residuals)?;
+            iterations += converged.iterations;
             distance = Distance::of(system, rest, u, load, newton);
             if distance.largest_gap() <= newton.relative {
-                return Ok((iterations, residual));
+                return Ok(Converged { iterations, ..converged });
             }
         }
         if minimum == MINIMA {

@@ -73,6 +73,12 @@ impl Pattern {
         range.start + offset.expect("the two nodes share an element")
     }
 
+    /// Number of blocks.
+    #[must_use]
+    pub fn block_count(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Neighbours of each node, without the node itself.
     #[must_use]
     pub fn adjacency(&self) -> Vec<Vec<usize>> {
@@ -142,6 +148,14 @@ impl<'a> BlockMatrix<'a> {
                 target[3 * i + j] += block[(i, j)];
             }
         }
+    }
+
+    /// y_i = Σ_j |A_ij| |x_j| over all nodes.
+    #[must_use]
+    pub fn multiply_magnitudes(&self, x: &[f64]) -> Vec<f64> {
+        let blocks = self.blocks.iter().map(|block| block.map(f64::abs)).collect();
+        let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        BlockMatrix { pattern: self.pattern, blocks }.multiply(&x)
     }
 
     /// y = A x over all nodes.

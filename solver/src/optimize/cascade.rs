@@ -16,6 +16,7 @@ use super::{Evaluation, Lbfgs, Level, Rejected};
 use crate::body::Body;
 use crate::config::DesignConfig;
 use crate::math::linear::{dot, norm};
+use crate::results;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Curvature pairs that L-BFGS remembers.
@@ -187,9 +188,10 @@ impl Cascade<'_> {
         level.admit(&level.body.mesh.vertices).with_context(context)?;
         let mut evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
             Some(evaluation) => evaluation,
-            None => level
-                .evaluate(&theta, None)
-                .map_err(|e| Unusable(format!("level {}: {e}", checkpoint.level + 1)))?,
+            None => match level.evaluate(&theta, None) {
+                Ok(evaluation) => evaluation,
+                Err(rejected) => return Err(self.no_start(level, checkpoint.level, &rejected)),
+            },
         };
         let clock = Instant::now();
         level.linearize(&evaluation);
@@ -207,6 +209,23 @@ impl Cascade<'_> {
         };
         self.record(level, checkpoint, step)?;
         Ok(evaluation)
+    }
+
+    /// The error of a level whose body has no usable state. Where there is no
+    /// equilibrium, report.json and the last good state say more.
+    fn no_start(&self, level: &mut Level, index: usize, rejected: &Rejected) -> anyhow::Error {
+        let Some(diagnosis) = level.diagnose(self.scene) else {
+            return Unusable(format!("level {}: {rejected}", index + 1)).into();
+        };
+        let mut report = diagnosis.report.clone();
+        report["level"] = json!(index + 1);
+        let written = diagnosis
+            .write_state(&self.folder)
+            .and_then(|()| results::write_json(&self.folder.join("report.json"), &report));
+        if let Err(error) = written {
+            return error;
+        }
+        Unusable(format!("level {}: {}", index + 1, diagnosis.message)).into()
     }
 
     /// The evaluation next to a start that was carried over; none without one.

@@ -15,7 +15,8 @@ use crate::adjoint;
 use crate::body::Body;
 use crate::design::{Extension, Handles, sample_handles};
 use crate::element::{FunctionSpace, at, interpolate};
-use crate::forward::{Newton, Stepping, System, follow, solve, solve_from};
+use crate::failure::Diagnosis;
+use crate::forward::{Newton, Stepping, System, Unreached, follow, solve, solve_from};
 use crate::objective::Equilibrium;
 use crate::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted};
@@ -58,6 +59,8 @@ pub struct Level {
     extension: Extension,
     moving: Vec<[usize; 3]>,
     mean_edge: f64,
+    /// Why the last solve from rest failed, if it did.
+    unreached: Option<Unreached>,
 }
 
 impl Level {
@@ -79,7 +82,17 @@ impl Level {
         let extension = Extension::new(&body.mesh)?;
         let mean_edge = mesh::measure::mean_edge(&body.mesh.vertices, &moving);
         let stepping = scene.stepping();
-        Ok(Self { body, handles, system, stepping, terms, extension, moving, mean_edge })
+        Ok(Self {
+            body,
+            handles,
+            system,
+            stepping,
+            terms,
+            extension,
+            moving,
+            mean_edge,
+            unreached: None,
+        })
     }
 
     /// Number of design variables.
@@ -142,8 +155,14 @@ impl Level {
                 solve_from(&mut self.system, &rest, u, &newton)
                     .map_err(|e| Rejected(e.to_string()))?
             }
-            None => solve(&mut self.system, &rest, &self.stepping, |_| ())
-                .map_err(|e| Rejected(e.to_string()))?,
+            None => match solve(&mut self.system, &rest, &self.stepping, |_| ()) {
+                Ok(solution) => solution,
+                Err(unreached) => {
+                    let rejected = Rejected(unreached.to_string());
+                    self.unreached = Some(unreached);
+                    return Err(rejected);
+                }
+            },
         };
         let at = Equilibrium { space: &self.system.space, rest: &rest, u: &solution.u };
         let mut terms = BTreeMap::new();
@@ -156,6 +175,13 @@ impl Level {
         let u = solution.u;
         let forward_s = clock.elapsed().as_secs_f64();
         Ok(Evaluation { rest, u, objective, terms, newton_iterations, forward_s })
+    }
+
+    /// Explains why the body at θ = 0 has no equilibrium, after
+    /// [`Self::evaluate`] has sought it from rest in vain.
+    pub fn diagnose(&mut self, scene: &Scene) -> Option<Diagnosis> {
+        let unreached = self.unreached.take()?;
+        Some(Diagnosis::new(scene, &self.body, &mut self.system, &unreached))
     }
 
     /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or

@@ -42,6 +42,17 @@ pub struct NotPositive {
     pub size: usize,
 }
 
+/// A pivot L_ii² of a factorisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivot {
+    /// Its value.
+    pub value: f64,
+    /// The largest one.
+    pub largest: f64,
+    /// The unknown that it eliminated.
+    pub unknown: usize,
+}
+
 /// Relative residual of a solution that has come to rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -147,15 +158,24 @@ impl SparseSolver {
         self.fronts.flops()
     }
 
+    /// Memory that a factorisation takes at most [B].
+    #[must_use]
+    pub fn factor_bytes(&self) -> usize {
+        size_of::<f64>() * (self.factor_len() + self.fronts.updates_len())
+    }
+
     /// The smallest pivot of the last factorisation, if its matrix is positive
     /// definite.
     #[must_use]
-    pub fn smallest_pivot(&self) -> Option<f64> {
-        match &self.factor {
-            Factor::Single(values) => Some(self.fronts.smallest_pivot(values).into()),
-            Factor::Double(values) => Some(self.fronts.smallest_pivot(values)),
-            Factor::None | Factor::Indefinite(_) => None,
-        }
+    pub fn smallest_pivot(&self) -> Option<Pivot> {
+        let pivots: Vec<f64> = match &self.factor {
+            Factor::Single(values) => self.fronts.pivots(values).map(f64::from).collect(),
+            Factor::Double(values) => self.fronts.pivots(values).collect(),
+            Factor::None | Factor::Indefinite(_) => return None,
+        };
+        let (position, &value) = pivots.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = pivots.iter().fold(0.0_f64, |m, &p| m.max(p));
+        Some(Pivot { value, largest, unknown: self.order[position] })
     }
 
     /// Factors a matrix whose sparse part is positive definite. Where single
@@ -433,9 +453,15 @@ mod tests {
         let mut solver = SparseSolver::new(start, rows, &order);
         let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
 
+        assert!(solver.smallest_pivot().is_none());
         for precision in [Precision::Single, Precision::Double] {
             let matrix = Symmetric::sparse(values.clone());
             solver.factor_positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
+            // eliminated one by one from the end, the pivots are (k + 1)/k
+            let pivot = solver.smallest_pivot().expect("a positive factor");
+            let expected = (n as f64 + 1.0) / n as f64;
+            assert!((pivot.value - expected).abs() < 1e-5 && (pivot.largest - 2.0).abs() < 1e-6);
+            assert_eq!(pivot.unknown, 0);
             // the condition number is 4/π² n² = 4e4
             assert!(solver.solve(&mut b.clone()) < 1e-11);
             let (_, _, near) = laplacian(n, 1e-6);

@@ -159,13 +159,29 @@ impl Fronts {
         self.roots.iter().map(|&r| self.supernodes[r].work).sum()
     }
 
-    /// The smallest pivot of a factor.
-    pub fn smallest_pivot<T: Scalar>(&self, factor: &[T]) -> T {
-        let pivots = self.supernodes.iter().flat_map(|s| {
+    /// The pivots of a factor in the order of elimination.
+    pub fn pivots<T: Scalar>(&self, factor: &[T]) -> impl Iterator<Item = T> {
+        self.supernodes.iter().flat_map(|s| {
             let own = &factor[s.values.clone()];
             own.iter().step_by(s.height() + 1).take(s.width()).map(|&l| l * l)
-        });
-        pivots.fold(T::narrow(f64::INFINITY), |least, p| if p < least { p } else { least })
+        })
+    }
+
+    /// Numbers in the updates that wait at once, at most.
+    #[must_use]
+    pub fn updates_len(&self) -> usize {
+        let update = |s: &Supernode| (s.height() - s.width()).pow(2);
+        let mut peaks: Vec<usize> = Vec::with_capacity(self.supernodes.len());
+        for s in &self.supernodes {
+            let finished: usize = s.children.iter().map(|&c| update(&self.supernodes[c])).sum();
+            // as many children as there are threads may be in progress
+            let mut beyond: Vec<usize> =
+                s.children.iter().map(|&c| peaks[c] - update(&self.supernodes[c])).collect();
+            beyond.sort_unstable_by(|a, b| b.cmp(a));
+            let running: usize = beyond.iter().take(rayon::current_num_threads()).sum();
+            peaks.push(finished + running.max(update(s)));
+        }
+        self.roots.iter().map(|&r| peaks[r]).sum()
     }
 
     /// L of the matrix with the lower triangle `a`, in the layout of faer's

@@ -1,0 +1,345 @@
+//! What is known where there is no equilibrium: how far the load came, which
+//! element is worst, how soft the body has become, and what to try.
+
+use std::path::Path;
+
+use anyhow::Result;
+use mesh::Vec3;
+use mesh::io::vtu;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::body::Body;
+use crate::element::{FunctionSpace, at};
+use crate::forward::{Failure, Softness, System, Uncertified, Unreached};
+use crate::material::Kinematics;
+use crate::math::linear::Pivot;
+use crate::math::tensor::{Mat3, cofactor};
+use crate::results;
+use crate::scene::Scene;
+use crate::stretch::Stretches;
+
+/// File of the last equilibrium before a failure.
+pub const STATE: &str = "not_full_load.vtu";
+/// Residuals of the failing load step that are reported.
+const RESIDUALS: usize = 8;
+/// Volume ratio below which the smallest one marks the worst element.
+const CRUSHED: f64 = 0.2;
+/// Radius ratio below which a rest element counts as badly shaped.
+const BAD_SHAPE: f64 = 0.2;
+/// A body is about to give way when it yields to more load by this many times
+/// what it did at rest. A thin neo-Hookean balloon does so 12 % below its largest
+/// pressure, where p ~ 1/λ − 1/λ⁷ and dV/dp ~ λ² / (7/λ⁸ − 1/λ²).
+const SOFT: f64 = 8.0;
+
+/// A failure, explained.
+pub struct Diagnosis {
+    /// For people.
+    pub message: String,
+    /// Keys of report.json: `status`, `usable`, `reason` and `failure`.
+    pub report: Value,
+    grid: vtu::Grid,
+}
+
+/// The element that stands most in the way, and its state in the failing step.
+#[derive(Clone, Debug, Serialize)]
+pub struct WorstElement {
+    /// Index of the tetrahedron in the mesh.
+    pub id: usize,
+    /// Its centre at rest [m].
+    pub at: [f64; 3],
+    /// Smallest J = det(I + ∇u) at its quadrature points, or where the
+    /// certificate found less.
+    pub volume_ratio: f64,
+    /// Largest unbalanced force at its nodes [N].
+    pub unbalanced_force: f64,
+    /// Radius ratio at rest: 1 regular, 0 flat.
+    pub quality: f64,
+}
+
+impl Diagnosis {
+    /// Looks at both sides of the load step that failed; factors twice.
+    #[must_use]
+    pub fn new(scene: &Scene, body: &Body, system: &mut System, unreached: &Unreached) -> Self {
+        let rest = &body.mesh.vertices;
+        let attempt = &unreached.attempt;
+        let force = unbalanced_force(system, rest, &attempt.u, attempt.load);
+        let worst = worst_element(&system.space, rest, &attempt.u, &force, &unreached.failure);
+        let (load, next) = (unreached.load, attempt.load);
+        let zero = vec![0.0; system.len()];
+        let at_rest = Softness::of(system, rest, &zero, [0.0, next - load]);
+        let reached = Softness::of(system, rest, &attempt.reached, [load, next]);
+        let range = scene.material.stretch_range;
+        let stretches = Stretches::of(&system.space, rest, &attempt.reached, range);
+
+        let reason = reason(scene, unreached, &at_rest, &system.space, rest);
+        let mut lines = vec![reason.clone()];
+        lines.extend(facts(scene, unreached, &worst, system, rest, [&at_rest, &reached]));
+        let advice = advice(scene, unreached, &worst, [&at_rest, &reached], &stretches);
+        lines.extend(advice.iter().map(|a| format!("try: {a}")));
+        let status = if at_rest.floats() { "not enough supports" } else { "no equilibrium" };
+        let report = json!({
+            "status": status,
+            "usable": false,
+            "reason": reason,
+            "failure": {
+                "load_reached": unreached.load,
+                "load_tried": attempt.load,
+                "residuals": last(&attempt.residuals),
+                "worst_element": worst,
+                "smallest_pivot": pivot(&reached.pivot, system, rest),
+                "softest_stiffness": { "at_rest": at_rest.stiffness, "reached": reached.stiffness },
+                "softening": softening(&at_rest, &reached),
+                "try": advice,
+                "state": STATE,
+            },
+        });
+        let grid = grid(&system.space, rest, &attempt.reached, &worst, &force);
+        Self { message: lines.join("\n  "), report, grid }
+    }
+
+    /// Writes the last equilibrium to [`STATE`]: cell array `worst_element` is 1
+    /// there and 0 elsewhere.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_state(&self, folder: &Path) -> Result<()> {
+        Ok(vtu::write_vtu(&folder.join(STATE), &self.grid)?)
+    }
+}
+
+fn last(residuals: &[f64]) -> &[f64] {
+    &residuals[residuals.len().saturating_sub(RESIDUALS)..]
+}
+
+/// Gradient on the free degrees of freedom [N]; zero where it is not finite.
+fn unbalanced_force(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Vec<f64> {
+    let (gradient, _) = system.gradient(rest, u, load);
+    let mut force = system.prolong(&system.restrict(&gradient));
+    force.iter_mut().filter(|f| !f.is_finite()).for_each(|f| *f = 0.0);
+    force
+}
+
+fn worst_element(
+    space: &FunctionSpace,
+    rest: &[Vec3],
+    u: &[f64],
+    force: &[f64],
+    failure: &Failure,
+) -> WorstElement {
+    let n = space.nodes_per_element();
+    let nodes = |e: usize| &space.element_nodes()[n * e..n * (e + 1)];
+    let ratios: Vec<f64> =
+        (0..space.tets().len()).map(|e| smallest_volume_ratio(space, rest, u, e)).collect();
+    let (crushed, smallest) =
+        ratios.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).expect("there are elements");
+    let node = (0..space.node_count())
+        .max_by(|&a, &b| at(force, a).norm_squared().total_cmp(&at(force, b).norm_squared()))
+        .expect("there are nodes");
+    let around = (0..ratios.len()).filter(|&e| nodes(e).contains(&node));
+    let strained = around.min_by(|&a, &b| ratios[a].total_cmp(&ratios[b]));
+    let (id, ratio) = match failure {
+        Failure::Uncertified(Uncertified::Inverted { element, value, .. }) => (*element, *value),
+        Failure::Uncertified(Uncertified::Undecided { element, .. }) => {
+            (*element, ratios[*element])
+        }
+        _ if *smallest < CRUSHED => (crushed, *smallest),
+        _ => strained.map_or((crushed, *smallest), |e| (e, ratios[e])),
+    };
+    let [a, b, c, d] = space.tets()[id].map(|v| rest[v]);
+    let forces = nodes(id).iter().map(|&i| at(force, i).norm());
+    WorstElement {
+        id,
+        at: ((a + b + c + d) / 4.0).into(),
+        volume_ratio: ratio,
+        unbalanced_force: forces.fold(0.0, f64::max),
+        quality: mesh::measure::radius_ratio(a, b, c, d),
+    }
+}
+
+fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usize) -> f64 {
+    let n = space.nodes_per_element();
+    let nodes = &space.element_nodes()[n * e..n * (e + 1)];
+    let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
+    let g = Mat3::from_columns(&[b - a, c - a, d - a]);
+    let to_rest = cofactor(&g) / g.determinant();
+    let ratio = |gradients: &Vec<[f64; 3]>| {
+        let mut grad_u = Mat3::zeros();
+        for (&node, gradient) in nodes.iter().zip(gradients) {
+            grad_u += at(u, node) * (to_rest * Vec3::from(*gradient)).transpose();
+        }
+        Kinematics::new(&grad_u).j()
+    };
+    space.volume_table().gradients.iter().map(ratio).fold(f64::INFINITY, f64::min)
+}
+
+fn reason(
+    scene: &Scene,
+    unreached: &Unreached,
+    at_rest: &Softness,
+    space: &FunctionSpace,
+    rest: &[Vec3],
+) -> String {
+    if !at_rest.floats() {
+        let reached = scene.progress(unreached.load);
+        return format!("no equilibrium beyond {reached}: {}", unreached.failure);
+    }
+    let length = |i: usize| at(&at_rest.motion, i).norm();
+    let node = (0..space.node_count()).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+    let node = node.expect("there are nodes");
+    let axis = ["x", "y", "z"][at(&at_rest.motion, node).iamax()];
+    format!(
+        "not enough supports: at rest the body, or a part of it, moves without any force, most at \
+         {} along {axis}; nothing beyond {} can be computed",
+        point(&space.node_positions(rest)[node]),
+        scene.progress(unreached.load)
+    )
+}
+
+fn facts(
+    scene: &Scene,
+    unreached: &Unreached,
+    worst: &WorstElement,
+    system: &System,
+    rest: &[Vec3],
+    [at_rest, reached]: [&Softness; 2],
+) -> Vec<String> {
+    let residuals: Vec<String> =
+        last(&unreached.attempt.residuals).iter().map(|r| format!("{r:.1e}")).collect();
+    let mut facts = Vec::new();
+    if !residuals.is_empty() {
+        facts.push(format!(
+            "residuals at {}: {} N",
+            scene.progress(unreached.attempt.load),
+            residuals.join(", ")
+        ));
+    }
+    facts.push(format!(
+        "worst element: tetrahedron {} at {} at rest: volume ratio {:.3}, unbalanced force {:.1e} \
+         N, quality {:.2} (regular: 1)",
+        worst.id,
+        point(&worst.at.into()),
+        worst.volume_ratio,
+        worst.unbalanced_force,
+        worst.quality
+    ));
+    if let Some(Pivot { value, largest, unknown }) = reached.pivot {
+        let node = system.dof(unknown) / 3;
+        facts.push(format!(
+            "smallest pivot at {}: {value:.1e} N/m at {}, largest {largest:.1e} N/m",
+            scene.progress(unreached.load),
+            point(&system.space.node_positions(rest)[node])
+        ));
+    }
+    if reached.pivot.is_none() {
+        facts.push("that state is not stable".to_owned());
+    } else if let Some(times) = softening(at_rest, reached) {
+        facts.push(format!("it yields to more load by {times:.1} times what it did at rest"));
+    }
+    facts
+}
+
+/// Compliance to the loads, relative to that at rest.
+fn softening(at_rest: &Softness, reached: &Softness) -> Option<f64> {
+    Some(reached.compliance? / at_rest.compliance?)
+}
+
+fn advice(
+    scene: &Scene,
+    unreached: &Unreached,
+    worst: &WorstElement,
+    [at_rest, reached]: [&Softness; 2],
+    stretches: &Stretches,
+) -> Vec<String> {
+    let mut advice = Vec::new();
+    let settings = &scene.config.solver;
+    if at_rest.floats() {
+        advice.push(
+            "fix more tags or components; parts that touch in an edge or a vertex only do not \
+             hold each other"
+                .to_owned(),
+        );
+        return advice;
+    }
+    if let Failure::Stagnated { residual, scale, .. } = unreached.failure {
+        advice.push(format!(
+            "set [solver] relative_tolerance = {:.0e}, or absolute_tolerance = {:.0e} N, if that \
+             is accurate enough",
+            2.0 * residual / scale,
+            2.0 * residual
+        ));
+        return advice;
+    }
+    let pressed = scene.config.pressure.iter().any(|p| p.pressure.at(unreached.attempt.load) > 0.0);
+    let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
+        || softening(at_rest, reached).is_some_and(|times| times > SOFT);
+    if soft {
+        advice.push(if pressed {
+            "the body is about to give way, as a thin wall that balloons: more pressure than this \
+             it may not hold; lower the pressure, thicken the wall, or prescribe the volume of \
+             the chamber instead of its pressure"
+                .to_owned()
+        } else {
+            "the body is about to give way (buckling): move a support instead of prescribing a \
+             force, or lower the load"
+                .to_owned()
+        });
+    }
+    if let Some(warning) = stretches.warning() {
+        advice.push(format!("a material that is known further: {warning}"));
+    }
+    if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
+        let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };
+        advice.push(format!(
+            "a finer or better mesh at {}: the worst element there is {shape}",
+            point(&worst.at.into())
+        ));
+    }
+    if pressed && !soft {
+        advice.push("lower the pressure, or thicken the wall".to_owned());
+    }
+    advice.push(format!(
+        "finer load steps: [solver] smallest_load_step below {:e}, newton_iterations above {}; -v \
+         shows every iteration",
+        settings.smallest_load_step, settings.newton_iterations
+    ));
+    advice
+}
+
+fn pivot(pivot: &Option<Pivot>, system: &System, rest: &[Vec3]) -> Value {
+    let Some(Pivot { value, largest, unknown }) = pivot else { return Value::Null };
+    let dof = system.dof(*unknown);
+    let at: [f64; 3] = system.space.node_positions(rest)[dof / 3].into();
+    let axis = ["x", "y", "z"][dof % 3];
+    json!({ "value": value, "largest": largest, "at": at, "axis": axis })
+}
+
+fn grid(
+    space: &FunctionSpace,
+    rest: &[Vec3],
+    u: &[f64],
+    worst: &WorstElement,
+    force: &[f64],
+) -> vtu::Grid {
+    let field = |name: &str, unit: &str, components, values| vtu::Field {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        components,
+        values,
+    };
+    let mut grid = results::grid(space, rest, u);
+    let mut marks = vec![0.0; space.tets().len()];
+    marks[worst.id] = 1.0;
+    let quality = space.tets().iter().map(|tet| {
+        let [a, b, c, d] = tet.map(|v| rest[v]);
+        mesh::measure::radius_ratio(a, b, c, d)
+    });
+    grid.cell_fields.push(field("worst_element", "1", 1, marks));
+    grid.cell_fields.push(field("quality", "1", 1, quality.collect()));
+    grid.point_fields.push(field("unbalanced_force", "N", 3, force.to_vec()));
+    grid
+}
+
+fn point(p: &Vec3) -> String {
+    format!("({:.5}, {:.5}, {:.5}) m", p.x, p.y, p.z)
+}

@@ -1,0 +1,53 @@
+//! How far to go along a descent direction.
+//!
+//! Source: Nocedal and Wright, "Numerical Optimization", chapter 3; test of
+//! decrease near convergence: Hager and Zhang 2005, doi:10.1137/030601880.
+
+use super::System;
+use super::ladder::Point;
+use crate::math::linear::dot;
+
+/// Fraction of the predicted decrease that a step must reach.
+const ARMIJO: f64 = 1e-4;
+/// Halvings of the step before the direction is given up.
+const HALVINGS: usize = 30;
+/// Below this relative change the energy has no digits left to compare.
+const ENERGY_DIGITS: f64 = 1e-9;
+
+/// A trial state that was accepted, with its gradient if that was needed.
+pub struct Accepted {
+    /// The state [m].
+    pub u: Vec<f64>,
+    /// Its energy [J].
+    pub energy: f64,
+    /// Its gradient [N] and the scale of the forces [N].
+    pub gradient: Option<(Vec<f64>, f64)>,
+}
+
+/// Halves the step until it decreases the energy enough; where the energy has
+/// no digits left, until the slope does not grow. None where no step does.
+pub fn line_search(
+    system: &mut System,
+    at: &Point,
+    energy: f64,
+    direction: &[f64],
+) -> Option<Accepted> {
+    let slope = dot(at.gradient, direction);
+    let mut alpha = 1.0;
+    for _ in 0..HALVINGS {
+        let trial: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + alpha * d).collect();
+        let value = system.value(at.rest, &trial, at.load);
+        if value <= energy + ARMIJO * alpha * slope {
+            return Some(Accepted { u: trial, energy: value, gradient: None });
+        }
+        if (value - energy).abs() <= ENERGY_DIGITS * energy.abs() {
+            let gradient = system.gradient(at.rest, &trial, at.load);
+            let end = dot(&gradient.0, direction);
+            if end.abs() <= (1.0 - ARMIJO) * slope.abs() {
+                return Some(Accepted { u: trial, energy: value, gradient: Some(gradient) });
+            }
+        }
+        alpha *= 0.5;
+    }
+    None
+}

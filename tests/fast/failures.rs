@@ -1,0 +1,224 @@
+//! `solver` where there is no equilibrium, or none to the tolerance that was
+//! asked for: exit code, what the message and report.json say, and the last good
+//! state on disk.
+
+use std::process::Command;
+
+use mesh::io::write_tets;
+use mesh::{TetMesh, Vec3};
+use serde_json::Value;
+use tests::chamber::{self, SIM, beyond_any_equilibrium};
+use tests::workdir::{Run, Workdir, python};
+use tests::{block, tag};
+
+/// Runs a scene that must fail; its report.
+fn failing(dir: &Workdir, scene: &str) -> (Run, Value) {
+    let run = dir.solver(&format!("simulate {scene} -o out"));
+    run.assert_refused(1, &[scene, "not_full_load.vtu", "worst element: tetrahedron"]);
+    assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
+    let report = dir.json("out/report.json");
+    assert_eq!(report["usable"], false);
+    (run, report)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+#[test]
+fn a_failure_names_what_was_reached_and_where() {
+    let dir = chamber::workdir();
+    dir.write("high.toml", &beyond_any_equilibrium(&dir.text("p1.toml")));
+    let (run, report) = failing(&dir, "high.toml");
+    assert_eq!(report["status"], "no equilibrium");
+    let failure = &report["failure"];
+    assert!(number(&failure["load_reached"]) < number(&failure["load_tried"]));
+    assert!(failure["residuals"].as_array().unwrap().len() <= 8, "{failure}");
+    let worst = &failure["worst_element"];
+    let id = usize::try_from(worst["id"].as_u64().unwrap()).unwrap();
+    let body = chamber::chamber();
+    let centre = body.mesh.corners(id).iter().sum::<Vec3>() / 4.0;
+    let told = [0, 1, 2].map(|k| number(&worst["at"][k]));
+    assert!((centre - Vec3::from(told)).norm() < 1e-15, "{worst}");
+    // the corner tetrahedra of a cube: r/R of the path-shaped one
+    assert!(number(&worst["quality"]) > 0.5, "{worst}");
+    run.assert_refused(1, &[&format!("tetrahedron {id} "), "residuals at", "try: "]);
+    let advice = failure["try"].as_array().unwrap();
+    assert!(!advice.is_empty());
+    advice.iter().for_each(|a| run.assert_refused(1, &[a.as_str().unwrap()]));
+}
+
+/// Another program finds the element in the last good state.
+#[test]
+fn meshio_finds_the_worst_element() {
+    const READ: &str = "
+import sys, json, meshio, numpy
+mesh = meshio.read('out/not_full_load.vtu')
+worst = json.load(open('out/report.json'))['failure']['worst_element']['id']
+field = lambda data, word: next(v for k, v in data.items() if k.split(' [')[0] == word)
+[marks] = field(mesh.cell_data, 'worst_element')
+assert marks.sum() == 1 and marks[worst] == 1, marks
+[quality] = field(mesh.cell_data, 'quality')
+assert 0 < quality.min() and quality.max() <= 1, quality
+assert field(mesh.point_data, 'unbalanced_force').shape == mesh.points.shape
+assert numpy.isfinite(field(mesh.point_data, 'displacement')).all()
+";
+    let Some(python) = python("meshio, numpy") else { return };
+    let dir = chamber::workdir();
+    dir.write("high.toml", &beyond_any_equilibrium(&dir.text("p1.toml")));
+    failing(&dir, "high.toml");
+    let output =
+        Command::new(&python).args(["-c", READ]).current_dir(dir.path("")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// A box with walls of a sixth of its side: as rubber balloons do, it has a
+/// largest pressure. The load steps come close to it, and the body then yields.
+#[test]
+fn a_balloon_is_told_from_a_bad_mesh() {
+    let hollow = |c: [usize; 3]| c.iter().all(|&i| (1..5).contains(&i));
+    let mesh = block([6, 6, 6], 1e-3, hollow, |p| p);
+    let inner = |p: Vec3| p.iter().all(|&x| x > 0.5e-3 && x < 5.5e-3);
+    let body = tag(mesh, &[("cavity", &inner), ("seat", &|p: Vec3| p.z < 1e-9)]);
+    let dir = Workdir::new();
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let law = "[material]\nkind = \"neo-hookean\"\nyoung = 3e5\npoisson = 0.45\n";
+    let stepping = "[solver]\nnewton_iterations = 12\nsmallest_load_step = 0.004\n";
+    let loads = "[[fixed]]\non = \"seat\"\n[[pressure]]\non = \"cavity\"\npressure = 150e3\n";
+    dir.write("sim.toml", &format!("mesh = \"body.msh\"\ndegree = 1\n{law}{loads}{stepping}"));
+    let (run, report) = failing(&dir, "sim.toml");
+    run.assert_refused(1, &["balloons", "prescribe the volume", "times what it did at rest"]);
+    assert!(number(&report["failure"]["softening"]) > 8.0, "{report}");
+    assert!(number(&report["failure"]["softest_stiffness"]["at_rest"]) > 0.0, "{report}");
+    assert!(number(&report["failure"]["load_reached"]) > 0.05, "{report}");
+}
+
+/// Two blocks that share an edge: the second turns about it.
+#[test]
+fn a_hinge_is_not_called_a_failure_to_converge() {
+    let first = block([2, 2, 2], 5e-3, |_| false, |p| p);
+    let dir = hinged(&first);
+    let (run, report) = failing(&dir, "sim.toml");
+    assert_eq!(report["status"], "not enough supports");
+    run.assert_refused(1, &["not enough supports", "moves without any force", "fix more tags"]);
+    assert!(!run.stderr.contains("no equilibrium"), "{}", run.stderr);
+}
+
+fn hinged(first: &TetMesh) -> Workdir {
+    // the copy stands on the other side of the edge x = z = 10 mm
+    let shift = Vec3::new(0.01, 0.0, 0.01);
+    let mut mesh = first.clone();
+    let id: Vec<usize> = first
+        .vertices
+        .iter()
+        .map(|v| {
+            let moved = v + shift;
+            let known = mesh.vertices.iter().position(|w| (w - moved).norm() < 1e-9);
+            known.unwrap_or_else(|| {
+                mesh.vertices.push(moved);
+                mesh.vertices.len() - 1
+            })
+        })
+        .collect();
+    mesh.tets.extend(first.tets.iter().map(|tet| tet.map(|v| id[v])));
+    let body = tag(mesh, &[("seat", &|p: Vec3| p.z < 1e-9), ("top", &|p| p.z > 0.02 - 1e-9)]);
+    let dir = Workdir::new();
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let material = &SIM[SIM.find("[material]").unwrap()..SIM.find("[[fixed]]").unwrap()];
+    let loads = "[[fixed]]\non = \"seat\"\n[[traction]]\non = \"top\"\ntraction = [100, 0, 0]\n";
+    dir.write("sim.toml", &format!("mesh = \"body.msh\"\ndegree = 1\n{material}{loads}"));
+    dir
+}
+
+#[test]
+fn parts_that_do_not_touch_are_refused_at_once() {
+    let middle = |c: [usize; 3]| c[0] == 1;
+    let body = tag(block([3, 1, 1], 1e-2, middle, |p| p), &[("seat", &|p: Vec3| p.x < 1e-9)]);
+    let dir = Workdir::new();
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let scene = &SIM[..SIM.find("[[pressure]]").unwrap()];
+    dir.write("sim.toml", scene);
+    let run = dir.solver("simulate sim.toml -o out");
+    run.assert_refused(2, &["sim.toml", "2 parts that do not touch", "(0.02500, ", "can still"]);
+    assert!(!dir.path("out").exists());
+}
+
+/// A tolerance below rounding: the result is as good as numbers allow, and says
+/// that it is not what was asked for.
+#[test]
+fn a_tolerance_below_rounding_is_reported_as_missed() {
+    let dir = chamber::workdir();
+    let ask = |relative: &str| {
+        format!("[solver]\nabsolute_tolerance = 0\nrelative_tolerance = {relative}\n[mat")
+    };
+    for scene in ["p1.toml", "sim.toml"] {
+        let text = dir.text(scene);
+        dir.write("asked.toml", &text.replacen("[mat", &ask("1e-18"), 1));
+        let run = dir.solver("simulate asked.toml -o out");
+        run.assert_good();
+        assert!(run.stderr.contains("rounding alone may leave"), "{}", run.stderr);
+        let report = dir.json("out/report.json");
+        assert_eq!(report["tolerance_met"], false);
+        let last = report["steps"].as_array().unwrap().last().unwrap().clone();
+        let [residual, wanted, floor] =
+            ["residual", "residual_wanted", "rounding_floor"].map(|key| number(&last[key]));
+        assert!(wanted < residual && residual < floor, "{last}");
+        // the estimate is not so large that it would let anything pass
+        assert!(floor < 1e-10 * 8e3 * 36e-4, "{last}");
+        dir.write("asked.toml", &text.replacen("[mat", &ask("1e-10"), 1));
+        let run = dir.solver("simulate asked.toml -o out");
+        run.assert_good();
+        assert!(!run.stderr.contains("rounding"), "{}", run.stderr);
+        assert_eq!(dir.json("out/report.json")["tolerance_met"], true);
+    }
+}
+
+/// A limit on the address space, as `ulimit -v` and batch systems set it.
+#[test]
+fn a_factor_that_does_not_fit_is_refused_before_it_is_made() {
+    if !cfg!(target_os = "linux") {
+        eprintln!("SKIPPED: limits are read on Linux only");
+        return;
+    }
+    let dir = chamber::workdir();
+    let body = tag(block([14, 14, 14], 1e-3, |_| false, |p| p), &[("seat", &|p| p.z < 1e-9)]);
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.write("sim.toml", &SIM[..SIM.find("[[pressure]]").unwrap()]);
+    let solver = dir.command("simulate sim.toml -o out --threads 1");
+    let mut limited = Command::new("bash");
+    limited.args(["-c", "ulimit -v 600000; exec \"$0\" \"$@\""]).arg(solver.get_program());
+    limited.args(solver.get_args()).current_dir(dir.path(""));
+    let run: Run = limited.output().unwrap().into();
+    let words = ["sim.toml", "unknowns", "million entries", "B are needed", "coarser mesh"];
+    run.assert_refused(2, &words);
+    assert!(!dir.path("out").exists());
+}
+
+#[test]
+fn the_size_of_the_factor_is_told_at_the_start() {
+    let dir = chamber::workdir();
+    let run = dir.solver("simulate sim.toml -o out");
+    run.assert_good();
+    // 819 nodes, less those of the seat
+    let line = run.stderr.lines().find(|l| l.contains("unknowns")).unwrap().to_owned();
+    assert!(line.contains("384 tets, degree 2") && line.contains("million entries"), "{line}");
+    assert!(number(&dir.json("out/report.json")["memory_estimate_mb"]) > 0.1);
+}
+
+#[test]
+fn an_optimisation_whose_start_has_no_equilibrium() {
+    let dir = chamber::workdir();
+    let sound = dir.text("p1.toml");
+    dir.write("p1.toml", &beyond_any_equilibrium(&sound));
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_refused(1, &["level 1", "no equilibrium", "worst element: tetrahedron", "try: "]);
+    let files = dir.files("out");
+    assert!(files.contains(&"not_full_load.vtu".to_owned()), "{files:?}");
+    let report = dir.json("out/report.json");
+    assert_eq!((&report["usable"], &report["level"]), (&false.into(), &1.into()));
+    // mended, it runs in the same folder, and nothing tells of the failure
+    dir.write("p1.toml", &sound);
+    dir.solver("optimize design.toml -o out").assert_good();
+    assert!(!dir.files("out").contains(&"not_full_load.vtu".to_owned()));
+    assert_eq!(dir.json("out/report.json")["usable"], true);
+}

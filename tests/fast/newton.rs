@@ -1,0 +1,147 @@
+//! Newton's method at the end of its digits, and the softest motion.
+
+use mesh::Vec3;
+use solver::energy::{BodyForce, Elastic, Energy, Hessian, Iterate};
+use solver::forward::{Failure, Newton, Softness};
+use solver::math::linear::{Precision, SparseSolver, Symmetric};
+use solver::math::sparse::BlockMatrix;
+use tests::block;
+use tests::equilibrium::{Problem, SILICONE};
+
+/// Forces that are wrong in their ninth digit, in a way that changes with every
+/// bit of u.
+struct Blurred(Elastic);
+
+impl Energy for Blurred {
+    fn name(&self) -> &'static str {
+        "elastic"
+    }
+    fn value(&self, at: &Iterate) -> f64 {
+        self.0.value(at)
+    }
+    fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
+        let mut exact = vec![0.0; out.len()];
+        self.0.add_gradient(at, &mut exact);
+        for ((out, exact), u) in out.iter_mut().zip(exact).zip(at.u) {
+            let hash = u.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
+            *out += exact * (1.0 + 1e-9 * (hash as f64 / 2.0_f64.powi(52) - 1.0));
+        }
+    }
+    fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        self.0.add_hessian(at, kind, out);
+    }
+    fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        self.0.add_mixed_vjp(at, lambda, out);
+    }
+}
+
+fn elastic() -> Elastic {
+    Elastic { material: Box::new(SILICONE) }
+}
+
+/// A bar of square section that bends under its weight.
+fn bar(cells: [usize; 3], edge: f64, force: f64, term: fn() -> Box<dyn Energy>) -> Problem {
+    Problem::new(
+        block(cells, edge, |_| false, |p| p),
+        2,
+        |_| vec![term(), Box::new(BodyForce { force: Vec3::new(0.0, 0.0, -force).into() })],
+        |p| [p.x < 1e-9; 3],
+    )
+}
+
+const UNREACHABLE: Newton = Newton { iterations: 60, relative: 1e-20, absolute: 0.0 };
+
+/// What Newton's method ends at, whatever is asked for, is within a factor of
+/// the estimate: for stiff and slender bodies, small and large strain.
+#[test]
+fn the_rounding_floor_is_where_residuals_end() {
+    for (cells, edge, force) in [
+        ([2, 2, 2], 1e-2, 1e4),
+        ([2, 2, 2], 1e-2, 1e6),
+        ([2, 2, 2], 1e1, 1e2),
+        ([12, 1, 1], 1e-2, 1e2),
+        ([40, 1, 1], 1e-3, 1e2),
+    ] {
+        let mut bar = bar(cells, edge, force, || Box::new(elastic()));
+        let (system, rest) = (&mut bar.system, &bar.rest);
+        let end = UNREACHABLE.solve(system, rest, &mut bar.u, 1.0).unwrap();
+        let floor = end.floor.expect("nobody reaches 1e-20");
+        eprintln!("{cells:?}: residual {:.1e} N, floor {floor:.1e} N", end.residual);
+        assert!(end.residual < floor && end.residual > 1e-3 * floor, "{cells:?} {end:?}");
+    }
+}
+
+#[test]
+fn forces_that_are_not_accurate_stagnate_above_the_floor() {
+    let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(elastic())));
+    let newton = Newton { iterations: 40, relative: 1e-12, absolute: 0.0 };
+    let failure = newton.solve(&mut bar.system, &bar.rest, &mut bar.u, 1.0).unwrap_err();
+    let Failure::Stagnated { iterations, residual, wanted, floor, scale } = failure else {
+        panic!("{failure}")
+    };
+    assert!(iterations < 20 && wanted < residual && floor < residual, "{failure}");
+    assert!((1e-11..1e-8).contains(&(residual / scale)), "{failure}");
+    assert!(failure.to_string().contains("floor by rounding"), "{failure}");
+}
+
+/// The softest motion of a clamped bar is its first bending: a beam on the
+/// node masses of the identity has no closed form, but its stiffness falls with
+/// the fourth power of the length, and one free bar has none.
+#[test]
+fn the_softest_motion_of_a_bar_bends_it() {
+    let softness = |length: usize, held: bool| {
+        let mut bar = Problem::new(
+            block([length, 1, 1], 1e-2, |_| false, |p| p),
+            2,
+            |_| vec![Box::new(elastic()) as Box<dyn Energy>],
+            |p| [held && p.x < 1e-9; 3],
+        );
+        let zero = vec![0.0; bar.system.len()];
+        let softness = Softness::of(&mut bar.system, &bar.rest, &zero, [0.0, 0.1]);
+        let end = bar.rest.iter().position(|p| p.x > 0.01 * length as f64 - 1e-9).unwrap();
+        let motion = solver::element::at(&softness.motion, end);
+        (softness, motion)
+    };
+    let (short, motion) = softness(8, true);
+    let (long, _) = softness(16, true);
+    assert!(!short.floats() && motion.x.abs() < 0.5 * motion.norm(), "{motion}");
+    // bending alone would give 1/16; the short bar also shears
+    let ratio = long.stiffness.unwrap() / short.stiffness.unwrap();
+    assert!((1.0 / 16.0..0.08).contains(&ratio), "{ratio}");
+    // a pivot is never below the smallest eigenvalue
+    assert!(short.pivot.unwrap().value >= short.stiffness.unwrap());
+    assert!(softness(8, false).0.floats());
+}
+
+/// Dense enough for a factor by supernodes.
+#[test]
+fn the_smallest_pivot_is_that_of_a_dense_factor() {
+    let n = 200;
+    let entry = |i: usize, j: usize| if i == j { 150.0 } else { ((i * j) as f64).sin() };
+    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for c in 0..n {
+        rows.extend(c..n);
+        values.extend((c..n).map(|r| entry(r, c)));
+        start.push(rows.len());
+    }
+    let order: Vec<usize> = (0..n).collect();
+    let mut solver = SparseSolver::new(start, rows, &order);
+    assert!(solver.smallest_pivot().is_none());
+    solver.factor_positive(Symmetric::sparse(values), Precision::Double).unwrap();
+    // Gaussian elimination without exchanges
+    let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+    for k in 0..n {
+        let pivot = a[k].clone();
+        for row in &mut a[k + 1..] {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+        }
+    }
+    let pivots: Vec<f64> = (0..n).map(|k| a[k][k]).collect();
+    let smallest = pivots.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = pivots.iter().copied().fold(0.0, f64::max);
+    let found = solver.smallest_pivot().unwrap();
+    assert!((found.value / smallest - 1.0).abs() < 1e-11, "{found:?} {smallest}");
+    assert!((found.largest / largest - 1.0).abs() < 1e-11, "{found:?} {largest}");
+    assert_eq!(pivots[found.unknown], smallest);
+}
