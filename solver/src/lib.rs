@@ -22,6 +22,7 @@ pub mod config; // what people write
 pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod results; // what programs write
+pub mod compare; // runs against a reference
 pub mod optimize; // outer loop
 
 #[cfg(test)]

@@ -32,6 +32,8 @@ pub struct Axes {
     pub x: String,
     /// Name and unit of the ordinate.
     pub y: String,
+    /// Whether the abscissa is logarithmic.
+    pub log_x: bool,
     /// Whether the ordinate is logarithmic.
     pub log_y: bool,
 }
@@ -75,36 +77,51 @@ pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
 fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
     let points = || series.iter().flat_map(|s| &s.points);
     ensure!(points().next().is_some(), "there is nothing to draw");
-    let drawable =
-        |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!axes.log_y || p.1 > 0.0);
-    if let Some(bad) = points().find(|p| !drawable(p)) {
-        let needed = if axes.log_y { "finite numbers, positive along y" } else { "finite numbers" };
+    let fits = |log: bool, value: f64| value.is_finite() && (!log || value > 0.0);
+    if let Some((x, y)) = points().find(|p| !(fits(axes.log_x, p.0) && fits(axes.log_y, p.1))) {
+        let along = |log: bool, name: &str| if log { name.to_owned() } else { String::new() };
+        let positive =
+            along(axes.log_x, ", positive along x") + &along(axes.log_y, ", positive along y");
         return Err(anyhow!(
-            "the point ({}, {}) cannot be drawn: needed are {needed}",
-            bad.0,
-            bad.1
+            "the point ({x}, {y}) cannot be drawn: needed are finite numbers{positive}"
         ));
     }
-    let x = room(points().map(|p| p.0), 0.02);
-    let corner = free_corner(points().copied(), axes.log_y);
+    // positions along the axes; on a logarithmic one, decades
+    let x = room(points().map(|p| axes.position(p).0), 0.02);
+    let y = room(points().map(|p| axes.position(p).1), 0.06);
+    let corner = free_corner(points().map(|p| axes.position(p)));
     let mut text = String::new();
     {
         let size = (fine(SIZE[0]), fine(SIZE[1]));
         let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
         canvas.fill(&WHITE).map_err(plain)?;
-        if axes.log_y {
-            let decades = room(points().map(|p| p.1.log10()), 0.06);
-            let y = 10_f64.powf(decades.start)..10_f64.powf(decades.end);
-            chart(&canvas, axes, series, corner, x, y.log_scale())?;
-        } else {
-            let y = room(points().map(|p| p.1), 0.06);
-            chart(&canvas, axes, series, corner, x, y)?;
+        match (axes.log_x, axes.log_y) {
+            (false, false) => chart(&canvas, axes, series, corner, x, y)?,
+            (false, true) => chart(&canvas, axes, series, corner, x, powers(y).log_scale())?,
+            (true, false) => chart(&canvas, axes, series, corner, powers(x).log_scale(), y)?,
+            (true, true) => {
+                let (x, y) = (powers(x).log_scale(), powers(y).log_scale());
+                chart(&canvas, axes, series, corner, x, y)?;
+            }
         }
         canvas.present().map_err(plain)?;
     }
     // the view box keeps the canvas; only the size to show it at changes
     let size = |[width, height]: [u32; 2]| format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&size(SIZE.map(fine)), &size(SIZE), 1))
+}
+
+impl Axes {
+    /// Where a point lies along both axes.
+    fn position(&self, (x, y): &(f64, f64)) -> (f64, f64) {
+        let along = |log: bool, value: f64| if log { value.log10() } else { value };
+        (along(self.log_x, *x), along(self.log_y, *y))
+    }
+}
+
+/// A range of decades as one of numbers.
+fn powers(decades: Range<f64>) -> Range<f64> {
+    10_f64.powf(decades.start)..10_f64.powf(decades.end)
 }
 
 /// The range of values with a margin on both sides.
@@ -116,11 +133,7 @@ fn room(values: impl Iterator<Item = f64> + Clone, margin: f64) -> Range<f64> {
 }
 
 /// The corner with the fewest points, for the legend.
-fn free_corner(
-    points: impl Iterator<Item = (f64, f64)> + Clone,
-    log_y: bool,
-) -> SeriesLabelPosition {
-    let points = points.map(|p| (p.0, if log_y { p.1.log10() } else { p.1 }));
+fn free_corner(points: impl Iterator<Item = (f64, f64)> + Clone) -> SeriesLabelPosition {
     let (x, y) = (room(points.clone().map(|p| p.0), 0.0), room(points.clone().map(|p| p.1), 0.0));
     let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
     let crowd = |right: bool, upper: bool| {
@@ -135,15 +148,17 @@ fn free_corner(
     corners.into_iter().min_by_key(|c| c.0).map_or(SeriesLabelPosition::UpperLeft, |c| c.1)
 }
 
-fn chart<Y>(
+fn chart<X, Y>(
     canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
     axes: &Axes,
     series: &[Series],
     corner: SeriesLabelPosition,
-    x: Range<f64>,
+    x: X,
     y: Y,
 ) -> Result<()>
 where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
     Y: AsRangedCoord<Value = f64>,
     Y::CoordDescType: ValueFormatter<f64>,
 {
@@ -241,13 +256,36 @@ mod tests {
 
     #[test]
     fn labels_axes_and_every_point_are_drawn() {
-        let axes = Axes { x: "time [s]".into(), y: "error [1]".into(), log_y: true };
+        let axes = Axes { x: "time [s]".into(), y: "error [1]".into(), log_x: false, log_y: true };
         let text =
             svg(&axes, &line(vec![(0.0, 1e-3), (1.0, 1e-6), (2.0, 1e-9)])).expect("drawable");
         for word in ["time [s]", "error [1]", "a &amp; b", "polyline", "</svg>"] {
             assert!(text.contains(word), "{word}");
         }
         assert_eq!(text.matches("<circle").count(), 3);
+    }
+
+    /// Equal factors are equal lengths on a logarithmic axis.
+    #[test]
+    fn both_axes_may_be_logarithmic() {
+        let power_law = || line(vec![(1.0, 1e-2), (10.0, 1e-4), (1000.0, 1e-8)]);
+        let axes = Axes { x: "n".into(), y: "e".into(), log_x: true, log_y: true };
+        let text = svg(&axes, &power_law()).expect("drawable");
+        let center = |circle: &str| {
+            let number = |key: &str| -> f64 {
+                let (_, rest) = circle.split_once(&format!("{key}=\"")).expect("a coordinate");
+                rest.split('"').next().and_then(|n| n.parse().ok()).expect("a number")
+            };
+            (number("cx"), number("cy"))
+        };
+        let centers: Vec<_> = text.split("<circle").skip(1).map(center).collect();
+        let [a, b, c] = centers[..] else { panic!("{centers:?}") };
+        // positions are rounded to whole pixels of the fine canvas
+        for (first, second) in [(b.0 - a.0, c.0 - b.0), (b.1 - a.1, c.1 - b.1)] {
+            assert!((second / first - 2.0).abs() < 0.01, "{first} {second}");
+        }
+        let error = svg(&axes, &line(vec![(0.0, 1.0)])).expect_err("0 has no logarithm");
+        assert!(error.to_string().contains("positive along x"), "{error}");
     }
 
     #[test]
