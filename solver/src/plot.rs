@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
+use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
@@ -97,11 +98,10 @@ fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
         canvas.fill(&WHITE).map_err(plain)?;
         match (axes.log_x, axes.log_y) {
             (false, false) => chart(&canvas, axes, series, corner, x, y)?,
-            (false, true) => chart(&canvas, axes, series, corner, x, powers(y).log_scale())?,
-            (true, false) => chart(&canvas, axes, series, corner, powers(x).log_scale(), y)?,
+            (false, true) => chart(&canvas, axes, series, corner, x, logarithmic(&y))?,
+            (true, false) => chart(&canvas, axes, series, corner, logarithmic(&x), y)?,
             (true, true) => {
-                let (x, y) = (powers(x).log_scale(), powers(y).log_scale());
-                chart(&canvas, axes, series, corner, x, y)?;
+                chart(&canvas, axes, series, corner, logarithmic(&x), logarithmic(&y))?;
             }
         }
         canvas.present().map_err(plain)?;
@@ -119,9 +119,25 @@ impl Axes {
     }
 }
 
-/// A range of decades as one of numbers.
-fn powers(decades: Range<f64>) -> Range<f64> {
-    10_f64.powf(decades.start)..10_f64.powf(decades.end)
+/// A logarithmic axis over a range of decades.
+fn logarithmic(decades: &Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
+    let numbers = 10_f64.powf(decades.start)..10_f64.powf(decades.end);
+    numbers.log_scale().with_key_points(ticks(decades))
+}
+
+/// Round numbers in a range of decades: enough to read the axis, and no more
+/// than fit beside it.
+fn ticks(decades: &Range<f64>) -> Vec<f64> {
+    let extent = decades.end - decades.start;
+    let digits: &[f64] = match extent {
+        e if e < 1.0 => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        e if e < 3.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let stride = (extent / 12.0).ceil().max(1.0) as usize;
+    let powers = (decades.start.floor() as i32..=decades.end.floor() as i32).step_by(stride);
+    let numbers = powers.flat_map(|p| digits.iter().map(move |d| d * 10_f64.powi(p)));
+    numbers.filter(|n| (decades.start..=decades.end).contains(&n.log10())).collect()
 }
 
 /// The range of values with a margin on both sides.
@@ -286,6 +302,18 @@ mod tests {
         }
         let error = svg(&axes, &line(vec![(0.0, 1.0)])).expect_err("0 has no logarithm");
         assert!(error.to_string().contains("positive along x"), "{error}");
+    }
+
+    #[test]
+    fn logarithmic_axes_have_round_numbers_from_end_to_end() {
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            found.iter().zip(expected).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-12));
+        };
+        near(ticks(&(-0.75..0.6)), &[0.2, 0.5, 1.0, 2.0]);
+        near(ticks(&(-0.2..0.5)), &[0.7, 0.8, 0.9, 1.0, 2.0, 3.0]);
+        near(ticks(&(-4.1..0.1)), &[1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
+        assert!(ticks(&(-60.0..30.0)).len() < 13);
     }
 
     #[test]

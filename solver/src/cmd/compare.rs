@@ -9,7 +9,7 @@ use solver::compare::{Comparison, Run};
 use solver::results;
 
 /// Spacings to the diagonal of the body, unless another is asked for.
-const SPACINGS: f64 = 400.0;
+const SPACINGS: f64 = 200.0;
 
 /// Compare runs of one body on several meshes with a reference
 ///
@@ -26,7 +26,7 @@ pub struct Arguments {
     /// JSON file to write
     #[arg(short, long)]
     output: PathBuf,
-    /// Largest edge of the triangles that boundaries are divided into [m]; 1/400
+    /// Largest edge of the triangles that boundaries are divided into [m]; 1/200
     /// of the reference's diagonal if not given
     #[arg(long)]
     spacing: Option<f64>,
