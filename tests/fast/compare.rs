@@ -31,13 +31,13 @@ fn runs_are_compared_with_a_reference_and_drawn() {
         assert_eq!(row["time_s"], report["equilibrium_s"]);
         assert!(number(&row["time_s"]) <= number(&report["wall_s"]), "{row}");
         // one mesh: the same at rest, and all points in common
-        assert!(number(&row["surface_at_rest"]["hausdorff"]) < 1e-17, "{row}");
+        assert!(number(&row["surface_at_rest"]["hausdorff"]) < 1e-15, "{row}");
         let displacement = &row["displacement"];
         assert!((number(&displacement["volume_share"]) - 1.0).abs() < 1e-9, "{row}");
     }
     let [linear, same] = [0, 1].map(|i| &found["runs"][i]);
-    assert!(number(&same["surface"]["hausdorff"]) < 1e-17, "{same}");
-    assert!(number(&same["displacement"]["max"]) < 1e-17, "{same}");
+    assert!(number(&same["surface"]["hausdorff"]) < 1e-15, "{same}");
+    assert!(number(&same["displacement"]["max"]) < 1e-15, "{same}");
 
     // the surfaces are no farther apart than the points that are moved
     let largest = number(&found["reference"]["largest_displacement"]);
