@@ -21,7 +21,7 @@ fn runs() -> Workdir {
 #[test]
 fn runs_are_compared_with_a_reference_and_drawn() {
     let dir = runs();
-    dir.solver("compare P2 P1 P2 -o compare.json").assert_good();
+    dir.solver("compare P2 P1 P2 -o compare.json --spacing 1e-3").assert_good();
     let found = dir.json("compare.json");
     let reports = [dir.json("P1/report.json"), dir.json("P2/report.json")];
     assert_eq!(found["reference"]["run"], "P2");
@@ -47,10 +47,10 @@ fn runs_are_compared_with_a_reference_and_drawn() {
     assert!(number(&linear["displacement"]["rms"]) < off, "{linear}");
     // finer sampling would not change it
     let change = number(&linear["surface"]["coarser"]) / apart - 1.0;
-    assert!(change.abs() < 0.01, "{change}");
+    assert!(change.abs() < 0.02, "{change}");
 
     let plot = "plot compare.json --x dofs --y surface.hausdorff*1e3,displacement.max*1e3";
-    dir.solver("compare P2 P1 -o one.json").assert_good();
+    dir.solver("compare P2 P1 -o one.json --spacing 4e-3").assert_good();
     dir.solver(&format!("{} --log --log-x -o error.svg", plot.replace("compare", "one")))
         .assert_good();
     assert!(dir.text("error.svg").contains("dofs"));

@@ -159,15 +159,15 @@ mod tests {
 
     #[test]
     fn concentric_spheres_are_the_difference_of_their_radii_apart() {
-        // cubic patches of 1/16 of a right angle are off the sphere by 1e-6
+        // cubic patches of 1/8 of a right angle are off the sphere by 1e-5
         for (r, s) in [(1.0, 1.2), (1.2, 1.0)] {
-            let d = hausdorff(&sphere(4, 3, r), &sphere(4, 3, s), 0.02);
+            let d = hausdorff(&sphere(3, 3, r), &sphere(3, 3, s), 0.04);
             for side in [d.from_reference, d.to_reference] {
-                // the chords of a spacing of 0.02 are off by 0.02²/8 = 5e-5
-                assert!((side - 0.2).abs() < 7e-5, "{d:?}");
+                // the chords of a spacing of 0.04 are off by 0.04²/8 = 2e-4
+                assert!((side - 0.2).abs() < 3e-4, "{d:?}");
             }
             // four times the error of the finer one
-            assert!((d.coarser - 0.2).abs() < 3e-4, "{d:?}");
+            assert!((d.coarser - 0.2).abs() < 1.2e-3, "{d:?}");
         }
     }
 
@@ -175,8 +175,8 @@ mod tests {
     /// sphere; patches of degree 2 and 3 come closer by orders.
     #[test]
     fn curved_patches_come_closer_to_a_sphere_than_facets() {
-        let exact = sphere(5, 3, 1.0);
-        let error = |degree| hausdorff(&exact, &sphere(2, degree, 1.0), 0.01).hausdorff;
+        let exact = sphere(4, 3, 1.0);
+        let error = |degree| hausdorff(&exact, &sphere(2, degree, 1.0), 0.025).hausdorff;
         let flat = testing::sphere(2);
         let sagitta = |t: usize| 1.0 - flat.centroid(t).norm();
         let deepest = (0..flat.triangles.len()).map(sagitta).fold(0.0, f64::max);
@@ -193,9 +193,9 @@ mod tests {
         let shift = Vec3::new(0.03, 0.04, 0.0);
         let nodes = one.nodes.iter().map(|p| p.iter().map(|x| x + shift).collect()).collect();
         let other = Patches { degree: 2, nodes };
-        let d = hausdorff(&one, &other, 0.02);
-        assert!((d.hausdorff - 0.05).abs() < 1e-4, "{d:?}");
-        assert!((d.from_reference - d.to_reference).abs() < 1e-4, "{d:?}");
+        let d = hausdorff(&one, &other, 0.04);
+        assert!((d.hausdorff - 0.05).abs() < 3e-4, "{d:?}");
+        assert!((d.from_reference - d.to_reference).abs() < 3e-4, "{d:?}");
         assert!(hausdorff(&one, &one, 0.05).hausdorff < 1e-15);
     }
 
