@@ -130,6 +130,7 @@ endef
 $(foreach p,1 2,$(eval $(call compare,$(p))))
 
 # Runs are timed: one after the other, with -j too.
+$(STUDY)/$(firstword $(LEVELS))/P1/report.json: | build/chamber/baseline/report.json
 last :=
 $(foreach run,$(foreach h,$(LEVELS),$(h)/P1 $(h)/P2) $(REFERENCE),\
 $(if $(last),$(eval $(STUDY)/$(run)/report.json: | $(STUDY)/$(last)/report.json))$(eval last := $(run)))
