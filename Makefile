@@ -17,7 +17,7 @@ help:  ## list all targets
 
 frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
 beam: build/beam/done  ## the same for a small beam, in a minute
-chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD and make its molds
+chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs

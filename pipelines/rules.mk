@@ -102,8 +102,65 @@ build/compression/pictures/pressed.png: build/compression/vented/report.json bui
 build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
 	@touch $@
 
+# The refinement study of the chamber, in folders study/<longest edge in mm>/P<degree>.
+STUDY := build/chamber/study
+LEVELS := 6 4.4 3.2 2.4
+REFERENCE := 2/P3
+
+$(STUDY)/%/model/model.json: pipelines/chamber/model.geo | setup
+	$(BIN)/cad2fem model $< --unit mm --set h=$* -o $(@D)
+
+$(STUDY)/%/volume.msh: $(STUDY)/%/model/model.json pipelines/chamber/cad2fem.toml | setup
+	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/chamber/cad2fem.toml --edge-length $*e-3 -o $@
+
+$(STUDY)/%/tagged.msh: $(STUDY)/%/volume.msh pipelines/chamber/tags.toml | setup
+	$(BIN)/tagger tag $< --config pipelines/chamber/tags.toml --patches $(@D)/model/patches -o $@
+
+# Degree $(1).
+define degree
+$(STUDY)/%/P$(1)/report.json: pipelines/chamber/sim.toml $(STUDY)/%/tagged.msh | setup
+	$(BIN)/solver simulate $$< --degree $(1) --mesh $(STUDY)/$$*/tagged.msh -o $$(@D) --final-only
+endef
+$(foreach p,1 2 3,$(eval $(call degree,$(p))))
+
+define compare
+$(STUDY)/P$(1).json: $(patsubst %,$(STUDY)/%/report.json,$(REFERENCE) $(LEVELS:%=%/P$(1))) | setup
+	$(BIN)/solver compare $$(patsubst %/report.json,%,$$^) -o $$@
+endef
+$(foreach p,1 2,$(eval $(call compare,$(p))))
+
+# Runs are timed: one after the other, with -j too.
+$(STUDY)/$(firstword $(LEVELS))/P1/report.json: | build/chamber/baseline/report.json
+last :=
+$(foreach run,$(foreach h,$(LEVELS),$(h)/P1 $(h)/P2) $(REFERENCE),\
+$(if $(last),$(eval $(STUDY)/$(run)/report.json: | $(STUDY)/$(last)/report.json))$(eval last := $(run)))
+
+# Picture $(1), column $(2) and title $(3) of its abscissa, $(4) and $(5) of its ordinate.
+define study-plot
+build/chamber/pictures/$(1).svg: $(STUDY)/P1.json $(STUDY)/P2.json | setup
+	$(BIN)/solver plot $$^ --x "$(2)" --x-title "$(3)" --y "$(4)*1e3" --y-title "$(5) [mm]" \
+		--labels P1,P2 --log --log-x -o $$@
+
+build/chamber/done: build/chamber/pictures/$(1).svg
+endef
+from-rest := time from rest to equilibrium [s]
+dofs := degrees of freedom
+apart := Hausdorff distance from P3
+off := largest difference of displacements from P3
+$(eval $(call study-plot,surface-time,time_s,$(from-rest),surface.hausdorff,$(apart)))
+$(eval $(call study-plot,surface-dofs,dofs,$(dofs),surface.hausdorff,$(apart)))
+$(eval $(call study-plot,displacement-time,time_s,$(from-rest),displacement.max,$(off)))
+$(eval $(call study-plot,displacement-dofs,dofs,$(dofs),displacement.max,$(off)))
+
+build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 $(REFERENCE)) | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view $(view.chamber) \
+		--captions "P1 coarsest,P2 coarsest,P3 reference" --title "chamber, inflated" -o $@
+
+build/chamber/done: build/chamber/pictures/study.png
+
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
+view.chamber := 60,10
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(eval $(call simulate,compression,build/compression,))

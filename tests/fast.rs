@@ -3,6 +3,8 @@
 
 #[path = "fast/bad_design.rs"]
 mod bad_design;
+#[path = "fast/compare.rs"]
+mod compare;
 #[path = "fast/energies.rs"]
 mod energies;
 #[path = "fast/failures.rs"]

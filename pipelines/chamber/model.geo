@@ -3,7 +3,7 @@
 // but for a bore in the end that is held. Lengths in millimetres: --unit mm.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {3, Name "Longest edge"} ];     // --set h=1.5
+DefineConstant[ h = {3, Name "Longest edge"} ];     // --set h=1.5; bends follow it
 
 length = 60;
 outer_a = 20;  outer_b = 16;    // half-axes along x and y
@@ -42,4 +42,4 @@ Physical Surface("outer") = {outer()};
 Physical Surface("tip") = {tip()};
 
 Mesh.MeshSizeMax = h;
-Mesh.MeshSizeFromCurvature = 16;    // edges around a full circle, for the bore
+Mesh.MeshSizeFromCurvature = 48 / h;    // edges around a full circle

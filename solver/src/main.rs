@@ -27,6 +27,7 @@ enum Verb {
     Check(cmd::check::Arguments),
     List(cmd::list::Arguments),
     Fit(cmd::fit::Arguments),
+    Compare(cmd::compare::Arguments),
     Plot(cmd::plot::Arguments),
 }
 
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
             Verb::Check(arguments) => cmd::check::run(arguments),
             Verb::List(arguments) => cmd::list::run(arguments),
             Verb::Fit(arguments) => cmd::fit::run(arguments),
+            Verb::Compare(arguments) => cmd::compare::run(arguments),
             Verb::Plot(arguments) => cmd::plot::run(arguments),
         }
     })

@@ -293,7 +293,8 @@ mod tests {
         let body = Body::new(body.mesh, body.tags);
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
-        let text = Supports::new(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+        let text =
+            Supports::new(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

@@ -1,6 +1,7 @@
 //! The verbs of `solver`.
 
 pub mod check;
+pub mod compare;
 pub mod fit;
 pub mod list;
 pub mod optimize;

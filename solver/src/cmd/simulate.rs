@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use clap::builder::RangedU64ValueParser;
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// Another tagged mesh in place of the scene's
     #[arg(long)]
     mesh: Option<PathBuf>,
+    /// Another degree of the displacement in place of the scene's: 1, 2 or 3
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
+    degree: Option<usize>,
     /// Only the final state, no file per load step
     #[arg(long)]
     final_only: bool,
@@ -36,7 +40,9 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let scene = Scene::read(&arguments.scene, arguments.mesh.as_deref())?;
+    let mut scene = Scene::read(&arguments.scene, arguments.mesh.as_deref())?;
+    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
+    let begin = Instant::now();
     let mut system = scene.system(&scene.body)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
@@ -58,6 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             start.elapsed().as_secs_f64()
         );
     });
+    let equilibrium_s = begin.elapsed().as_secs_f64();
     let mut report = header(&scene, &system, arguments)?;
     let solution = match outcome {
         Ok(solution) => solution,
@@ -78,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     write(folder, &scene, &system, &solution, arguments.final_only)?;
     fill(&mut report, &scene, &mut system, &solution)?;
+    report["equilibrium_s"] = json!(equilibrium_s);
     report["wall_s"] = json!(start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(results::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)

@@ -6,6 +6,24 @@ use mesh::bvh::overlapping_pairs;
 use super::basis::values;
 use super::{FunctionSpace, at};
 
+/// How far outside an element a point may be and still count as in it, relative
+/// to the element: rounding, so that points on faces are found.
+const MARGIN: f64 = 1e-9;
+
+/// A point of a mesh by barycentric coordinates in an element.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    element: usize,
+    lambda: [f64; 4],
+}
+
+impl Place {
+    /// The smallest barycentric coordinate: negative outside.
+    fn depth(&self) -> f64 {
+        self.lambda.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
 /// Interpolates the field `u` of the space `from` at the nodes of the space
 /// `to`; rest positions belong to the vertices of the meshes. A node outside
 /// all elements takes the nearest one's polynomial, so that the result is
@@ -15,37 +33,50 @@ pub fn interpolate(
     (from, from_rest, u): (&FunctionSpace, &[Vec3], &[f64]),
     (to, to_rest): (&FunctionSpace, &[Vec3]),
 ) -> Vec<f64> {
-    let nodes = to.node_positions(to_rest);
-    let boxes: Vec<_> = from.tets().iter().map(|tet| bounds(tet.map(|v| from_rest[v]))).collect();
-    let points: Vec<_> = nodes.iter().map(|p| (*p, *p)).collect();
-    let mut best = vec![(f64::NEG_INFINITY, 0, [0.0; 4]); nodes.len()];
-    for (node, tet) in overlapping_pairs(&points, &boxes) {
-        let lambda = barycentric(from.tets()[tet].map(|v| from_rest[v]), nodes[node]);
-        let inside = lambda.into_iter().fold(f64::INFINITY, f64::min);
-        if inside > best[node].0 {
-            best[node] = (inside, tet, lambda);
+    let places = places((from, from_rest), &to.node_positions(to_rest));
+    let value = |place: Option<Place>| place.map_or_else(Vec3::zeros, |p| value(from, u, &p));
+    places.into_iter().flat_map(|place| <[f64; 3]>::from(value(place))).collect()
+}
+
+/// Values of the field `u` at rest positions; none at those outside the body.
+#[must_use]
+pub fn sample(
+    (space, rest, u): (&FunctionSpace, &[Vec3], &[f64]),
+    points: &[Vec3],
+) -> Vec<Option<Vec3>> {
+    let inside = |place: &Place| place.depth() >= -MARGIN;
+    let places = places((space, rest), points).into_iter();
+    places.map(|place| place.filter(inside).map(|p| value(space, u, &p))).collect()
+}
+
+/// The element in which each point lies deepest; none where it is in no
+/// element's bounding box.
+fn places((space, rest): (&FunctionSpace, &[Vec3]), points: &[Vec3]) -> Vec<Option<Place>> {
+    let boxes: Vec<_> = space.tets().iter().map(|tet| bounds(tet.map(|v| rest[v]))).collect();
+    let queries: Vec<_> = points.iter().map(|p| (*p, *p)).collect();
+    let mut best: Vec<Option<Place>> = vec![None; points.len()];
+    for (point, element) in overlapping_pairs(&queries, &boxes) {
+        let lambda = barycentric(space.tets()[element].map(|v| rest[v]), points[point]);
+        let place = Place { element, lambda };
+        if best[point].is_none_or(|b| place.depth() > b.depth()) {
+            best[point] = Some(place);
         }
     }
-    let n = from.nodes_per_element();
-    let mut result = Vec::with_capacity(3 * nodes.len());
-    for (found, tet, lambda) in best {
-        let mut sum = Vec3::zeros();
-        if found > f64::NEG_INFINITY {
-            let element = &from.element_nodes()[n * tet..n * (tet + 1)];
-            for (&node, value) in element.iter().zip(values(from.degree(), &lambda)) {
-                sum += value * at(u, node);
-            }
-        }
-        result.extend(sum.iter());
-    }
-    result
+    best
+}
+
+fn value(space: &FunctionSpace, u: &[f64], place: &Place) -> Vec3 {
+    let n = space.nodes_per_element();
+    let nodes = &space.element_nodes()[n * place.element..n * (place.element + 1)];
+    let values = values(space.degree(), &place.lambda);
+    nodes.iter().zip(values).map(|(&node, value)| value * at(u, node)).sum()
 }
 
 /// Bounding box, a little larger so that nodes on its faces are found.
 fn bounds(corners: [Vec3; 4]) -> (Vec3, Vec3) {
     let min = corners.iter().fold(corners[0], |m, c| m.inf(c));
     let max = corners.iter().fold(corners[0], |m, c| m.sup(c));
-    let margin = 1e-9 * (max - min);
+    let margin = MARGIN * (max - min);
     (min - margin, max + margin)
 }
 
@@ -73,14 +104,28 @@ mod tests {
             let field = |x: &Vec3| {
                 [(x.x + x.y - x.z).powi(p), 0.5 + x.z.powi(p), x.x.powi(p - 1) * (2.0 - x.y)]
             };
-            let sample = |space: &FunctionSpace, rest: &[Vec3]| -> Vec<f64> {
+            let nodal = |space: &FunctionSpace, rest: &[Vec3]| -> Vec<f64> {
                 space.node_positions(rest).iter().flat_map(field).collect()
             };
-            let u = sample(&from, &rest);
+            let u = nodal(&from, &rest);
             let result = interpolate((&from, &rest, &u), (&to, &other_rest));
-            for (a, b) in result.iter().zip(sample(&to, &other_rest)) {
+            for (a, b) in result.iter().zip(nodal(&to, &other_rest)) {
                 assert!((a - b).abs() < 1e-12, "{degree} {a} {b}");
             }
         }
+    }
+
+    #[test]
+    fn points_outside_have_no_value() {
+        let mesh = testing::cube(2, 0.2);
+        let space = FunctionSpace::new(1, mesh.vertices.len(), mesh.tets);
+        let u: Vec<f64> = mesh.vertices.iter().flat_map(|x| [2.0 * x.x, x.y, 0.0]).collect();
+        let points = [[0.3, 0.4, 0.5], [1.0, 1.0, 0.2], [1.001, 0.5, 0.5], [9.0, 0.0, 0.0]];
+        let found = sample((&space, &mesh.vertices, &u), &points.map(Vec3::from));
+        for (point, value) in points.iter().zip(&found[..2]) {
+            let expected = Vec3::new(2.0 * point[0], point[1], 0.0);
+            assert!((value.expect("inside") - expected).norm() < 1e-14);
+        }
+        assert_eq!(found[2..], [None, None]);
     }
 }

@@ -8,5 +8,5 @@ mod space;
 
 pub use basis::{HIGHEST_DEGREE, Tabulation, tabulate};
 pub use bernstein::JacobianForm;
-pub use interpolate::interpolate;
+pub use interpolate::{interpolate, sample};
 pub use space::{FunctionSpace, add_at, at};

@@ -1,0 +1,136 @@
+//! A finished run, as `solver simulate` left it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::io::npy;
+use mesh::{TetMesh, Vec3};
+use serde_json::Value;
+
+use super::Patches;
+use crate::element::{FunctionSpace, at};
+
+/// A displacement field on a body, and what it took to find it.
+pub struct Run {
+    /// Where it was read from.
+    pub folder: PathBuf,
+    /// Where the displacement lives.
+    pub space: FunctionSpace,
+    /// Vertices at rest [m].
+    pub rest: Vec<Vec3>,
+    /// Boundary facets as vertex ids.
+    pub boundary: Vec<[usize; 3]>,
+    /// Displacement [m], three components per node.
+    pub u: Vec<f64>,
+    /// Time from the rest shape to the equilibrium [s].
+    pub time: f64,
+    /// What was solved: the scene without its mesh, degree and numerical settings.
+    pub problem: Value,
+}
+
+impl Run {
+    /// Reads the folder of a finished `solver simulate`. The mesh is read from
+    /// where that found it, relative to the working directory.
+    ///
+    /// # Errors
+    /// When a file is missing, the run has no equilibrium, or the mesh is not
+    /// the one that was used.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join("report.json");
+        let report: Value = serde_json::from_str(&mesh::io::read_text(&path)?)
+            .with_context(|| path.display().to_string())?;
+        let found = Self::assemble(folder, &report);
+        found.with_context(|| path.display().to_string())
+    }
+
+    fn assemble(folder: &Path, report: &Value) -> Result<Self> {
+        let status = report["status"].as_str().unwrap_or("missing");
+        ensure!(status == "ok", "status is {status:?}, needed is a run with an equilibrium");
+        let degree = entry(report, "/config/degree")?.as_u64().unwrap_or(0) as usize;
+        ensure!((1..=3).contains(&degree), "config.degree is {degree}: 1, 2 and 3 exist");
+        let time = entry(report, "/equilibrium_s")?.as_f64().context("equilibrium_s")?;
+        let mesh = read_mesh(entry(report, "/inputs/mesh")?)?;
+        let boundary = mesh::topology::boundary(&mesh).facets;
+        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
+        let file = folder.join("displacement.npy");
+        let (u, shape) = npy::read_f64(&file)?;
+        let nodes = space.node_count();
+        ensure!(
+            shape == [nodes, 3],
+            "{} has shape {shape:?}, the mesh has {nodes} nodes of degree {degree}",
+            file.display()
+        );
+        let problem = problem(entry(report, "/config")?);
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            space,
+            rest: mesh.vertices,
+            boundary,
+            u,
+            time,
+            problem,
+        })
+    }
+
+    /// The boundary at rest.
+    #[must_use]
+    pub fn at_rest(&self) -> Patches {
+        Patches::new(&self.space, &self.boundary, &self.space.node_positions(&self.rest))
+    }
+
+    /// The boundary under load.
+    #[must_use]
+    pub fn deformed(&self) -> Patches {
+        let rest = self.space.node_positions(&self.rest);
+        let places: Vec<Vec3> = rest.iter().enumerate().map(|(i, x)| x + at(&self.u, i)).collect();
+        Patches::new(&self.space, &self.boundary, &places)
+    }
+
+    /// Diagonal of the bounding box at rest [m].
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        let low = self.rest.iter().fold(self.rest[0], |m, x| m.inf(x));
+        let high = self.rest.iter().fold(self.rest[0], |m, x| m.sup(x));
+        (high - low).norm()
+    }
+
+    /// Largest displacement of a node [m].
+    #[must_use]
+    pub fn largest_displacement(&self) -> f64 {
+        (0..self.space.node_count()).map(|i| at(&self.u, i).norm()).fold(0.0, f64::max)
+    }
+}
+
+fn entry<'a>(report: &'a Value, pointer: &str) -> Result<&'a Value> {
+    report.pointer(pointer).with_context(|| {
+        let key = pointer[1..].replace('/', ".");
+        format!("no {key:?}; it is not the report of solver simulate, or of an older one")
+    })
+}
+
+/// The mesh that a report names, if it is still the same.
+fn read_mesh(input: &Value) -> Result<TetMesh> {
+    let (Some(path), Some(expected)) = (input["path"].as_str(), input["sha256"].as_str()) else {
+        bail!("inputs.mesh has no path and sha256");
+    };
+    let path = Path::new(path);
+    let context = "the mesh of the run; compare reads it from the folder in which simulate was run";
+    let found = mesh::io::sha256_file(path).context(context)?;
+    ensure!(
+        found == expected,
+        "{} is not the mesh of this run (sha256 {found}, it was {expected}); simulate again",
+        path.display()
+    );
+    Ok(mesh::io::read_tets(path)?.mesh)
+}
+
+/// A scene without what may differ between runs of one problem.
+fn problem(config: &Value) -> Value {
+    let mut problem = config.clone();
+    if let Value::Object(keys) = &mut problem {
+        for key in ["mesh", "degree", "quadrature", "solver"] {
+            keys.remove(key);
+        }
+    }
+    problem
+}
