@@ -14,8 +14,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
@@ -132,6 +132,25 @@ impl SparseSolver {
     #[must_use]
     pub fn factor_len(&self) -> usize {
         self.values.len()
+    }
+
+    /// Multiplications and additions of a numeric factorisation, as if dense
+    /// columns: Σ (entries of the column)², zeros that are stored included.
+    #[must_use]
+    pub fn factor_flops(&self) -> f64 {
+        let square = |entries: usize| (entries as f64).powi(2);
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                s.col_ptr().windows(2).map(|w| square(w[1] - w[0])).sum()
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => (0..s.n_supernodes())
+                .map(|k| {
+                    let below = s.supernode(k).pattern().len();
+                    let width = s.supernode_end()[k] - s.supernode_begin()[k];
+                    (1..=width).map(|column| square(below + column)).sum::<f64>()
+                })
+                .sum(),
+        }
     }
 
     /// Factors a matrix whose sparse part is positive definite.
@@ -399,6 +418,10 @@ mod tests {
         assert!(norm(&error) < 1e-10 * norm(&b));
         let far = Symmetric::sparse(laplacian(n, 100.0).2);
         assert!(solver.solve_near(&far, &b, 1e-11).is_none());
+
+        // two entries in every column but the last, and zeros between supernodes
+        assert!(solver.factor_flops() >= 4.0 * (n - 1) as f64 + 1.0);
+        assert!(solver.factor_flops() <= (n * n * n) as f64);
 
         // not -1: its second leading minor is zero, where pivoting within one
         // column cannot help
