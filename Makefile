@@ -29,7 +29,7 @@ test: setup  ## all tests that take seconds
 test-all: setup beam  ## also those that take minutes
 	cargo test --release --locked --workspace -- --include-ignored
 
-bench:  ## time steps and whole solves of the solver, in minutes (ONLY="words": rows that contain one)
+bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)
 
 lint:  ## what CI asks of the sources: format, clippy, documentation

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
+use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
@@ -32,6 +33,8 @@ pub struct Axes {
     pub x: String,
     /// Name and unit of the ordinate.
     pub y: String,
+    /// Whether the abscissa is logarithmic.
+    pub log_x: bool,
     /// Whether the ordinate is logarithmic.
     pub log_y: bool,
 }
@@ -75,36 +78,66 @@ pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
 fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
     let points = || series.iter().flat_map(|s| &s.points);
     ensure!(points().next().is_some(), "there is nothing to draw");
-    let drawable =
-        |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!axes.log_y || p.1 > 0.0);
-    if let Some(bad) = points().find(|p| !drawable(p)) {
-        let needed = if axes.log_y { "finite numbers, positive along y" } else { "finite numbers" };
+    let fits = |log: bool, value: f64| value.is_finite() && (!log || value > 0.0);
+    if let Some((x, y)) = points().find(|p| !(fits(axes.log_x, p.0) && fits(axes.log_y, p.1))) {
+        let along = |log: bool, name: &str| if log { name.to_owned() } else { String::new() };
+        let positive =
+            along(axes.log_x, ", positive along x") + &along(axes.log_y, ", positive along y");
         return Err(anyhow!(
-            "the point ({}, {}) cannot be drawn: needed are {needed}",
-            bad.0,
-            bad.1
+            "the point ({x}, {y}) cannot be drawn: needed are finite numbers{positive}"
         ));
     }
-    let x = room(points().map(|p| p.0), 0.02);
-    let corner = free_corner(points().copied(), axes.log_y);
+    // positions along the axes; on a logarithmic one, decades
+    let x = room(points().map(|p| axes.position(p).0), 0.02);
+    let y = room(points().map(|p| axes.position(p).1), 0.06);
+    let corner = free_corner(points().map(|p| axes.position(p)));
     let mut text = String::new();
     {
         let size = (fine(SIZE[0]), fine(SIZE[1]));
         let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
         canvas.fill(&WHITE).map_err(plain)?;
-        if axes.log_y {
-            let decades = room(points().map(|p| p.1.log10()), 0.06);
-            let y = 10_f64.powf(decades.start)..10_f64.powf(decades.end);
-            chart(&canvas, axes, series, corner, x, y.log_scale())?;
-        } else {
-            let y = room(points().map(|p| p.1), 0.06);
-            chart(&canvas, axes, series, corner, x, y)?;
+        match (axes.log_x, axes.log_y) {
+            (false, false) => chart(&canvas, axes, series, corner, x, y)?,
+            (false, true) => chart(&canvas, axes, series, corner, x, logarithmic(&y))?,
+            (true, false) => chart(&canvas, axes, series, corner, logarithmic(&x), y)?,
+            (true, true) => {
+                chart(&canvas, axes, series, corner, logarithmic(&x), logarithmic(&y))?;
+            }
         }
         canvas.present().map_err(plain)?;
     }
     // the view box keeps the canvas; only the size to show it at changes
     let size = |[width, height]: [u32; 2]| format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&size(SIZE.map(fine)), &size(SIZE), 1))
+}
+
+impl Axes {
+    /// Where a point lies along both axes.
+    fn position(&self, (x, y): &(f64, f64)) -> (f64, f64) {
+        let along = |log: bool, value: f64| if log { value.log10() } else { value };
+        (along(self.log_x, *x), along(self.log_y, *y))
+    }
+}
+
+/// A logarithmic axis over a range of decades.
+fn logarithmic(decades: &Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
+    let numbers = 10_f64.powf(decades.start)..10_f64.powf(decades.end);
+    numbers.log_scale().with_key_points(ticks(decades))
+}
+
+/// Round numbers in a range of decades: enough to read the axis, and no more
+/// than fit beside it.
+fn ticks(decades: &Range<f64>) -> Vec<f64> {
+    let extent = decades.end - decades.start;
+    let digits: &[f64] = match extent {
+        e if e < 1.0 => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        e if e < 3.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let stride = (extent / 12.0).ceil().max(1.0) as usize;
+    let powers = (decades.start.floor() as i32..=decades.end.floor() as i32).step_by(stride);
+    let numbers = powers.flat_map(|p| digits.iter().map(move |d| d * 10_f64.powi(p)));
+    numbers.filter(|n| (decades.start..=decades.end).contains(&n.log10())).collect()
 }
 
 /// The range of values with a margin on both sides.
@@ -116,11 +149,7 @@ fn room(values: impl Iterator<Item = f64> + Clone, margin: f64) -> Range<f64> {
 }
 
 /// The corner with the fewest points, for the legend.
-fn free_corner(
-    points: impl Iterator<Item = (f64, f64)> + Clone,
-    log_y: bool,
-) -> SeriesLabelPosition {
-    let points = points.map(|p| (p.0, if log_y { p.1.log10() } else { p.1 }));
+fn free_corner(points: impl Iterator<Item = (f64, f64)> + Clone) -> SeriesLabelPosition {
     let (x, y) = (room(points.clone().map(|p| p.0), 0.0), room(points.clone().map(|p| p.1), 0.0));
     let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
     let crowd = |right: bool, upper: bool| {
@@ -135,15 +164,17 @@ fn free_corner(
     corners.into_iter().min_by_key(|c| c.0).map_or(SeriesLabelPosition::UpperLeft, |c| c.1)
 }
 
-fn chart<Y>(
+fn chart<X, Y>(
     canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
     axes: &Axes,
     series: &[Series],
     corner: SeriesLabelPosition,
-    x: Range<f64>,
+    x: X,
     y: Y,
 ) -> Result<()>
 where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
     Y: AsRangedCoord<Value = f64>,
     Y::CoordDescType: ValueFormatter<f64>,
 {
@@ -241,13 +272,48 @@ mod tests {
 
     #[test]
     fn labels_axes_and_every_point_are_drawn() {
-        let axes = Axes { x: "time [s]".into(), y: "error [1]".into(), log_y: true };
+        let axes = Axes { x: "time [s]".into(), y: "error [1]".into(), log_x: false, log_y: true };
         let text =
             svg(&axes, &line(vec![(0.0, 1e-3), (1.0, 1e-6), (2.0, 1e-9)])).expect("drawable");
         for word in ["time [s]", "error [1]", "a &amp; b", "polyline", "</svg>"] {
             assert!(text.contains(word), "{word}");
         }
         assert_eq!(text.matches("<circle").count(), 3);
+    }
+
+    /// Equal factors are equal lengths on a logarithmic axis.
+    #[test]
+    fn both_axes_may_be_logarithmic() {
+        let power_law = || line(vec![(1.0, 1e-2), (10.0, 1e-4), (1000.0, 1e-8)]);
+        let axes = Axes { x: "n".into(), y: "e".into(), log_x: true, log_y: true };
+        let text = svg(&axes, &power_law()).expect("drawable");
+        let center = |circle: &str| {
+            let number = |key: &str| -> f64 {
+                let (_, rest) = circle.split_once(&format!("{key}=\"")).expect("a coordinate");
+                rest.split('"').next().and_then(|n| n.parse().ok()).expect("a number")
+            };
+            (number("cx"), number("cy"))
+        };
+        let centers: Vec<_> = text.split("<circle").skip(1).map(center).collect();
+        let [a, b, c] = centers[..] else { panic!("{centers:?}") };
+        // positions are rounded to whole pixels of the fine canvas
+        for (first, second) in [(b.0 - a.0, c.0 - b.0), (b.1 - a.1, c.1 - b.1)] {
+            assert!((second / first - 2.0).abs() < 0.01, "{first} {second}");
+        }
+        let error = svg(&axes, &line(vec![(0.0, 1.0)])).expect_err("0 has no logarithm");
+        assert!(error.to_string().contains("positive along x"), "{error}");
+    }
+
+    #[test]
+    fn logarithmic_axes_have_round_numbers_from_end_to_end() {
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            found.iter().zip(expected).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-12));
+        };
+        near(ticks(&(-0.75..0.6)), &[0.2, 0.5, 1.0, 2.0]);
+        near(ticks(&(-0.2..0.5)), &[0.7, 0.8, 0.9, 1.0, 2.0, 3.0]);
+        near(ticks(&(-4.1..0.1)), &[1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
+        assert!(ticks(&(-60.0..30.0)).len() < 13);
     }
 
     #[test]

@@ -8,8 +8,8 @@ use solver::plot::{Axes, Series, Style, draw};
 
 /// Draw numbers of one or more runs against each other, as SVG
 ///
-/// A run is a history.jsonl of optimize, a row per line, or a report.json of
-/// simulate, a row per load step. A column is a key, or keys joined by dots:
+/// A run is a history.jsonl of optimize, a row per line, a report.json of
+/// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
 /// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star,
 /// as in `mean_displacement.throat*1e3`. Without --x, rows are counted.
 #[derive(clap::Args)]
@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Logarithmic ordinate
     #[arg(long)]
     log: bool,
+    /// Logarithmic abscissa
+    #[arg(long)]
+    log_x: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -67,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let axes = Axes {
         x: title(&arguments.x_title, arguments.x.as_deref().unwrap_or("row")),
         y: title(&arguments.y_title, &arguments.y.join(", ")),
+        log_x: arguments.log_x,
         log_y: arguments.log,
     };
     draw(&arguments.output, &axes, &series)
@@ -85,10 +89,11 @@ fn rows(path: &Path) -> Result<Vec<Value>> {
         return lines.map(row).collect();
     }
     let report: Value = serde_json::from_str(&text).with_context(context)?;
-    match report.get("steps") {
-        Some(Value::Array(steps)) => Ok(steps.clone()),
+    match report.get("steps").or_else(|| report.get("runs")) {
+        Some(Value::Array(rows)) => Ok(rows.clone()),
         _ => bail!(
-            "{}: no \"steps\": needed is a report.json of simulate or a history.jsonl of optimize",
+            "{}: no \"steps\" or \"runs\": needed is a report.json of simulate, a history.jsonl of \
+             optimize or a file of compare",
             path.display()
         ),
     }

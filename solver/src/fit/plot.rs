@@ -20,6 +20,7 @@ pub fn draw(path: &Path, tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Re
     let axes = Axes {
         x: "stretch along the pull [1]".to_owned(),
         y: "nominal stress [kPa]".to_owned(),
+        log_x: false,
         log_y: false,
     };
     let mut series: Vec<Series> = tests.iter().map(points).collect();

@@ -1,6 +1,7 @@
 //! What is timed: a bar of ours at a series of sizes, and published bodies.
 
 use anyhow::{Result, bail};
+use mesh::Vec3;
 use mesh::io::write_tets;
 use solver::body::Body;
 use solver::scene::Scene;
@@ -8,8 +9,18 @@ use tests::published::{WORM_CHAMBERS, gripper, worm};
 use tests::workdir::Workdir;
 use tests::{block, tag};
 
-/// Cells through the wall of the bars, from 18 000 to 470 000 degrees of freedom.
-pub const BARS: [usize; 5] = [2, 3, 4, 5, 6];
+/// Bars by their names: cells through the wall, across the cavity, and along the
+/// bar, so that cells are nearly cubes.
+pub const BARS: [(&str, [usize; 3]); 5] = [
+    ("bar20k", [1, 4, 24]),
+    ("bar60k", [2, 5, 36]),
+    ("bar100k", [2, 7, 48]),
+    ("bar250k", [2, 10, 80]),
+    ("bar500k", [3, 12, 88]),
+];
+
+/// Edges of the bars [m].
+const SIZE: [f64; 3] = [0.12, 0.028, 0.028];
 
 /// The silicone of the authors' frog, finger and gripper.
 const SILICONE: &str = "kind = \"mooney-rivlin\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\nd1 = 1e6";
@@ -17,7 +28,7 @@ const SILICONE: &str = "kind = \"mooney-rivlin\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e
 const WORM_SILICONE: &str = "kind = \"mooney-rivlin\"\nc1 = 50e3\nc2 = 8e3\nc3 = 1e3\nd1 = 1320132";
 
 /// A body and a scene on it, named `<body>-p<degree>`, where the body is
-/// `bar<cells in the wall>`, `gripper` or `worm`. None, with a printed reason,
+/// one of [`BARS`], `gripper` or `worm`. None, with a printed reason,
 /// where a published body is not at hand.
 pub fn scene(name: &str) -> Result<Option<Scene>> {
     let Some((which, degree)) = name.split_once("-p") else { bail!("no degree in {name:?}") };
@@ -28,9 +39,11 @@ pub fn scene(name: &str) -> Result<Option<Scene>> {
             (worm(), settings(degree, WORM_SILICONE, "end", &chambers, 5e3))
         }
         _ => {
-            let Some(cells) = which.strip_prefix("bar") else { bail!("no body {which:?}") };
+            let Some((_, cells)) = BARS.into_iter().find(|b| b.0 == which) else {
+                bail!("no body {which:?}")
+            };
             let text = settings(degree, SILICONE, "end", &["cavity".into()], 10e3);
-            (Some(bar(cells.parse()?)), text)
+            (Some(bar(cells)), text)
         }
     };
     let Some(body) = body else { return Ok(None) };
@@ -54,22 +67,26 @@ fn settings(degree: &str, law: &str, fixed: &str, chambers: &[String], pressure:
     text
 }
 
-/// 70 × 40 × 40 mm with a closed cavity of 50 × 20 × 20 mm: walls of 10 mm with
-/// `cells` cells through them, of six tetrahedra each.
-fn bar(cells: usize) -> Body {
-    let hole = |i: usize, last: usize| i >= cells && i < last * cells;
+/// 120 × 28 × 28 mm with walls of 5 mm around a closed cavity, in cubes of six
+/// tetrahedra.
+fn bar([wall, core, length]: [usize; 3]) -> Body {
+    const THICKNESS: f64 = 5e-3;
+    let side = 2 * wall + core;
+    let hole = |i: usize, n: usize| i >= wall && i < n - wall;
+    let cells = [length, side, side];
+    // cells of the walls and of what is between them differ in size
+    let along = |i: f64, n: usize, size: f64| {
+        let (w, n) = (wall as f64, n as f64);
+        let between = (size - 2.0 * THICKNESS) / (n - 2.0 * w);
+        let in_walls = i.min(w) + (i - (n - w)).max(0.0);
+        in_walls * THICKNESS / w + (i - in_walls) * between
+    };
     let mesh = block(
-        [7 * cells, 4 * cells, 4 * cells],
-        0.01 / cells as f64,
-        |c| hole(c[0], 6) && hole(c[1], 3) && hole(c[2], 3),
-        |p| p,
+        cells,
+        1.0,
+        |c| (0..3).all(|k| hole(c[k], cells[k])),
+        |p| Vec3::from_fn(|k, _| along(p[k], cells[k], SIZE[k])),
     );
-    let inside = |x: f64, last: f64| x > 0.009 && x < last;
-    tag(
-        mesh,
-        &[
-            ("end", &|p| p.x < 1e-6),
-            ("cavity", &|p| inside(p.x, 0.061) && inside(p.y, 0.031) && inside(p.z, 0.031)),
-        ],
-    )
+    let inside = |p: Vec3, k: usize| p[k] > THICKNESS - 1e-6 && p[k] < SIZE[k] - THICKNESS + 1e-6;
+    tag(mesh, &[("end", &|p| p.x < 1e-6), ("cavity", &|p| (0..3).all(|k| inside(p, k)))])
 }

@@ -1,19 +1,23 @@
 //! Single steps of a solve, timed by Criterion.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
-use mesh::Vec3;
 use solver::body::Body;
-use solver::energy::{Energy, Hessian};
+use solver::energy::Hessian;
 use solver::forward::{System, certificate};
-use solver::math::linear::{Symmetric, norm};
+use solver::math::linear::Symmetric;
 use solver::math::sparse::{BlockMatrix, Pattern};
 
 use crate::cases;
 use crate::row::{Row, Seconds, Work};
+
+/// Steps of assembly, and those after it, as the table names them.
+const ASSEMBLY: [&str; 4] = ["energy", "gradient", "Hessian", "certificate"];
+const CHAMBER: [&str; 2] = ["pressure gradient", "pressure Hessian"];
+const LINEAR: [&str; 4] = ["factor, 1 thread", "factor", "triangular solves", "CG, old factor"];
 
 /// Accuracy of a Newton step's equations in the middle of an iteration.
 const FORCING: f64 = 1e-4;
@@ -31,59 +35,86 @@ impl Problem {
         let Some(scene) = cases::scene(name)? else { return Ok(None) };
         let body = scene.body.clone();
         let system = scene.system(&body)?;
-        let u = swollen(&system, &body.mesh.vertices, 1e-2);
+        // the body larger by one percent in all directions: its Hessian is positive
+        // definite, and costs what any other does
+        let nodes = system.space.node_positions(&body.mesh.vertices);
+        let u = nodes.iter().flat_map(|p| [p.x, p.y, p.z].map(|c| 1e-2 * c)).collect();
         Ok(Some(Self { name: name.to_owned(), body, system, u }))
     }
 
-    fn rest(&self) -> &[Vec3] {
-        &self.body.mesh.vertices
+    /// At a multiple of the displacement.
+    fn hessian(&mut self, factor: f64) -> Symmetric {
+        let u: Vec<f64> = self.u.iter().map(|u| factor * u).collect();
+        self.system.hessian(&self.body.mesh.vertices, &u, 1.0, Hessian::Exact)
     }
 
-    fn hessian(&mut self, u: &[f64]) -> Symmetric {
-        self.system.hessian(&self.body.mesh.vertices, u, 1.0, Hessian::Exact)
+    /// What is out of balance on the free degrees of freedom.
+    fn force(&mut self) -> Vec<f64> {
+        let (gradient, _) = self.system.gradient(&self.body.mesh.vertices, &self.u, 1.0);
+        self.system.restrict(&gradient)
     }
 }
 
-/// The body larger by a fraction in all directions: its Hessian is positive
-/// definite, and costs what any other does.
-fn swollen(system: &System, rest: &[Vec3], fraction: f64) -> Vec<f64> {
-    let nodes = system.space.node_positions(rest);
-    nodes.iter().flat_map(|p| [p.x, p.y, p.z].map(|c| fraction * c)).collect()
+/// What is timed, and how much it is.
+struct Step {
+    what: &'static str,
+    body: String,
+    dofs: usize,
+    work: Work,
+}
+
+impl Step {
+    fn per_dof(what: &'static str, p: &Problem) -> Self {
+        let dofs = p.system.len();
+        Self { what, body: p.name.clone(), dofs, work: Work::Dofs(dofs as f64) }
+    }
+
+    fn of(self, work: Work) -> Self {
+        Self { work, ..self }
+    }
 }
 
 /// Criterion, and the rows it has made.
 pub struct Kernels<'a> {
     criterion: Criterion,
-    folder: &'a Path,
+    folder: PathBuf,
     wanted: &'a dyn Fn(&str) -> bool,
     rows: Vec<Row>,
 }
 
 impl<'a> Kernels<'a> {
     /// Keeps its samples in a folder and times what is `wanted` by its key.
-    pub fn new(folder: &'a Path, wanted: &'a dyn Fn(&str) -> bool) -> Self {
+    pub fn new(folder: PathBuf, wanted: &'a dyn Fn(&str) -> bool) -> Self {
         let criterion = Criterion::default()
             .sample_size(10)
             .warm_up_time(Duration::from_millis(100))
             .measurement_time(Duration::from_secs(1))
             .without_plots()
-            .output_directory(folder);
+            .output_directory(&folder);
         Self { criterion, folder, wanted, rows: Vec::new() }
     }
 
-    /// All steps on a body; returns the operations of its factorisation.
-    pub fn all(&mut self, name: &str) -> Result<Option<f64>> {
-        let Some(mut problem) = Problem::new(name)? else { return Ok(None) };
+    /// All steps on a body.
+    pub fn all(&mut self, name: &str) -> Result<()> {
+        let steps = [&ASSEMBLY[..], &CHAMBER, &LINEAR].concat();
+        let Some(mut problem) = self.problem(name, &steps)? else { return Ok(()) };
         self.assembly(&mut problem)?;
         self.chamber(&mut problem)?;
-        self.linear(&mut problem)?;
-        Ok(Some(problem.system.linear.factor_flops()))
+        self.linear(&mut problem)
     }
 
     /// Assembly alone.
     pub fn assembly_of(&mut self, name: &str) -> Result<()> {
-        let Some(mut problem) = Problem::new(name)? else { return Ok(()) };
+        let Some(mut problem) = self.problem(name, &ASSEMBLY)? else { return Ok(()) };
         self.assembly(&mut problem)
+    }
+
+    /// The problem, if any of the steps on it is wanted.
+    fn problem(&self, name: &str, steps: &[&str]) -> Result<Option<Problem>> {
+        if steps.iter().any(|step| (self.wanted)(&format!("{step}/{name}"))) {
+            return Problem::new(name);
+        }
+        Ok(None)
     }
 
     /// The rows so far.
@@ -92,134 +123,89 @@ impl<'a> Kernels<'a> {
     }
 
     fn assembly(&mut self, p: &mut Problem) -> Result<()> {
-        let (name, dofs, u) = (p.name.clone(), p.system.len(), p.u.clone());
-        let work = Work::Dofs(dofs as f64);
-        let Problem { body, system, .. } = p;
+        let step = |what| Step::per_dof(what, p);
+        let [energy, gradient, hessian, proof] = ASSEMBLY.map(step);
+        let Problem { body, system, u, .. } = p;
         let rest = &body.mesh.vertices;
-        self.time("energy", &name, dofs, work, || {
-            system.value(rest, &u, 1.0);
-        })?;
-        self.time("gradient", &name, dofs, work, || {
-            system.gradient(rest, &u, 1.0);
-        })?;
-        self.time("Hessian", &name, dofs, work, || {
-            system.hessian(rest, &u, 1.0, Hessian::Exact);
-        })?;
-        self.time("certificate", &name, dofs, work, || {
-            certificate(&system.space, rest, &u).expect("a swollen body has positive volume");
+        self.time(&energy, || system.value(rest, u, 1.0))?;
+        self.time(&gradient, || system.gradient(rest, u, 1.0))?;
+        self.time(&hessian, || system.hessian(rest, u, 1.0, Hessian::Exact))?;
+        self.time(&proof, || {
+            certificate(&system.space, rest, u).expect("a swollen body has positive volume");
         })
     }
 
     /// The pressure terms alone, which the assembly contains.
-    fn chamber(&mut self, p: &mut Problem) -> Result<()> {
+    fn chamber(&mut self, p: &Problem) -> Result<()> {
         let space = &p.system.space;
-        let dofs = p.system.len();
-        let work = Work::Dofs(dofs as f64);
-        let at = p.system.iterate(p.rest(), &p.u, 1.0);
-        let walls: Vec<&dyn Energy> =
-            p.system.energies.iter().skip(1).map(std::convert::AsRef::as_ref).collect();
-        let mut force = vec![0.0; dofs];
-        self.time("pressure gradient", &p.name, dofs, work, || {
-            walls.iter().for_each(|wall| wall.add_gradient(&at, &mut force));
-        })?;
+        let at = p.system.iterate(&p.body.mesh.vertices, &p.u, 1.0);
+        // the first energy is the elastic one
+        let walls = || p.system.energies.iter().skip(1);
+        let [gradient, hessian] = CHAMBER.map(|what| Step::per_dof(what, p));
+        let mut force = vec![0.0; p.system.len()];
+        self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;
         let pattern =
             Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
         let mut matrix = BlockMatrix::zeros(&pattern);
-        self.time("pressure Hessian", &p.name, dofs, work, || {
-            walls.iter().for_each(|wall| wall.add_hessian(&at, Hessian::Exact, &mut matrix));
-        })
+        let kind = Hessian::Exact;
+        self.time(&hessian, || walls().for_each(|wall| wall.add_hessian(&at, kind, &mut matrix)))
     }
 
     fn linear(&mut self, p: &mut Problem) -> Result<()> {
-        let (name, dofs, u) = (p.name.clone(), p.system.len(), p.u.clone());
-        let hessian = p.hessian(&u);
-        let near = p.hessian(&u.iter().map(|u| 1.01 * u).collect::<Vec<_>>());
-        let force = {
-            let (gradient, _) = p.system.gradient(&p.body.mesh.vertices, &u, 1.0);
-            p.system.restrict(&gradient)
-        };
+        let [factor_1, factor, solves, near] = LINEAR.map(|what| Step::per_dof(what, p));
+        let hessian = p.hessian(1.0);
+        let force = p.force();
+        let nearby = p.hessian(1.01);
         let linear = &mut p.system.linear;
         let flops = Work::Flops(linear.factor_flops());
-        let factor = |linear: &mut solver::math::linear::SparseSolver, matrix| {
-            linear.factor_positive(matrix).expect("a swollen body is stable");
-        };
-        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        self.time_with(
-            "factor, 1 thread",
-            &name,
-            dofs,
-            flops,
-            || hessian.clone(),
-            |matrix| {
-                one.install(|| factor(linear, matrix));
-            },
-        )?;
-        self.time_with(
-            "factor",
-            &name,
-            dofs,
-            flops,
-            || hessian.clone(),
-            |matrix| {
-                factor(linear, matrix);
-            },
-        )?;
-        // forwards and backwards
+        // the factor is read forwards and backwards
         let bytes = Work::Bytes(2.0 * 8.0 * linear.factor_len() as f64);
-        self.time_with(
-            "triangular solves",
-            &name,
-            dofs,
-            bytes,
-            || force.clone(),
-            |mut x| {
-                linear.apply_inverse(&mut x);
-            },
-        )?;
-        let work = Work::Dofs(dofs as f64);
-        let relative = norm(&force);
-        assert!(relative > 0.0);
-        self.time("CG, old factor", &name, dofs, work, || {
-            linear.solve_near(&near, &force, FORCING).expect("one percent more is near");
+        let stable = "a swollen body is stable";
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let matrix = || hessian.clone();
+        self.time_with(&factor_1.of(flops), matrix, |matrix| {
+            one.install(|| linear.factor_positive(matrix)).expect(stable);
+        })?;
+        self.time_with(&factor.of(flops), matrix, |matrix| {
+            linear.factor_positive(matrix).expect(stable);
+        })?;
+        if !linear.is_positive() {
+            linear.factor_positive(matrix()).expect(stable);
+        }
+        let vector = || force.clone();
+        self.time_with(&solves.of(bytes), vector, |mut x| linear.apply_inverse(&mut x))?;
+        self.time(&near, || {
+            linear.solve_near(&nearby, &force, FORCING).expect("one percent more is near");
         })
     }
 
-    fn time(
-        &mut self,
-        what: &str,
-        body: &str,
-        dofs: usize,
-        work: Work,
-        mut run: impl FnMut(),
-    ) -> Result<()> {
-        self.time_with(what, body, dofs, work, || (), |()| run())
+    fn time<O>(&mut self, step: &Step, mut run: impl FnMut() -> O) -> Result<()> {
+        self.time_with(step, || (), |()| run())
     }
 
-    /// Times `run` on what `prepare` makes, which is not counted.
-    fn time_with<T>(
+    /// Times `run` on what `prepare` makes; neither that nor the end of what `run`
+    /// returns is counted.
+    fn time_with<T, O>(
         &mut self,
-        what: &str,
-        body: &str,
-        dofs: usize,
-        work: Work,
+        Step { what, body, dofs, work }: &Step,
         mut prepare: impl FnMut() -> T,
-        mut run: impl FnMut(T),
+        mut run: impl FnMut(T) -> O,
     ) -> Result<()> {
         if !(self.wanted)(&format!("{what}/{body}")) {
             return Ok(());
         }
-        let mut group = self.criterion.benchmark_group(what);
-        group.sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(dofs as u64));
+        let mut group = self.criterion.benchmark_group(*what);
+        group.sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(*dofs as u64));
         group.bench_function(body, |b| {
             b.iter_batched(&mut prepare, &mut run, BatchSize::PerIteration);
         });
         group.finish();
         self.rows.push(Row {
-            what: what.to_owned(),
-            body: body.to_owned(),
-            dofs: Some(dofs),
+            what: (*what).to_owned(),
+            body: body.clone(),
+            dofs: Some(*dofs),
             seconds: samples(&self.folder.join(what).join(body))?,
-            work,
+            work: *work,
             peak_mb: None,
             beside: String::new(),
         });
