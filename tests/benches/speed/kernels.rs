@@ -99,7 +99,7 @@ impl<'a> Kernels<'a> {
         let steps = [&ASSEMBLY[..], &CHAMBER, &LINEAR].concat();
         let Some(mut problem) = self.problem(name, &steps)? else { return Ok(()) };
         self.assembly(&mut problem)?;
-        self.chamber(&mut problem)?;
+        self.chamber(&problem)?;
         self.linear(&mut problem)
     }
 
@@ -117,9 +117,9 @@ impl<'a> Kernels<'a> {
         Ok(None)
     }
 
-    /// The rows so far.
-    pub fn rows(self) -> Vec<Row> {
-        self.rows
+    /// The rows since this was asked last.
+    pub fn take_rows(&mut self) -> Vec<Row> {
+        std::mem::take(&mut self.rows)
     }
 
     fn assembly(&mut self, p: &mut Problem) -> Result<()> {
