@@ -45,7 +45,12 @@ pub fn add_implicit(
     }
     lambda.iter_mut().for_each(|l| *l = -*l);
     let start = Instant::now();
-    let residual = system.linear.solve(&mut lambda);
+    let rhs = lambda.clone();
+    let mut residual = system.linear.solve(&mut lambda);
+    if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
+        lambda = rhs;
+        residual = system.linear.solve(&mut lambda);
+    }
     system.timings.solve_s += start.elapsed().as_secs_f64();
     if residual.is_nan() || residual > TOLERANCE {
         return Err(Singular { residual });

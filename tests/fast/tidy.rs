@@ -192,7 +192,9 @@ fn files_have_telling_names_and_are_read_in_one_sitting() {
 fn outside_programs_and_libraries_are_called_in_one_place() {
     let sources = sources();
     let one = |path: &str| BTreeSet::from([path.to_owned()]);
-    assert_eq!(naming("faer", &sources), one("solver/src/math/linear.rs"));
+    let faer = naming("faer", &sources);
+    assert!(!faer.is_empty());
+    assert!(faer.iter().all(|p| p.starts_with("solver/src/math/linear/")), "{faer:?}");
     assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
     let programs = naming("Command::new", &sources);
     assert!(!programs.is_empty());

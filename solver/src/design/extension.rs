@@ -14,11 +14,10 @@
 //! only roughly.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
 
 use mesh::{TetMesh, Vec3, topology};
 
-use crate::math::linear::{NotPositive, SparseSolver, Symmetric};
+use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric};
 use crate::math::ordering::nested_dissection;
 
 /// Linear map from boundary to interior displacements.
@@ -28,7 +27,7 @@ pub struct Extension {
     /// K_ib by unknown: boundary vertices with their entries.
     coupling: Vec<Vec<(usize, f64)>>,
     /// Factor of K_ii; solving needs its scratch space.
-    solver: Mutex<SparseSolver>,
+    solver: SparseSolver,
 }
 
 impl Extension {
@@ -66,8 +65,8 @@ impl Extension {
             start.push(entries.len());
         }
         let mut solver = SparseSolver::new(start, entries, &nested_dissection(&adjacency));
-        solver.factor_positive(Symmetric::sparse(values))?;
-        Ok(Self { interior, coupling, solver: Mutex::new(solver) })
+        solver.factor_positive(Symmetric::sparse(values), Precision::Double)?;
+        Ok(Self { interior, coupling, solver })
     }
 
     /// Fills in the interior of `displacement`, a list over all vertices whose
@@ -100,7 +99,7 @@ impl Extension {
     /// K_ii⁻¹ b.
     fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
         if !b.is_empty() {
-            self.solver.lock().unwrap_or_else(PoisonError::into_inner).apply_inverse(&mut b);
+            self.solver.solve(&mut b);
         }
         b
     }

@@ -15,7 +15,7 @@ use mesh::Vec3;
 
 use super::{System, Uncertified};
 use crate::energy::Hessian;
-use crate::math::linear::{Symmetric, dot, norm};
+use crate::math::linear::{Precision, Symmetric, dot, norm};
 
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
@@ -142,14 +142,14 @@ fn descent(
         factor_shifted(system, &projected);
     }
     let start = Instant::now();
-    system.linear.apply_inverse(&mut direction);
+    system.linear.solve_to(&mut direction, forcing);
     system.timings.solve_s += start.elapsed().as_secs_f64();
     system.prolong(&direction)
 }
 
 fn factor(system: &mut System, matrix: Symmetric) -> bool {
     let start = Instant::now();
-    let result = system.linear.factor_positive(matrix);
+    let result = system.linear.factor_positive(matrix, Precision::Single);
     system.timings.factor_s += start.elapsed().as_secs_f64();
     if let Err(error) = &result {
         log::debug!("{error}");

@@ -7,12 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::element::FunctionSpace;
 use crate::energy::{Energy, Hessian, Iterate, RankOne};
-use crate::math::linear::{SparseSolver, Symmetric, dot};
+use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 
 /// Relative difference of displacements that is nothing but rounding.
 const ROUNDING: f64 = 1e-13;
+
+/// Relative residual of the motion that follows the supports.
+const PREDICTION: f64 = 1e-6;
 
 /// Where the time went [s].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -103,9 +106,9 @@ impl System {
         }
         let values = self.restrict_hessian(&matrix, &dense);
         drop(matrix);
-        self.linear.factor_positive(values).ok()?;
+        self.linear.factor_positive(values, Precision::Single).ok()?;
         let mut free = self.restrict(&force);
-        self.linear.apply_inverse(&mut free);
+        self.linear.solve_to(&mut free, PREDICTION);
         let back = self.prolong(&free);
         Some(motion.iter().zip(&back).map(|(m, b)| m - b).collect())
     }
@@ -193,7 +196,7 @@ impl System {
     pub fn linearize(&mut self, rest: &[Vec3], u: &[f64]) {
         let hessian = self.hessian(rest, u, 1.0, Hessian::Exact);
         let start = Instant::now();
-        if self.linear.factor_positive(hessian.clone()).is_err() {
+        if self.linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
             self.linear.factor_indefinite(hessian);
         }
         self.timings.factor_s += start.elapsed().as_secs_f64();

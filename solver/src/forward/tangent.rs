@@ -20,6 +20,6 @@ pub fn follow(system: &mut System, rest: &[Vec3], u: &[f64], motion: &[Vec3]) ->
     let (after, _) = system.gradient(&moved, u, 1.0);
     let change: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b - a) / STEP).collect();
     let mut du = system.restrict(&change);
-    system.linear.apply_inverse(&mut du);
+    system.linear.solve_to(&mut du, STEP);
     Some(system.prolong(&du))
 }

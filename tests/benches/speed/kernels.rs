@@ -8,7 +8,7 @@ use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
 use solver::body::Body;
 use solver::energy::Hessian;
 use solver::forward::{System, certificate};
-use solver::math::linear::Symmetric;
+use solver::math::linear::{Precision, Symmetric};
 use solver::math::sparse::{BlockMatrix, Pattern};
 
 use crate::cases;
@@ -17,10 +17,19 @@ use crate::row::{Row, Seconds, Work};
 /// Steps of assembly, and those after it, as the table names them.
 const ASSEMBLY: [&str; 4] = ["energy", "gradient", "Hessian", "certificate"];
 const CHAMBER: [&str; 2] = ["pressure gradient", "pressure Hessian"];
-const LINEAR: [&str; 4] = ["factor, 1 thread", "factor", "triangular solves", "CG, old factor"];
+const LINEAR: [&str; 6] = [
+    "factor, 1 thread",
+    "factor",
+    "factor, double",
+    "solve, one step",
+    "solve to 1e-10",
+    "CG, old factor",
+];
 
 /// Accuracy of a Newton step's equations in the middle of an iteration.
 const FORCING: f64 = 1e-4;
+/// That of an adjoint.
+const ACCURATE: f64 = 1e-10;
 
 /// A discrete problem at a state near equilibrium.
 struct Problem {
@@ -152,30 +161,36 @@ impl<'a> Kernels<'a> {
     }
 
     fn linear(&mut self, p: &mut Problem) -> Result<()> {
-        let [factor_1, factor, solves, near] = LINEAR.map(|what| Step::per_dof(what, p));
+        let [factor_1, factor, double, once, solve, near] =
+            LINEAR.map(|what| Step::per_dof(what, p));
         let hessian = p.hessian(1.0);
         let force = p.force();
         let nearby = p.hessian(1.01);
         let linear = &mut p.system.linear;
         let flops = Work::Flops(linear.factor_flops());
-        // the factor is read forwards and backwards
-        let bytes = Work::Bytes(2.0 * 8.0 * linear.factor_len() as f64);
+        // the factor in single precision forwards and backwards, and values and
+        // row indices of the matrix
+        let entries = (linear.factor_len(), hessian.lower.len());
+        let bytes = Work::Bytes((2 * 4 * entries.0 + (8 + 8) * entries.1) as f64);
         let stable = "a swollen body is stable";
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let matrix = || hessian.clone();
+        self.time_with(&double.of(flops), matrix, |matrix| {
+            linear.factor_positive(matrix, Precision::Double).expect(stable);
+        })?;
         self.time_with(&factor_1.of(flops), matrix, |matrix| {
-            one.install(|| linear.factor_positive(matrix)).expect(stable);
+            one.install(|| linear.factor_positive(matrix, Precision::Single)).expect(stable);
         })?;
         self.time_with(&factor.of(flops), matrix, |matrix| {
-            linear.factor_positive(matrix).expect(stable);
+            linear.factor_positive(matrix, Precision::Single).expect(stable);
         })?;
-        if !linear.is_positive() {
-            linear.factor_positive(matrix()).expect(stable);
-        }
+        linear.factor_positive(matrix(), Precision::Single).expect(stable);
         let vector = || force.clone();
-        self.time_with(&solves.of(bytes), vector, |mut x| linear.apply_inverse(&mut x))?;
+        // any accuracy will do: one step
+        self.time_with(&once.of(bytes), vector, |mut x| linear.solve_to(&mut x, f64::INFINITY))?;
+        self.time_with(&solve, vector, |mut x| linear.solve_to(&mut x, ACCURATE))?;
         self.time(&near, || {
-            linear.solve_near(&nearby, &force, FORCING).expect("one percent more is near");
+            linear.solve_near(&nearby, &force, FORCING).expect("one percent more is near")
         })
     }
 

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use solver::energy::Hessian;
 use solver::forward::{Timings, solve};
+use solver::math::linear::Precision;
 use solver::results::peak_rss_mb;
 
 use crate::cases;
@@ -76,7 +77,10 @@ pub fn child(name: &str) -> Result<()> {
     let hessian = system.hessian(rest, &solution.u, 1.0, Hessian::Exact);
     let assembly_once_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    system.linear.factor_positive(hessian).context("the equilibrium is not stable")?;
+    system
+        .linear
+        .factor_positive(hessian, Precision::Single)
+        .context("the equilibrium is not stable")?;
     let factor_once_s = clock.elapsed().as_secs_f64();
     let measured = Solve {
         body: name.to_owned(),

@@ -11,13 +11,13 @@ pub fn compare_dense(rows: &mut [Row]) {
     for row in rows {
         let threads = match row.what.as_str() {
             "factor, 1 thread" => 1,
-            "factor" => all,
+            "factor" | "factor, double" => all,
             _ => continue,
         };
         let what = dense::name("dense LLᵀ", threads);
         if let Some(dense) = find(&known, &what, &format!("as {}", row.body)) {
             let share = 100.0 * dense.seconds.median / row.seconds.median;
-            row.beside = format!("{share:.0} % of the dense rate");
+            row.beside = format!("{share:.0} % of the dense rate in double precision");
         }
     }
 }

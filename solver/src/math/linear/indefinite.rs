@@ -1,0 +1,61 @@
+//! L B Lᵀ of a symmetric matrix that need not be positive definite, with
+//! pivoting inside the supernodes.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholesky};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side, Spec};
+
+use super::matrix::Triangle;
+
+/// The numbers of a factor.
+pub struct Indefinite {
+    values: Vec<f64>,
+    subdiagonal: Vec<f64>,
+    forward: Vec<usize>,
+    inverse: Vec<usize>,
+}
+
+impl Indefinite {
+    /// Factors the matrix with the given lower triangle.
+    pub fn new(symbolic: &SymbolicCholesky<usize>, pattern: &Triangle, lower: &[f64]) -> Self {
+        let n = pattern.size();
+        let mut factor = Self {
+            values: vec![0.0; symbolic.len_val()],
+            subdiagonal: vec![0.0; n],
+            forward: vec![0; n],
+            inverse: vec![0; n],
+        };
+        let matrix =
+            SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &pattern.rows);
+        let scratch = symbolic
+            .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default());
+        symbolic.factorize_numeric_intranode_lblt(
+            &mut factor.values,
+            &mut factor.subdiagonal,
+            &mut factor.forward,
+            &mut factor.inverse,
+            SparseColMatRef::new(matrix, lower),
+            Side::Lower,
+            Par::rayon(0),
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Spec::default(),
+        );
+        factor
+    }
+
+    /// x ← A⁻¹ x.
+    pub fn apply_inverse(&self, symbolic: &SymbolicCholesky<usize>, x: &mut [f64]) {
+        let n = x.len();
+        let permutation = PermRef::new_checked(&self.forward, &self.inverse, n);
+        let scratch = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        IntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, permutation)
+            .solve_in_place_with_conj(
+                Conj::No,
+                MatMut::from_column_major_slice_mut(x, n, 1),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::new(scratch)),
+            );
+    }
+}

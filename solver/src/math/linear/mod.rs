@@ -1,0 +1,530 @@
+//! Direct solution of symmetric systems: the only module that names faer.
+//!
+//! (A + U Σ Uᵀ) x = b with A sparse, given by its lower triangle, and a few
+//! columns U that are dense. The symbolic part is done once per pattern. Positive
+//! definite A are factored as L Lᵀ, in single or in double precision, others as
+//! L B Lᵀ; solutions are refined with the matrix itself in double precision, by
+//! conjugate gradients or, where it is not positive definite, by iteration. The
+//! dense part enters by the formula of Woodbury,
+//!
+//! (A + U Σ Uᵀ)⁻¹ = A⁻¹ − Z (Σ⁻¹ + Uᵀ Z)⁻¹ Zᵀ,   Z = A⁻¹ U
+//!
+//! Source: Golub and Van Loan, "Matrix Computations", sections 2.1.4 and 11.5.
+
+mod elimination;
+mod indefinite;
+mod matrix;
+mod multifrontal;
+mod substitution;
+
+use faer::Side;
+use faer::perm::PermRef;
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use indefinite::Indefinite;
+use matrix::Triangle;
+pub use matrix::{Symmetric, dot, norm};
+use multifrontal::Fronts;
+
+/// The matrix has a pivot that is not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the matrix is not positive definite: pivot {pivot} of {size} in elimination order")]
+pub struct NotPositive {
+    /// Position of the pivot in elimination order.
+    pub pivot: usize,
+    /// Number of unknowns.
+    pub size: usize,
+}
+
+/// Relative residual of a solution that has come to rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Refinement steps of a solution, at most.
+const REFINEMENTS: usize = 40;
+
+/// Steps without progress after which refinement has come to rounding.
+const PATIENCE: usize = 3;
+
+/// Conjugate-gradient steps with the factor of another matrix that cost less
+/// than a factor of its own.
+const NEAR_STEPS: usize = 12;
+
+/// Precision of a factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// Half the memory and half the time; solutions take a few more steps of
+    /// refinement, the more the worse the matrix is conditioned.
+    Single,
+    /// A solution is accurate without refinement.
+    Double,
+}
+
+/// What the formula of Woodbury needs besides the factor of A.
+struct Capacitance {
+    /// A⁻¹ u_k
+    columns: Vec<Vec<f64>>,
+    /// Σ⁻¹ + Uᵀ A⁻¹ U
+    matrix: LU<f64, Dyn, Dyn>,
+}
+
+enum Factor {
+    None,
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+    Indefinite(Indefinite),
+}
+
+/// A factorisation that is set up once per sparsity pattern.
+pub struct SparseSolver {
+    pattern: Triangle,
+    /// The unknown at each position of the factor.
+    order: Vec<usize>,
+    symbolic: SymbolicCholesky<usize>,
+    fronts: Fronts,
+    factor: Factor,
+    /// Matrix of the last factorisation.
+    matrix: Symmetric,
+    capacitance: Option<Capacitance>,
+}
+
+impl SparseSolver {
+    /// Symbolic factorisation of a lower triangle in compressed columns.
+    /// `order[i]` is the unknown eliminated at position i, up to changes that
+    /// leave the fill alone.
+    ///
+    /// # Panics
+    /// When `order` is not a permutation of the unknowns or memory runs out.
+    #[must_use]
+    pub fn new(column_start: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Self {
+        let n = column_start.len() - 1;
+        let order = elimination::postordered(&column_start, &rows, order);
+        let mut position = vec![0; n];
+        for (i, &unknown) in order.iter().enumerate() {
+            position[unknown] = i;
+        }
+        let symbolic = factorize_symbolic_cholesky(
+            SymbolicSparseColMatRef::new_checked(n, n, &column_start, None, &rows),
+            Side::Lower,
+            SymmetricOrdering::Custom(PermRef::new_checked(&order, &position, n)),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..CholeskySymbolicParams::default()
+            },
+        )
+        .expect("memory for the symbolic factorisation");
+        let pattern = Triangle { column_start, rows };
+        let fronts = match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(s) => Fronts::new(s, &pattern, &position),
+            // forced out by the threshold, unless there are no unknowns
+            SymbolicCholeskyRaw::Simplicial(_) => Fronts::default(),
+        };
+        let matrix = Symmetric::sparse(Vec::new());
+        let factor = Factor::None;
+        Self { pattern, order, symbolic, fronts, factor, matrix, capacitance: None }
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.pattern.size()
+    }
+
+    /// Number of stored entries of the factor.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
+    /// Floating-point operations of a factorisation.
+    #[must_use]
+    pub fn factor_flops(&self) -> f64 {
+        self.fronts.flops()
+    }
+
+    /// The smallest pivot of the last factorisation, if its matrix is positive
+    /// definite.
+    #[must_use]
+    pub fn smallest_pivot(&self) -> Option<f64> {
+        match &self.factor {
+            Factor::Single(values) => Some(self.fronts.smallest_pivot(values).into()),
+            Factor::Double(values) => Some(self.fronts.smallest_pivot(values)),
+            Factor::None | Factor::Indefinite(_) => None,
+        }
+    }
+
+    /// Factors a matrix whose sparse part is positive definite. Where single
+    /// precision finds a pivot that is not positive, double precision decides.
+    ///
+    /// # Errors
+    /// [`NotPositive`] at such a pivot.
+    pub fn factor_positive(
+        &mut self,
+        matrix: Symmetric,
+        precision: Precision,
+    ) -> Result<(), NotPositive> {
+        let size = self.size();
+        let old = std::mem::replace(&mut self.factor, Factor::None);
+        self.capacitance = None;
+        self.matrix = matrix;
+        if precision == Precision::Single {
+            let mut values = match old {
+                Factor::Single(values) => values,
+                _ => vec![0.0; self.factor_len()],
+            };
+            if self.fronts.factor(&self.matrix.lower, &mut values).is_ok() {
+                self.factor = Factor::Single(values);
+                self.set_capacitance();
+                return Ok(());
+            }
+        }
+        let mut values = vec![0.0; self.factor_len()];
+        self.fronts
+            .factor(&self.matrix.lower, &mut values)
+            .map_err(|pivot| NotPositive { pivot, size })?;
+        self.factor = Factor::Double(values);
+        self.set_capacitance();
+        Ok(())
+    }
+
+    /// Factors the last matrix in double precision if its factor is in single;
+    /// false where that changes nothing.
+    pub fn sharpen(&mut self) -> bool {
+        if !matches!(self.factor, Factor::Single(_)) {
+            return false;
+        }
+        let matrix = std::mem::replace(&mut self.matrix, Symmetric::sparse(Vec::new()));
+        if self.factor_positive(matrix, Precision::Double).is_err() {
+            let matrix = std::mem::replace(&mut self.matrix, Symmetric::sparse(Vec::new()));
+            self.factor_indefinite(matrix);
+        }
+        true
+    }
+
+    /// Factors any symmetric matrix.
+    pub fn factor_indefinite(&mut self, matrix: Symmetric) {
+        self.forget();
+        self.matrix = matrix;
+        let factor = Indefinite::new(&self.symbolic, &self.pattern, &self.matrix.lower);
+        self.factor = Factor::Indefinite(factor);
+        self.set_capacitance();
+    }
+
+    /// Prepares the dense part of the last matrix for solves.
+    fn set_capacitance(&mut self) {
+        let updates = &self.matrix.updates;
+        if updates.is_empty() {
+            return;
+        }
+        let mut columns: Vec<Vec<f64>> = updates.iter().map(|(_, u)| u.clone()).collect();
+        columns.iter_mut().for_each(|z| self.apply_sparse_inverse(z));
+        let matrix = DMatrix::from_fn(updates.len(), updates.len(), |i, j| {
+            let diagonal = if i == j { 1.0 / updates[i].0 } else { 0.0 };
+            diagonal + dot(&updates[i].1, &columns[j])
+        });
+        self.capacitance = Some(Capacitance { columns, matrix: matrix.lu() });
+    }
+
+    /// Solves with the last factorisation, to rounding, and returns the relative
+    /// residual ‖A x − b‖ / ‖b‖ that was reached.
+    ///
+    /// # Panics
+    /// Without a factorisation.
+    pub fn solve(&self, rhs: &mut [f64]) -> f64 {
+        let b = rhs.to_vec();
+        self.solve_to(rhs, ROUNDING);
+        // conjugate gradients only update theirs
+        norm(&self.residual(&b, rhs)) / norm(&b).max(f64::MIN_POSITIVE)
+    }
+
+    /// Solves with the last factorisation to a relative residual, or to rounding
+    /// where that is more, and returns the one that was reached.
+    ///
+    /// # Panics
+    /// Without a factorisation.
+    pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
+        let (x, residual) = if self.is_positive() {
+            let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
+            self.conjugate_gradients(&self.matrix, rhs, &stop)
+        } else {
+            self.refine(rhs, tolerance)
+        };
+        rhs.copy_from_slice(&x);
+        residual
+    }
+
+    /// Solves for another matrix by conjugate gradients, preconditioned with the
+    /// last factor, to ‖A x − b‖ ≤ tolerance ‖b‖. None where a factorisation
+    /// is likely to be cheaper, there is no positive factor, or the matrix
+    /// proves indefinite.
+    #[must_use]
+    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
+        if !self.is_positive() {
+            return None;
+        }
+        let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
+        let (x, residual) = self.conjugate_gradients(matrix, b, &stop);
+        (residual <= tolerance).then_some(x)
+    }
+
+    /// Conjugate gradients preconditioned with the last factor; the best x and
+    /// its relative residual.
+    fn conjugate_gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> (Vec<f64>, f64) {
+        let size = norm(b).max(f64::MIN_POSITIVE);
+        let mut x = vec![0.0; b.len()];
+        let mut r = b.to_vec();
+        let mut z = self.inverse_times(&r);
+        let mut p = z.clone();
+        let mut rz = dot(&r, &z);
+        let mut best = (x.clone(), norm(b) / size);
+        let mut since = 0;
+        for step in 1..=stop.steps {
+            let ap = self.pattern.multiply(matrix, &p);
+            let curvature = dot(&p, &ap);
+            if curvature.is_nan() || curvature <= 0.0 {
+                break;
+            }
+            let alpha = rz / curvature;
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
+            r.iter_mut().zip(&ap).for_each(|(r, a)| *r -= alpha * a);
+            let residual = norm(&r) / size;
+            since += 1;
+            if residual < best.1 {
+                best = (x.clone(), residual);
+                since = 0;
+            }
+            if best.1 <= stop.tolerance || since >= PATIENCE || stop.is_hopeless(step, best.1) {
+                break;
+            }
+            z = self.inverse_times(&r);
+            let next = dot(&r, &z);
+            let beta = next / rz;
+            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
+            rz = next;
+        }
+        best
+    }
+
+    /// Iterative refinement; the best x and its relative residual.
+    fn refine(&self, b: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
+        let size = norm(b).max(f64::MIN_POSITIVE);
+        let mut x = self.inverse_times(b);
+        let mut best: Option<(Vec<f64>, f64)> = None;
+        for _ in 0..REFINEMENTS {
+            let r = self.residual(b, &x);
+            let residual = norm(&r) / size;
+            let better = best.as_ref().is_none_or(|(_, least)| residual < *least);
+            if !better {
+                break;
+            }
+            best = Some((x.clone(), residual));
+            if residual <= tolerance {
+                break;
+            }
+            x.iter_mut().zip(self.inverse_times(&r)).for_each(|(x, d)| *x += d);
+        }
+        best.unwrap_or((x, f64::INFINITY))
+    }
+
+    /// b − A x for the matrix of the last factorisation.
+    fn residual(&self, b: &[f64], x: &[f64]) -> Vec<f64> {
+        let ax = self.pattern.multiply(&self.matrix, x);
+        b.iter().zip(&ax).map(|(b, a)| b - a).collect()
+    }
+
+    /// A⁻¹ x by the factor, without refinement.
+    fn inverse_times(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        self.apply_sparse_inverse(&mut x);
+        let Some(Capacitance { columns, matrix }) = &self.capacitance else { return x };
+        let updates = &self.matrix.updates;
+        let projected =
+            DVector::from_iterator(updates.len(), updates.iter().map(|(_, u)| dot(u, &x)));
+        // singular only if the whole matrix is; NaN then tells it
+        let weights = matrix.solve(&projected).unwrap_or_else(|| projected.map(|_| f64::NAN));
+        for (z, weight) in columns.iter().zip(weights.iter()) {
+            x.iter_mut().zip(z).for_each(|(x, z)| *x -= weight * z);
+        }
+        x
+    }
+
+    fn apply_sparse_inverse(&self, x: &mut [f64]) {
+        match &self.factor {
+            Factor::Single(values) => {
+                // so that no residual is too small for single precision
+                let size = norm(x).max(f64::MIN_POSITIVE);
+                #[allow(clippy::cast_possible_truncation)]
+                let mut y: Vec<f32> = self.order.iter().map(|&i| (x[i] / size) as f32).collect();
+                self.fronts.solve(values, &mut y);
+                self.order.iter().zip(y).for_each(|(&i, y)| x[i] = size * f64::from(y));
+            }
+            Factor::Double(values) => {
+                let mut y: Vec<f64> = self.order.iter().map(|&i| x[i]).collect();
+                self.fronts.solve(values, &mut y);
+                self.order.iter().zip(y).for_each(|(&i, y)| x[i] = y);
+            }
+            Factor::Indefinite(factor) => factor.apply_inverse(&self.symbolic, x),
+            Factor::None => panic!("solve needs a factorisation"),
+        }
+    }
+
+    /// Whether the last factorisation is that of a positive definite matrix.
+    #[must_use]
+    pub fn is_positive(&self) -> bool {
+        matches!(self.factor, Factor::Single(_) | Factor::Double(_))
+    }
+
+    /// Forgets the factorisation; the symbolic part stays.
+    pub fn forget(&mut self) {
+        self.factor = Factor::None;
+        self.capacitance = None;
+    }
+}
+
+/// When conjugate gradients end.
+struct Stop {
+    /// Relative residual asked for.
+    tolerance: f64,
+    /// Steps at most.
+    steps: usize,
+    /// Whether to give up when the tolerance is out of reach.
+    near: bool,
+}
+
+impl Stop {
+    /// Whether a residual reached in `step` steps will not come to the
+    /// tolerance at this rate.
+    fn is_hopeless(&self, step: usize, residual: f64) -> bool {
+        let rate = residual.powf(1.0 / step as f64);
+        self.near && step >= 3 && rate.powi(self.steps as i32) > self.tolerance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lower triangle of the 1D Laplacian of n points plus `shift` I.
+    fn laplacian(n: usize, shift: f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for c in 0..n {
+            rows.push(c);
+            values.push(2.0 + shift);
+            if c + 1 < n {
+                rows.push(c + 1);
+                values.push(-1.0);
+            }
+            start.push(rows.len());
+        }
+        (start, rows, values)
+    }
+
+    #[test]
+    fn positive_and_indefinite_systems_are_solved_to_rounding() {
+        let n = 300;
+        let (start, rows, values) = laplacian(n, 0.0);
+        let order: Vec<usize> = (0..n).rev().collect();
+        let mut solver = SparseSolver::new(start, rows, &order);
+        let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+
+        for precision in [Precision::Single, Precision::Double] {
+            let matrix = Symmetric::sparse(values.clone());
+            solver.factor_positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
+            // the condition number is 4/π² n² = 4e4
+            assert!(solver.solve(&mut b.clone()) < 1e-11);
+            let (_, _, near) = laplacian(n, 1e-6);
+            let near = Symmetric::sparse(near);
+            let x = solver.solve_near(&near, &b, 1e-11).expect("a shift of 1e-6 is near");
+            let error: Vec<f64> =
+                solver.pattern.multiply(&near, &x).iter().zip(&b).map(|(a, b)| a - b).collect();
+            assert!(norm(&error) < 1e-10 * norm(&b));
+            let far = Symmetric::sparse(laplacian(n, 100.0).2);
+            assert!(solver.solve_near(&far, &b, 1e-11).is_none());
+        }
+
+        // not -1: its second leading minor is zero, where pivoting within one
+        // column cannot help
+        let shifted = Symmetric::sparse(laplacian(n, -0.9).2);
+        let failed = solver.factor_positive(shifted.clone(), Precision::Single);
+        assert!(failed.is_err_and(|e| e.pivot < n && e.size == n));
+        solver.factor_indefinite(shifted);
+        assert!(solver.solve(&mut b.clone()) < 1e-11);
+    }
+
+    /// The Laplacian of a cube of m³ points, ordered by nested dissection.
+    #[test]
+    fn many_threads_give_the_bits_of_one() {
+        let m = 24;
+        let id = |x: usize, y: usize, z: usize| (x * m + y) * m + z;
+        let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut adjacency = vec![Vec::new(); m * m * m];
+        for (c, (x, y, z)) in (0..m * m * m).map(|c| (c, (c / (m * m), c / m % m, c % m))) {
+            rows.push(c);
+            values.push(6.1);
+            let later =
+                [(z + 1, id(x, y, z + 1)), (y + 1, id(x, y + 1, z)), (x + 1, id(x + 1, y, z))];
+            for (_, other) in later.into_iter().filter(|(k, _)| *k < m) {
+                rows.push(other);
+                values.push(-1.0);
+                adjacency[c].push(other);
+                adjacency[other].push(c);
+            }
+            start.push(rows.len());
+        }
+        let order = crate::math::ordering::nested_dissection(&adjacency);
+        let mut solver = SparseSolver::new(start, rows, &order);
+        // enough for several tasks
+        assert!(solver.factor_flops() > 2e8, "{:e}", solver.factor_flops());
+        let b: Vec<f64> = (0..m * m * m).map(|i| (0.1 * i as f64).sin()).collect();
+        for precision in [Precision::Single, Precision::Double] {
+            let mut solutions = [1, 2, 5].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                pool.expect("a thread pool").install(|| {
+                    let matrix = Symmetric::sparse(values.clone());
+                    solver.factor_positive(matrix, precision).expect("diagonally dominant");
+                    let mut x = b.clone();
+                    assert!(solver.solve(&mut x) < 1e-13);
+                    x
+                })
+            });
+            let first = solutions[0].clone();
+            solutions[1..].iter_mut().for_each(|x| assert_eq!(*x, first));
+        }
+    }
+
+    #[test]
+    fn dense_columns_enter_without_being_assembled() {
+        let n = 40;
+        let order: Vec<usize> = (0..n).rev().collect();
+        let column = |k: f64| -> Vec<f64> { (0..n).map(|i| (k * i as f64).sin()).collect() };
+        let updates = vec![(3.0, column(0.1)), (1e4, column(0.37))];
+        let b = column(1.3);
+        for shift in [0.0, -0.9] {
+            let (start, rows, lower) = laplacian(n, shift);
+            let mut assembled = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+                0 => 2.0 + shift,
+                1 => -1.0,
+                _ => 0.0,
+            });
+            for (scale, u) in &updates {
+                let u = DVector::from_column_slice(u);
+                assembled += *scale * &u * u.transpose();
+            }
+            let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
+            let mut solver = SparseSolver::new(start, rows, &order);
+            let matrix = Symmetric { lower, updates: updates.clone() };
+            if solver.factor_positive(matrix.clone(), Precision::Single).is_err() {
+                solver.factor_indefinite(matrix);
+            }
+            let mut x = b.clone();
+            assert!(solver.solve(&mut x) < 1e-9);
+            let error: Vec<f64> = x.iter().zip(expected.iter()).map(|(a, b)| a - b).collect();
+            assert!(norm(&error) < 1e-9 * norm(&x), "{}", norm(&error));
+        }
+    }
+}

@@ -1,0 +1,418 @@
+//! Cholesky factorisation by fronts, in parallel over the elimination tree.
+//!
+//! A supernode s has the front [F₁₁ ·; F₂₁ F₂₂]: its own columns and the rows
+//! below that they reach. With the entries of A and the updates of its children
+//! added up, L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ, and F₂₂ − L₂₁ L₂₁ᵀ is its update
+//! for its parent. The dense kernels and the symbolic part are faer's; subtrees
+//! own disjoint ranges of the factor, so that they run on separate threads.
+//!
+//! Source: Duff and Reid 1983, "The multifrontal solution of indefinite sparse
+//! symmetric linear equations", doi:10.1145/356044.356047.
+
+use std::ops::{AddAssign, Mul, Range, SubAssign};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::traits::RealField;
+use faer::{Accum, MatMut, MatRef, Par, Spec};
+use rayon::prelude::*;
+
+use super::matrix::Triangle;
+
+/// Precision of a factor.
+pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> {
+    /// The nearest number.
+    fn narrow(value: f64) -> Self;
+}
+
+impl Scalar for f64 {
+    fn narrow(value: f64) -> Self {
+        value
+    }
+}
+
+impl Scalar for f32 {
+    #[allow(clippy::cast_possible_truncation)]
+    fn narrow(value: f64) -> Self {
+        value as Self
+    }
+}
+
+/// Floating-point operations that are worth a task of their own.
+const TASK: f64 = 2e7;
+
+/// The supernodes of a factor as a tree.
+#[derive(Default)]
+pub struct Fronts {
+    pub(super) supernodes: Vec<Supernode>,
+    pub(super) roots: Vec<usize>,
+    /// Entries of A in each supernode: index among the values of A, and place
+    /// in the supernode's columns.
+    entries: Vec<(u32, u32)>,
+}
+
+pub(super) struct Supernode {
+    pub(super) columns: Range<usize>,
+    /// Rows below its own, ascending.
+    pattern: Vec<usize>,
+    /// Places of these rows in the front of its parent.
+    pub(super) places: Vec<u32>,
+    pub(super) children: Vec<usize>,
+    /// First supernode of its subtree, which ends with itself.
+    pub(super) first: usize,
+    /// Where its columns are stored in the factor.
+    pub(super) values: Range<usize>,
+    entries: Range<usize>,
+    /// Floating-point operations of its subtree.
+    work: f64,
+}
+
+impl Supernode {
+    pub(super) fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    pub(super) fn height(&self) -> usize {
+        self.width() + self.pattern.len()
+    }
+
+    /// L₁₁ and L₂₁ in its part of the factor.
+    pub(super) fn blocks<'a, T>(&self, own: &'a [T]) -> (MatRef<'a, T>, MatRef<'a, T>) {
+        let front = MatRef::from_column_major_slice(own, self.height(), self.width());
+        front.split_at_row(self.width())
+    }
+}
+
+/// F₂₂ − L₂₁ L₂₁ᵀ of a supernode: a square by columns, of which the lower
+/// triangle has meaning.
+struct Update<T> {
+    supernode: usize,
+    values: Vec<T>,
+}
+
+impl Fronts {
+    /// The tree of a symbolic factor whose columns are in postorder, for a lower
+    /// triangle in compressed columns; `position` is that of each unknown in the
+    /// factor.
+    ///
+    /// # Panics
+    /// When A or a front has 2³² entries, or the columns are not in postorder.
+    #[must_use]
+    pub fn new(
+        symbolic: &SymbolicSupernodalCholesky<usize>,
+        pattern: &Triangle,
+        position: &[usize],
+    ) -> Self {
+        let count = symbolic.n_supernodes();
+        let mut of_column = vec![0; symbolic.ncols()];
+        let mut supernodes: Vec<Supernode> = Vec::with_capacity(count);
+        for s in 0..count {
+            let columns = symbolic.supernode_begin()[s]..symbolic.supernode_end()[s];
+            of_column[columns.clone()].fill(s);
+            supernodes.push(Supernode {
+                columns,
+                pattern: symbolic.supernode(s).pattern().to_vec(),
+                places: Vec::new(),
+                children: Vec::new(),
+                first: s,
+                values: symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1],
+                entries: 0..0,
+                work: 0.0,
+            });
+        }
+        let mut roots = Vec::new();
+        for s in 0..count {
+            let (width, below) = (supernodes[s].width() as f64, supernodes[s].pattern.len() as f64);
+            supernodes[s].work += width * (width * width / 3.0 + width * below + below * below);
+            let (work, first) = (supernodes[s].work, supernodes[s].first);
+            match supernodes[s].pattern.first() {
+                Some(&row) => {
+                    let parent = &mut supernodes[of_column[row]];
+                    parent.children.push(s);
+                    parent.work += work;
+                    parent.first = parent.first.min(first);
+                }
+                None => roots.push(s),
+            }
+        }
+        for s in &supernodes {
+            let mut next = s.first;
+            for &child in &s.children {
+                assert_eq!(supernodes[child].first, next, "columns in postorder");
+                next = child + 1;
+            }
+        }
+        place_updates(&mut supernodes);
+        let entries = place_entries(&mut supernodes, &of_column, pattern, position);
+        Self { supernodes, roots, entries }
+    }
+
+    /// Floating-point operations of a factorisation.
+    #[must_use]
+    pub fn flops(&self) -> f64 {
+        self.roots.iter().map(|&r| self.supernodes[r].work).sum()
+    }
+
+    /// The smallest pivot of a factor.
+    pub fn smallest_pivot<T: Scalar>(&self, factor: &[T]) -> T {
+        let pivots = self.supernodes.iter().flat_map(|s| {
+            let own = &factor[s.values.clone()];
+            own.iter().step_by(s.height() + 1).take(s.width()).map(|&l| l * l)
+        });
+        pivots.fold(T::narrow(f64::INFINITY), |least, p| if p < least { p } else { least })
+    }
+
+    /// L of the matrix with the lower triangle `a`, in the layout of faer's
+    /// supernodal factor.
+    ///
+    /// # Errors
+    /// The position of a pivot that is not positive.
+    pub fn factor<T: Scalar>(&self, a: &[f64], factor: &mut [T]) -> Result<(), usize> {
+        let job = Job { fronts: self, a, failed: AtomicBool::new(false) };
+        job.subtrees(&self.roots, factor).map(|_| ())
+    }
+}
+
+/// Finds the place of every row of an update in the parent's front.
+fn place_updates(supernodes: &mut [Supernode]) {
+    for parent in 0..supernodes.len() {
+        for child in supernodes[parent].children.clone() {
+            let front = &supernodes[parent];
+            let mut below = front.pattern.iter().enumerate();
+            let place = |&row: &usize| {
+                if row < front.columns.end {
+                    return narrow(row - front.columns.start);
+                }
+                let (i, _) =
+                    below.find(|p| *p.1 == row).expect("a front holds the rows of its children");
+                narrow(front.width() + i)
+            };
+            supernodes[child].places = supernodes[child].pattern.iter().map(place).collect();
+        }
+    }
+}
+
+fn narrow(i: usize) -> u32 {
+    u32::try_from(i).expect("less than 2^32 entries")
+}
+
+/// Sorts the entries of A by supernode and finds their places.
+fn place_entries(
+    supernodes: &mut [Supernode],
+    of_column: &[usize],
+    pattern: &Triangle,
+    position: &[usize],
+) -> Vec<(u32, u32)> {
+    let Triangle { column_start, rows } = pattern;
+    let n = position.len();
+    let pairs = || {
+        (0..n).flat_map(|c| {
+            let at = position[c];
+            let one = move |k: usize| (k, position[rows[k]].max(at), position[rows[k]].min(at));
+            (column_start[c]..column_start[c + 1]).map(one)
+        })
+    };
+    let mut next = vec![0; supernodes.len() + 1];
+    for (_, _, column) in pairs() {
+        next[of_column[column] + 1] += 1;
+    }
+    for s in 0..supernodes.len() {
+        next[s + 1] += next[s];
+        supernodes[s].entries = next[s]..next[s + 1];
+    }
+    let mut sorted = vec![(0, 0, 0); rows.len()];
+    for (k, row, column) in pairs() {
+        let slot = &mut next[of_column[column]];
+        sorted[*slot] = (narrow(k), narrow(row), narrow(column));
+        *slot += 1;
+    }
+    let mut place = vec![0; n];
+    let mut entries = Vec::with_capacity(sorted.len());
+    for s in supernodes {
+        for (i, row) in s.columns.clone().chain(s.pattern.iter().copied()).enumerate() {
+            place[row] = i;
+        }
+        for &(k, row, column) in &sorted[s.entries.clone()] {
+            let column = column as usize - s.columns.start;
+            entries.push((k, narrow(column * s.height() + place[row as usize])));
+        }
+    }
+    entries
+}
+
+/// One factorisation.
+struct Job<'a> {
+    fronts: &'a Fronts,
+    a: &'a [f64],
+    /// Set by the first thread that meets a bad pivot, so that others stop.
+    failed: AtomicBool,
+}
+
+impl Job<'_> {
+    /// Factors disjoint subtrees, whose columns are stored one after the other.
+    fn subtrees<T: Scalar>(
+        &self,
+        roots: &[usize],
+        mut factor: &mut [T],
+    ) -> Result<Vec<Update<T>>, usize> {
+        let mut tasks = Vec::with_capacity(roots.len());
+        for &root in roots {
+            let values = &self.fronts.supernodes;
+            let len = values[root].values.end - values[values[root].first].values.start;
+            let (own, others) = factor.split_at_mut(len);
+            tasks.push((root, own));
+            factor = others;
+        }
+        tasks.into_par_iter().map(|(root, own)| self.subtree(root, own)).collect()
+    }
+
+    fn subtree<T: Scalar>(&self, root: usize, factor: &mut [T]) -> Result<Update<T>, usize> {
+        let s = &self.fronts.supernodes[root];
+        if s.work < TASK {
+            return self.in_order(s.first..root + 1, factor);
+        }
+        let (below, own) = factor.split_at_mut(factor.len() - s.values.len());
+        let updates = self.subtrees(&s.children, below)?;
+        self.eliminate(root, own, &updates, Par::rayon(0))
+    }
+
+    /// Factors one subtree on this thread.
+    fn in_order<T: Scalar>(
+        &self,
+        range: Range<usize>,
+        mut factor: &mut [T],
+    ) -> Result<Update<T>, usize> {
+        let mut waiting: Vec<Update<T>> = Vec::new();
+        for s in range {
+            let node = &self.fronts.supernodes[s];
+            let (own, others) = factor.split_at_mut(node.values.len());
+            factor = others;
+            let children = waiting.len() - node.children.len();
+            let update = self.eliminate(s, own, &waiting[children..], Par::Seq)?;
+            waiting.truncate(children);
+            waiting.push(update);
+        }
+        Ok(waiting.pop().expect("a subtree is not empty"))
+    }
+
+    fn eliminate<T: Scalar>(
+        &self,
+        s: usize,
+        own: &mut [T],
+        updates: &[Update<T>],
+        par: Par,
+    ) -> Result<Update<T>, usize> {
+        let node = &self.fronts.supernodes[s];
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(node.columns.start);
+        }
+        let (width, height) = (node.width(), node.height());
+        let below = height - width;
+        own.fill(T::narrow(0.0));
+        for &(k, place) in &self.fronts.entries[node.entries.clone()] {
+            own[place as usize] += T::narrow(self.a[k as usize]);
+        }
+        let mut rest = vec![T::narrow(0.0); below * below];
+        for update in updates {
+            self.extend_add(node, update, own, &mut rest, par);
+        }
+        let front = MatMut::from_column_major_slice_mut(own, height, width);
+        let (mut top, mut bottom) = front.split_at_row_mut(width);
+        let mut scratch =
+            MemBuffer::new(cholesky_in_place_scratch::<T>(width, par, Spec::default()));
+        let done = cholesky_in_place(
+            top.as_mut(),
+            LltRegularization::default(),
+            par,
+            MemStack::new(&mut scratch),
+            Spec::default(),
+        );
+        if let Err(LltError::NonPositivePivot { index }) = done {
+            self.failed.store(true, Ordering::Relaxed);
+            return Err(node.columns.start + index);
+        }
+        if below > 0 {
+            solve_lower_triangular_in_place(top.as_ref(), bottom.as_mut().transpose_mut(), par);
+            triangular_matmul(
+                MatMut::from_column_major_slice_mut(&mut rest, below, below),
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                bottom.as_ref(),
+                BlockStructure::Rectangular,
+                bottom.as_ref().transpose(),
+                BlockStructure::Rectangular,
+                T::narrow(-1.0),
+                par,
+            );
+        }
+        Ok(Update { supernode: s, values: rest })
+    }
+
+    /// Adds the update of a child to a front.
+    fn extend_add<T: Scalar>(
+        &self,
+        node: &Supernode,
+        update: &Update<T>,
+        own: &mut [T],
+        rest: &mut [T],
+        par: Par,
+    ) {
+        let places = &self.fronts.supernodes[update.supernode].places;
+        let (width, height) = (node.width(), node.height());
+        let (n, below) = (places.len(), height - width);
+        let split = places.partition_point(|&p| (p as usize) < width);
+        let runs = runs(places);
+        let add = |column: usize, target: &mut [T], skip: usize| {
+            let source = &update.values[column * n..(column + 1) * n];
+            let after = runs.partition_point(|run| run.0.end <= column);
+            for (from, to) in &runs[after..] {
+                let start = from.start.max(column);
+                let to = to + (start - from.start) - skip;
+                let target = &mut target[to..to + (from.end - start)];
+                for (t, v) in target.iter_mut().zip(&source[start..from.end]) {
+                    *t += *v;
+                }
+            }
+        };
+        let each = |targets: &mut [T], columns: Range<usize>, skip: usize| {
+            let height = height - skip;
+            if matches!(par, Par::Seq) {
+                for c in columns {
+                    let place = places[c] as usize - skip;
+                    add(c, &mut targets[place * height..(place + 1) * height], skip);
+                }
+            } else {
+                targets.par_chunks_mut(height).enumerate().for_each(|(place, target)| {
+                    if let Ok(c) = places[columns.clone()].binary_search(&narrow(place + skip)) {
+                        add(columns.start + c, target, skip);
+                    }
+                });
+            }
+        };
+        if split > 0 {
+            each(own, 0..split, 0);
+        }
+        if below > 0 && split < n {
+            each(rest, split..n, width);
+        }
+    }
+}
+
+/// Maximal ranges of a sequence that are consecutive numbers, with the first
+/// number of each.
+fn runs(places: &[u32]) -> Vec<(Range<usize>, usize)> {
+    let mut runs: Vec<(Range<usize>, usize)> = Vec::new();
+    for (i, place) in places.iter().map(|&p| p as usize).enumerate() {
+        match runs.last_mut() {
+            Some((range, first)) if place == *first + range.len() => range.end = i + 1,
+            _ => runs.push((i..i + 1, place)),
+        }
+    }
+    runs
+}
