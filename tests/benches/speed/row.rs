@@ -40,7 +40,7 @@ impl Work {
     /// The rate at a time, with its unit.
     pub fn rate(self, seconds: f64) -> String {
         match self {
-            Self::Dofs(n) => format!("{:.3} Mdof/s", 1e-6 * n / seconds),
+            Self::Dofs(n) => format!("{:.1} kdof/s", 1e-3 * n / seconds),
             Self::Flops(n) => format!("{:.1} GFLOP/s", 1e-9 * n / seconds),
             Self::Bytes(n) => format!("{:.1} GB/s", 1e-9 * n / seconds),
         }

@@ -6,6 +6,8 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
+use tests::workdir::repository;
+
 use crate::row::Row;
 use crate::solves::Solve;
 
@@ -66,8 +68,8 @@ impl Stored {
     }
 }
 
-/// What a program prints, or nothing where it cannot.
+/// What a program prints in the repository, or nothing where it cannot.
 fn said(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).output();
+    let output = Command::new(program).args(arguments).current_dir(repository()).output();
     output.map_or(String::new(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
 }
