@@ -10,7 +10,7 @@ PYTHON ?= python3
 BIN := target/release
 SCENES := frog beam chamber
 
-.PHONY: help setup test test-all lint docs clean compression $(SCENES)
+.PHONY: help setup test test-all bench lint docs clean compression $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
@@ -28,6 +28,9 @@ test: setup  ## all tests that take seconds
 
 test-all: setup beam  ## also those that take minutes
 	cargo test --release --locked --workspace -- --include-ignored
+
+bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
+	cargo bench --locked -p tests --bench speed -- $(ONLY)
 
 lint:  ## what CI asks of the sources: format, clippy, documentation
 	cargo fmt --check

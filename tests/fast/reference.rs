@@ -1,33 +1,12 @@
 //! Against numbers of an independent solver (PolyFEM) on the gripper that was
 //! published with Gjoka et al. 2024, at 5 kPa without contact.
 
-use std::collections::BTreeMap;
-
-use mesh::{Tags, Vec3};
-use solver::body::Body;
+use mesh::Vec3;
 use solver::element::{FunctionSpace, at};
 use solver::energy::{Chamber, Elastic, Energy, GasLaw, Wall};
 use solver::forward::{Newton, Stepping, System, solve};
 use solver::material::MooneyRivlin;
-
-const GRIPPER: &str = "data/pneumatic-actuator-design/gripper_bellows/";
-
-/// The published mesh in metres, with the first of the ids that a facet has.
-fn gripper() -> Option<Body> {
-    let mesh_path = tests::shared(&format!("{GRIPPER}gripper_bellows_thick.msh"))?;
-    let selections = tests::shared(&format!("{GRIPPER}surface_selections_thick.txt"))?;
-    let mut mesh = mesh::io::read_tets(&mesh_path).unwrap().mesh;
-    mesh.vertices.iter_mut().for_each(|v| *v *= 1e-3);
-    let mut first: BTreeMap<[usize; 3], u32> = BTreeMap::new();
-    for line in std::fs::read_to_string(selections).unwrap().lines() {
-        let n: Vec<usize> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
-        let id = u32::try_from(n[0]).unwrap();
-        first.entry(mesh::facet_key([n[1], n[2], n[3]])).or_insert(id);
-    }
-    let mut tags = Tags::new(["fixed", "cavity", "outer", "grip"].map(str::to_owned).to_vec());
-    tags.facets = first;
-    Some(Body::new(mesh, tags))
-}
+use tests::published::gripper;
 
 fn compare(degree: usize, reference: &str) {
     let Some(reference) = tests::shared(reference) else { return };

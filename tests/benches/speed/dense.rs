@@ -1,0 +1,81 @@
+//! What the machine can do at most: dense products and factorisations.
+
+use std::time::Instant;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par, Spec};
+
+use crate::row::{Row, Seconds, Work};
+
+/// Order of the matrices that are multiplied.
+const PRODUCT: usize = 4000;
+/// Runs of each.
+const RUNS: usize = 3;
+
+/// One thread, and all.
+fn threads() -> [(usize, Par); 2] {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    [(1, Par::Seq), (all, Par::rayon(all))]
+}
+
+/// The name of a row on some threads.
+pub fn name(what: &str, threads: usize) -> String {
+    format!("{what}, {threads} thread{}", if threads == 1 { "" } else { "s" })
+}
+
+/// C = A B.
+pub fn products() -> Vec<Row> {
+    let n = PRODUCT;
+    let a = Mat::<f64>::from_fn(n, n, |i, j| ((i * 7 + j * 3) % 11) as f64);
+    let mut c = Mat::<f64>::zeros(n, n);
+    let one = |(threads, par)| {
+        let mut run = || matmul(c.as_mut(), Accum::Replace, a.as_ref(), a.as_ref(), 1.0, par);
+        let flops = Work::Flops(2.0 * (n as f64).powi(3));
+        row(name("dgemm", threads), n, flops, (0..RUNS).map(|_| timed(&mut run)).collect())
+    };
+    threads().map(one).into_iter().collect()
+}
+
+/// A = L Lᵀ of the order that takes as many operations as a sparse factorisation.
+pub fn factorisations(body: &str, flops: f64) -> Vec<Row> {
+    let n = (3.0 * flops).cbrt().round() as usize;
+    let one = |(threads, par)| {
+        let mut a = Mat::<f64>::zeros(n, n);
+        let mut scratch = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, par, Spec::default()));
+        let mut runs = Vec::new();
+        for _ in 0..RUNS {
+            for j in 0..n {
+                a.col_as_slice_mut(j).fill(1.0);
+                a[(j, j)] = n as f64;
+            }
+            runs.push(timed(|| {
+                let stack = MemStack::new(&mut scratch);
+                cholesky_in_place(a.as_mut(), Default::default(), par, stack, Spec::default())
+                    .expect("the diagonal dominates");
+            }));
+        }
+        let what = name("dense LLᵀ", threads);
+        Row { body: format!("as {body}"), ..row(what, n, Work::Flops(flops), runs) }
+    };
+    threads().map(one).into_iter().collect()
+}
+
+fn timed(mut run: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_secs_f64()
+}
+
+fn row(what: String, n: usize, work: Work, runs: Vec<f64>) -> Row {
+    Row {
+        what,
+        body: format!("{n} × {n}"),
+        dofs: None,
+        seconds: Seconds::new(runs),
+        work,
+        peak_mb: None,
+        beside: String::new(),
+    }
+}

@@ -1,0 +1,243 @@
+//! Single steps of a solve, timed by Criterion.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
+use solver::body::Body;
+use solver::energy::Hessian;
+use solver::forward::{System, certificate};
+use solver::math::linear::{Precision, Symmetric};
+use solver::math::sparse::{BlockMatrix, Pattern};
+
+use crate::cases;
+use crate::row::{Row, Seconds, Work};
+
+/// Steps of assembly, and those after it, as the table names them.
+const ASSEMBLY: [&str; 4] = ["energy", "gradient", "Hessian", "certificate"];
+const CHAMBER: [&str; 2] = ["pressure gradient", "pressure Hessian"];
+const LINEAR: [&str; 6] = [
+    "factor, 1 thread",
+    "factor",
+    "factor, double",
+    "solve, one step",
+    "solve to 1e-10",
+    "CG, old factor",
+];
+
+/// Accuracy of a Newton step's equations in the middle of an iteration.
+const FORCING: f64 = 1e-4;
+/// That of an adjoint.
+const ACCURATE: f64 = 1e-10;
+
+/// A discrete problem at a state near equilibrium.
+struct Problem {
+    name: String,
+    body: Body,
+    system: System,
+    u: Vec<f64>,
+}
+
+impl Problem {
+    fn new(name: &str) -> Result<Option<Self>> {
+        let Some(scene) = cases::scene(name)? else { return Ok(None) };
+        let body = scene.body.clone();
+        let system = scene.system(&body)?;
+        // the body larger by one percent in all directions: its Hessian is positive
+        // definite, and costs what any other does
+        let nodes = system.space.node_positions(&body.mesh.vertices);
+        let u = nodes.iter().flat_map(|p| [p.x, p.y, p.z].map(|c| 1e-2 * c)).collect();
+        Ok(Some(Self { name: name.to_owned(), body, system, u }))
+    }
+
+    /// At a multiple of the displacement.
+    fn hessian(&mut self, factor: f64) -> Symmetric {
+        let u: Vec<f64> = self.u.iter().map(|u| factor * u).collect();
+        self.system.hessian(&self.body.mesh.vertices, &u, 1.0, Hessian::Exact)
+    }
+
+    /// What is out of balance on the free degrees of freedom.
+    fn force(&mut self) -> Vec<f64> {
+        let (gradient, _) = self.system.gradient(&self.body.mesh.vertices, &self.u, 1.0);
+        self.system.restrict(&gradient)
+    }
+}
+
+/// What is timed, and how much it is.
+struct Step {
+    what: &'static str,
+    body: String,
+    dofs: usize,
+    work: Work,
+}
+
+impl Step {
+    fn per_dof(what: &'static str, p: &Problem) -> Self {
+        let dofs = p.system.len();
+        Self { what, body: p.name.clone(), dofs, work: Work::Dofs(dofs as f64) }
+    }
+
+    fn of(self, work: Work) -> Self {
+        Self { work, ..self }
+    }
+}
+
+/// Criterion, and the rows it has made.
+pub struct Kernels<'a> {
+    criterion: Criterion,
+    folder: PathBuf,
+    wanted: &'a dyn Fn(&str) -> bool,
+    rows: Vec<Row>,
+}
+
+impl<'a> Kernels<'a> {
+    /// Keeps its samples in a folder and times what is `wanted` by its key.
+    pub fn new(folder: PathBuf, wanted: &'a dyn Fn(&str) -> bool) -> Self {
+        let criterion = Criterion::default()
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(100))
+            .measurement_time(Duration::from_secs(1))
+            .without_plots()
+            .output_directory(&folder);
+        Self { criterion, folder, wanted, rows: Vec::new() }
+    }
+
+    /// All steps on a body.
+    pub fn all(&mut self, name: &str) -> Result<()> {
+        let steps = [&ASSEMBLY[..], &CHAMBER, &LINEAR].concat();
+        let Some(mut problem) = self.problem(name, &steps)? else { return Ok(()) };
+        self.assembly(&mut problem)?;
+        self.chamber(&problem)?;
+        self.linear(&mut problem)
+    }
+
+    /// Assembly alone.
+    pub fn assembly_of(&mut self, name: &str) -> Result<()> {
+        let Some(mut problem) = self.problem(name, &ASSEMBLY)? else { return Ok(()) };
+        self.assembly(&mut problem)
+    }
+
+    /// The problem, if any of the steps on it is wanted.
+    fn problem(&self, name: &str, steps: &[&str]) -> Result<Option<Problem>> {
+        if steps.iter().any(|step| (self.wanted)(&format!("{step}/{name}"))) {
+            return Problem::new(name);
+        }
+        Ok(None)
+    }
+
+    /// The rows since this was asked last.
+    pub fn take_rows(&mut self) -> Vec<Row> {
+        std::mem::take(&mut self.rows)
+    }
+
+    fn assembly(&mut self, p: &mut Problem) -> Result<()> {
+        let step = |what| Step::per_dof(what, p);
+        let [energy, gradient, hessian, proof] = ASSEMBLY.map(step);
+        let Problem { body, system, u, .. } = p;
+        let rest = &body.mesh.vertices;
+        self.time(&energy, || system.value(rest, u, 1.0))?;
+        self.time(&gradient, || system.gradient(rest, u, 1.0))?;
+        self.time(&hessian, || system.hessian(rest, u, 1.0, Hessian::Exact))?;
+        self.time(&proof, || {
+            certificate(&system.space, rest, u).expect("a swollen body has positive volume");
+        })
+    }
+
+    /// The pressure terms alone, which the assembly contains.
+    fn chamber(&mut self, p: &Problem) -> Result<()> {
+        let space = &p.system.space;
+        let at = p.system.iterate(&p.body.mesh.vertices, &p.u, 1.0);
+        // the first energy is the elastic one
+        let walls = || p.system.energies.iter().skip(1);
+        let [gradient, hessian] = CHAMBER.map(|what| Step::per_dof(what, p));
+        let mut force = vec![0.0; p.system.len()];
+        self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;
+        let pattern =
+            Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
+        let mut matrix = BlockMatrix::zeros(&pattern);
+        let kind = Hessian::Exact;
+        self.time(&hessian, || walls().for_each(|wall| wall.add_hessian(&at, kind, &mut matrix)))
+    }
+
+    fn linear(&mut self, p: &mut Problem) -> Result<()> {
+        let [factor_1, factor, double, once, solve, near] =
+            LINEAR.map(|what| Step::per_dof(what, p));
+        let hessian = p.hessian(1.0);
+        let force = p.force();
+        let nearby = p.hessian(1.01);
+        let linear = &mut p.system.linear;
+        let flops = Work::Flops(linear.factor_flops());
+        // the factor in single precision forwards and backwards, and values and
+        // row indices of the matrix
+        let entries = (linear.factor_len(), hessian.lower.len());
+        let bytes = Work::Bytes((2 * 4 * entries.0 + (8 + 8) * entries.1) as f64);
+        let stable = "a swollen body is stable";
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let matrix = || hessian.clone();
+        self.time_with(&double.of(flops), matrix, |matrix| {
+            linear.factor_positive(matrix, Precision::Double).expect(stable);
+        })?;
+        self.time_with(&factor_1.of(flops), matrix, |matrix| {
+            one.install(|| linear.factor_positive(matrix, Precision::Single)).expect(stable);
+        })?;
+        self.time_with(&factor.of(flops), matrix, |matrix| {
+            linear.factor_positive(matrix, Precision::Single).expect(stable);
+        })?;
+        linear.factor_positive(matrix(), Precision::Single).expect(stable);
+        let vector = || force.clone();
+        // any accuracy will do: one step
+        self.time_with(&once.of(bytes), vector, |mut x| linear.solve_to(&mut x, f64::INFINITY))?;
+        self.time_with(&solve, vector, |mut x| linear.solve_to(&mut x, ACCURATE))?;
+        self.time(&near, || {
+            linear.solve_near(&nearby, &force, FORCING).expect("one percent more is near")
+        })
+    }
+
+    fn time<O>(&mut self, step: &Step, mut run: impl FnMut() -> O) -> Result<()> {
+        self.time_with(step, || (), |()| run())
+    }
+
+    /// Times `run` on what `prepare` makes; neither that nor the end of what `run`
+    /// returns is counted.
+    fn time_with<T, O>(
+        &mut self,
+        Step { what, body, dofs, work }: &Step,
+        mut prepare: impl FnMut() -> T,
+        mut run: impl FnMut(T) -> O,
+    ) -> Result<()> {
+        if !(self.wanted)(&format!("{what}/{body}")) {
+            return Ok(());
+        }
+        let mut group = self.criterion.benchmark_group(*what);
+        group.sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(*dofs as u64));
+        group.bench_function(body, |b| {
+            b.iter_batched(&mut prepare, &mut run, BatchSize::PerIteration);
+        });
+        group.finish();
+        self.rows.push(Row {
+            what: (*what).to_owned(),
+            body: body.clone(),
+            dofs: Some(*dofs),
+            seconds: samples(&self.folder.join(what).join(body))?,
+            work: *work,
+            peak_mb: None,
+            beside: String::new(),
+        });
+        Ok(())
+    }
+}
+
+/// Seconds per iteration of the samples that Criterion has left in a folder.
+fn samples(folder: &Path) -> Result<Seconds> {
+    #[derive(serde::Deserialize)]
+    struct Samples {
+        iters: Vec<f64>,
+        times: Vec<f64>,
+    }
+    let path = folder.join("new/sample.json");
+    let text = mesh::io::read_text(&path)?;
+    let Samples { iters, times } =
+        serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    Ok(Seconds::new(times.iter().zip(&iters).map(|(t, n)| 1e-9 * t / n).collect()))
+}

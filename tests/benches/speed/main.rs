@@ -1,0 +1,104 @@
+//! Times single steps and whole solves, compares them with the machine's limits,
+//! the last stored run and an independent solver, and prints one table.
+//!
+//! `make bench`, or `make bench ONLY="factor gripper"` for the rows whose names
+//! contain all of the words. Only full runs are stored.
+#![allow(missing_docs)]
+
+mod cases;
+mod dense;
+mod kernels;
+mod row;
+mod scaling;
+mod solves;
+mod stored;
+mod table;
+
+use std::io::Write;
+
+use anyhow::Result;
+use solver::results::write_json;
+use stored::Stored;
+use tests::workdir::repository;
+
+/// Bodies on which every step is timed.
+const BODIES: [&str; 4] = ["bar20k-p2", "bar60k-p2", "bar250k-p2", "gripper-p2"];
+/// Bodies on which assembly is timed, too.
+const DEGREES: [&str; 2] = ["bar60k-p1", "bar60k-p3"];
+/// Published bodies that are solved as a whole.
+const PUBLISHED: [&str; 3] = ["gripper-p1", "gripper-p2", "worm-p2"];
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [flag, name] = &arguments[..]
+        && flag == "--solve"
+    {
+        return solves::child(name);
+    }
+    if !arguments.iter().any(|a| a == "--bench") {
+        eprintln!("SKIPPED: benchmarks run by `make bench`");
+        return Ok(());
+    }
+    run(&arguments.into_iter().filter(|a| !a.starts_with("--")).collect::<Vec<_>>())
+}
+
+fn run(words: &[String]) -> Result<()> {
+    let wanted = |key: &str| words.iter().all(|w| key.contains(w.as_str()));
+    let folder = repository().join("build/bench");
+    std::fs::create_dir_all(&folder)?;
+    let last = folder.join("last.json");
+    let before = Stored::read(&last)?;
+    let mut now = Stored::begin();
+
+    if wanted("dgemm") {
+        now.rows.extend(dense::products());
+    }
+    let mut kernels = kernels::Kernels::new(folder.join("criterion"), &wanted);
+    for body in BODIES {
+        kernels.all(body)?;
+        let rows = kernels.take_rows();
+        // at once, since the speed of shared machines drifts
+        if let Some(row::Work::Flops(flops)) = row::find(&rows, "factor", body).map(|r| r.work) {
+            now.rows.extend(dense::factorisations(body, flops));
+        }
+        now.rows.extend(rows);
+    }
+    for body in DEGREES {
+        kernels.assembly_of(body)?;
+    }
+    now.rows.extend(kernels.take_rows());
+
+    let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
+    for name in bars.iter().map(String::as_str).chain(PUBLISHED) {
+        if wanted(&format!("static solve/{name}"))
+            && let Some((row, solve)) = solves::repeat(name)?
+        {
+            now.rows.push(row);
+            now.solves.push(solve);
+        }
+    }
+    table::compare_dense(&mut now.rows);
+    solves::compare(&mut now.rows, &now.solves);
+
+    let mut text = table::render(&now, before.as_ref());
+    if !now.solves.is_empty() {
+        text += &format!("\n{}", solves::parts(&now.solves));
+    }
+    let of_bars: Vec<_> = now.solves.iter().filter(|s| bars.contains(&s.body)).cloned().collect();
+    if let Some(fits) = scaling::report(&of_bars, &folder.join("scaling.svg"))? {
+        text += &format!("\n{fits}");
+    }
+    let targets = solves::targets(&now.rows, &now.solves);
+    if !targets.is_empty() {
+        text += &format!("\n{}\n", targets.join("\n"));
+    }
+    write!(std::io::stdout(), "\n{text}")?;
+    if words.is_empty() {
+        mesh::io::write_atomic(&folder.join("table.txt"), |out| write!(out, "{text}"))?;
+        if let Some(before) = before {
+            write_json(&folder.join("previous.json"), &before)?;
+        }
+        write_json(&last, &now)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,239 @@
+//! Whole static solves from rest, each in a process of its own.
+
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+use solver::energy::Hessian;
+use solver::forward::{Timings, solve};
+use solver::math::linear::Precision;
+use solver::results::peak_rss_mb;
+
+use crate::cases;
+use crate::row::{Row, Seconds, Work, find};
+
+/// Runs of one solve, and the time after which there is no further one [s].
+const RUNS: usize = 3;
+const ENOUGH: f64 = 20.0;
+
+/// What one process has measured.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Solve {
+    /// Name of the case.
+    pub body: String,
+    /// Degrees of freedom.
+    pub dofs: usize,
+    /// Newton iterations, those of rejected load steps included.
+    pub newton_iterations: usize,
+    /// Accepted load steps.
+    pub load_steps: usize,
+    /// Numbering, pattern, ordering and symbolic factorisation [s].
+    pub setup_s: f64,
+    /// From rest to the certified equilibrium, without the set-up [s].
+    pub solve_s: f64,
+    /// Parts of it.
+    pub timings: Timings,
+    /// Stored entries of the factor.
+    pub factor_len: usize,
+    /// Operations of one factorisation.
+    pub factor_flops: f64,
+    /// Largest resident set of the whole solve [MiB].
+    pub peak_mb: f64,
+    /// Gradient and Hessian once more, at the equilibrium [s].
+    pub assembly_once_s: f64,
+    /// The factorisation there [s].
+    pub factor_once_s: f64,
+}
+
+impl Solve {
+    /// Set-up and solve [s].
+    pub fn total_s(&self) -> f64 {
+        self.setup_s + self.solve_s
+    }
+
+    /// The solve without its named parts [s].
+    fn rest_s(&self) -> f64 {
+        let t = &self.timings;
+        self.solve_s - t.assembly_s - t.factor_s - t.solve_s - t.certificate_s
+    }
+}
+
+/// Solves a case in this process and prints the measurement; prints nothing
+/// where the body is not at hand.
+pub fn child(name: &str) -> Result<()> {
+    let Some(scene) = cases::scene(name)? else { return Ok(()) };
+    let rest = &scene.body.mesh.vertices;
+    let clock = Instant::now();
+    let mut system = scene.system(&scene.body)?;
+    let setup_s = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    let solution = solve(&mut system, rest, &scene.stepping(), |_| ())?;
+    let solve_s = clock.elapsed().as_secs_f64();
+    let timings = system.timings;
+    let peak_mb = peak_rss_mb().context("no VmHWM in /proc/self/status")?;
+    let clock = Instant::now();
+    system.gradient(rest, &solution.u, 1.0);
+    let hessian = system.hessian(rest, &solution.u, 1.0, Hessian::Exact);
+    let assembly_once_s = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    system
+        .linear
+        .factor_positive(hessian, Precision::Single)
+        .context("the equilibrium is not stable")?;
+    let factor_once_s = clock.elapsed().as_secs_f64();
+    let measured = Solve {
+        body: name.to_owned(),
+        dofs: system.len(),
+        newton_iterations: solution.newton_iterations,
+        load_steps: solution.steps.len(),
+        setup_s,
+        solve_s,
+        timings,
+        factor_len: system.linear.factor_len(),
+        factor_flops: system.linear.factor_flops(),
+        peak_mb,
+        assembly_once_s,
+        factor_once_s,
+    };
+    serde_json::to_writer(std::io::stdout(), &measured)?;
+    Ok(())
+}
+
+/// Runs of one case, the one with the median time first.
+pub fn repeat(name: &str) -> Result<Option<(Row, Solve)>> {
+    eprintln!("solving {name}");
+    let mut runs = Vec::new();
+    while runs.len() < RUNS && runs.iter().map(Solve::total_s).sum::<f64>() < ENOUGH {
+        let Some(run) = once(name)? else { return Ok(None) };
+        runs.push(run);
+    }
+    runs.sort_by(|a, b| a.total_s().total_cmp(&b.total_s()));
+    let row = Row {
+        what: "static solve".to_owned(),
+        body: name.to_owned(),
+        dofs: Some(runs[0].dofs),
+        seconds: Seconds::new(runs.iter().map(Solve::total_s).collect()),
+        work: Work::Dofs(runs[0].dofs as f64),
+        peak_mb: runs.iter().map(|r| r.peak_mb).reduce(f64::max),
+        beside: String::new(),
+    };
+    Ok(Some((row, runs.swap_remove(runs.len() / 2))))
+}
+
+fn once(name: &str) -> Result<Option<Solve>> {
+    let output = Command::new(std::env::current_exe()?)
+        .args(["--solve", name])
+        .stderr(Stdio::inherit())
+        .output()?;
+    ensure!(output.status.success(), "the solve of {name} failed: {}", output.status);
+    if output.stdout.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(serde_json::from_slice(&output.stdout)?))
+}
+
+/// The parts of the solves as a table.
+pub fn parts(solves: &[Solve]) -> String {
+    let mut text = format!(
+        "{:<12}{:>8}{:>7}{:>8}{:>10}{:>8}{:>8}{:>7}{:>7}{:>8}{:>10}{:>8}\n",
+        "static solve",
+        "dofs",
+        "Newton",
+        "set-up",
+        "assembly",
+        "factor",
+        "solves",
+        "proof",
+        "rest",
+        "peak MB",
+        "entries M",
+        "GFlop"
+    );
+    for s in solves {
+        let t = &s.timings;
+        text += &format!(
+            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}\n",
+            s.body,
+            s.dofs,
+            s.newton_iterations,
+            s.setup_s,
+            t.assembly_s,
+            t.factor_s,
+            t.solve_s,
+            t.certificate_s,
+            s.rest_s(),
+            s.peak_mb,
+            1e-6 * s.factor_len as f64,
+            1e-9 * s.factor_flops,
+        );
+    }
+    text
+}
+
+/// Whole solves of PolyFEM (661588e8, Pardiso, 2 threads) of the same bodies under
+/// the same load, from rest in one load step: body, seconds, peak memory [GB].
+const POLYFEM: [(&str, f64, f64); 2] = [("gripper-p1", 13.5, 1.2), ("gripper-p2", 107.7, 6.3)];
+
+/// Its steps 1 to 5 of the worm, which are dynamic and with contact, took 225.3 s
+/// for 40 Newton iterations, of which assembly and linear solves are half.
+const POLYFEM_WORM: f64 = 0.5 * 225.3 / 40.0;
+
+/// Sets what PolyFEM took beside our solves.
+pub fn compare(rows: &mut [Row], solves: &[Solve]) {
+    for row in rows.iter_mut().filter(|r| r.what == "static solve") {
+        let reference = POLYFEM.iter().find(|r| r.0 == row.body);
+        if let (Some((_, seconds, gb)), Some(peak)) = (reference, row.peak_mb) {
+            row.beside = format!(
+                "PolyFEM {seconds} s, {gb} GB: {:.1} × as fast, {:.2} of the memory",
+                seconds / row.seconds.median,
+                peak * 1.048_576e-3 / gb
+            );
+        }
+        let solve = solves.iter().find(|s| s.body == row.body);
+        if let (true, Some(s)) = (row.body == "worm-p2", solve) {
+            let ours = (s.timings.assembly_s + s.timings.factor_s + s.timings.solve_s)
+                / s.newton_iterations as f64;
+            row.beside = format!(
+                "assembly and linear solve per iteration {ours:.2} s, PolyFEM's (dynamic, with \
+                 contact) {POLYFEM_WORM:.2} s: {:.1} × as fast",
+                POLYFEM_WORM / ours
+            );
+        }
+    }
+}
+
+/// What is asked of the gripper, and what it does.
+pub fn targets(rows: &[Row], solves: &[Solve]) -> Vec<String> {
+    let body = "gripper-p2";
+    let seconds = |what: &str| find(rows, what, body).map(|r| r.seconds.median);
+    let mut lines = Vec::new();
+    let mut judge = |text: String, met: bool| {
+        lines.push(format!("{}  {text}", if met { "met    " } else { "not met" }));
+    };
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let dense = crate::dense::name("dense LLᵀ", all);
+    if let (Some(factor), Some(dense)) =
+        (seconds("factor"), find(rows, &dense, &format!("as {body}")))
+    {
+        let share = dense.seconds.median / factor;
+        judge(
+            format!("factorisation at {:.0} % of the dense rate, wanted 70 %", 100.0 * share),
+            share >= 0.7,
+        );
+        if let (Some(gradient), Some(hessian)) = (seconds("gradient"), seconds("Hessian")) {
+            let share = (gradient + hessian) / factor;
+            judge(
+                format!("gradient and Hessian take {share:.2} of a factorisation, wanted 0.33"),
+                share <= 1.0 / 3.0,
+            );
+        }
+    }
+    if let Some(s) = solves.iter().find(|s| s.body == body) {
+        let gb = s.peak_mb * 1.048_576e-3;
+        judge(format!("peak memory {gb:.2} GB, wanted 2.5"), gb < 2.5);
+        let times = POLYFEM[1].1 / s.total_s();
+        judge(format!("static solve {times:.1} × as fast as PolyFEM, wanted 8"), times >= 8.0);
+    }
+    lines
+}

@@ -1,0 +1,75 @@
+//! Runs that are kept for comparison.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use tests::workdir::repository;
+
+use crate::row::Row;
+use crate::solves::Solve;
+
+/// A full run of the benchmarks.
+#[derive(Serialize, Deserialize)]
+pub struct Stored {
+    /// Processor and number of threads.
+    pub machine: String,
+    /// Commit, with `+` where files had changed since.
+    pub commit: String,
+    /// Begin of the run, UTC.
+    pub date: String,
+    /// Runnable programs of the last minute, before the run began.
+    pub load: String,
+    /// Lines of the table.
+    pub rows: Vec<Row>,
+    /// Whole solves in detail.
+    pub solves: Vec<Solve>,
+}
+
+impl Stored {
+    /// This run, with nothing measured yet.
+    pub fn begin() -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+        let info = read("/proc/cpuinfo");
+        let model = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
+        let model = model.map_or("unknown processor", |m| m.1);
+        let host = read("/proc/sys/kernel/hostname");
+        let changed = !said("git", &["status", "--porcelain", "--untracked-files=no"]).is_empty();
+        let commit = said("git", &["rev-parse", "--short", "HEAD"]);
+        Self {
+            machine: format!("{}, {model}, {threads} threads", host.trim()),
+            commit: commit + if changed { "+" } else { "" },
+            date: said("date", &["-u", "+%Y-%m-%d %H:%M"]),
+            load: read("/proc/loadavg").split(' ').next().unwrap_or_default().to_owned(),
+            rows: Vec::new(),
+            solves: Vec::new(),
+        }
+    }
+
+    /// The last full run, if there is one.
+    pub fn read(path: &Path) -> Result<Option<Self>> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = mesh::io::read_text(path)?;
+        let found = serde_json::from_str(&text).with_context(|| {
+            format!("{}: not as this version writes it; remove it to go on", path.display())
+        })?;
+        Ok(Some(found))
+    }
+
+    /// One line about when and where.
+    pub fn title(&self) -> String {
+        let Self { machine, commit, date, load, .. } = self;
+        format!("{date} UTC, commit {commit}, {machine}, load before {load}")
+    }
+}
+
+/// What a program prints in the repository, or nothing where it cannot.
+fn said(program: &str, arguments: &[&str]) -> String {
+    let output = Command::new(program).args(arguments).current_dir(repository()).output();
+    output.map_or(String::new(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+}
