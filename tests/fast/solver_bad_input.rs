@@ -185,7 +185,7 @@ fn a_time_without_equilibrium() {
     dir.write("high.toml", &(timed + "[time]\nend = 2.0\nsteps = 2\n"));
     let run = dir.solver("simulate high.toml -o out");
     run.assert_refused(1, &["high.toml", "no equilibrium beyond t = 0"]);
-    assert_eq!(dir.files("out"), ["report.json"]);
+    assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
 }
 
 #[test]

@@ -24,6 +24,8 @@ use crate::math::linear::{dot, norm};
 
 /// Relative accuracy of inexact steps, at most and at least.
 const FORCING: (f64, f64) = (1e-2, 1e-6);
+/// Of the residual that is wanted, what the linear system may leave.
+const ENOUGH: f64 = 0.1;
 /// Iterations without a residual of half the smallest before.
 const FLAT: usize = 3;
 /// Predicted decrease of the energy, relative to it, that is within rounding.
@@ -191,7 +193,9 @@ impl Newton {
                 }
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
-            let forcing = (residual / before).powi(2).clamp(FORCING.1, FORCING.0);
+            // no more accurate than the tolerance needs
+            let enough = (ENOUGH * wanted / residual).clamp(FORCING.1, FORCING.0);
+            let forcing = (residual / before).powi(2).clamp(enough, FORCING.0);
             before = residual;
             let at = Point { rest, u: &now.u, load, gradient: &now.gradient };
             let (step, decrease) = step(system, &at, now.energy, forcing);

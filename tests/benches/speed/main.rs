@@ -21,6 +21,10 @@ use solver::results::write_json;
 use stored::Stored;
 use tests::workdir::repository;
 
+/// As the program `solver` has it.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Bodies on which every step is timed.
 const BODIES: [&str; 4] = ["bar20k-p2", "bar60k-p2", "bar250k-p2", "gripper-p2"];
 /// Bodies on which assembly is timed, too.

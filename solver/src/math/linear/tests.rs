@@ -1,0 +1,125 @@
+use super::*;
+
+/// Lower triangle of the 1D Laplacian of n points plus `shift` I.
+fn laplacian(n: usize, shift: f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for c in 0..n {
+        rows.push(c);
+        values.push(2.0 + shift);
+        if c + 1 < n {
+            rows.push(c + 1);
+            values.push(-1.0);
+        }
+        start.push(rows.len());
+    }
+    (start, rows, values)
+}
+
+#[test]
+fn positive_and_indefinite_systems_are_solved_to_rounding() {
+    let n = 300;
+    let (start, rows, values) = laplacian(n, 0.0);
+    let order: Vec<usize> = (0..n).rev().collect();
+    let mut solver = SparseSolver::new(start, rows, &order);
+    let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+
+    assert!(solver.smallest_pivot().is_none());
+    for precision in [Precision::Single, Precision::Double] {
+        let matrix = Symmetric::sparse(values.clone());
+        solver.factor_positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
+        // eliminated one by one from the end, the pivots are (k + 1)/k
+        let pivot = solver.smallest_pivot().expect("a positive factor");
+        let expected = (n as f64 + 1.0) / n as f64;
+        assert!((pivot.value - expected).abs() < 1e-5 && (pivot.largest - 2.0).abs() < 1e-6);
+        assert_eq!(pivot.unknown, 0);
+        // the condition number is 4/π² n² = 4e4
+        assert!(solver.solve(&mut b.clone()) < 1e-11);
+        let (_, _, near) = laplacian(n, 1e-6);
+        let near = Symmetric::sparse(near);
+        let x = solver.solve_near(&near, &b, 1e-11).expect("a shift of 1e-6 is near");
+        let error: Vec<f64> =
+            solver.pattern.multiply(&near, &x).iter().zip(&b).map(|(a, b)| a - b).collect();
+        assert!(norm(&error) < 1e-10 * norm(&b));
+        let far = Symmetric::sparse(laplacian(n, 100.0).2);
+        assert!(solver.solve_near(&far, &b, 1e-11).is_none());
+    }
+
+    // not -1: its second leading minor is zero, where pivoting within one
+    // column cannot help
+    let shifted = Symmetric::sparse(laplacian(n, -0.9).2);
+    let failed = solver.factor_positive(shifted.clone(), Precision::Single);
+    assert!(failed.is_err_and(|e| e.pivot < n && e.size == n));
+    solver.factor_indefinite(shifted);
+    assert!(solver.solve(&mut b.clone()) < 1e-11);
+}
+
+/// The Laplacian of a cube of m³ points, ordered by nested dissection.
+#[test]
+fn many_threads_give_the_bits_of_one() {
+    let m = 24;
+    let id = |x: usize, y: usize, z: usize| (x * m + y) * m + z;
+    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    let mut adjacency = vec![Vec::new(); m * m * m];
+    for (c, (x, y, z)) in (0..m * m * m).map(|c| (c, (c / (m * m), c / m % m, c % m))) {
+        rows.push(c);
+        values.push(6.1);
+        let later = [(z + 1, id(x, y, z + 1)), (y + 1, id(x, y + 1, z)), (x + 1, id(x + 1, y, z))];
+        for (_, other) in later.into_iter().filter(|(k, _)| *k < m) {
+            rows.push(other);
+            values.push(-1.0);
+            adjacency[c].push(other);
+            adjacency[other].push(c);
+        }
+        start.push(rows.len());
+    }
+    let order = crate::math::ordering::nested_dissection(&adjacency);
+    let mut solver = SparseSolver::new(start, rows, &order);
+    // enough for several tasks
+    assert!(solver.factor_flops() > 2e8, "{:e}", solver.factor_flops());
+    let b: Vec<f64> = (0..m * m * m).map(|i| (0.1 * i as f64).sin()).collect();
+    for precision in [Precision::Single, Precision::Double] {
+        let mut solutions = [1, 2, 5].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("a thread pool").install(|| {
+                let matrix = Symmetric::sparse(values.clone());
+                solver.factor_positive(matrix, precision).expect("diagonally dominant");
+                let mut x = b.clone();
+                assert!(solver.solve(&mut x) < 1e-13);
+                x
+            })
+        });
+        let first = solutions[0].clone();
+        solutions[1..].iter_mut().for_each(|x| assert_eq!(*x, first));
+    }
+}
+
+#[test]
+fn dense_columns_enter_without_being_assembled() {
+    let n = 40;
+    let order: Vec<usize> = (0..n).rev().collect();
+    let column = |k: f64| -> Vec<f64> { (0..n).map(|i| (k * i as f64).sin()).collect() };
+    let updates = vec![(3.0, column(0.1)), (1e4, column(0.37))];
+    let b = column(1.3);
+    for shift in [0.0, -0.9] {
+        let (start, rows, lower) = laplacian(n, shift);
+        let mut assembled = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+            0 => 2.0 + shift,
+            1 => -1.0,
+            _ => 0.0,
+        });
+        for (scale, u) in &updates {
+            let u = DVector::from_column_slice(u);
+            assembled += *scale * &u * u.transpose();
+        }
+        let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
+        let mut solver = SparseSolver::new(start, rows, &order);
+        let matrix = Symmetric { lower, updates: updates.clone() };
+        if solver.factor_positive(matrix.clone(), Precision::Single).is_err() {
+            solver.factor_indefinite(matrix);
+        }
+        let mut x = b.clone();
+        assert!(solver.solve(&mut x) < 1e-9);
+        let error: Vec<f64> = x.iter().zip(expected.iter()).map(|(a, b)| a - b).collect();
+        assert!(norm(&error) < 1e-9 * norm(&x), "{}", norm(&error));
+    }
+}
