@@ -213,11 +213,9 @@ pub fn targets(rows: &[Row], solves: &[Solve]) -> Vec<String> {
     };
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let dense = crate::dense::name("dense LLᵀ", all);
-    if let (Some(double), Some(factor), Some(dense)) = (
-        seconds("factor, double"),
-        seconds("factor"),
-        find(rows, &dense, &format!("as {body}")),
-    ) {
+    if let (Some(double), Some(factor), Some(dense)) =
+        (seconds("factor, double"), seconds("factor"), find(rows, &dense, &format!("as {body}")))
+    {
         // like with like: the dense rate is that of double precision
         let share = dense.seconds.median / double;
         judge(

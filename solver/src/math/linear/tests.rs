@@ -123,3 +123,16 @@ fn dense_columns_enter_without_being_assembled() {
         assert!(norm(&error) < 1e-9 * norm(&x), "{}", norm(&error));
     }
 }
+
+#[test]
+fn double_precision_decides_where_single_cannot() {
+    let n = 300;
+    let smallest = 2.0 - 2.0 * (std::f64::consts::PI / (n as f64 + 1.0)).cos();
+    let order: Vec<usize> = (0..n).rev().collect();
+    for (left, positive) in [(1e-9, true), (-1e-9, false), (-1e-2, false)] {
+        let (start, rows, values) = laplacian(n, left - smallest);
+        let mut solver = SparseSolver::new(start, rows, &order);
+        let done = solver.factor_positive(Symmetric::sparse(values), Precision::Single);
+        assert_eq!(done.is_ok(), positive, "{left}");
+    }
+}
