@@ -160,10 +160,10 @@ impl SparseSolver {
         self.fronts.flops()
     }
 
-    /// Memory that a factorisation takes at most [B].
+    /// Memory that a factorisation in single precision takes at most [B].
     #[must_use]
     pub fn factor_bytes(&self) -> usize {
-        size_of::<f64>() * (self.factor_len() + self.fronts.updates_len())
+        size_of::<f32>() * (self.factor_len() + self.fronts.updates_len())
     }
 
     /// The smallest pivot of the last factorisation, if its matrix is positive
