@@ -124,6 +124,25 @@ fn dense_columns_enter_without_being_assembled() {
     }
 }
 
+/// Without refinement a solution has the precision of its factor.
+#[test]
+fn a_factor_is_sharpened_once() {
+    let n = 300;
+    let order: Vec<usize> = (0..n).rev().collect();
+    let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+    let (start, rows, values) = laplacian(n, 0.0);
+    let mut solver = SparseSolver::new(start, rows, &order);
+    assert!(!solver.sharpen());
+    solver.factor_positive(Symmetric::sparse(values), Precision::Single).expect("positive");
+    let unrefined =
+        |solver: &SparseSolver| norm(&solver.residual(&b, &solver.inverse_times(&b))) / norm(&b);
+    let blunt = unrefined(&solver);
+    assert!(solver.sharpen() && !solver.sharpen());
+    // the two precisions are a factor of 5e8 apart
+    let sharp = unrefined(&solver);
+    assert!(sharp < 1e-6 * blunt && sharp < 1e-11, "{blunt:e} {sharp:e}");
+}
+
 #[test]
 fn double_precision_decides_where_single_cannot() {
     let n = 300;
