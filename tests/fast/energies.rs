@@ -77,7 +77,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &MULTIPLIERS }
+        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &MULTIPLIERS, step: None }
     }
 
     fn gradient(&self, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
@@ -173,8 +173,14 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
         let elastic = Elastic { material: Box::new(SILICONE) };
-        let at =
-            Iterate { space: &space, rest: &mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
+        let at = Iterate {
+            space: &space,
+            rest: &mesh.vertices,
+            u: &u,
+            load: 1.0,
+            multipliers: &[],
+            step: None,
+        };
         let mut g = vec![0.0; u.len()];
         elastic.add_gradient(&at, &mut g);
         let mut on_boundary = vec![false; nodes.len()];
@@ -208,8 +214,14 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
     let u: Vec<f64> = (0..3 * nodes.len()).map(|_| 1e-3 * random.uniform()).collect();
     let pressure = Chamber { wall, gas: GasLaw::Isobaric { pressure: 1e3.into() } };
     let mut g = vec![0.0; u.len()];
-    let at =
-        Iterate { space: &space, rest: &body.mesh.vertices, u: &u, load: 1.0, multipliers: &[] };
+    let at = Iterate {
+        space: &space,
+        rest: &body.mesh.vertices,
+        u: &u,
+        load: 1.0,
+        multipliers: &[],
+        step: None,
+    };
     pressure.add_gradient(&at, &mut g);
     let force = |n: usize| solver::element::at(&g, n);
     let position = |n: usize| nodes[n] + solver::element::at(&u, n);

@@ -6,6 +6,7 @@
 
 pub mod barrier;
 pub mod distance;
+pub mod friction;
 pub mod mollifier;
 pub mod pairs;
 pub mod potential;

@@ -14,6 +14,7 @@ pub use wall::Wall;
 
 use mesh::Vec3;
 
+use crate::contact::friction::Sliding;
 use crate::element::FunctionSpace;
 use crate::math::sparse::BlockMatrix;
 
@@ -31,6 +32,22 @@ pub struct Iterate<'a> {
     pub load: f64,
     /// Of the chambers with a prescribed volume.
     pub multipliers: &'a [Multiplier],
+    /// The step in time that leads here; without it velocities are displacements.
+    pub step: Option<&'a TimeStep>,
+}
+
+/// A step in time with a backward differentiation formula: v = (u − history) / h.
+#[derive(Clone, Debug, Default)]
+pub struct TimeStep {
+    /// β Δt [s].
+    pub h: f64,
+    /// Σ αᵢ u₋ᵢ over the last states [m].
+    pub history: Vec<f64>,
+    /// ũ = Σ αᵢ (u₋ᵢ + h v₋ᵢ), where the body would go without forces [m]; none
+    /// where inertia is neglected.
+    pub free_flight: Option<Vec<f64>>,
+    /// Contacts that rub, as they were at the start of the step.
+    pub sliding: Vec<Sliding>,
 }
 
 /// What holds a prescribed volume.
@@ -87,6 +104,17 @@ pub trait Energy: Send + Sync {
     /// The rest of ∂²E/∂u², where every node is coupled with every other [N/m].
     fn rank_one(&self, _: &Iterate) -> Option<RankOne> {
         None
+    }
+    /// Pairs of nodes (row > column) that the Hessian may couple although they
+    /// share no element: those of features closer than `reach` ≥ 1 times the
+    /// distance at which they begin to interact.
+    fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
+        Vec::new()
+    }
+    /// Largest α in [0, 1] for which E stays defined all the way to u + α `step`,
+    /// as far as it is known without looking at E.
+    fn max_step(&self, _: &Iterate, _step: &[f64]) -> f64 {
+        1.0
     }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {

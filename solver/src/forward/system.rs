@@ -6,7 +6,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
+use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne, TimeStep};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
@@ -56,6 +56,8 @@ pub struct System {
     pub timings: Timings,
     /// Of the chambers with a prescribed volume.
     pub multipliers: Vec<Multiplier>,
+    /// The step in time, if there is one.
+    pub step: Option<TimeStep>,
     pattern: Pattern,
     free: FreeTriangle,
     /// Fixed degrees of freedom.
@@ -83,6 +85,7 @@ impl System {
             linear,
             timings: Timings::default(),
             multipliers: Vec::new(),
+            step: None,
             pattern,
             free,
             supports: (0..fixed.len()).filter(|&d| fixed[d]).collect(),
@@ -194,7 +197,8 @@ impl System {
     /// An iterate of this system.
     #[must_use]
     pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], load: f64) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load, multipliers: &self.multipliers }
+        let (multipliers, step) = (&self.multipliers, self.step.as_ref());
+        Iterate { space: &self.space, rest, u, load, multipliers, step }
     }
 
     /// The prescribed volumes.
