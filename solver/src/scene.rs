@@ -134,7 +134,7 @@ impl Scene {
         supports: &Supports,
     ) -> Result<Vec<Box<dyn Energy>>> {
         let mut energies: Vec<Box<dyn Energy>> =
-            vec![Box::new(Elastic { material: self.material.build() })];
+            vec![Box::new(Elastic::whole(self.material.build()))];
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
@@ -142,7 +142,7 @@ impl Scene {
         let nodes = space.node_positions(&body.mesh.vertices);
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
-            energies.push(Box::new(BodyForce { force: load.force.clone() }));
+            energies.push(Box::new(BodyForce::whole(load.force.clone())));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;
