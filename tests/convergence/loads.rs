@@ -87,8 +87,12 @@ fn every_term_has_its_derivatives_for_every_degree() {
                 g
             };
             assert_taylor(&name, 2e-5, dot(&gradient(rest, &u), &q), |e| value(&moved(e)));
-            let pattern =
-                Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
+            let pattern = Pattern::new(
+                space.node_count(),
+                space.element_nodes(),
+                space.nodes_per_element(),
+                &[],
+            );
             let mut hessian = BlockMatrix::zeros(&pattern);
             iterate(rest, &u, &mut |at| energy.add_hessian(at, Hessian::Exact, &mut hessian));
             let second = dot(&hessian.multiply(&q), &lambda);

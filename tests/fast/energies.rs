@@ -121,6 +121,7 @@ fn hessians_are_the_derivatives_of_the_gradients() {
             case.space.node_count(),
             case.space.element_nodes(),
             case.space.nodes_per_element(),
+            &[],
         );
         let mut hessian = BlockMatrix::zeros(&pattern);
         case.energy.add_hessian(&case.at(&case.u, &case.rest), Hessian::Exact, &mut hessian);
