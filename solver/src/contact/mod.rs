@@ -10,3 +10,4 @@ pub mod friction;
 pub mod mollifier;
 pub mod pairs;
 pub mod potential;
+pub mod surface;
