@@ -35,6 +35,17 @@ pub struct Obstacle {
     pub motion: Option<Box<Motion>>,
 }
 
+/// What one body does to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyForce {
+    /// The two bodies, the first not after the second.
+    pub bodies: [usize; 2],
+    /// Force on the first body [N]; none within one body.
+    pub force: Vec3,
+    /// Sum of the magnitudes of the forces on the vertices of the first body [N].
+    pub magnitude: f64,
+}
+
 /// The collision surface.
 pub struct Surface {
     /// Rows of W: nodes and weights, empty for vertices of obstacles.
@@ -171,6 +182,43 @@ impl Surface {
                 add_at(out, node, &(weight * vector));
             }
         }
+    }
+
+    /// Pairs of nodes (row > column) on which corners of one stencil depend,
+    /// sorted, each once.
+    #[must_use]
+    pub fn couplings(&self, stencils: &[[usize; 4]]) -> Vec<[usize; 2]> {
+        let mut couplings = Vec::new();
+        for stencil in stencils {
+            let nodes = || stencil.iter().flat_map(|&v| self.row(v)).map(|&(node, _)| node);
+            for a in nodes() {
+                couplings.extend(nodes().filter(|&b| b < a).map(|b| [a, b]));
+            }
+        }
+        couplings.sort_unstable();
+        couplings.dedup();
+        couplings
+    }
+
+    /// Forces on corners of stencils, summed for each two bodies, in their order.
+    #[must_use]
+    pub fn body_forces(&self, forces: &[([usize; 4], [Vec3; 4])]) -> Vec<BodyForce> {
+        let mut on_vertices = BTreeMap::<[usize; 2], BTreeMap<usize, Vec3>>::new();
+        for (corners, forces) in forces {
+            let bodies = corners.map(|v| self.body[v]);
+            let key = [*bodies.iter().min().unwrap_or(&0), *bodies.iter().max().unwrap_or(&0)];
+            let sums = on_vertices.entry(key).or_default();
+            for (&v, force) in corners.iter().zip(forces).filter(|(v, _)| self.body[**v] == key[0])
+            {
+                *sums.entry(v).or_insert_with(Vec3::zeros) += force;
+            }
+        }
+        let total = |(bodies, sums): ([usize; 2], BTreeMap<usize, Vec3>)| BodyForce {
+            bodies,
+            force: sums.values().sum(),
+            magnitude: sums.values().map(Vec3::norm).sum(),
+        };
+        on_vertices.into_iter().map(total).collect()
     }
 
     fn interpolate(&self, nodal: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
