@@ -10,3 +10,7 @@ pub mod friction;
 pub mod mollifier;
 pub mod pairs;
 pub mod potential;
+pub mod stencil;
+pub mod surface;
+pub mod terms;
+pub mod weights;

@@ -2,14 +2,18 @@
 
 mod body_force;
 mod chamber;
+mod contact;
 mod elastic;
+mod friction;
 mod inertia;
 mod traction;
 mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
+pub use contact::{Closeness, Contact};
 pub use elastic::Elastic;
+pub use friction::Friction;
 pub use inertia::Inertia;
 pub use traction::Traction;
 pub use wall::Wall;
