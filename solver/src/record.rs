@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::energy::{Chamber, Iterate};
 use crate::forward::{LoadStep, Progress, System, Timings};
 use crate::results;
-use crate::scene::Scene;
+use crate::scene::{Collisions, Scene};
 
 /// One line per reported step.
 pub const STEPS: &str = "steps.jsonl";
@@ -89,6 +89,7 @@ pub struct Recorder<'a> {
     folder: PathBuf,
     /// Whether every step gets its picture.
     pictures: bool,
+    collisions: Option<Collisions>,
     /// What was told of each step.
     pub lines: Vec<Value>,
     work: Work,
@@ -127,7 +128,8 @@ impl<'a> Recorder<'a> {
             let so_far = lines.last().and_then(|line: &Value| line["work_of_loads"].as_f64());
             work.resume(scene, system, &done.progress, so_far.unwrap_or(0.0));
         }
-        Ok(Self { scene, folder: folder.to_path_buf(), pictures, lines, work })
+        let collisions = scene.collisions(&scene.body, &system.space, system.fixed())?;
+        Ok(Self { scene, folder: folder.to_path_buf(), pictures, collisions, lines, work })
     }
 
     /// Follows the work of the loads through every load step.
@@ -156,10 +158,15 @@ impl<'a> Recorder<'a> {
         let body = &self.scene.body;
         let mut line = results::step(self.scene, body, system, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
+        if let Some(collisions) = &self.collisions {
+            let here = system.iterate(&body.mesh.vertices, &step.u, step.load);
+            line["collisions"] = results::collisions(collisions, &here);
+        }
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
-            let grid = results::grid(&system.space, &body.mesh.vertices, &step.u);
+            let rest = &body.mesh.vertices;
+            let grid = results::grid_with_forces(system, rest, &step.u, step.load);
             vtu::write_vtu(&self.folder.join(name), &grid)?;
             let picture = |(i, line): (usize, &Value)| (time(line), picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();

@@ -10,12 +10,13 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::body::Body;
+use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
-use crate::energy::{Chamber, Energy};
+use crate::energy::{Chamber, Energy, Iterate};
 use crate::forward::{LoadStep, System};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
-use crate::scene::Scene;
+use crate::scene::{Collisions, Scene};
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize)]
@@ -250,6 +251,46 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
     npy::write_f64(&folder.join("nodes.npy"), &nodes, &shape)?;
     npy::write_f64(&folder.join("displacement.npy"), u, &shape)?;
     Ok(())
+}
+
+/// Forces between surfaces at a state: how close they are, and for each pair of
+/// bodies the force on the first [N] and the sum of its magnitudes.
+#[must_use]
+pub fn collisions(collisions: &Collisions, at_: &Iterate) -> Value {
+    let closeness = collisions.contact.closeness(at_);
+    let told = |forces: Vec<BodyForce>| -> Vec<Value> {
+        let one = |f: BodyForce| {
+            json!({
+                "bodies": f.bodies.map(|b| &collisions.names[b]),
+                "force": <[f64; 3]>::from(f.force),
+                "magnitude": f.magnitude,
+            })
+        };
+        forces.into_iter().map(one).collect()
+    };
+    json!({
+        "pairs": closeness.pairs,
+        "smallest_gap": closeness.smallest.is_finite().then_some(closeness.smallest),
+        "contact": told(collisions.contact.body_forces(at_)),
+        "friction": told(collisions.friction.as_ref().map_or_else(Vec::new, |f| f.body_forces(at_))),
+    })
+}
+
+/// [`grid`] with the forces of contact and friction on the nodes [N].
+#[must_use]
+pub fn grid_with_forces(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> vtu::Grid {
+    let mut grid = grid(&system.space, rest, u);
+    for energy in &system.energies {
+        let Some(name) = ["contact", "friction"].iter().find(|name| **name == energy.name()) else {
+            continue;
+        };
+        let mut values = vec![0.0; u.len()];
+        energy.add_gradient(&system.iterate(rest, u, load), &mut values);
+        values.iter_mut().for_each(|f| *f = -*f);
+        let (name, unit) = (format!("{name}_force"), "N".to_owned());
+        grid.point_fields.push(vtu::Field { name, unit, components: 3, values });
+    }
+    grid
 }
 
 /// The body with its displacement, and the mean of J over each element.

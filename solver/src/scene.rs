@@ -2,6 +2,9 @@
 //! meshes, energies and objectives.
 
 mod chambers;
+mod contact;
+
+pub use contact::Collisions;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -244,7 +247,12 @@ impl Scene {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
+        if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
+            energies.push(Box::new(collisions.contact));
+            energies.extend(collisions.friction.map(|f| Box::new(f) as Box<dyn Energy>));
+        }
         let nodes = space.node_positions(&body.mesh.vertices);
+        self.check_field("gravity", gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
             energies.push(Box::new(BodyForce::whole(load.force.clone())));

@@ -111,7 +111,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let u = march.progress.reached().to_vec();
     let rest = &scene.body.mesh.vertices;
     results::write_state(folder, &system.space, rest, &u)?;
-    vtu::write_vtu(&folder.join("result.vtu"), &results::grid(&system.space, rest, &u))?;
+    let grid = results::grid_with_forces(&system, rest, &u, march.progress.load());
+    vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     fill(&mut report, &scene, &mut system, &march, &recorder)?;
     report["equilibrium_s"] = json!(equilibrium_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());

@@ -5,6 +5,9 @@
 //! doi:10.1145/3386569.3392425.
 
 pub mod barrier;
+mod box_tree;
+pub mod candidates;
+pub mod ccd;
 pub mod distance;
 pub mod friction;
 pub mod mollifier;

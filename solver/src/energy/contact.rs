@@ -24,7 +24,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
-use crate::contact::{candidates, ccd};
 use crate::contact::barrier::Barrier;
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
@@ -33,6 +32,7 @@ use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
 use crate::contact::weights::Adjacency;
+use crate::contact::{candidates, ccd};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12, project_positive};
 use crate::parallel::map_merge;
@@ -48,6 +48,8 @@ pub struct Contact {
     adjacency: Adjacency,
     barrier: Barrier,
     list: Mutex<Option<Arc<List>>>,
+    /// Whether to prove of accepted states that they have no intersection.
+    certify: bool,
 }
 
 /// Pairs that may be close as long as no vertex is farther than `slack` from
@@ -84,9 +86,26 @@ struct State {
 impl Contact {
     /// The barrier between all features of a surface.
     #[must_use]
-    pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
+    pub fn new(surface: Arc<Surface>, barrier: Barrier, certify: bool) -> Self {
         let adjacency = Adjacency::new(&surface);
-        Self { surface, adjacency, barrier, list: Mutex::new(None) }
+        Self { surface, adjacency, barrier, list: Mutex::new(None), certify }
+    }
+
+    /// What intersects at positions of the collision vertices [m], if anything.
+    #[must_use]
+    pub fn intersection(&self, x: &[Vec3]) -> Option<String> {
+        let triangles = self.surface.features().triangles.clone();
+        let surface = mesh::SurfaceMesh { vertices: x.to_vec(), triangles };
+        let pairs = mesh::bvh::self_intersecting_pairs(&surface);
+        let (a, _) = pairs.first()?;
+        let p = x[surface.triangles[*a][0]];
+        Some(format!(
+            "surfaces intersect in {} pairs of triangles, the first at ({:.5}, {:.5}, {:.5}) m",
+            pairs.len(),
+            p.x,
+            p.y,
+            p.z
+        ))
     }
 
     /// The collision surface.
@@ -303,6 +322,10 @@ impl Energy for Contact {
             }
         }
         0.0
+    }
+
+    fn objection(&self, at: &Iterate) -> Option<String> {
+        self.certify.then(|| self.intersection(&self.positions(at))).flatten()
     }
 
     /// The contacts that rub in the step that begins at this state. Pairs of
