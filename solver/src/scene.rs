@@ -10,9 +10,9 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 
 use crate::body::Body;
-use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::config::{BodyConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
-use crate::energy::{BodyForce, Elastic, Energy, Traction};
+use crate::energy::{BodyForce, Elastic, Energy, Inertia, Traction};
 use crate::forward::{Newton, Stepping, System};
 use crate::material::Specification;
 use crate::memory;
@@ -28,12 +28,20 @@ pub struct Scene {
     pub path: PathBuf,
     /// The settings.
     pub config: SimConfig,
-    /// Law and parameters of the body.
+    /// What each body is made of, in the order of the body's parts.
+    pub parts: Vec<ScenePart>,
+    /// The bodies.
+    pub body: Body,
+}
+
+/// One body as its scene describes it.
+pub struct ScenePart {
+    /// The settings.
+    pub config: BodyConfig,
+    /// Law and parameters.
     pub material: Specification,
     /// The mesh file that was read.
     pub mesh_path: PathBuf,
-    /// The body.
-    pub body: Body,
 }
 
 impl Scene {
@@ -45,16 +53,55 @@ impl Scene {
         let mut config: SimConfig = mesh::io::read_toml(path)?;
         let context = || path.display().to_string();
         config.check().with_context(context)?;
-        let material = config.material.specification().with_context(context)?;
-        let mesh_path =
-            other_mesh.map_or_else(|| beside(path, &config.mesh), std::path::Path::to_path_buf);
-        let file = mesh::io::read_tets(&mesh_path)?;
-        let findings = mesh::check::check_tets(&file.mesh);
-        if let Some(finding) = findings.first() {
-            bail!("{}: {}", mesh_path.display(), finding.message);
+        let bodies = config.bodies().with_context(context)?;
+        ensure!(
+            other_mesh.is_none() || bodies.len() == 1,
+            "{}: {} bodies, of which another mesh cannot replace one; needed is a scene with one",
+            path.display(),
+            bodies.len()
+        );
+        let (mut parts, mut meshes) = (Vec::new(), Vec::new());
+        for body in bodies {
+            let material = body.material.specification().with_context(context)?;
+            let mesh_path = other_mesh.map_or_else(|| beside(path, &body.mesh), Path::to_path_buf);
+            let mut file = mesh::io::read_tets(&mesh_path)?;
+            if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
+                bail!("{}: {}", mesh_path.display(), finding.message);
+            }
+            file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
+            meshes.push((body.name.clone(), file.mesh, file.tags));
+            parts.push(ScenePart { config: body, material, mesh_path });
         }
-        let body = Body::new(file.mesh, file.tags);
-        Ok(Self { path: path.to_path_buf(), config, material, mesh_path, body })
+        let body = match meshes.pop() {
+            Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
+                Body::new(mesh, tags)
+            }
+            last => Body::of_several(meshes.into_iter().chain(last).collect()),
+        };
+        Ok(Self { path: path.to_path_buf(), config, parts, body })
+    }
+
+    /// Density of a body [kg/m³].
+    fn density(&self, part: &ScenePart) -> Result<f64> {
+        part.material.density.with_context(|| {
+            format!(
+                "body \"{}\": inertia and gravity need the density of its material; add density \
+                 = ... [kg/m³] to its table, about 1000 to 1100 for silicone{}",
+                part.config.name,
+                if self.config.method().has_inertia() {
+                    ", or neglect inertia by method = \"quasistatic\" in [time]"
+                } else {
+                    ""
+                }
+            )
+        })
+    }
+
+    /// The range of stretches that all materials were fitted to, if it is known.
+    #[must_use]
+    pub fn stretch_range(&self) -> Option<[f64; 2]> {
+        let ranges = self.parts.iter().filter_map(|part| part.material.stretch_range);
+        ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])
     }
 
     /// The discrete problem on a body with this scene's tags.
@@ -104,9 +151,13 @@ impl Scene {
     /// # Errors
     /// With the table that has none.
     pub fn check_differentiable(&self) -> Result<()> {
-        for (found, table) in
-            [(self.config.time.is_some(), "[time]"), (!self.config.volume.is_empty(), "[[volume]]")]
-        {
+        let config = &self.config;
+        for (found, table) in [
+            (config.time.is_some(), "[time]"),
+            (!config.volume.is_empty(), "[[volume]]"),
+            (config.contact.is_some(), "[contact]"),
+            (!config.body.is_empty(), "[[body]]"),
+        ] {
             ensure!(
                 !found,
                 "{}: {table}: there is no gradient with it; it is for solver simulate only\n  \
@@ -122,19 +173,32 @@ impl Scene {
     /// # Errors
     /// When a tag is missing, tags contradict each other or the body floats.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        Supports::new(&self.config.fixed, &self.config.moments(), body, space)
+        let new = if self.config.may_float() { Supports::new } else { Supports::of_held };
+        new(&self.config.fixed, &self.config.moments(), body, space)
             .with_context(|| self.path.display().to_string())
     }
 
-    /// The terms of the potential energy; the first is the elastic one.
+    /// The terms of the potential energy.
     fn energies(
         &self,
         body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<Vec<Box<dyn Energy>>> {
-        let mut energies: Vec<Box<dyn Energy>> =
-            vec![Box::new(Elastic { material: self.material.build() })];
+        let mut energies: Vec<Box<dyn Energy>> = Vec::new();
+        let gravity = &self.config.gravity;
+        for (part, own) in self.parts.iter().zip(&body.parts) {
+            let tets = own.tets.clone();
+            energies.push(Box::new(Elastic::part(part.material.build(), tets.clone())));
+            if gravity.0.iter().any(|g| !g.is_zero()) {
+                let density = self.density(part)?;
+                let weight = BodyForce::weight(gravity.clone(), density, tets.clone());
+                energies.push(Box::new(weight));
+            }
+            if self.config.method().has_inertia() {
+                energies.push(Box::new(Inertia::new(space, self.density(part)?, tets)));
+            }
+        }
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
@@ -142,7 +206,7 @@ impl Scene {
         let nodes = space.node_positions(&body.mesh.vertices);
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
-            energies.push(Box::new(BodyForce { force: load.force.clone() }));
+            energies.push(Box::new(BodyForce::whole(load.force.clone())));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;

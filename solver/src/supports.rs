@@ -31,8 +31,7 @@ impl Supports {
     /// fix. Motions must be defined and agree at the moments `times` [s].
     ///
     /// # Errors
-    /// When a tag is missing, two tags prescribe different displacements, or
-    /// the body can still move as a whole.
+    /// When a tag is missing or two tags prescribe different displacements.
     pub fn new(
         configs: &[Fixed],
         times: &[f64],
@@ -60,6 +59,20 @@ impl Supports {
                 supports.fix(node, index, configs, times)?;
             }
         }
+        Ok(supports)
+    }
+
+    /// The same, and no part can move as a whole.
+    ///
+    /// # Errors
+    /// The same, or when a part can.
+    pub fn of_held(
+        configs: &[Fixed],
+        times: &[f64],
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Self> {
+        let supports = Self::new(configs, times, body, space)?;
         supports.check_rigid_motions(space)?;
         Ok(supports)
     }
@@ -256,7 +269,7 @@ mod tests {
     fn supports(configs: &[Fixed]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::new(configs, &[0.0, 1.0], &body, &space)
+        Supports::of_held(configs, &[0.0, 1.0], &body, &space)
     }
 
     fn message(configs: &[Fixed]) -> String {
@@ -294,7 +307,7 @@ mod tests {
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
         let text =
-            Supports::new(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+            Supports::of_held(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

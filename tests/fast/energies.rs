@@ -52,7 +52,7 @@ fn cases() -> Vec<Case> {
             let mut random = Random::new(7);
             let u = mask.iter().map(|m| m * 4e-4 * random.uniform()).collect();
             let energy: Box<dyn Energy> = match name {
-                "elastic" => Box::new(Elastic { material: Box::new(SILICONE) }),
+                "elastic" => Box::new(Elastic::whole(Box::new(SILICONE))),
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
                     let factor = Prescribed::Factor(1.3.into());
@@ -121,6 +121,7 @@ fn hessians_are_the_derivatives_of_the_gradients() {
             case.space.node_count(),
             case.space.element_nodes(),
             case.space.nodes_per_element(),
+            &[],
         );
         let mut hessian = BlockMatrix::zeros(&pattern);
         case.energy.add_hessian(&case.at(&case.u, &case.rest), Hessian::Exact, &mut hessian);
@@ -172,7 +173,7 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .iter()
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
-        let elastic = Elastic { material: Box::new(SILICONE) };
+        let elastic = Elastic::whole(Box::new(SILICONE));
         let at = Iterate {
             space: &space,
             rest: &mesh.vertices,

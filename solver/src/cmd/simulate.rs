@@ -125,26 +125,36 @@ fn remove_stale(folder: &Path) -> Result<()> {
 }
 
 fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
+    let file = |path: &Path| -> Result<Value> {
+        Ok(json!({ "path": path, "sha256": mesh::io::sha256_file(path)? }))
+    };
+    let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
+    let materials = scene.parts.iter().map(|part| {
+        let material = &part.material;
+        json!({
+            "kind": material.law.key,
+            "parameters": material.law.table(&material.values),
+            "moduli": material.moduli(),
+        })
+    });
     Ok(json!({
         "status": "ok",
         "usable": true,
         "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
-        "inputs": {
-            "scene": { "path": arguments.scene, "sha256": mesh::io::sha256_file(&arguments.scene)? },
-            "mesh": { "path": scene.mesh_path, "sha256": mesh::io::sha256_file(&scene.mesh_path)? },
-        },
+        "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
         "config": scene.config,
-        "material": {
-            "kind": scene.material.law.key,
-            "parameters": scene.material.law.table(&scene.material.values),
-            "moduli": scene.material.moduli(),
-        },
+        "material": one_or_list(materials.collect()),
         "dofs": system.len(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
         "factor_entries": system.linear.factor_len(),
         "memory_estimate_mb": system.memory().bytes as f64 / f64::from(1 << 20),
     }))
+}
+
+/// What is told of each body: alone where there is one.
+fn one_or_list(mut values: Vec<Value>) -> Value {
+    if values.len() == 1 { values.remove(0) } else { Value::Array(values) }
 }
 
 fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solution) -> Result<()> {
@@ -175,7 +185,7 @@ fn fill(report: &mut Value, scene: &Scene, system: &mut System, solution: &Solut
 /// Principal stretches of the state, with a warning where the material was not
 /// tested.
 fn stretches(scene: &Scene, system: &System, solution: &Solution) -> Stretches {
-    let range = scene.material.stretch_range;
+    let range = scene.stretch_range();
     let found = Stretches::of(&system.space, &scene.body.mesh.vertices, &solution.u, range);
     if let Some(warning) = found.warning() {
         log::warn!("{warning}");

@@ -3,12 +3,14 @@
 mod body_force;
 mod chamber;
 mod elastic;
+mod inertia;
 mod traction;
 mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
 pub use elastic::Elastic;
+pub use inertia::Inertia;
 pub use traction::Traction;
 pub use wall::Wall;
 
@@ -115,6 +117,10 @@ pub trait Energy: Send + Sync {
     /// as far as it is known without looking at E.
     fn max_step(&self, _: &Iterate, _step: &[f64]) -> f64 {
         1.0
+    }
+    /// The contacts here that will rub in the next step.
+    fn sliding(&self, _: &Iterate) -> Vec<Sliding> {
+        Vec::new()
     }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {

@@ -1,6 +1,7 @@
 //! From energies to an equilibrium.
 
 mod certificate;
+mod integrator;
 mod ladder;
 mod line_search;
 mod newton;
@@ -11,6 +12,7 @@ mod tangent;
 mod volumes;
 
 pub use certificate::{Uncertified, certificate};
+pub use integrator::{Integrator, Method, State};
 pub use newton::{Converged, Failure, Newton};
 pub use softness::Softness;
 pub use stepping::{
