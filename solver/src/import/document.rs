@@ -167,7 +167,12 @@ impl<'a> Key<'a> {
     }
 
     fn note(&self, fate: Fate) {
-        self.document.fates.borrow_mut().insert(self.pointer.clone(), fate);
+        let mut fates = self.document.fates.borrow_mut();
+        if matches!(fate, Fate::Left(_)) {
+            let below = format!("{}/", self.pointer);
+            fates.retain(|pointer, _| !pointer.starts_with(&below));
+        }
+        fates.insert(self.pointer.clone(), fate);
     }
 
     /// An error at this place.

@@ -46,7 +46,8 @@ pub fn read(path: &Path) -> Result<Plane> {
             }
             Some("f") => {
                 let n = plane.vertices.len();
-                let index = |w: &str| w.split('/').next()?.parse().ok().filter(|i| (1..=n).contains(i));
+                let index =
+                    |w: &str| w.split('/').next()?.parse().ok().filter(|i| (1..=n).contains(i));
                 let corners: Option<Vec<usize>> = fields.map(index).collect();
                 match corners.as_deref() {
                     Some(&[a, b, c]) => plane.triangles.push([a - 1, b - 1, c - 1]),
@@ -128,8 +129,7 @@ mod tests {
     fn angle() -> Plane {
         let at = [[1, 0], [0, 0], [2, 1], [0, 1], [1, 1], [0, 2], [1, 2], [2, 0]];
         let vertices = at.map(|[x, y]: [i32; 2]| Vec3::new(x.into(), y.into(), 0.0)).to_vec();
-        let triangles =
-            vec![[1, 0, 4], [4, 3, 1], [0, 7, 2], [2, 4, 0], [3, 4, 6], [6, 5, 3]];
+        let triangles = vec![[1, 0, 4], [4, 3, 1], [0, 7, 2], [2, 4, 0], [3, 4, 6], [6, 5, 3]];
         Plane { vertices, triangles }
     }
 

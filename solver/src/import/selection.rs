@@ -14,6 +14,9 @@ use super::document::Key;
 /// The id of facets that no rule selects, as PolyFEM numbers them.
 pub const UNSELECTED: i64 = i32::MAX as i64;
 
+/// What selections become.
+const TAGS: &str = "tags of the mesh";
+
 /// A part of the boundary.
 #[derive(Clone, Debug)]
 pub struct Facet {
@@ -70,29 +73,26 @@ pub fn select(
 ) -> Result<Vec<i64>> {
     let mut rules = Vec::new();
     for item in selection.map(Key::items).unwrap_or_default() {
-        rules.push(rule(&item.becomes("tags of the mesh"), facets, dimension, bounds)?);
+        rules.push(rule(&item, facets, dimension, bounds)?);
     }
     let id = |facet: &Facet| rules.iter().find_map(|r| r.id(facet)).unwrap_or(UNSELECTED);
     Ok(facets.iter().map(id).collect())
 }
 
-fn rule(
-    key: &Key,
-    facets: &[Facet],
-    dimension: usize,
-    (low, high): (Vec3, Vec3),
-) -> Result<Rule> {
+fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)) -> Result<Rule> {
     if key.value.is_i64() {
-        return Ok(Rule::Everything(key.id()?));
+        return Ok(Rule::Everything(key.clone().becomes(TAGS).id()?));
     }
     if key.value.is_string() {
-        return listed(key, facets, dimension);
+        return listed(&key.clone().becomes(TAGS), facets, dimension);
     }
     if !key.value.is_object() {
         return Err(key.wrong("needed is an id, a file of facets, or a list of selections"));
     }
-    let id = key.need("id", "the id of the selection")?.id()?;
-    let relative = key.get("relative").map(|r| r.flag()).transpose()?.unwrap_or(false);
+    let get = |name: &str| key.get(name).map(|k| k.becomes(TAGS));
+    let need = |name: &str, what: &str| key.need(name, what).map(|k| k.becomes(TAGS));
+    let id = need("id", "the id of the selection")?.id()?;
+    let relative = get("relative").map(|r| r.flag()).transpose()?.unwrap_or(false);
     // beyond the dimensions of the body, everything is inside
     let point = |key: &Key, beyond: f64| -> Result<Vec3> {
         let given = key.numbers(dimension)?;
@@ -102,21 +102,22 @@ fn rule(
             Some(x) => *x,
         }))
     };
-    if let Some(corners) = key.get("box") {
-        let [a, b] = corners.items()[..] else {
+    if let Some(corners) = get("box") {
+        let items = corners.items();
+        let [a, b] = &items[..] else {
             return Err(corners.wrong("needed are two corners"));
         };
-        return Ok(Rule::Box(id, [point(&a, f64::NEG_INFINITY)?, point(&b, f64::INFINITY)?]));
+        return Ok(Rule::Box(id, [point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?]));
     }
-    if let Some(name) = key.get("axis") {
+    if let Some(name) = get("axis") {
         let (axis, sign) = axis(&name, dimension)?;
-        let given = key.need("position", "where along the axis the selection begins")?.number()?;
+        let given = need("position", "where along the axis the selection begins")?.number()?;
         let along = low[axis] + given * (high[axis] - low[axis]);
         let position = if relative { along } else { given };
         return Ok(Rule::Axis { id, axis, sign, position });
     }
-    if let Some(center) = key.get("center") {
-        let radius = key.need("radius", "the radius of the sphere")?.positive()?;
+    if let Some(center) = get("center") {
+        let radius = need("radius", "the radius of the sphere")?.positive()?;
         let scale = if relative { (high - low).norm() } else { 1.0 };
         return Ok(Rule::Sphere(id, point(&center, 0.0)?, scale * radius));
     }
