@@ -315,3 +315,6 @@ impl Energy for Contact {
         at.space.add_to_vertices(&nodal, out);
     }
 }
+
+#[cfg(test)]
+mod tests;
