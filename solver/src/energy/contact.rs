@@ -33,7 +33,7 @@ use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
 use crate::contact::weights::Adjacency;
 use crate::math::sparse::BlockMatrix;
-use crate::math::tensor::{Mat12, Vec12, project_positive};
+use crate::math::tensor::{Mat12, Vec12};
 use crate::parallel::map_merge;
 
 /// How far vertices may move before the list of close pairs is made anew, in
@@ -273,8 +273,10 @@ impl Energy for Contact {
             if weight == 0.0 {
                 return None;
             }
-            let hessian = local.hessian() * weight;
-            Some(if kind == Hessian::Projected { project_positive(&hessian) } else { hessian })
+            Some(match kind {
+                Hessian::Exact => local.hessian() * weight,
+                Hessian::Projected => local.projected_hessian(weight),
+            })
         };
         self.for_each_term(&self.state(at), hessian, |term, hessian| {
             if let Some(hessian) = hessian {
