@@ -10,3 +10,5 @@ pub mod friction;
 pub mod mollifier;
 pub mod pairs;
 pub mod potential;
+pub mod box_tree;
+pub mod candidates;
