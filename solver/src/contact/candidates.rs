@@ -170,10 +170,7 @@ impl Search<'_> {
     /// Whether a pair is near enough at the start for the way it moves.
     fn reachable(&self, pair: &Pair) -> bool {
         let (start, end) = (pair.gather(self.x0), pair.gather(self.x1));
-        let first = match pair {
-            Pair::PointTriangle(_) => 1,
-            Pair::EdgeEdge(_) => 2,
-        };
+        let first = pair.corners_of_first();
         let moved: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
         let mut way2 = 0.0_f64;
         for i in 0..first {

@@ -12,3 +12,4 @@ pub mod pairs;
 pub mod potential;
 pub mod box_tree;
 pub mod candidates;
+pub mod ccd;
