@@ -137,7 +137,7 @@ impl Region {
     pub fn range(&self, closest: &Closest) -> SMatrix<f64, 12, 5> {
         let normal = closest.offset.normalize();
         let coefficients = Vec4::from(closest.coefficients).normalize();
-        let mut basis = SMatrix::zeros();
+        let mut basis = SMatrix::<f64, 12, 5>::zeros();
         let mut set = |k: usize, c: &Vec4, direction: &Vec3| {
             basis.set_column(k, &corners([0, 1, 2, 3].map(|i| c[i] * direction)));
         };

@@ -204,7 +204,7 @@ mod tests {
             for weight in [2.0, -3.0] {
                 let hessian = local.hessian() * weight;
                 let error = local.projected_hessian(weight) - project_positive(&hessian);
-                assert!(error.norm() < 1e-10 * hessian.norm(), "{:e}", error.norm());
+                assert!(error.norm() <= 1e-10 * hessian.norm(), "{:e}", error.norm());
             }
         }
         assert_eq!(seen.len(), 4, "{seen:?}");

@@ -7,7 +7,8 @@
 //! b   log barrier of the distance d of a pair; σ as in
 //!     [`Barrier::scale`]
 //!
-//! E is +∞ where a pair is not farther apart than d₀. With e = m b and λ on the
+//! E is +∞ where a pair is not farther apart than d₀, or where more pairs are in
+//! range than memory is meant for. With e = m b and λ on the
 //! collision vertices, the mixed derivative acts on X_c as
 //!
 //! λᵀ ∂²E/∂x∂X_c = κ σ Σ_k w λᵀ ∂²e/∂x² + w (λ · ∂²e/∂x∂ε) ∂ε/∂X_c
@@ -25,9 +26,11 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
+use crate::contact::candidates::{self, TooMany};
+use crate::contact::ccd;
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
-use crate::contact::pairs::{Pair, pairs_within};
+use crate::contact::pairs::Pair;
 use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
@@ -40,6 +43,9 @@ use crate::parallel::map_merge;
 /// mean edge lengths. A longer way makes lists longer and rarer; results are the
 /// same.
 const SLACK: f64 = 0.1;
+
+/// Share of a step below which it is given up.
+const SHORTEST: f64 = 1e-10;
 
 /// The barrier between all parts of a collision surface.
 pub struct Contact {
@@ -66,7 +72,7 @@ impl List {
 
 /// How close the surfaces are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closeness {
+pub struct Measures {
     /// Number of pairs within the barrier's range.
     pub pairs: usize,
     /// Smallest (d − d₀) / d̂; infinite without pairs.
@@ -114,11 +120,11 @@ impl Contact {
 
     /// How close the surfaces are.
     #[must_use]
-    pub fn closeness(&self, at: &Iterate) -> Closeness {
-        let active = self.active(&self.positions(at));
+    pub fn measures(&self, at: &Iterate) -> Measures {
+        let active = self.active(&self.positions(at)).unwrap_or_default();
         let gap = |d2: f64| (d2.sqrt() - self.barrier.thickness) / self.barrier.activation;
         let gaps = active.iter().map(|(_, closest)| gap(closest.d2));
-        Closeness { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
+        Measures { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
     }
 
     /// The contacts that rub in the step that begins at this state. Pairs of
@@ -142,9 +148,10 @@ impl Contact {
         self.surface.positions(at.space, at.rest, at.u, at.load)
     }
 
-    /// All pairs within range, in a fixed order.
-    fn active(&self, x: &[Vec3]) -> Vec<(Pair, Closest)> {
-        let list = self.list(x);
+    /// All pairs within range, in a fixed order; none if there are more than
+    /// memory is meant for.
+    fn active(&self, x: &[Vec3]) -> Option<Vec<(Pair, Closest)>> {
+        let list = self.list(x)?;
         let range2 = self.barrier.range().powi(2);
         let near = |range: Range<usize>| -> Vec<(Pair, Closest)> {
             let closest = list.pairs[range].iter().map(|p| (*p, p.closest(&p.gather(x))));
@@ -152,32 +159,33 @@ impl Contact {
         };
         let mut active = Vec::new();
         map_merge(list.pairs.len(), near, |_, mut part| active.append(&mut part));
-        active
+        Some(active)
     }
 
     /// Pairs that may be within range at positions `x`.
-    fn list(&self, x: &[Vec3]) -> Arc<List> {
+    fn list(&self, x: &[Vec3]) -> Option<Arc<List>> {
         let mut kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(list) = kept.as_ref().filter(|list| list.holds(x)) {
-            return Arc::clone(list);
+            return Some(Arc::clone(list));
         }
         let slack = SLACK * mesh::measure::mean_edge(x, &self.surface.features().triangles);
-        let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack);
-        let list = Arc::new(List { x: x.to_vec(), slack, pairs });
-        *kept = Some(Arc::clone(&list));
-        list
+        let make = |slack: f64| {
+            let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack).ok()?;
+            Some(Arc::new(List { x: x.to_vec(), slack, pairs }))
+        };
+        *kept = make(slack).or_else(|| make(0.0));
+        kept.clone()
     }
 
     /// All pairs closer than a radius of which something can move.
-    fn pairs(&self, x: &[Vec3], radius: f64) -> Vec<Pair> {
-        let mut pairs = pairs_within(self.surface.features(), x, radius);
-        pairs.retain(|pair| !self.surface.immovable(&pair.corners()));
-        pairs
+    fn pairs(&self, x: &[Vec3], radius: f64) -> Result<Vec<Pair>, TooMany> {
+        let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
+        candidates::between(self.surface.features(), x, x, radius, skip)
     }
 
     fn state(&self, at: &Iterate) -> State {
         let (x, rest) = (self.positions(at), self.surface.rest(at.space, at.rest));
-        let terms = self.terms(&self.active(&x), (&x, &rest));
+        let terms = self.terms(&self.active(&x).unwrap_or_default(), (&x, &rest));
         State { x, rest, terms }
     }
 
@@ -250,7 +258,7 @@ impl Energy for Contact {
 
     fn value(&self, at: &Iterate) -> f64 {
         let x = self.positions(at);
-        let active = self.active(&x);
+        let Some(active) = self.active(&x) else { return f64::INFINITY };
         let touching = self.barrier.thickness.powi(2);
         if active.iter().any(|(_, closest)| closest.d2 <= touching) {
             return f64::INFINITY;
@@ -287,8 +295,26 @@ impl Energy for Contact {
 
     fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
         let pairs = self.pairs(&self.positions(at), reach * self.barrier.range());
+        let pairs = pairs.unwrap_or_default();
         let corners: Vec<_> = pairs.iter().map(Pair::corners).collect();
         self.surface.couplings(&corners)
+    }
+
+    fn max_step(&self, at: &Iterate, step: &[f64]) -> f64 {
+        let start = self.positions(at);
+        let way = self.surface.trace(step);
+        let (thickness, features) = (self.barrier.thickness, self.surface.features());
+        let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
+        let mut share = 1.0;
+        // a step that sweeps through too much is looked at in part
+        while share > SHORTEST {
+            let end: Vec<Vec3> = start.iter().zip(&way).map(|(x, v)| x + share * v).collect();
+            if let Ok(pairs) = candidates::between(features, &start, &end, thickness, skip) {
+                return share * ccd::max_step(&pairs, &start, &end, thickness);
+            }
+            share *= 0.5;
+        }
+        0.0
     }
 
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {

@@ -10,7 +10,7 @@ mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
-pub use contact::{Closeness, Contact};
+pub use contact::{Contact, Measures};
 pub use elastic::Elastic;
 pub use friction::Friction;
 pub use traction::Traction;
@@ -81,8 +81,8 @@ pub struct Constraint {
 pub enum Hessian {
     /// The second derivative.
     Exact,
-    /// With the elastic tangent of each quadrature point made positive
-    /// semidefinite.
+    /// With the elastic tangent of each quadrature point, and the second
+    /// derivative of each contact, made positive semidefinite.
     Projected,
 }
 

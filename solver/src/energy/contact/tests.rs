@@ -262,8 +262,8 @@ fn a_flat_contact_has_the_same_potential_for_two_meshes() {
         let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
         let barrier = barrier(Form::Convergent, 0.01);
         let scene = Scene::new(1, &[mesh], vec![obstacle], barrier, low);
-        assert_eq!(scene.contact.closeness(&scene.here()).pairs, (n + 1) * (n + 1));
-        assert!((scene.contact.closeness(&scene.here()).smallest - 0.6).abs() < 1e-12);
+        assert_eq!(scene.contact.measures(&scene.here()).pairs, (n + 1) * (n + 1));
+        assert!((scene.contact.measures(&scene.here()).smallest - 0.6).abs() < 1e-12);
         scene.contact.value(&scene.here())
     };
     let barrier = barrier(Form::Convergent, 0.01);
@@ -271,6 +271,43 @@ fn a_flat_contact_has_the_same_potential_for_two_meshes() {
     for n in [3, 8] {
         assert!((energy(n) / expected - 1.0).abs() < 1e-12);
     }
+}
+
+/// Wherever a tip points at flat ground, at a facet, an edge or a vertex, all
+/// pairs of its area together count the distance to the ground once.
+#[test]
+fn pairs_that_meet_in_an_edge_or_a_vertex_count_once() {
+    let tip = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.5], [-0.1, 0.1, 0.5], [-0.1, -0.1, 0.5]];
+    let tip = TetMesh { vertices: tip.map(Vec3::from).to_vec(), tets: vec![[0, 2, 1, 3]] };
+    let ground = square(6, 0.3);
+    let obstacle = |surface: SurfaceMesh| Obstacle { surface, motion: None };
+    let barrier = barrier(Form::Convergent, 0.1);
+    let scene = Scene::new(1, &[tip], vec![obstacle(ground.clone())], barrier, |_| true);
+    let mut random = Random::new(2);
+    let mut terms_seen = 0;
+    for k in 0..60 {
+        // over vertices, over edges, and anywhere
+        let [a, b] = scene.contact.surface.features().edges[10 + k].map(|v| {
+            let inside = |c: f64| c > 0.2 && c < 0.8;
+            let x = scene.contact.surface.rest(&scene.space, &scene.rest)[v];
+            if inside(x.x) && inside(x.y) { x } else { Vec3::new(0.5, 0.45, 0.0) }
+        });
+        let place = [a, 0.3 * a + 0.7 * b, 0.5 * (a + b) + 0.1 * random.vector()][k % 3];
+        let u = Vec3::new(place.x, place.y, 0.04);
+        let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(u)).collect();
+        let state = scene.contact.state(&scene.at(&scene.rest, &u));
+        let mut by_area = scene.contact.adjacency.areas(&state.rest);
+        by_area.fill(0.0);
+        for term in &state.terms.terms {
+            let value = scene.contact.local(&state, term).value();
+            state.terms.add_by_area(term, value, &mut by_area);
+        }
+        terms_seen += state.terms.terms.len();
+        let lowest = state.x.iter().position(|x| x.z == 0.04).expect("the tip");
+        let expected = 0.25 * barrier.at(0.04 * 0.04)[0];
+        assert!((by_area[lowest] / expected - 1.0).abs() < 1e-9, "{k}");
+    }
+    assert!(terms_seen > 120);
 }
 
 /// A tetrahedron flies low over a crease. dE/dt changes by what the step is long,
@@ -322,6 +359,31 @@ fn surfaces_at_their_minimum_distance_are_not_admissible() {
         scene.u[3 * node + 2] -= 0.08;
     }
     assert!(scene.contact.value(&scene.here()).is_infinite());
+}
+
+/// Steps end before anything touches, with a little of the gap left.
+#[test]
+fn steps_are_cut_where_surfaces_meet() {
+    for thickness in [0.0, 0.03] {
+        let mut scene = blocks(2, Form::Convergent, 1.0, thickness);
+        let upper = |scene: &Scene, by: Vec3| -> Vec<f64> {
+            let positions = scene.space.node_positions(&scene.rest);
+            let zero = Vec3::zeros();
+            let one = |x: &Vec3| if x.z > 1.02 { by } else { zero };
+            positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
+        };
+        for (way, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
+            let step = upper(&scene, way);
+            let share = scene.contact.max_step(&scene.here(), &step);
+            assert!((share == 1.0) == free && share > 0.02, "{share}");
+            let start = scene.u.clone();
+            scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
+            assert!(scene.contact.value(&scene.here()).is_finite());
+            let left = scene.contact.measures(&scene.here()).smallest;
+            assert!(free || (left > 0.0 && left < 0.2), "{left}");
+            scene.u = start;
+        }
+    }
 }
 
 fn rubbing(form: Form, scale: f64) -> (Scene, Friction) {
