@@ -72,7 +72,7 @@ impl List {
 
 /// How close the surfaces are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measures {
+pub struct Closeness {
     /// Number of pairs within the barrier's range.
     pub pairs: usize,
     /// Smallest (d − d₀) / d̂; infinite without pairs.
@@ -120,11 +120,11 @@ impl Contact {
 
     /// How close the surfaces are.
     #[must_use]
-    pub fn measures(&self, at: &Iterate) -> Measures {
+    pub fn closeness(&self, at: &Iterate) -> Closeness {
         let active = self.active(&self.positions(at)).unwrap_or_default();
         let gap = |d2: f64| (d2.sqrt() - self.barrier.thickness) / self.barrier.activation;
         let gaps = active.iter().map(|(_, closest)| gap(closest.d2));
-        Measures { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
+        Closeness { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
     }
 
     /// The contacts that rub in the step that begins at this state. Pairs of

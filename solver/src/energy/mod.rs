@@ -10,7 +10,7 @@ mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
-pub use contact::{Contact, Measures};
+pub use contact::{Closeness, Contact};
 pub use elastic::Elastic;
 pub use friction::Friction;
 pub use traction::Traction;

@@ -262,8 +262,8 @@ fn a_flat_contact_has_the_same_potential_for_two_meshes() {
         let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
         let barrier = barrier(Form::Convergent, 0.01);
         let scene = Scene::new(1, &[mesh], vec![obstacle], barrier, low);
-        assert_eq!(scene.contact.measures(&scene.here()).pairs, (n + 1) * (n + 1));
-        assert!((scene.contact.measures(&scene.here()).smallest - 0.6).abs() < 1e-12);
+        assert_eq!(scene.contact.closeness(&scene.here()).pairs, (n + 1) * (n + 1));
+        assert!((scene.contact.closeness(&scene.here()).smallest - 0.6).abs() < 1e-12);
         scene.contact.value(&scene.here())
     };
     let barrier = barrier(Form::Convergent, 0.01);
@@ -379,7 +379,7 @@ fn steps_are_cut_where_surfaces_meet() {
             let start = scene.u.clone();
             scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
             assert!(scene.contact.value(&scene.here()).is_finite());
-            let left = scene.contact.measures(&scene.here()).smallest;
+            let left = scene.contact.closeness(&scene.here()).smallest;
             assert!(free || (left > 0.0 && left < 0.2), "{left}");
             scene.u = start;
         }
