@@ -80,7 +80,6 @@ impl BoxTree {
 
     /// Whether there is no box.
     #[must_use]
-    #[allow(dead_code)]
     pub fn is_empty(&self) -> bool {
         self.order.is_empty()
     }

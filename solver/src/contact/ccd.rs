@@ -34,6 +34,9 @@ pub const KEPT: f64 = 0.1;
 /// The search ends when the gap is this close to what shall be kept.
 const NEAR: f64 = 1.0 + 1e-2;
 
+/// Share of the distance by which a direction has to separate not to be doubted.
+const ACCURATE: f64 = 1.0 - 1e-6;
+
 /// Renewals of the direction; more are needed only where rounding decides. What
 /// is free so far is returned then.
 const RENEWALS: usize = 64;
@@ -112,20 +115,29 @@ struct Separation {
 }
 
 impl Separation {
-    /// Along the line that joins the closest points or, where rounding spoils
-    /// that, along the common normal.
+    /// Along the line that joins the closest points or, where rounding shows in
+    /// that, along it without its parts along edges or along the common normal.
     fn new(pair: Pair, x: &[Vec3; 4]) -> Self {
         let closest = pair.closest(x);
-        let d = closest.d2.sqrt();
         let found = Self::along(&closest.offset, pair, x);
-        if found.gap > 0.9 * d {
+        if found.gap > ACCURATE * closest.d2.sqrt() {
             return found;
         }
-        let normal = match pair {
-            Pair::PointTriangle(_) => (x[2] - x[1]).cross(&(x[3] - x[1])),
-            Pair::EdgeEdge(_) => (x[1] - x[0]).cross(&(x[3] - x[2])),
+        let edge = |[i, j]: [usize; 2]| x[j] - x[i];
+        let (edges, normal): (&[[usize; 2]], _) = match pair {
+            Pair::PointTriangle(_) => {
+                (&[[1, 2], [2, 3], [3, 1]], edge([1, 2]).cross(&edge([1, 3])))
+            }
+            Pair::EdgeEdge(_) => (&[[0, 1], [2, 3]], edge([0, 1]).cross(&edge([2, 3]))),
         };
-        [normal, -normal].iter().map(|n| Self::along(n, pair, x)).fold(found, Self::wider)
+        let inside =
+            |[i, j]: [usize; 2]| closest.coefficients[i] != 0.0 && closest.coefficients[j] != 0.0;
+        let across = edges.iter().filter(|e| inside(**e)).fold(closest.offset, |r, e| {
+            let e = edge(*e);
+            r - e * (e.dot(&r) / e.norm_squared().max(f64::MIN_POSITIVE))
+        });
+        let others = [across, normal, -normal];
+        others.iter().map(|n| Self::along(n, pair, x)).fold(found, Self::wider)
     }
 
     fn along(direction: &Vec3, pair: Pair, x: &[Vec3; 4]) -> Self {
@@ -170,3 +182,6 @@ fn across(pair: Pair) -> impl Iterator<Item = (usize, usize)> {
     let first = pair.corners_of_first();
     (0..first).flat_map(move |i| (first..4).map(move |j| (i, j)))
 }
+
+#[cfg(test)]
+mod tests;

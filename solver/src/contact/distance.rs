@@ -26,11 +26,14 @@
 //! [`mollifier`](super::mollifier).
 
 use mesh::Vec3;
+use nalgebra::SMatrix;
 
 use crate::math::tensor::{Mat12, Vec12};
 
 /// sin² of the angle below which two directions count as parallel [1].
 const PARALLEL: f64 = 2.5e-16;
+
+type Vec4 = nalgebra::Vector4<f64>;
 
 /// The closest points of two features.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +131,35 @@ impl Region {
         hessian
     }
 
+    /// Orthonormal vectors that span the range of ∂²d²/∂x² and contain ∂d²/∂x;
+    /// zero from their number on.
+    #[must_use]
+    pub fn range(&self, closest: &Closest) -> SMatrix<f64, 12, 5> {
+        let normal = closest.offset.normalize();
+        let coefficients = Vec4::from(closest.coefficients).normalize();
+        let mut basis = SMatrix::<f64, 12, 5>::zeros();
+        let mut set = |k: usize, c: &Vec4, direction: &Vec3| {
+            basis.set_column(k, &corners([0, 1, 2, 3].map(|i| c[i] * direction)));
+        };
+        let [s, t] = tangents(&normal);
+        set(0, &coefficients, &s);
+        set(1, &coefficients, &t);
+        set(2, &coefficients, &normal);
+        let free = self.free();
+        let mut found = vec![coefficients];
+        for e in &free.directions[..free.count] {
+            let mut e = Vec4::from(*e);
+            // twice, as rounding of the first time may be all that is left
+            for other in found.iter().chain(&found) {
+                e -= other * other.dot(&e);
+            }
+            let e = e.normalize();
+            set(2 + found.len(), &e, &normal);
+            found.push(e);
+        }
+        basis
+    }
+
     fn free(&self) -> Free {
         let mut free = Free { start: [0.0; 4], directions: [[0.0; 4]; 2], count: 0 };
         let mut base = [None; 2];
@@ -158,6 +190,16 @@ impl Free {
     fn tangents(&self, x: &[Vec3; 4]) -> [Vec3; 2] {
         self.directions.map(|e| e.iter().zip(x).map(|(e, p)| *e * (p - x[0])).sum())
     }
+}
+
+/// Two unit vectors orthogonal to a unit vector and to each other.
+#[must_use]
+pub fn tangents(normal: &Vec3) -> [Vec3; 2] {
+    // the axis that is least along the normal
+    let mut axis = Vec3::zeros();
+    axis[normal.iamin()] = 1.0;
+    let first = normal.cross(&axis).normalize();
+    [first, normal.cross(&first)]
 }
 
 /// One vector of the components of four.

@@ -12,6 +12,8 @@
 
 use mesh::Vec3;
 
+use super::distance::tangents;
+
 /// A contact with friction, as it was at the start of a time step: its normal
 /// force, and how velocities of its corners make a sliding velocity
 /// 𝒯ᵀ Σᵢ cᵢ vᵢ.
@@ -33,12 +35,7 @@ impl Sliding {
     /// A contact of corners whose closest points are `offset` apart.
     #[must_use]
     pub fn new(corners: [usize; 4], coefficients: [f64; 4], offset: Vec3, force: f64) -> Self {
-        let normal = offset.normalize();
-        // the axis that is least along the normal
-        let mut axis = Vec3::zeros();
-        axis[normal.iamin()] = 1.0;
-        let first = normal.cross(&axis).normalize();
-        Self { corners, coefficients, tangents: [first, normal.cross(&first)], force }
+        Self { corners, coefficients, tangents: tangents(&offset.normalize()), force }
     }
 
     /// Sliding velocity 𝒯ᵀ Σᵢ cᵢ vᵢ for velocities of all collision vertices

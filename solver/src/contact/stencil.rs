@@ -18,7 +18,7 @@ use super::distance::{Closest, Region, corners};
 use super::mollifier::{
     Mollifier, cross, cross_gradient, cross_hessian, threshold, threshold_gradient,
 };
-use crate::math::tensor::{Mat12, Vec12};
+use crate::math::tensor::{Mat12, Vec12, project_positive};
 
 /// Points of two features that interact. Equal stencils are equal: corners are
 /// in a fixed order.
@@ -136,6 +136,22 @@ impl Local {
         hessian
     }
 
+    /// `weight` ∂²e/∂x² with its negative eigenvalues set to zero.
+    ///
+    /// Unless edges fade, the Hessian maps into the few directions c ⊗ a and
+    /// eₖ ⊗ r of [`distance`](super::distance), a any vector, so that a matrix of
+    /// their number is decomposed.
+    #[must_use]
+    pub fn projected_hessian(&self, weight: f64) -> Mat12 {
+        let hessian = self.hessian() * weight;
+        if self.rest.is_some() {
+            return project_positive(&hessian);
+        }
+        let basis = self.region.range(&self.closest);
+        let inner = basis.transpose() * hessian * basis;
+        basis * project_positive(&inner) * basis.transpose()
+    }
+
     /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a pair that fades.
     #[must_use]
     pub fn by_threshold(&self) -> Option<(Vec12, Vec12)> {
@@ -145,5 +161,52 @@ impl Local {
         let by = by_d2 * (self.fade.by_threshold * slope)
             + cross_gradient(&self.x) * (b * self.fade.by_both);
         Some((by, threshold_gradient(rest)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::barrier::Form;
+    use crate::contact::distance::{edge_edge, point_triangle};
+    use crate::math::random::Random;
+
+    #[test]
+    fn a_stencil_does_not_depend_on_how_its_features_are_listed() {
+        let region = |first, active| Region { first, active };
+        let corner = Stencil::reduced([7, 3, 5, 9], region(1, [true, false, true, false]));
+        assert_eq!(corner, Stencil::reduced([9, 5, 7, 3], region(2, [false, true, true, false])));
+        let edge = Stencil::reduced([7, 9, 3, 5], region(1, [true, true, false, true]));
+        assert_eq!(edge, Stencil::reduced([5, 9, 4, 7], region(2, [true, true, false, true])));
+        assert_eq!((edge.corners, edge.region.first), ([7, 5, 9, 7], 1));
+        assert_eq!(ordered_edges([8, 2], [1, 4]), ordered_edges([4, 1], [2, 8]));
+    }
+
+    /// The small decomposition against one of all twelve components, for all
+    /// kinds of closest points and both signs of the weight.
+    #[test]
+    fn the_projected_hessian_is_that_of_all_components() {
+        let mut random = Random::new(6);
+        let form = Form::Convergent;
+        let barrier = Barrier { form, activation: 1.5, stiffness: 1.0, thickness: 0.1 };
+        let mut seen = std::collections::BTreeSet::new();
+        for k in 0..400 {
+            let x: Vec<Vec3> = (0..4).map(|_| random.vector()).collect();
+            let corners = [x[0], x[1], x[2], x[3]];
+            let (first, closest) =
+                if k % 2 == 0 { (1, point_triangle(&corners)) } else { (2, edge_edge(&corners)) };
+            if closest.d2 < 0.02 {
+                continue;
+            }
+            let stencil = Stencil::reduced([0, 1, 2, 3], Region::of(first, &closest));
+            seen.insert(stencil.region);
+            let local = Local::new(&stencil, &x, &x, &barrier);
+            for weight in [2.0, -3.0] {
+                let hessian = local.hessian() * weight;
+                let error = local.projected_hessian(weight) - project_positive(&hessian);
+                assert!(error.norm() <= 1e-10 * hessian.norm(), "{:e}", error.norm());
+            }
+        }
+        assert_eq!(seen.len(), 4, "{seen:?}");
     }
 }

@@ -7,7 +7,8 @@
 //! b   log barrier of the distance d of a pair; σ as in
 //!     [`Barrier::scale`]
 //!
-//! E is +∞ where a pair is not farther apart than d₀. With e = m b and λ on the
+//! E is +∞ where a pair is not farther apart than d₀, or where more pairs are in
+//! range than memory is meant for. With e = m b and λ on the
 //! collision vertices, the mixed derivative acts on X_c as
 //!
 //! λᵀ ∂²E/∂x∂X_c = κ σ Σ_k w λᵀ ∂²e/∂x² + w (λ · ∂²e/∂x∂ε) ∂ε/∂X_c
@@ -25,22 +26,26 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
+use crate::contact::candidates::{self, TooMany};
+use crate::contact::ccd;
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
-use crate::contact::pairs::{Pair, pairs_within};
+use crate::contact::pairs::Pair;
 use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
 use crate::contact::weights::Adjacency;
-use crate::contact::{candidates, ccd};
 use crate::math::sparse::BlockMatrix;
-use crate::math::tensor::{Mat12, Vec12, project_positive};
+use crate::math::tensor::{Mat12, Vec12};
 use crate::parallel::map_merge;
 
 /// How far vertices may move before the list of close pairs is made anew, in
 /// mean edge lengths. A longer way makes lists longer and rarer; results are the
 /// same.
 const SLACK: f64 = 0.1;
+
+/// Share of a step below which it is given up.
+const SHORTEST: f64 = 1e-10;
 
 /// The barrier between all parts of a collision surface.
 pub struct Contact {
@@ -86,9 +91,16 @@ struct State {
 impl Contact {
     /// The barrier between all features of a surface.
     #[must_use]
-    pub fn new(surface: Arc<Surface>, barrier: Barrier, certify: bool) -> Self {
+    pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
         let adjacency = Adjacency::new(&surface);
-        Self { surface, adjacency, barrier, list: Mutex::new(None), certify }
+        Self { surface, adjacency, barrier, list: Mutex::new(None), certify: false }
+    }
+
+    /// The same, and of accepted states it is proved that they have no
+    /// intersection.
+    #[must_use]
+    pub fn certified(self) -> Self {
+        Self { certify: true, ..self }
     }
 
     /// What intersects at positions of the collision vertices [m], if anything.
@@ -135,7 +147,7 @@ impl Contact {
     /// How close the surfaces are.
     #[must_use]
     pub fn closeness(&self, at: &Iterate) -> Closeness {
-        let active = self.active(&self.positions(at));
+        let active = self.active(&self.positions(at)).unwrap_or_default();
         let gap = |d2: f64| (d2.sqrt() - self.barrier.thickness) / self.barrier.activation;
         let gaps = active.iter().map(|(_, closest)| gap(closest.d2));
         Closeness { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
@@ -145,9 +157,10 @@ impl Contact {
         self.surface.positions(at.space, at.rest, at.u, at.load)
     }
 
-    /// All pairs within range, in a fixed order.
-    fn active(&self, x: &[Vec3]) -> Vec<(Pair, Closest)> {
-        let list = self.list(x);
+    /// All pairs within range, in a fixed order; none if there are more than
+    /// memory is meant for.
+    fn active(&self, x: &[Vec3]) -> Option<Vec<(Pair, Closest)>> {
+        let list = self.list(x)?;
         let range2 = self.barrier.range().powi(2);
         let near = |range: Range<usize>| -> Vec<(Pair, Closest)> {
             let closest = list.pairs[range].iter().map(|p| (*p, p.closest(&p.gather(x))));
@@ -155,7 +168,7 @@ impl Contact {
         };
         let mut active = Vec::new();
         map_merge(list.pairs.len(), near, |_, mut part| active.append(&mut part));
-        active
+        Some(active)
     }
 
     /// The list of pairs that is there, if it holds at all these positions.
@@ -165,28 +178,29 @@ impl Contact {
     }
 
     /// Pairs that may be within range at positions `x`.
-    fn list(&self, x: &[Vec3]) -> Arc<List> {
+    fn list(&self, x: &[Vec3]) -> Option<Arc<List>> {
         if let Some(list) = self.kept_for(&[x]) {
-            return list;
+            return Some(list);
         }
         let slack = SLACK * mesh::measure::mean_edge(x, &self.surface.features().triangles);
-        let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack);
-        let list = Arc::new(List { x: x.to_vec(), slack, pairs });
+        let make = |slack: f64| {
+            let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack).ok()?;
+            Some(Arc::new(List { x: x.to_vec(), slack, pairs }))
+        };
         let mut kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = Some(Arc::clone(&list));
-        list
+        *kept = make(slack).or_else(|| make(0.0));
+        kept.clone()
     }
 
     /// All pairs closer than a radius of which something can move.
-    fn pairs(&self, x: &[Vec3], radius: f64) -> Vec<Pair> {
-        let mut pairs = pairs_within(self.surface.features(), x, radius);
-        pairs.retain(|pair| !self.surface.immovable(&pair.corners()));
-        pairs
+    fn pairs(&self, x: &[Vec3], radius: f64) -> Result<Vec<Pair>, TooMany> {
+        let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
+        candidates::between(self.surface.features(), x, x, radius, skip)
     }
 
     fn state(&self, at: &Iterate) -> State {
         let (x, rest) = (self.positions(at), self.surface.rest(at.space, at.rest));
-        let terms = self.terms(&self.active(&x), (&x, &rest));
+        let terms = self.terms(&self.active(&x).unwrap_or_default(), (&x, &rest));
         State { x, rest, terms }
     }
 
@@ -259,7 +273,7 @@ impl Energy for Contact {
 
     fn value(&self, at: &Iterate) -> f64 {
         let x = self.positions(at);
-        let active = self.active(&x);
+        let Some(active) = self.active(&x) else { return f64::INFINITY };
         let touching = self.barrier.thickness.powi(2);
         if active.iter().any(|(_, closest)| closest.d2 <= touching) {
             return f64::INFINITY;
@@ -282,8 +296,10 @@ impl Energy for Contact {
             if weight == 0.0 {
                 return None;
             }
-            let hessian = local.hessian() * weight;
-            Some(if kind == Hessian::Projected { project_positive(&hessian) } else { hessian })
+            Some(match kind {
+                Hessian::Exact => local.hessian() * weight,
+                Hessian::Projected => local.projected_hessian(weight),
+            })
         };
         self.for_each_term(&self.state(at), hessian, |term, hessian| {
             if let Some(hessian) = hessian {
@@ -294,32 +310,31 @@ impl Energy for Contact {
 
     fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
         let x = self.positions(at);
-        let radius = reach * self.barrier.range();
-        let pairs = if radius <= self.barrier.range() {
-            self.active(&x).into_iter().map(|(pair, _)| pair).collect()
+        let pairs: Vec<Pair> = if reach <= 1.0 {
+            self.active(&x).unwrap_or_default().into_iter().map(|(pair, _)| pair).collect()
         } else {
-            self.pairs(&x, radius)
+            self.pairs(&x, reach * self.barrier.range()).unwrap_or_default()
         };
         let corners: Vec<_> = pairs.iter().map(Pair::corners).collect();
         self.surface.couplings(&corners)
     }
 
     fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        let (x0, x1) = (self.positions(from), self.positions(to));
-        let thickness = self.barrier.thickness;
-        if let Some(list) = self.kept_for(&[&x0, &x1]) {
-            return ccd::max_step(&list.pairs, &x0, &x1, thickness);
+        let (start, whole) = (self.positions(from), self.positions(to));
+        let (thickness, features) = (self.barrier.thickness, self.surface.features());
+        if let Some(list) = self.kept_for(&[&start, &whole]) {
+            return ccd::max_step(&list.pairs, &start, &whole, thickness);
         }
-        // a way that passes too many features is looked at up to its half
         let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
-        let mut fraction = 1.0;
-        while fraction > 0.0 {
-            let along = |(a, b): (&Vec3, &Vec3)| a + fraction * (b - a);
-            let end: Vec<Vec3> = x0.iter().zip(&x1).map(along).collect();
-            match candidates::between(self.surface.features(), &x0, &end, thickness, skip) {
-                Ok(pairs) => return fraction * ccd::max_step(&pairs, &x0, &end, thickness),
-                Err(_) => fraction *= 0.5,
+        let mut share = 1.0;
+        // a step that sweeps through too much is looked at in part
+        while share > SHORTEST {
+            let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
+            let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();
+            if let Ok(pairs) = candidates::between(features, &start, &end, thickness, skip) {
+                return share * ccd::max_step(&pairs, &start, &end, thickness);
             }
+            share *= 0.5;
         }
         0.0
     }
@@ -370,3 +385,6 @@ impl Energy for Contact {
         at.space.add_to_vertices(&nodal, out);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -84,8 +84,8 @@ pub struct Constraint {
 pub enum Hessian {
     /// The second derivative.
     Exact,
-    /// With the elastic tangent of each quadrature point made positive
-    /// semidefinite.
+    /// With the elastic tangent of each quadrature point, and the second
+    /// derivative of each contact, made positive semidefinite.
     Projected,
 }
 

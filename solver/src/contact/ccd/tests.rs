@@ -1,0 +1,386 @@
+//! Random paths of features, checked by an independent formula of the distance:
+//! between two times it changes by no more than the way of the corners, so that
+//! few samples prove that nothing touches in between.
+
+use twofloat::TwoFloat;
+
+use super::*;
+use crate::math::random::Random;
+
+const KINDS: [Pair; 2] = [Pair::PointTriangle([0, 1, 2, 3]), Pair::EdgeEdge([0, 1, 2, 3])];
+
+/// Scale and distance from the origin in its units.
+const PLACES: [(f64, f64); 5] = [(1.0, 0.0), (1e-3, 0.0), (1e3, 0.0), (1.0, 1e3), (1e-3, 1e3)];
+
+/// The corners of a pair at the ends of their ways, and the minimum distance.
+struct Path {
+    pair: Pair,
+    start: [Vec3; 4],
+    end: [Vec3; 4],
+    thickness: f64,
+}
+
+impl Path {
+    /// Corners at relative time `t`, as seen from the first of them.
+    fn at(&self, t: f64) -> [Vec3; 4] {
+        let moved = |i: usize| self.end[i] - self.start[i];
+        std::array::from_fn(|i| self.start[i] - self.start[0] + t * (moved(i) - moved(0)))
+    }
+
+    fn at_precisely(&self, t: f64) -> [[TwoFloat; 3]; 4] {
+        let x = |i: usize, k: usize| {
+            let (a, b) = (TwoFloat::from(self.start[i][k]), TwoFloat::from(self.end[i][k]));
+            a + (b - a) * t
+        };
+        std::array::from_fn(|i| std::array::from_fn(|k| x(i, k)))
+    }
+
+    /// d(t) − thickness, with relative errors of d of at most 1e-5.
+    fn gap(&self, t: f64) -> f64 {
+        let x = self.at(t);
+        let size = x.iter().fold(0.0, |all: f64, p| all.max(p.norm()));
+        let d = distance(self.pair, &x.map(|p| [p.x, p.y, p.z]), 1e-3);
+        match d {
+            Some(d) if d > 1e-6 * size && d - self.thickness > 1e-5 * d => d - self.thickness,
+            _ => {
+                let d = distance(self.pair, &self.at_precisely(t), 0.0);
+                f64::from(d.expect("no condition") - TwoFloat::from(self.thickness))
+            }
+        }
+    }
+
+    /// Largest change of the distance in unit time.
+    fn speed(&self) -> f64 {
+        let v: [Vec3; 4] = std::array::from_fn(|i| self.end[i] - self.start[i]);
+        across(self.pair).map(|(i, j)| (v[i] - v[j]).norm()).fold(0.0, f64::max)
+    }
+
+    /// Nothing for a path that is free, or a time shortly before contact.
+    fn contact(&self) -> Option<f64> {
+        let speed = self.speed();
+        let shortest = 1e-3 * self.gap(0.0) / speed;
+        self.contact_between(0.0, 1.0, speed, shortest)
+    }
+
+    fn contact_between(&self, from: f64, to: f64, speed: f64, shortest: f64) -> Option<f64> {
+        let middle = 0.5 * (from + to);
+        if (1.0 - 1e-5) * self.gap(middle) > 0.5 * (to - from) * speed {
+            return None;
+        }
+        if to - from < shortest {
+            return Some(from);
+        }
+        let earlier = self.contact_between(from, middle, speed, shortest);
+        earlier.or_else(|| self.contact_between(middle, to, speed, shortest))
+    }
+}
+
+/// Distance of two features; none where the sine of their angle is below
+/// `flattest`.
+fn distance<T: Real>(pair: Pair, x: &[[T; 3]; 4], flattest: f64) -> Option<T> {
+    let zero = T::from(0.0);
+    let edges = match pair {
+        Pair::PointTriangle(_) => [sub(x[2], x[1]), sub(x[3], x[1])],
+        Pair::EdgeEdge(_) => [sub(x[1], x[0]), sub(x[3], x[2])],
+    };
+    let n = cross(edges[0], edges[1]);
+    let n2 = dot(n, n);
+    let least = T::from(flattest * flattest) * dot(edges[0], edges[0]) * dot(edges[1], edges[1]);
+    if n2 < least {
+        return None;
+    }
+    let ends: &[[usize; 3]] = match pair {
+        Pair::PointTriangle(_) => &[[0, 1, 2], [0, 2, 3], [0, 3, 1]],
+        Pair::EdgeEdge(_) => &[[0, 2, 3], [1, 2, 3], [2, 0, 1], [3, 0, 1]],
+    };
+    let mut d2 = to_segment(x, ends[0]);
+    for &end in &ends[1..] {
+        let other = to_segment(x, end);
+        d2 = if other < d2 { other } else { d2 };
+    }
+    if n2 > zero {
+        let w = match pair {
+            Pair::PointTriangle(_) => sub(x[0], x[1]),
+            Pair::EdgeEdge(_) => sub(x[2], x[0]),
+        };
+        let (s, t) = (dot(cross(w, edges[1]), n) / n2, dot(cross(edges[0], w), n) / n2);
+        let one = T::from(1.0);
+        let inside = match pair {
+            Pair::PointTriangle(_) => s > zero && t > zero && s + t < one,
+            // w and t are reversed
+            Pair::EdgeEdge(_) => s > zero && s < one && t < zero && t > zero - one,
+        };
+        if inside {
+            let h = dot(w, n);
+            d2 = h * h / n2;
+        }
+    }
+    Some(d2.root())
+}
+
+trait Real:
+    Copy
+    + PartialOrd
+    + From<f64>
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
+{
+    fn root(self) -> Self;
+}
+
+impl Real for f64 {
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Real for TwoFloat {
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+}
+
+fn sub<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i] * b[j] - a[j] * b[i]
+    })
+}
+
+/// Squared distance of corner `p` from the segment between two others.
+fn to_segment<T: Real>(x: &[[T; 3]; 4], [p, i, j]: [usize; 3]) -> T {
+    let (zero, one) = (T::from(0.0), T::from(1.0));
+    let (edge, w) = (sub(x[j], x[i]), sub(x[p], x[i]));
+    let length2 = dot(edge, edge);
+    let t = if length2 > zero { dot(w, edge) / length2 } else { zero };
+    let t = if t < zero {
+        zero
+    } else if t > one {
+        one
+    } else {
+        t
+    };
+    let r: [T; 3] = std::array::from_fn(|k| w[k] - t * edge[k]);
+    dot(r, r)
+}
+
+/// Corners of features that touch.
+fn touching(pair: Pair, random: &mut Random) -> [Vec3; 4] {
+    let mut x: [Vec3; 4] = std::array::from_fn(|_| random.vector());
+    let share = |random: &mut Random| 0.5 + 0.5 * random.uniform();
+    let (s, t) = (share(random), share(random));
+    match pair {
+        Pair::PointTriangle(_) => {
+            let (a, b) = (s * (1.0 - t), s * t);
+            x[0] = x[1] + a * (x[2] - x[1]) + b * (x[3] - x[1]);
+        }
+        Pair::EdgeEdge(_) => {
+            let apart = x[0] + s * (x[1] - x[0]) - x[2] - t * (x[3] - x[2]);
+            x[2] += apart;
+            x[3] += apart;
+        }
+    }
+    x
+}
+
+/// A power of ten with an exponent in `low..high`.
+fn power(random: &mut Random, low: f64, high: f64) -> f64 {
+    10_f64.powf(low + (high - low) * 0.5 * (1.0 + random.uniform()))
+}
+
+/// Kinds of paths, by the corners at the start and the end.
+type Family = fn(Pair, &mut Random) -> [[Vec3; 4]; 2];
+
+/// Any corners at both ends.
+fn anything(_: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    std::array::from_fn(|_| std::array::from_fn(|_| random.vector()))
+}
+
+/// Features in touch at one time, shortly after the start or later.
+fn hitting(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let x = touching(pair, random);
+    let v: [Vec3; 4] = std::array::from_fn(|_| 2.0 * random.vector());
+    let t = power(random, -3.0, 0.0);
+    [-t, 1.0 - t].map(|t| std::array::from_fn(|i| x[i] + t * v[i]))
+}
+
+/// The same in one plane.
+fn coplanar(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let mut flat = random.clone();
+    random.uniform();
+    let mut x: [Vec3; 4] = std::array::from_fn(|_| flat.vector());
+    let v: [Vec3; 4] = std::array::from_fn(|_| flat.vector());
+    // touching by a corner of the first and an edge of the second
+    let t = 0.5 + 0.5 * flat.uniform();
+    let apart = x[0] - x[2] - t * (x[3] - x[2]);
+    (pair.corners_of_first()..4).for_each(|j| x[j] += apart);
+    let t = power(random, -3.0, 0.0);
+    let plane = |p: Vec3| Vec3::new(p.x, p.y, 0.0);
+    [-t, 1.0 - t].map(|t| std::array::from_fn(|i| plane(x[i] + t * v[i])))
+}
+
+/// Each feature stays in a plane of its own, and the planes are close.
+fn sliding(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let gap = power(random, -3.0, 0.0);
+    anything(pair, random).map(|x| {
+        std::array::from_fn(|i| {
+            let height = if i < pair.corners_of_first() { gap } else { 0.0 };
+            Vec3::new(x[i].x, x[i].y, height)
+        })
+    })
+}
+
+/// No motion relative to each other.
+fn still(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let [x, [drift, ..]] = anything(pair, random);
+    let drift = drift * if random.uniform() < 0.0 { 0.0 } else { 100.0 };
+    [x, x.map(|p| p + drift)]
+}
+
+/// Edges that are parallel, nearly or exactly, or a triangle that is a needle;
+/// at a small distance, moving towards each other and along.
+fn parallel(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let exactly = random.uniform() < -0.5;
+    let tilt = if exactly { 0.0 } else { power(random, -18.0, -2.0) };
+    let gap = power(random, -7.0, 0.0);
+    let x: [Vec3; 4] = std::array::from_fn(|i| {
+        let height = if i < pair.corners_of_first() { gap } else { 0.0 };
+        let bent = tilt * random.vector();
+        Vec3::new(random.uniform(), bent.y, height + 0.5 * gap * bent.z)
+    });
+    let v = gap * Vec3::new(10.0 * random.uniform(), random.uniform(), 3.0 * random.uniform());
+    let first = pair.corners_of_first();
+    [x, std::array::from_fn(|i| if i < first { x[i] + v } else { x[i] })]
+}
+
+/// Edges without length and triangles without area, in touch at one time.
+fn degenerate(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
+    let [mut start, mut end] = hitting(pair, random);
+    for x in [&mut start, &mut end] {
+        let apart = x[0] - x[3];
+        match pair {
+            Pair::PointTriangle(_) => x[2] = x[1],
+            Pair::EdgeEdge(_) => x[1] = x[0],
+        }
+        x[3] += 0.5 * apart;
+    }
+    [start, end]
+}
+
+/// What became of many paths.
+#[derive(Default)]
+struct Outcome {
+    paths: usize,
+    /// Returned over true time to contact.
+    ratios: Vec<f64>,
+    /// Gaps over what shall be kept, where a path was shortened.
+    unused: Vec<f64>,
+    seconds: f64,
+    /// Least gap over what shall be kept.
+    kept: f64,
+}
+
+/// Follows `count` paths of a family and proves each result.
+fn follow(family: Family, pair: Pair, place: (f64, f64), seed: u64, count: usize) -> Outcome {
+    let mut random = Random::new(seed);
+    let mut all = Outcome { kept: f64::INFINITY, ..Outcome::default() };
+    while all.paths < count {
+        let corners = family(pair, &mut random);
+        let (scale, far) = place;
+        let shift = Vec3::new(1.0, -0.7, 0.3) * far;
+        let [start, end] = corners.map(|x| x.map(|p| scale * (p + shift)));
+        let mut path = Path { pair, start, end, thickness: 0.0 };
+        let d0 = path.gap(0.0);
+        // what rounding of the positions decides proves nothing
+        if d0 < 1e-9 * scale * (1.0 + far) {
+            continue;
+        }
+        if random.uniform() < 0.0 {
+            path.thickness = 0.5 * d0 * (1.0 + random.uniform());
+        }
+        all.paths += 1;
+        check(&path, &mut all);
+    }
+    all
+}
+
+fn check(path: &Path, all: &mut Outcome) {
+    let Path { pair, start, end, thickness } = *path;
+    let begin = std::time::Instant::now();
+    let t = time_of_impact(pair, &start, &end, thickness);
+    all.seconds += begin.elapsed().as_secs_f64();
+    let kept = KEPT * path.gap(0.0);
+    let touching = path.contact();
+    let said = || format!("{pair:?} {start:?} {end:?} {thickness}: {t}, contact {touching:?}");
+    assert!((0.0..=1.0).contains(&t) && touching.is_none_or(|contact| t <= contact), "{}", said());
+    all.kept = all.kept.min(path.gap(t) / kept);
+    if t < 1.0 && path.gap(t) / kept > 1.1 {
+        let x = path.at(t);
+        let c = pair.closest(&x);
+        let a = Separation::new(pair, &x);
+        println!(
+            "{t} {contact:?} {thickness} {} gap {} closest {:?} {:?} {} {x:?}",
+            path.gap(0.0),
+            path.gap(t),
+            c,
+            a.direction,
+            a.gap,
+            contact = touching
+        );
+    }
+    if t < 1.0 {
+        all.unused.push(path.gap(t) / kept);
+    }
+    all.ratios.extend(touching.map(|contact| t / contact));
+}
+
+/// A million paths of each pair. No step goes through a contact, none is shorter
+/// than the gap asks for.
+#[test]
+fn steps_end_before_contact_and_not_long_before() {
+    let families: [(&str, Family, usize); 8] = [
+        ("anything", anything, 0),
+        ("hitting", hitting, 10),
+        ("coplanar", coplanar, 5),
+        ("sliding", sliding, 20),
+        ("still", still, 20),
+        ("parallel", parallel, 20),
+        ("degenerate", degenerate, 20),
+        ("hitting again", hitting, 0),
+    ];
+    for pair in KINDS {
+        for (name, family, parts) in families {
+            let one =
+                |seed: usize| follow(family, pair, PLACES[seed % PLACES.len()], seed as u64, 5000);
+            let outcomes: Vec<Outcome> = (0..parts).into_par_iter().map(one).collect();
+            let mut ratios: Vec<f64> = outcomes.iter().flat_map(|o| &o.ratios).copied().collect();
+            ratios.sort_by(f64::total_cmp);
+            let paths: usize = outcomes.iter().map(|o| o.paths).sum();
+            let kept = outcomes.iter().fold(f64::INFINITY, |all, o| all.min(o.kept));
+            let mut unused: Vec<f64> = outcomes.iter().flat_map(|o| &o.unused).copied().collect();
+            unused.sort_by(f64::total_cmp);
+            let capped = unused.iter().filter(|u| **u > 1.1).count();
+            let ns = 1e9 * outcomes.iter().map(|o| o.seconds).sum::<f64>() / paths as f64;
+            let of = |share: f64| ratios.get((share * ratios.len() as f64) as usize).copied();
+            println!(
+                "{pair:?} {name}: {paths} paths, {} contacts, ratio min {:?} 1% {:?} median {:?}, gap left {kept} to {:?}, capped {capped}, {ns:.0} ns, ratio < 0.5: {}",
+                ratios.len(),
+                of(0.0),
+                of(0.01),
+                of(0.5),
+                unused.last(),
+                ratios.iter().filter(|r| **r < 0.5).count()
+            );
+        }
+    }
+}

@@ -1,0 +1,447 @@
+use mesh::{SurfaceMesh, TetMesh};
+
+use super::*;
+use crate::contact::barrier::Form;
+use crate::contact::surface::Obstacle;
+use crate::element::{FunctionSpace, at};
+use crate::energy::{Friction, TimeStep};
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::math::sparse::Pattern;
+use crate::testing::{check_gradient, cube, flat, points, square};
+
+/// Bodies with contact, at a displacement.
+struct Scene {
+    space: FunctionSpace,
+    rest: Vec<Vec3>,
+    u: Vec<f64>,
+    contact: Contact,
+    step: Option<TimeStep>,
+}
+
+impl Scene {
+    fn new(
+        degree: usize,
+        meshes: &[TetMesh],
+        obstacles: Vec<Obstacle>,
+        barrier: Barrier,
+        skin: impl Fn([Vec3; 3]) -> bool,
+    ) -> Self {
+        let (mut rest, mut tets) = (Vec::new(), Vec::new());
+        let (mut facets, mut bodies) = (Vec::new(), Vec::new());
+        for (body, mesh) in meshes.iter().enumerate() {
+            let offset = rest.len();
+            rest.extend(&mesh.vertices);
+            tets.extend(mesh.tets.iter().map(|t| t.map(|v| v + offset)));
+            let own = mesh::topology::boundary(mesh).facets;
+            let own: Vec<_> = own.into_iter().map(|f| f.map(|v| v + offset)).collect();
+            facets.extend(own.into_iter().filter(|f| skin(f.map(|v| rest[v]))));
+            bodies.resize(facets.len(), body);
+        }
+        let space = FunctionSpace::new(degree, rest.len(), tets);
+        let u = vec![0.0; 3 * space.node_count()];
+        let fixed = vec![false; u.len()];
+        let surface = Surface::new(&space, (&facets, &bodies), obstacles, degree, &fixed);
+        let contact = Contact::new(Arc::new(surface), barrier);
+        Self { space, rest, u, contact, step: None }
+    }
+
+    fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
+        let step = self.step.as_ref();
+        Iterate { space: &self.space, rest, u, load: 1.0, multipliers: &[], step }
+    }
+
+    fn here(&self) -> Iterate<'_> {
+        self.at(&self.rest, &self.u)
+    }
+
+    fn gradient(&self, energy: &dyn Energy, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; u.len()];
+        energy.add_gradient(&self.at(rest, u), &mut gradient);
+        gradient
+    }
+
+    fn times_hessian(&self, energy: &dyn Energy, kind: Hessian, q: &[f64]) -> Vec<f64> {
+        let n = self.space.node_count();
+        let dense = Pattern::new(n, &(0..n).collect::<Vec<_>>(), n);
+        let mut matrix = BlockMatrix::zeros(&dense);
+        energy.add_hessian(&self.here(), kind, &mut matrix);
+        matrix.multiply(q)
+    }
+
+    /// Gradient, Hessian and mixed derivative against differences.
+    fn check(&self, energy: &dyn Energy, scale: f64) {
+        let gradient = self.gradient(energy, &self.rest, &self.u);
+        check_gradient(&self.u, &gradient, 1e-3 * scale, |u| energy.value(&self.at(&self.rest, u)));
+
+        let mut random = Random::new(5);
+        let lambda = random.numbers(self.u.len());
+        let shifted = |x: &[f64], q: &[f64], h: f64| -> Vec<f64> {
+            x.iter().zip(q).map(|(x, q)| x + h * q).collect()
+        };
+        let (h, close) = (1e-6 * scale, |difference: f64, exact: f64, what: &str| {
+            let error = (difference - exact).abs() / exact.abs();
+            assert!(error < 1e-6, "{what}: {difference:e} against {exact:e}, {error:e}");
+        });
+        for along in [gradient, random.numbers(self.u.len())] {
+            let largest = along.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let q: Vec<f64> = along.iter().map(|v| v / largest).collect();
+            let by_u = |h: f64| self.gradient(energy, &self.rest, &shifted(&self.u, &q, h));
+            let difference: Vec<f64> =
+                by_u(h).iter().zip(by_u(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+            let exact = self.times_hessian(energy, Hessian::Exact, &q);
+            close(dot(&difference, &q), dot(&exact, &q), "hessian along its direction");
+            let error = shifted(&difference, &exact, -1.0);
+            let relative = (dot(&error, &error) / dot(&exact, &exact)).sqrt();
+            assert!(relative < 1e-6, "hessian: {relative:e}");
+        }
+
+        let mut mixed = vec![0.0; 3 * self.rest.len()];
+        energy.add_mixed_vjp(&self.here(), &lambda, &mut mixed);
+        let largest = mixed.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if largest == 0.0 {
+            return;
+        }
+        let along = mixed.iter().map(|v| v / largest).collect();
+        for q in [along, random.numbers(mixed.len()), random.numbers(mixed.len())] {
+            let by_rest = |h: f64| {
+                let rest = points(&shifted(&flat(&self.rest), &q, h));
+                dot(&self.gradient(energy, &rest, &self.u), &lambda)
+            };
+            close((by_rest(h) - by_rest(-h)) / (2.0 * h), dot(&mixed, &q), "mixed");
+        }
+    }
+}
+
+fn barrier(form: Form, activation: f64) -> Barrier {
+    let stiffness = if form == Form::Plain { 1e5 / activation.powi(4) } else { 1e5 };
+    Barrier { form, activation, stiffness, thickness: 0.0 }
+}
+
+/// A block on another, turned by so little that their edges are faded, and a
+/// large plate beside them; touching in a thousand ways.
+fn blocks(degree: usize, form: Form, scale: f64, thickness: f64) -> Scene {
+    let lower = cube(2, 0.1);
+    let mut upper = lower.clone();
+    let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
+    let lift = Vec3::new(0.06, 0.05, 1.06 + thickness);
+    upper.vertices.iter_mut().for_each(|v| *v = turn * *v + lift);
+    let mut meshes = [lower, upper];
+    meshes.iter_mut().flat_map(|m| &mut m.vertices).for_each(|v| *v *= scale);
+    let plate = |v: &Vec3| Vec3::new(-0.05 - thickness, 3.0 * v.x - 1.0, 3.0 * v.y - 1.0) * scale;
+    let surface = square(1, 0.0);
+    let vertices = surface.vertices.iter().map(plate).collect();
+    let surface = SurfaceMesh { vertices, ..surface };
+    let motion: Box<crate::contact::surface::Motion> =
+        Box::new(move |_, t| Vec3::new(0.0, 0.3 * t, 0.1 * t) * scale);
+    let obstacle = Obstacle { surface, motion: Some(motion) };
+    let barrier = Barrier { thickness: thickness * scale, ..barrier(form, 0.12 * scale) };
+    let mut scene = Scene::new(degree, &meshes, vec![obstacle], barrier, |_| true);
+    let mut random = Random::new(3);
+    scene.u = random.numbers(scene.u.len()).iter().map(|v| 0.004 * scale * v).collect();
+    scene
+}
+
+/// Numbers of faded terms that matter, of terms with negative weight, and of all.
+fn census(scene: &Scene) -> [usize; 3] {
+    let state = scene.contact.state(&scene.here());
+    let count = |wanted: &dyn Fn(&Term) -> bool| {
+        state.terms.terms.iter().filter(|t| t.weight != 0.0 && wanted(t)).count()
+    };
+    let fading = |t: &Term| {
+        let value = scene.contact.local(&state, t).value();
+        t.stencil.faded && value > 0.0
+    };
+    [count(&fading), count(&|t| t.weight < 0.0), count(&|_| true)]
+}
+
+#[test]
+fn every_derivative_belongs_to_the_energy_at_any_scale() {
+    for (degree, scale, form, thickness) in [
+        (1, 1.0, Form::Convergent, 0.0),
+        (2, 1e-3, Form::Convergent, 0.03),
+        (1, 1e3, Form::Convergent, 0.03),
+        (1, 1e-3, Form::Plain, 0.0),
+    ] {
+        let scene = blocks(degree, form, scale, thickness);
+        let [faded, negative, all] = census(&scene);
+        assert!(faded >= 5 && all > 50, "{faded} faded of {all}");
+        assert!(form == Form::Plain || negative > 0, "{negative} of {all} negative");
+        scene.check(&scene.contact, scale);
+    }
+}
+
+#[test]
+fn the_projected_hessian_is_positive_and_the_exact_one_is_not() {
+    let scene = blocks(1, Form::Convergent, 1.0, 0.0);
+    let lowest = |kind: Hessian| {
+        let unit = |d: usize| -> Vec<f64> {
+            (0..scene.u.len()).map(|i| f64::from(u8::from(i == d))).collect()
+        };
+        let column = |d: usize| scene.times_hessian(&scene.contact, kind, &unit(d));
+        let columns: Vec<f64> = (0..scene.u.len()).flat_map(column).collect();
+        let matrix = nalgebra::DMatrix::from_vec(scene.u.len(), scene.u.len(), columns);
+        let eigenvalues = matrix.symmetric_eigenvalues();
+        eigenvalues.min() / eigenvalues.max()
+    };
+    assert!(lowest(Hessian::Projected) > -1e-14);
+    assert!(lowest(Hessian::Exact) < -1e-3);
+}
+
+/// Whatever the two sides do to each other cancels, and so does its torque.
+#[test]
+fn forces_and_torques_between_surfaces_cancel() {
+    for form in [Form::Convergent, Form::Plain] {
+        let scene = blocks(2, form, 1.0, 0.0);
+        let forces = scene.contact.forces(&scene.here());
+        let x = scene.contact.positions(&scene.here());
+        let size: f64 = forces.iter().map(Vec3::norm).sum();
+        let total: Vec3 = forces.iter().sum();
+        let torque: Vec3 = x.iter().zip(&forces).map(|(x, f)| x.cross(f)).sum();
+        assert!(size > 0.0 && total.norm() < 1e-13 * size && torque.norm() < 1e-12 * size);
+        // the upper block is pushed up by the lower one, which the plate pushes
+        let between = scene.contact.body_forces(&scene.here());
+        let pairs: Vec<_> = between.iter().map(|b| b.bodies).collect();
+        assert_eq!(pairs, [[0, 1], [0, 2], [1, 2]]);
+        assert!(between[0].force.z < 0.0 && between[1].force.x > 0.0);
+        assert!(between.iter().all(|b| b.force.norm() <= b.magnitude * (1.0 + 1e-12)));
+    }
+}
+
+/// Bits do not depend on threads, nor on what was asked before.
+#[test]
+fn results_depend_neither_on_threads_nor_on_the_list_of_pairs() {
+    let run = |threads: usize, detour: f64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("a thread pool").install(|| {
+            let scene = blocks(2, Form::Convergent, 1.0, 0.0);
+            let away: Vec<f64> = scene.u.iter().map(|u| u + detour).collect();
+            scene.contact.value(&scene.at(&scene.rest, &away));
+            let gradient = scene.gradient(&scene.contact, &scene.rest, &scene.u);
+            let value = scene.contact.value(&scene.here());
+            gradient.into_iter().chain([value]).map(f64::to_bits).collect::<Vec<_>>()
+        })
+    };
+    let expected = run(1, 0.0);
+    assert!([(2, 0.0), (5, 0.01), (3, 1.0)].into_iter().all(|(n, d)| run(n, d) == expected));
+}
+
+#[test]
+fn couplings_are_all_that_the_hessian_couples() {
+    let scene = blocks(2, Form::Convergent, 1.0, 0.0);
+    let couplings = scene.contact.couplings(&scene.here(), 1.0);
+    assert!(couplings.iter().all(|[row, column]| row > column));
+    assert!(couplings.len() < scene.contact.couplings(&scene.here(), 2.0).len());
+    let mut unit = vec![0.0; scene.u.len()];
+    let mut coupled = 0;
+    for column in (0..scene.space.node_count()).step_by(3) {
+        unit[3 * column] = 1.0;
+        let image = scene.times_hessian(&scene.contact, Hessian::Exact, &unit);
+        unit[3 * column] = 0.0;
+        for row in (0..scene.space.node_count()).filter(|&row| row != column) {
+            if at(&image, row).norm() > 0.0 {
+                coupled += 1;
+                let key = [row.max(column), row.min(column)];
+                assert!(couplings.binary_search(&key).is_ok(), "{key:?}");
+            }
+        }
+    }
+    assert!(coupled > 20);
+}
+
+/// A flat skin above a floor of two triangles, away from the floor's edges:
+/// only its vertices are in range, and E = ¼ A κ σ b whatever the mesh.
+#[test]
+fn a_flat_contact_has_the_same_potential_for_two_meshes() {
+    let energy = |n: usize| {
+        let mesh = cube(n, 0.2);
+        let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
+        let surface = square(1, 0.0);
+        let vertices = surface.vertices.iter().map(floor).collect();
+        let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
+        let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
+        let barrier = barrier(Form::Convergent, 0.01);
+        let scene = Scene::new(1, &[mesh], vec![obstacle], barrier, low);
+        assert_eq!(scene.contact.closeness(&scene.here()).pairs, (n + 1) * (n + 1));
+        assert!((scene.contact.closeness(&scene.here()).smallest - 0.6).abs() < 1e-12);
+        scene.contact.value(&scene.here())
+    };
+    let barrier = barrier(Form::Convergent, 0.01);
+    let expected = 0.25 * barrier.scale() * barrier.at(0.006 * 0.006)[0];
+    for n in [3, 8] {
+        assert!((energy(n) / expected - 1.0).abs() < 1e-12);
+    }
+}
+
+/// Wherever a tip points at flat ground, at a facet, an edge or a vertex, all
+/// pairs of its area together count the distance to the ground once.
+#[test]
+fn pairs_that_meet_in_an_edge_or_a_vertex_count_once() {
+    let tip = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.5], [-0.1, 0.1, 0.5], [-0.1, -0.1, 0.5]];
+    let tip = TetMesh { vertices: tip.map(Vec3::from).to_vec(), tets: vec![[0, 2, 1, 3]] };
+    let ground = square(6, 0.3);
+    let obstacle = |surface: SurfaceMesh| Obstacle { surface, motion: None };
+    let barrier = barrier(Form::Convergent, 0.1);
+    let scene = Scene::new(1, &[tip], vec![obstacle(ground.clone())], barrier, |_| true);
+    let mut random = Random::new(2);
+    let mut terms_seen = 0;
+    for k in 0..60 {
+        // over vertices, over edges, and anywhere
+        let [a, b] = scene.contact.surface.features().edges[10 + k].map(|v| {
+            let inside = |c: f64| c > 0.2 && c < 0.8;
+            let x = scene.contact.surface.rest(&scene.space, &scene.rest)[v];
+            if inside(x.x) && inside(x.y) { x } else { Vec3::new(0.5, 0.45, 0.0) }
+        });
+        let place = [a, 0.3 * a + 0.7 * b, 0.5 * (a + b) + 0.1 * random.vector()][k % 3];
+        let u = Vec3::new(place.x, place.y, 0.04);
+        let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(u)).collect();
+        let state = scene.contact.state(&scene.at(&scene.rest, &u));
+        let mut by_area = scene.contact.adjacency.areas(&state.rest);
+        by_area.fill(0.0);
+        for term in &state.terms.terms {
+            let value = scene.contact.local(&state, term).value();
+            state.terms.add_by_area(term, value, &mut by_area);
+        }
+        terms_seen += state.terms.terms.len();
+        let lowest = state.x.iter().position(|x| x.z == 0.04).expect("the tip");
+        let expected = 0.25 * barrier.at(0.04 * 0.04)[0];
+        assert!((by_area[lowest] / expected - 1.0).abs() < 1e-9, "{k}");
+    }
+    assert!(terms_seen > 120);
+}
+
+/// A tetrahedron flies low over a crease. dE/dt changes by what the step is long,
+/// also where the closest points change their kind.
+#[test]
+fn the_energy_is_continuously_differentiable_wherever_features_meet() {
+    let tet = TetMesh {
+        vertices: [[0.0, 0.0, 0.0], [1.0, 0.1, 0.15], [0.2, 0.9, 0.1], [0.3, 0.4, 0.8]]
+            .map(|v| 0.3 * Vec3::from(v))
+            .to_vec(),
+        tets: vec![[0, 1, 2, 3]],
+    };
+    for form in [Form::Convergent, Form::Plain] {
+        let mut ground = square(3, 0.3);
+        ground.vertices.iter_mut().for_each(|v| v.z = -0.3 * (v.x - 0.5).abs());
+        let obstacle = Obstacle { surface: ground, motion: None };
+        let scene = Scene::new(1, &[tet.clone()], vec![obstacle], barrier(form, 0.1), |_| true);
+        let roughness = |steps: usize| {
+            let (mut last, mut jump, mut size) = (None, 0.0_f64, 0.0_f64);
+            let mut kinds = std::collections::BTreeSet::new();
+            for k in 0..=steps {
+                let t = k as f64 / steps as f64;
+                let place = Vec3::new(0.8 * t, 0.3 + 0.2 * t, 0.03);
+                let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(place)).collect();
+                let gradient = scene.gradient(&scene.contact, &scene.rest, &u);
+                let slope: f64 =
+                    (0..4).map(|i| at(&gradient, i).dot(&Vec3::new(0.8, 0.2, 0.0))).sum();
+                jump = jump.max(last.map_or(0.0, |last: f64| (slope - last).abs()));
+                size = size.max(slope.abs());
+                last = Some(slope);
+                let state = scene.contact.state(&scene.at(&scene.rest, &u));
+                kinds.extend(state.terms.terms.iter().map(|t| t.stencil));
+            }
+            assert!(kinds.len() > 25, "{}", kinds.len());
+            jump / size
+        };
+        let (coarse, fine) = (roughness(2000), roughness(8000));
+        assert!(fine < 0.3 * coarse && fine < 0.05, "{coarse:e} {fine:e}");
+    }
+}
+
+#[test]
+fn surfaces_at_their_minimum_distance_are_not_admissible() {
+    let mut scene = blocks(1, Form::Convergent, 1.0, 0.03);
+    let free = scene.contact.value(&scene.here());
+    assert!(free.is_finite() && free > 0.0);
+    let first_of_upper = scene.rest.len() / 2;
+    for node in first_of_upper..scene.rest.len() {
+        scene.u[3 * node + 2] -= 0.08;
+    }
+    assert!(scene.contact.value(&scene.here()).is_infinite());
+}
+
+/// Steps end before anything touches, with a little of the gap left.
+#[test]
+fn steps_are_cut_where_surfaces_meet() {
+    for thickness in [0.0, 0.03] {
+        let mut scene = blocks(2, Form::Convergent, 1.0, thickness);
+        let upper = |scene: &Scene, by: Vec3| -> Vec<f64> {
+            let positions = scene.space.node_positions(&scene.rest);
+            let zero = Vec3::zeros();
+            let one = |x: &Vec3| if x.z > 1.02 { by } else { zero };
+            positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
+        };
+        for (way, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
+            let step = upper(&scene, way);
+            let share = scene.contact.max_step(&scene.here(), &step);
+            assert!((share == 1.0) == free && share > 0.02, "{share}");
+            let start = scene.u.clone();
+            scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
+            assert!(scene.contact.value(&scene.here()).is_finite());
+            let left = scene.contact.closeness(&scene.here()).smallest;
+            assert!(free || (left > 0.0 && left < 0.2), "{left}");
+            scene.u = start;
+        }
+    }
+}
+
+fn rubbing(form: Form, scale: f64) -> (Scene, Friction) {
+    let mut scene = blocks(1, form, scale, 0.0);
+    let history = scene.u.clone();
+    let sliding = scene.contact.sliding(&scene.here());
+    let mut random = Random::new(9);
+    // speeds from below to above the full one
+    scene.u.iter_mut().for_each(|u| *u += 4e-3 * scale * random.uniform());
+    scene.step = Some(TimeStep { h: 0.01, history, free_flight: None, sliding });
+    let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.7, 0.4 * scale);
+    (scene, friction)
+}
+
+#[test]
+fn friction_has_its_derivatives_and_no_resultant() {
+    for (form, scale) in [(Form::Convergent, 1.0), (Form::Plain, 1e-3), (Form::Convergent, 1e3)] {
+        let (scene, friction) = rubbing(form, scale);
+        scene.check(&friction, scale);
+        let forces = friction.forces(&scene.here());
+        let size: f64 = forces.iter().map(Vec3::norm).sum();
+        assert!(size > 0.0 && forces.iter().sum::<Vec3>().norm() < 1e-13 * size);
+        let mut random = Random::new(8);
+        for _ in 0..20 {
+            let q = random.numbers(scene.u.len());
+            assert!(dot(&q, &scene.times_hessian(&friction, Hessian::Projected, &q)) >= 0.0);
+        }
+    }
+}
+
+/// A flat skin slides on a floor as a whole: |T| = μ N f₀′(y).
+#[test]
+fn sliding_as_a_whole_has_the_force_of_coulomb() {
+    let mesh = cube(3, 0.2);
+    let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
+    let surface = square(1, 0.0);
+    let vertices = surface.vertices.iter().map(floor).collect();
+    let obstacle = Obstacle {
+        surface: SurfaceMesh { vertices, ..surface },
+        motion: Some(Box::new(|_, t| Vec3::new(0.0, 0.003, 0.0) * t)),
+    };
+    let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
+    let mut scene = Scene::new(1, &[mesh], vec![obstacle], barrier(Form::Convergent, 0.01), low);
+    let normal = scene.contact.body_forces(&scene.here())[0].force;
+    let sliding = scene.contact.sliding(&scene.here());
+    let counted: f64 = sliding.iter().map(|s| s.force).sum();
+    assert!((counted / normal.z - 1.0).abs() < 1e-12 && normal.xy().norm() < 1e-12 * normal.z);
+    let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.5, 1e-3);
+    let h = 0.1;
+    let history = scene.u.clone();
+    for (relative, share) in [(0.25e-3, 0.4375), (1e-3, 1.0), (5e-3, 1.0), (1e-9, 2e-6)] {
+        // the floor itself moves along y
+        let by = Vec3::new(relative, 0.003, 0.0) * h;
+        scene.u = (0..scene.space.node_count()).flat_map(|_| <[f64; 3]>::from(by)).collect();
+        let (history, sliding) = (history.clone(), sliding.clone());
+        scene.step = Some(TimeStep { h, history, free_flight: None, sliding });
+        let force = friction.body_forces(&scene.here())[0].force;
+        let expected = Vec3::new(-0.5 * normal.z * share, 0.0, 0.0);
+        assert!((force - expected).norm() < 1e-6 * expected.norm(), "{force} {expected}");
+    }
+}
