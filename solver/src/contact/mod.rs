@@ -13,3 +13,4 @@ pub mod potential;
 pub mod box_tree;
 pub mod candidates;
 pub mod ccd;
+pub mod certificate;
