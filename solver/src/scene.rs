@@ -2,6 +2,9 @@
 //! meshes, energies and objectives.
 
 mod chambers;
+mod contact;
+
+pub use contact::Collisions;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,11 +12,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 
-use crate::body::Body;
+use crate::body::{Body, Part};
 use crate::config::{BodyConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
 use crate::energy::{BodyForce, Elastic, Energy, Inertia, Traction};
-use crate::forward::{Newton, Stepping, System};
+use crate::forward::{Integrator, Newton, State, Stepping, System};
 use crate::material::Specification;
 use crate::memory;
 use crate::objective::{
@@ -21,6 +24,9 @@ use crate::objective::{
 };
 use crate::schedule::Field;
 use crate::supports::Supports;
+
+/// Density for the tiny mass of a loose body if its own is not known [kg/m³].
+const WATER: f64 = 1000.0;
 
 /// A scene as read from its file.
 pub struct Scene {
@@ -32,6 +38,8 @@ pub struct Scene {
     pub parts: Vec<ScenePart>,
     /// The bodies.
     pub body: Body,
+    /// Whether to prove of every step that no surfaces intersect.
+    pub certify: bool,
 }
 
 /// One body as its scene describes it.
@@ -78,7 +86,7 @@ impl Scene {
             }
             last => Body::of_several(meshes.into_iter().chain(last).collect()),
         };
-        Ok(Self { path: path.to_path_buf(), config, parts, body })
+        Ok(Self { path: path.to_path_buf(), config, parts, body, certify: true })
     }
 
     /// Density of a body [kg/m³].
@@ -178,6 +186,34 @@ impl Scene {
             .with_context(|| self.path.display().to_string())
     }
 
+    /// Inertia of each body.
+    ///
+    /// # Errors
+    /// When a density is not known.
+    pub fn inertia(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Inertia>> {
+        let parts = self.parts.iter().zip(&body.parts);
+        let one = |(part, own): (&ScenePart, &Part)| {
+            Ok(Inertia::new(space, self.density(part)?, own.tets.clone()))
+        };
+        parts.map(one).collect()
+    }
+
+    /// The bodies at t = 0, and how they go on.
+    #[must_use]
+    pub fn integrator(&self, system: &System) -> Integrator {
+        let space = &system.space;
+        let nodes = space.node_count();
+        let mut v = vec![0.0; 3 * nodes];
+        for (part, own) in self.parts.iter().zip(&self.body.parts) {
+            let n = space.nodes_per_element();
+            for &node in &space.element_nodes()[n * own.tets.start..n * own.tets.end] {
+                v[3 * node..3 * node + 3].copy_from_slice(&part.config.velocity);
+            }
+        }
+        v.iter_mut().zip(system.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
+    }
+
     /// The terms of the potential energy.
     fn energies(
         &self,
@@ -195,15 +231,28 @@ impl Scene {
                 let weight = BodyForce::weight(gravity.clone(), density, tets.clone());
                 energies.push(Box::new(weight));
             }
-            if self.config.method().has_inertia() {
-                energies.push(Box::new(Inertia::new(space, self.density(part)?, tets)));
+        }
+        if self.config.method().has_inertia() {
+            let inertia = self.inertia(body, space)?.into_iter();
+            energies.extend(inertia.map(|i| Box::new(i) as Box<dyn Energy>));
+        } else {
+            for (part, own) in self.parts.iter().zip(&body.parts) {
+                if supports.leave_loose(space, &own.vertices) {
+                    let density = part.material.density.unwrap_or(WATER);
+                    energies.push(Box::new(Inertia::tiny(space, density, own.tets.clone())));
+                }
             }
         }
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
+        if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
+            energies.push(Box::new(collisions.contact));
+            energies.extend(collisions.friction.map(|f| Box::new(f) as Box<dyn Energy>));
+        }
         let nodes = space.node_positions(&body.mesh.vertices);
+        self.check_field("gravity", gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
             energies.push(Box::new(BodyForce::whole(load.force.clone())));

@@ -1,6 +1,7 @@
 //! Which degrees of freedom a scene fixes, and at which displacement.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use mesh::Vec3;
@@ -62,7 +63,17 @@ impl Supports {
         Ok(supports)
     }
 
-    /// The same, and no part can move as a whole.
+    /// Whether some connected part of a range of vertices can move as a whole.
+    #[must_use]
+    pub fn leave_loose(&self, space: &FunctionSpace, vertices: &Range<usize>) -> bool {
+        parts(space).iter().any(|part| {
+            let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
+            // the lowest node of a part is a vertex
+            vertices.contains(&part[0]) && self.rigid_motion(part, centre).is_some()
+        })
+    }
+
+    /// As [`Self::new`], but no part can move as a whole.
     ///
     /// # Errors
     /// The same, or when a part can.

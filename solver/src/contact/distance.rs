@@ -15,11 +15,19 @@
 //! the edges or the point that they are. Thresholds are relative, so results do
 //! not depend on the unit of length.
 //!
+//! Within a region, that is as long as the same corners take part, c = c⁰ + Σ sₖ eₖ
+//! with free s, and ∂d²/∂s = 0 gives s and its change with x:
+//!
+//! ∂²d²/∂x² = 2 (c cᵀ ⊗ I − G M⁻¹ Gᵀ)      Gₖ = c ⊗ tₖ + eₖ ⊗ r
+//! tₖ = Σᵢ eᵢₖ xᵢ      Mₖₗ = tₖ · tₗ
+//!
 //! d² is once continuously differentiable, except for edges that are parallel
 //! and side by side, where the closest points are not unique; see
 //! [`mollifier`](super::mollifier).
 
 use mesh::Vec3;
+
+use crate::math::tensor::{Mat12, Vec12};
 
 /// sin² of the angle below which two directions count as parallel [1].
 const PARALLEL: f64 = 2.5e-16;
@@ -54,40 +62,142 @@ impl Closest {
     }
 }
 
+/// Which corners of two features their closest points lie between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Region {
+    /// Number of corners of the first feature: 1 for a point, 2 for an edge.
+    pub first: usize,
+    /// Whether each of the four corners takes part.
+    pub active: [bool; 4],
+}
+
+impl Region {
+    /// The region of closest points.
+    #[must_use]
+    pub fn of(first: usize, closest: &Closest) -> Self {
+        Self { first, active: closest.coefficients.map(|c| c != 0.0) }
+    }
+
+    /// The closest points if they are in this region.
+    #[must_use]
+    pub fn closest(&self, x: &[Vec3; 4]) -> Closest {
+        let free = self.free();
+        let mut c = free.start;
+        let r: Vec3 = c.iter().zip(x).map(|(c, p)| *c * (p - x[0])).sum();
+        let s = match (free.count, free.tangents(x)) {
+            (0, _) => [0.0; 2],
+            (1, [t, _]) => [-t.dot(&r) / t.norm_squared(), 0.0],
+            (_, [a, b]) => {
+                let n = a.cross(&b);
+                [b.cross(&r).dot(&n), r.cross(&a).dot(&n)].map(|v| v / n.norm_squared())
+            }
+        };
+        for (e, s) in free.directions.iter().zip(s) {
+            c.iter_mut().zip(e).for_each(|(c, e)| *c += s * e);
+        }
+        Closest::new(x, c)
+    }
+
+    /// ∂²d²/∂x² at the closest points, which are in this region [1].
+    #[must_use]
+    pub fn d2_hessian(&self, x: &[Vec3; 4], closest: &Closest) -> Mat12 {
+        let c = &closest.coefficients;
+        let mut hessian = Mat12::zeros();
+        for i in 0..4 {
+            for j in 0..4 {
+                let mut block = hessian.fixed_view_mut::<3, 3>(3 * i, 3 * j);
+                block.fill_diagonal(2.0 * c[i] * c[j]);
+            }
+        }
+        let free = self.free();
+        let t = free.tangents(x);
+        let g: [Vec12; 2] = std::array::from_fn(|k| {
+            let of_corner = |i: usize| c[i] * t[k] + free.directions[k][i] * closest.offset;
+            corners([0, 1, 2, 3].map(of_corner))
+        });
+        let (aa, ab, bb) = (t[0].norm_squared(), t[0].dot(&t[1]), t[1].norm_squared());
+        match free.count {
+            0 => {}
+            1 => hessian -= g[0] * (g[0] * (2.0 / aa)).transpose(),
+            _ => {
+                let by = 2.0 / t[0].cross(&t[1]).norm_squared();
+                hessian -= g[0] * ((g[0] * bb - g[1] * ab) * by).transpose();
+                hessian -= g[1] * ((g[1] * aa - g[0] * ab) * by).transpose();
+            }
+        }
+        hessian
+    }
+
+    fn free(&self) -> Free {
+        let mut free = Free { start: [0.0; 4], directions: [[0.0; 4]; 2], count: 0 };
+        let mut base = [None; 2];
+        for i in (0..4).filter(|&i| self.active[i]) {
+            let (feature, sign) = if i < self.first { (0, 1.0) } else { (1, -1.0) };
+            if let Some(base) = base[feature] {
+                free.directions[free.count][i] = sign;
+                free.directions[free.count][base] = -sign;
+                free.count += 1;
+            } else {
+                free.start[i] = sign;
+                base[feature] = Some(i);
+            }
+        }
+        free
+    }
+}
+
+/// c⁰ and the directions eₖ, at most two, in which the coefficients are free.
+struct Free {
+    start: [f64; 4],
+    directions: [[f64; 4]; 2],
+    count: usize,
+}
+
+impl Free {
+    /// tₖ, zero from the number of directions on.
+    fn tangents(&self, x: &[Vec3; 4]) -> [Vec3; 2] {
+        self.directions.map(|e| e.iter().zip(x).map(|(e, p)| *e * (p - x[0])).sum())
+    }
+}
+
+/// One vector of the components of four.
+#[must_use]
+pub fn corners(vectors: [Vec3; 4]) -> Vec12 {
+    Vec12::from_fn(|i, _| vectors[i / 3][i % 3])
+}
+
 /// Point `x[0]` to triangle `x[1..4]`.
 #[must_use]
 pub fn point_triangle(x: &[Vec3; 4]) -> Closest {
     if let Some([a, b]) = projection(x) {
         return Closest::new(x, [1.0, a + b - 1.0, -a, -b]);
     }
-    let edge = |i: usize, j: usize| {
-        let t = segment_parameter(&x[0], &x[i], &x[j]);
-        let mut c = [1.0, 0.0, 0.0, 0.0];
-        c[i] = t - 1.0;
-        c[j] = -t;
-        Closest::new(x, c)
-    };
+    let edge = |i: usize, j: usize| point_edge(x, 0, [i, j]);
     edge(1, 2).closer(edge(2, 3)).closer(edge(3, 1))
+}
+
+/// Corner `point` to the edge of corners i and j of the other feature.
+#[must_use]
+pub fn point_edge(x: &[Vec3; 4], point: usize, [i, j]: [usize; 2]) -> Closest {
+    let t = segment_parameter(&x[point], &x[i], &x[j]);
+    let sign = if point < i { 1.0 } else { -1.0 };
+    let mut c = [0.0; 4];
+    c[point] = sign;
+    c[i] = -sign * (1.0 - t);
+    c[j] = -sign * t;
+    Closest::new(x, c)
 }
 
 /// Edge `x[0..2]` to edge `x[2..4]`.
 #[must_use]
 pub fn edge_edge(x: &[Vec3; 4]) -> Closest {
-    let ends = |point: usize, i: usize, j: usize, sign: f64| {
-        let t = segment_parameter(&x[point], &x[i], &x[j]);
-        let mut c = [0.0; 4];
-        c[point] = sign;
-        c[i] = -sign * (1.0 - t);
-        c[j] = -sign * t;
-        Closest::new(x, c)
-    };
     if let Some([s, t]) = crossing(x) {
         return Closest::new(x, [1.0 - s, s, t - 1.0, -t]);
     }
-    ends(0, 2, 3, 1.0)
-        .closer(ends(1, 2, 3, 1.0))
-        .closer(ends(2, 0, 1, -1.0))
-        .closer(ends(3, 0, 1, -1.0))
+    point_edge(x, 0, [2, 3])
+        .closer(point_edge(x, 1, [2, 3]))
+        .closer(point_edge(x, 2, [0, 1]))
+        .closer(point_edge(x, 3, [0, 1]))
 }
 
 /// Parameter in [0, 1] of the point of segment `a`–`b` closest to `p`.
@@ -127,7 +237,7 @@ fn crossing(x: &[Vec3; 4]) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::mollifier::mollifier;
+    use crate::contact::mollifier::faded;
     use crate::math::random::Random;
 
     const SCALES: [f64; 3] = [1.0, 1e-3, 1e3];
@@ -244,7 +354,7 @@ mod tests {
     ) -> bool {
         let region = |t: f64| distance(&at(t)).coefficients.map(|c| c != 0.0);
         let start = region(from);
-        if region(to) == start || mollifier(&at(from)).0 < 1.0 {
+        if region(to) == start || faded(&at(from), &at(from)) {
             return false;
         }
         while to - from > 1e-13 {
@@ -256,6 +366,40 @@ mod tests {
         // to rounding, so that either may be taken
         assert!((0..4).all(|i| (a[i] - b[i]).norm() < 1e-6 * scale), "{a:?} {b:?}");
         true
+    }
+
+    /// Second derivatives of every region against differences of the gradient,
+    /// and the region's own closest points against the clamped ones.
+    #[test]
+    fn every_region_has_the_hessian_of_its_distance() {
+        let mut random = Random::new(12);
+        for scale in SCALES {
+            for (first, count, distance) in [(1, 7, point_triangle as Distance), (2, 9, edge_edge)]
+            {
+                let mut seen = std::collections::BTreeSet::new();
+                for _ in 0..600 {
+                    let x = random_corners(&mut random).map(|v| v * scale);
+                    let closest = distance(&x);
+                    let region = Region::of(first, &closest);
+                    let again = region.closest(&x);
+                    assert!((again.d2 - closest.d2).abs() < 1e-11 * scale * scale);
+                    seen.insert(region);
+                    let direction = random_corners(&mut random).map(|v| v * scale);
+                    let gradient = |h: f64| {
+                        let y = std::array::from_fn(|i| x[i] + h * direction[i]);
+                        corners(region.closest(&y).d2_gradient())
+                    };
+                    let h = 1e-6;
+                    let difference = (gradient(h) - gradient(-h)) / (2.0 * h);
+                    let exact = region.d2_hessian(&x, &closest) * corners(direction);
+                    // nearly flat triangles and nearly parallel edges have large
+                    // third derivatives
+                    let error = (difference - exact).norm() / (scale + exact.norm());
+                    assert!(error < 1e-5, "{region:?}: {error:e}");
+                }
+                assert_eq!(seen.len(), count, "regions visited: {seen:?}");
+            }
+        }
     }
 
     #[test]

@@ -1,4 +1,14 @@
-//! Contacts that rub.
+//! Contacts that rub, with a smoothed law of Coulomb.
+//!
+//! f₀(y) = y² (1 − y/(3ε)) / ε + ε/3 for y < ε, else y      [m/s]
+//! f₀′(y) = (y/ε)(2 − y/ε) for y < ε, else 1
+//!
+//! y   sliding speed [m/s];   ε   speed from which on friction is full [m/s]
+//!
+//! Below full friction contacts creep: a fraction r of it is reached at the speed
+//! ε (1 − √(1 − r)).
+//!
+//! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 15, integrated.
 
 use mesh::Vec3;
 
@@ -14,6 +24,83 @@ pub struct Sliding {
     pub coefficients: [f64; 4],
     /// Two orthonormal directions 𝒯 in which it slides.
     pub tangents: [Vec3; 2],
-    /// Normal force [N].
+    /// Normal force [N]; negative where a contact is taken off that others have
+    /// counted twice.
     pub force: f64,
+}
+
+impl Sliding {
+    /// A contact of corners whose closest points are `offset` apart.
+    #[must_use]
+    pub fn new(corners: [usize; 4], coefficients: [f64; 4], offset: Vec3, force: f64) -> Self {
+        let normal = offset.normalize();
+        // the axis that is least along the normal
+        let mut axis = Vec3::zeros();
+        axis[normal.iamin()] = 1.0;
+        let first = normal.cross(&axis).normalize();
+        Self { corners, coefficients, tangents: [first, normal.cross(&first)], force }
+    }
+
+    /// Sliding velocity 𝒯ᵀ Σᵢ cᵢ vᵢ for velocities of all collision vertices
+    /// [m/s].
+    #[must_use]
+    pub fn velocity(&self, v: &[Vec3]) -> [f64; 2] {
+        let relative: Vec3 =
+            self.corners.iter().zip(self.coefficients).map(|(&i, c)| c * v[i]).sum();
+        self.tangents.map(|t| t.dot(&relative))
+    }
+}
+
+/// f₀, f₀′/y and (f₀″ − f₀′/y)/y² at a speed, for a speed ε of full friction.
+#[must_use]
+pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
+    if y < full {
+        let r = y / full;
+        let value = y * r * (1.0 - r / 3.0) + full / 3.0;
+        // f₀′/y = (2 − y/ε)/ε, whose derivative by y is −1/ε²
+        let curvature = if y > 0.0 { -1.0 / (full * full * y) } else { 0.0 };
+        [value, (2.0 - r) / full, curvature]
+    } else {
+        [y, 1.0 / y, -1.0 / (y * y * y)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_has_its_closed_forms_and_is_smooth() {
+        let full = 1e-3;
+        // at rest f₀ = ε/3 and f₀′/y = 2/ε
+        assert_eq!(dissipation(0.0, full), [full / 3.0, 2.0 / full, 0.0]);
+        // creep at fractions r of full friction
+        for (r, speed) in [(0.5, 0.2929), (0.9, 0.6838)] {
+            let y = full * (1.0 - f64::sqrt(1.0 - r));
+            assert!((y / full - speed).abs() < 5e-5);
+            assert!((y * dissipation(y, full)[1] - r).abs() < 1e-14);
+        }
+        let [below, above] = [full * (1.0 - 1e-12), full].map(|y| dissipation(y, full));
+        assert!((below[0] / above[0] - 1.0).abs() < 1e-11);
+        assert!((below[1] / above[1] - 1.0).abs() < 1e-11);
+        for y in [0.3 * full, 0.9 * full, 2.0 * full] {
+            let h = 1e-6 * y;
+            let (low, exact, high) =
+                (dissipation(y - h, full), dissipation(y, full), dissipation(y + h, full));
+            let slope = (high[0] - low[0]) / (2.0 * h);
+            assert!((slope - y * exact[1]).abs() < 1e-8);
+            let curvature = ((y + h) * high[1] - (y - h) * low[1]) / (2.0 * h);
+            assert!((curvature - exact[1] - y * y * exact[2]).abs() < 1e-7 / full);
+        }
+    }
+
+    #[test]
+    fn tangents_are_orthonormal() {
+        for offset in [Vec3::x(), Vec3::new(-1e-5, 2e-5, 3e-6), Vec3::new(1.0, 1.0, -1.0)] {
+            let [a, b] = Sliding::new([0; 4], [0.0; 4], offset, 1.0).tangents;
+            let parts = [a.norm() - 1.0, b.norm() - 1.0, a.dot(&b)];
+            assert!(parts.iter().all(|p| p.abs() < 1e-15));
+            assert!(a.dot(&offset).abs() + b.dot(&offset).abs() < 1e-15 * offset.norm() + 1e-20);
+        }
+    }
 }

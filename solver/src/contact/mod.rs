@@ -5,8 +5,15 @@
 //! doi:10.1145/3386569.3392425.
 
 pub mod barrier;
+mod box_tree;
+pub mod candidates;
+pub mod ccd;
 pub mod distance;
 pub mod friction;
 pub mod mollifier;
 pub mod pairs;
 pub mod potential;
+pub mod stencil;
+pub mod surface;
+pub mod terms;
+pub mod weights;

@@ -1,37 +1,128 @@
 //! Fades out pairs of edges where they become parallel, because their closest
 //! points jump there.
 //!
-//! m(y) = y (2 − y) for y < 1, else 1,   y = sin²φ / 10⁻³
+//! m(c, ε) = y (2 − y) for y < 1, else 1,   y = c / ε
+//! c = |a × b|²,   ε = 10⁻³ |ā|² |b̄|²
 //!
-//! φ   angle between the edges; sin²φ = |a × b|² / (|a|² |b|²) [1]
+//! a, b   edges;   ā, b̄ the same edges in the rest shape [m], so that ε does not
+//!        change with the displacement
+//! c, ε   [m⁴]
 //!
-//! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 24, here with both
-//! lengths taken from the same shape as the cross product.
+//! An edge without rest length is faded only while c = 0 as well.
+//!
+//! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 24.
 
 use mesh::Vec3;
 
-/// sin²φ below which a pair is faded [1].
+use super::distance::corners;
+use crate::math::tensor::{Mat3, Mat12, Vec12};
+
+/// sin² of the angle below which undeformed edges are faded [1].
 const THRESHOLD: f64 = 1e-3;
 
-/// m of edges `x[0..2]` and `x[2..4]` [1] and ∂m/∂xᵢ [1/m]. Zero with zero
-/// gradient if an edge has no length.
+/// m and its derivatives by c and ε.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mollifier {
+    /// m [1].
+    pub value: f64,
+    /// ∂m/∂c [1/m⁴].
+    pub by_cross: f64,
+    /// ∂²m/∂c² [1/m⁸].
+    pub by_cross_twice: f64,
+    /// ∂m/∂ε [1/m⁴].
+    pub by_threshold: f64,
+    /// ∂²m/∂c∂ε [1/m⁸].
+    pub by_both: f64,
+}
+
+impl Mollifier {
+    /// One, for what is never faded.
+    pub const ONE: Self = Self::constant(1.0);
+
+    const fn constant(value: f64) -> Self {
+        Self { value, by_cross: 0.0, by_cross_twice: 0.0, by_threshold: 0.0, by_both: 0.0 }
+    }
+
+    /// m at c and ε.
+    #[must_use]
+    pub fn new(cross: f64, threshold: f64) -> Self {
+        if threshold == 0.0 || cross >= threshold {
+            return Self::constant(if cross > 0.0 { 1.0 } else { 0.0 });
+        }
+        let y = cross / threshold;
+        let square = threshold * threshold;
+        Self {
+            value: y * (2.0 - y),
+            by_cross: 2.0 * (1.0 - y) / threshold,
+            by_cross_twice: -2.0 / square,
+            by_threshold: 2.0 * y * (y - 1.0) / threshold,
+            by_both: 2.0 * (2.0 * y - 1.0) / square,
+        }
+    }
+}
+
+/// Whether edges `x[0..2]` and `x[2..4]` are so parallel that they are faded.
 #[must_use]
-pub fn mollifier(x: &[Vec3; 4]) -> (f64, [Vec3; 4]) {
+pub fn faded(x: &[Vec3; 4], rest: &[Vec3; 4]) -> bool {
+    let cross = cross(x);
+    cross < threshold(rest) || cross == 0.0
+}
+
+/// c [m⁴].
+#[must_use]
+pub fn cross(x: &[Vec3; 4]) -> f64 {
+    (x[1] - x[0]).cross(&(x[3] - x[2])).norm_squared()
+}
+
+/// ∂c/∂xᵢ [m³].
+#[must_use]
+pub fn cross_gradient(x: &[Vec3; 4]) -> Vec12 {
     let (a, b) = (x[1] - x[0], x[3] - x[2]);
     let n = a.cross(&b);
-    let (aa, bb) = (a.norm_squared(), b.norm_squared());
-    let scale = THRESHOLD * aa * bb;
-    if scale == 0.0 {
-        return (0.0, [Vec3::zeros(); 4]);
+    of_edges(2.0 * b.cross(&n), 2.0 * n.cross(&a))
+}
+
+/// ∂²c/∂xᵢ∂xⱼ [m²].
+#[must_use]
+pub fn cross_hessian(x: &[Vec3; 4]) -> Mat12 {
+    let (a, b) = (x[1] - x[0], x[3] - x[2]);
+    let dyad = |p: &Vec3, q: &Vec3| p * q.transpose();
+    let square = |p: &Vec3| 2.0 * (Mat3::identity() * p.norm_squared() - dyad(p, p));
+    let mixed = 4.0 * dyad(&a, &b) - 2.0 * dyad(&b, &a) - Mat3::identity() * (2.0 * a.dot(&b));
+    let (by_a, by_b) = (square(&b), square(&a));
+    let mut hessian = Mat12::zeros();
+    for i in 0..4 {
+        for j in 0..4 {
+            let block = match (i / 2, j / 2) {
+                (0, 0) => by_a,
+                (0, _) => mixed,
+                (_, 0) => mixed.transpose(),
+                _ => by_b,
+            };
+            let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
+            hessian.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&(sign * block));
+        }
     }
-    let y = n.norm_squared() / scale;
-    if y >= 1.0 {
-        return (1.0, [Vec3::zeros(); 4]);
-    }
-    let slope = 2.0 * (1.0 - y);
-    let da = slope * (b.cross(&n) * (2.0 / scale) - a * (2.0 * y / aa));
-    let db = slope * (n.cross(&a) * (2.0 / scale) - b * (2.0 * y / bb));
-    (y * (2.0 - y), [-da, da, -db, db])
+    hessian
+}
+
+/// ε of rest positions [m⁴].
+#[must_use]
+pub fn threshold(rest: &[Vec3; 4]) -> f64 {
+    THRESHOLD * (rest[1] - rest[0]).norm_squared() * (rest[3] - rest[2]).norm_squared()
+}
+
+/// ∂ε/∂Xᵢ [m³].
+#[must_use]
+pub fn threshold_gradient(rest: &[Vec3; 4]) -> Vec12 {
+    let (a, b) = (rest[1] - rest[0], rest[3] - rest[2]);
+    let by = 2.0 * THRESHOLD;
+    of_edges(a * (by * b.norm_squared()), b * (by * a.norm_squared()))
+}
+
+/// A derivative by the corners from those by the two edges.
+fn of_edges(by_a: Vec3, by_b: Vec3) -> Vec12 {
+    corners([-by_a, by_a, -by_b, by_b])
 }
 
 #[cfg(test)]
@@ -39,34 +130,54 @@ mod tests {
     use super::*;
     use crate::math::random::Random;
 
+    fn shifted(x: &[Vec3; 4], by: &Vec12, h: f64) -> [Vec3; 4] {
+        std::array::from_fn(|i| x[i] + h * by.fixed_rows::<3>(3 * i))
+    }
+
     #[test]
-    fn gradient_belongs_to_the_value_in_the_faded_range() {
+    fn every_derivative_belongs_to_its_function() {
         let mut random = Random::new(4);
-        for scale in [1.0, 1e-3] {
-            let mut faded = 0;
-            for _ in 0..100 {
-                let (p, a) = (random.vector(), random.vector());
-                let b = a + 0.03 * random.vector();
-                let x = [Vec3::zeros(), a, p, p + b].map(|v| v * scale);
-                let (m, gradient) = mollifier(&x);
-                faded += usize::from(m < 1.0);
-                let h = 1e-7 * scale;
-                for i in 0..4 {
-                    for k in 0..3 {
-                        let shifted = |s: f64| {
-                            let mut y = x;
-                            y[i][k] += s;
-                            mollifier(&y).0
-                        };
-                        let difference = (shifted(h) - shifted(-h)) / (2.0 * h);
-                        // m'' is of order 1/(10⁻³ scale²): the error is below
-                        // rounding 1e-16/h plus h² m'''
-                        let error = (difference - gradient[i][k]).abs() * scale;
-                        assert!(error < 1e-4 * (1.0 + gradient[i].norm() * scale), "{error}");
-                    }
-                }
+        for scale in [1.0, 1e-3, 1e3] {
+            for _ in 0..50 {
+                let x: [Vec3; 4] = std::array::from_fn(|_| random.vector() * scale);
+                let q = corners(std::array::from_fn(|_| random.vector() * scale));
+                let h = 1e-5;
+                let (low, high) = (shifted(&x, &q, -h), shifted(&x, &q, h));
+                let by = 1.0 / (2.0 * h);
+                // all are polynomials of degree four: the error is h² times their
+                // third derivatives, and rounding 1e-16/h
+                let close = |difference: f64, exact: f64| {
+                    let error = (difference - exact).abs() / scale.powi(4);
+                    assert!(error < 1e-7, "{error:e}");
+                };
+                close(by * (cross(&high) - cross(&low)), cross_gradient(&x).dot(&q));
+                close(by * (threshold(&high) - threshold(&low)), threshold_gradient(&x).dot(&q));
+                let turned = by * (cross_gradient(&high) - cross_gradient(&low));
+                let error = (turned - cross_hessian(&x) * q).norm() / scale.powi(3);
+                assert!(error < 1e-7, "{error:e}");
             }
-            assert!(faded > 20, "only {faded} samples in the faded range");
         }
+    }
+
+    #[test]
+    fn the_faded_range_has_the_derivatives_of_its_value() {
+        let e = 3e-7;
+        for y in [1e-6, 0.2, 0.7, 0.99] {
+            let (c, h) = (y * e, 1e-6 * y * e);
+            let m = Mollifier::new(c, e);
+            let difference = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h);
+            // relative to the largest that y and its like can be
+            let close = |a: f64, b: f64, size: f64| assert!((a - b).abs() < 1e-6 * size, "{a} {b}");
+            close(difference(&|s| Mollifier::new(c + s, e).value), m.by_cross, 1.0 / e);
+            let twice = difference(&|s| Mollifier::new(c + s, e).by_cross);
+            close(twice, m.by_cross_twice, 1.0 / (y * e * e));
+            close(difference(&|s| Mollifier::new(c, e + s).value), m.by_threshold, 1.0 / e);
+            let both = difference(&|s| Mollifier::new(c, e + s).by_cross);
+            close(both, m.by_both, 1.0 / (y * e * e));
+        }
+        assert_eq!(Mollifier::new(e, e), Mollifier::ONE);
+        assert!(Mollifier::new(e * (1.0 - 1e-9), e).by_cross < 1e-8 / e, "m is C¹");
+        assert_eq!(Mollifier::new(0.0, 0.0).value, 0.0);
+        assert_eq!(Mollifier::new(1e-30, 0.0), Mollifier::ONE);
     }
 }

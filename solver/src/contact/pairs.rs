@@ -53,6 +53,15 @@ impl Pair {
         }
     }
 
+    /// How many of the corners, from the start, belong to the first feature.
+    #[must_use]
+    pub fn corners_of_first(&self) -> usize {
+        match self {
+            Self::PointTriangle(_) => 1,
+            Self::EdgeEdge(_) => 2,
+        }
+    }
+
     /// Closest points at corner positions `x` [m].
     #[must_use]
     pub fn closest(&self, x: &[Vec3; 4]) -> Closest {

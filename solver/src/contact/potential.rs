@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use mesh::Vec3;
 
-use super::mollifier::mollifier;
+use super::mollifier::{Mollifier, cross, cross_gradient, threshold, threshold_gradient};
 use super::pairs::Pair;
 
 /// β(d²) and its derivative.
@@ -51,7 +51,7 @@ fn pair_value(pair: &Pair, x: &[Vec3], density: Density) -> f64 {
         // also where the edges are parallel: touching is not admissible
         _ if beta.is_infinite() => beta,
         Pair::PointTriangle(_) => beta,
-        Pair::EdgeEdge(_) => mollifier(&corners).0 * beta,
+        Pair::EdgeEdge(_) => Mollifier::new(cross(&corners), threshold(&corners)).value * beta,
     }
 }
 
@@ -63,8 +63,12 @@ fn pair_gradient(pair: &Pair, x: &[Vec3], density: Density) -> [Vec3; 4] {
     match pair {
         Pair::PointTriangle(_) => d2.map(|g| slope * g),
         Pair::EdgeEdge(_) => {
-            let (m, dm) = mollifier(&corners);
-            std::array::from_fn(|i| m * slope * d2[i] + beta * dm[i])
+            let m = Mollifier::new(cross(&corners), threshold(&corners));
+            // the rest shape is this shape, so that both c and ε change
+            let dm = m.by_cross * cross_gradient(&corners)
+                + m.by_threshold * threshold_gradient(&corners);
+            let dm = |i: usize| dm.fixed_rows::<3>(3 * i).into_owned();
+            std::array::from_fn(|i| m.value * slope * d2[i] + beta * dm(i))
         }
     }
 }

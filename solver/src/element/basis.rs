@@ -70,13 +70,13 @@ pub struct Tabulation {
     pub gradients: Vec<Vec<[f64; 3]>>,
 }
 
-/// Values of the basis of a tetrahedron at barycentric coordinates.
+/// Values of the basis of a triangle or tetrahedron at barycentric coordinates.
 #[must_use]
-pub fn values(degree: usize, lambda: &[f64; 4]) -> Vec<f64> {
+pub fn values(degree: usize, lambda: &[f64]) -> Vec<f64> {
     let value = |node: &Vec<usize>| -> f64 {
         node.iter().zip(lambda).map(|(&m, &l)| factor(m, degree, l).0).product()
     };
-    nodes(4, degree).iter().map(value).collect()
+    nodes(lambda.len(), degree).iter().map(value).collect()
 }
 
 /// Tabulates the basis of a degree on a rule.

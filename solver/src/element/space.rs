@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::Vec3;
 
-use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate};
+use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate, values};
 use super::quadrature;
 
 /// Continuous displacements of degree 1, 2 or 3 on straight-sided tetrahedra.
@@ -187,6 +187,13 @@ impl FunctionSpace {
     #[must_use]
     pub fn facet_nodes(&self, facet: [usize; 3]) -> Vec<usize> {
         self.simplex_nodes(&facet, &EDGES[..3], &FACES[3..])
+    }
+
+    /// Values of a facet's basis at barycentric coordinates, in the order of
+    /// [`Self::facet_nodes`].
+    #[must_use]
+    pub fn facet_values(&self, lambda: &[f64; 3]) -> Vec<f64> {
+        values(self.degree, lambda)
     }
 
     /// Node ids inside an edge, from its first vertex to its second.

@@ -8,7 +8,12 @@
 //! h   β Δt of the step [s];   ũ   where it would go without forces [m]
 //! m   mass matrix of a tetrahedron with volume and density 1 [1]
 //!
-//! M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
+//! Where inertia is neglected, bodies that nothing holds are kept by a tiny mass:
+//!
+//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`HOLD`]
+//!
+//! u₋₁ is the last state; what moves by 1 cm is held with a thousandth of its
+//! weight. M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
 //! the vertices. Without a step, or where inertia is neglected, E is zero.
 //!
 //! Source: Hairer and Wanner, "Solving Ordinary Differential Equations II", V.1.
@@ -22,28 +27,47 @@ use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::parallel::{map_merge, map_merge_waves};
 
+/// Acceleration per displacement by which loose bodies are held [1/s²].
+const HOLD: f64 = 1.0;
+
 /// Inertia of elements with one density.
 pub struct Inertia {
     density: f64,
+    /// Whether it is the tiny mass of a loose body.
+    tiny: bool,
     elements: Range<usize>,
     /// m, row by row.
     reference: Vec<f64>,
 }
 
-/// h and u − ũ.
+/// 1/h² [1/s²] and u − ũ [m].
 type Deviation = (f64, Vec<f64>);
 
 impl Inertia {
     /// Inertia of consecutive elements with a density [kg/m³].
     #[must_use]
     pub fn new(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
-        Self { density, elements, reference: space.reference_mass() }
+        Self { density, tiny: false, elements, reference: space.reference_mass() }
     }
 
-    fn deviation(at_: &Iterate) -> Option<Deviation> {
+    /// What holds a body that is loose where inertia is neglected.
+    #[must_use]
+    pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
+        Self { tiny: true, ..Self::new(space, density, elements) }
+    }
+
+    /// 1/h² and ũ.
+    fn frame<'a>(&self, at_: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
         let step = at_.step?;
-        let free_flight = step.free_flight.as_ref()?;
-        Some((step.h, at_.u.iter().zip(free_flight).map(|(u, f)| u - f).collect()))
+        if self.tiny {
+            return Some((HOLD, &step.history));
+        }
+        Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
+    }
+
+    fn deviation(&self, at_: &Iterate) -> Option<Deviation> {
+        let (rate, from) = self.frame(at_)?;
+        Some((rate, at_.u.iter().zip(from).map(|(u, f)| u - f).collect()))
     }
 
     /// Mass of an element [kg] and its nodes.
@@ -108,19 +132,19 @@ impl Inertia {
 
 impl Energy for Inertia {
     fn name(&self) -> &'static str {
-        "inertia"
+        if self.tiny { "tiny_mass" } else { "inertia" }
     }
 
     fn value(&self, at_: &Iterate) -> f64 {
-        Self::deviation(at_).map_or(0.0, |(h, d)| self.half_square(at_, &d) / (h * h))
+        self.deviation(at_).map_or(0.0, |(rate, d)| rate * self.half_square(at_, &d))
     }
 
     fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        let Some((h, deviation)) = Self::deviation(at_) else { return };
+        let Some((rate, deviation)) = self.deviation(at_) else { return };
         self.each(
             |e| {
                 let (mass, nodes) = self.element(at_, e);
-                (nodes, mass / (h * h), self.times_reference(&deviation, nodes))
+                (nodes, rate * mass, self.times_reference(&deviation, nodes))
             },
             |_, (nodes, factor, parts)| {
                 nodes.iter().zip(parts).for_each(|(&a, p)| add_at(out, a, &(factor * p)));
@@ -129,12 +153,12 @@ impl Energy for Inertia {
     }
 
     fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
-        let Some(step) = at_.step.filter(|s| s.free_flight.is_some()) else { return };
+        let Some((rate, _)) = self.frame(at_) else { return };
         let (first, n) = (self.elements.start, at_.space.nodes_per_element());
         let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
             let mut blocks = Vec::with_capacity(pair_count(n) * range.len());
             for e in range {
-                let factor = self.element(at_, first + e).0 / (step.h * step.h);
+                let factor = rate * self.element(at_, first + e).0;
                 for a in 0..n {
                     for b in 0..=a {
                         debug_assert_eq!(blocks.len() % pair_count(n), pair_index(a, b));
@@ -151,7 +175,7 @@ impl Energy for Inertia {
     }
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        let Some((h, deviation)) = Self::deviation(at_) else { return };
+        let Some((rate, deviation)) = self.deviation(at_) else { return };
         self.each(
             |e| {
                 let (mass, nodes) = self.element(at_, e);
@@ -162,7 +186,7 @@ impl Energy for Inertia {
                 let by =
                     [(c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
                 let volume = mesh::measure::tet_volume(a, b, c, d);
-                by.map(|by| mass / volume / (h * h) * along / 6.0 * by)
+                by.map(|by| rate * mass / volume * along / 6.0 * by)
             },
             |e, parts| {
                 let tet = at_.space.tets()[e];

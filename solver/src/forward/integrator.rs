@@ -54,7 +54,7 @@ impl Method {
 }
 
 /// A displacement [m] and its velocity [m/s], three components per node.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Displacement [m].
     pub u: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct State {
 }
 
 /// The past that the next step needs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Integrator {
     /// How it goes on.
     pub method: Method,

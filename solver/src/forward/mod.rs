@@ -4,6 +4,7 @@ mod certificate;
 mod integrator;
 mod ladder;
 mod line_search;
+mod march;
 mod newton;
 mod softness;
 mod stepping;
@@ -13,6 +14,7 @@ mod volumes;
 
 pub use certificate::{Uncertified, certificate};
 pub use integrator::{Integrator, Method, State};
+pub use march::{March, Progress, Reached};
 pub use newton::{Converged, Failure, Newton};
 pub use softness::Softness;
 pub use stepping::{

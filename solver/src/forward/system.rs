@@ -143,13 +143,23 @@ impl System {
         &self.fixed
     }
 
-    /// Largest fraction of a displacement `step` from `u` that no energy forbids.
-    pub fn max_step(&mut self, rest: &[Vec3], u: &[f64], load: f64, step: &[f64]) -> f64 {
+    /// Largest fraction of the way from a displacement and load to others that no
+    /// energy forbids.
+    pub fn max_step(&mut self, rest: &[Vec3], from: (&[f64], f64), to: (&[f64], f64)) -> f64 {
         let start = Instant::now();
-        let at = self.iterate(rest, u, load);
-        let largest = self.energies.iter().map(|e| e.max_step(&at, step)).fold(1.0, f64::min);
+        let (a, b) = (self.iterate(rest, from.0, from.1), self.iterate(rest, to.0, to.1));
+        let largest = self.energies.iter().map(|e| e.max_step(&a, &b)).fold(1.0, f64::min);
         self.timings.collision_s += start.elapsed().as_secs_f64();
         largest
+    }
+
+    /// Why a state must not be accepted, if so.
+    pub fn objection(&mut self, rest: &[Vec3], u: &[f64], load: f64) -> Option<String> {
+        let start = Instant::now();
+        let at = self.iterate(rest, u, load);
+        let found = self.energies.iter().find_map(|e| e.objection(&at));
+        self.timings.certificate_s += start.elapsed().as_secs_f64();
+        found
     }
 
     /// The contacts at a state that will rub in the next step.

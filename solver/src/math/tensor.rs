@@ -1,11 +1,20 @@
 //! 3×3 tensors and their fourth-order derivatives.
 
+use nalgebra::allocator::Allocator;
+use nalgebra::{Const, DefaultAllocator, DimDiff, DimSub, SMatrix};
+
 /// A second-order tensor.
 pub type Mat3 = nalgebra::Matrix3<f64>;
 
 /// A fourth-order tensor ∂P/∂F; row and column index are 3·j + i for the
 /// component (i, j), that is column-major `vec`.
 pub type Mat9 = nalgebra::SMatrix<f64, 9, 9>;
+
+/// Second derivatives by the components of four points.
+pub type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
+
+/// Components of four points.
+pub type Vec12 = nalgebra::SVector<f64, 12>;
 
 /// cof A = det(A) A⁻ᵀ, defined for singular A too.
 #[must_use]
@@ -23,13 +32,18 @@ pub fn vec9(a: &Mat3) -> nalgebra::SVector<f64, 9> {
 /// The nearest positive semidefinite matrix in the Frobenius norm: negative
 /// eigenvalues are set to zero.
 #[must_use]
-pub fn project_positive(a: &Mat9) -> Mat9 {
+pub fn project_positive<const N: usize>(a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N>
+where
+    Const<N>: DimSub<Const<1>>,
+    DefaultAllocator:
+        Allocator<DimDiff<Const<N>, Const<1>>> + Allocator<Const<N>, DimDiff<Const<N>, Const<1>>>,
+{
     let eigen = a.symmetric_eigen();
     if eigen.eigenvalues.min() >= 0.0 {
         return *a;
     }
     let clamped = eigen.eigenvalues.map(|e| e.max(0.0));
-    eigen.eigenvectors * Mat9::from_diagonal(&clamped) * eigen.eigenvectors.transpose()
+    eigen.eigenvectors * SMatrix::from_diagonal(&clamped) * eigen.eigenvectors.transpose()
 }
 
 /// [a]ₓ with [a]ₓ b = a × b.

@@ -51,7 +51,8 @@ impl Clearance {
     }
 
     fn density(&self, d2: f64) -> (f64, f64) {
-        log_barrier(d2, self.activation * self.activation)
+        let [b, slope, _] = log_barrier(d2, self.activation * self.activation);
+        (b, slope)
     }
 }
 

@@ -50,7 +50,9 @@ impl Form {
         match *self {
             Self::Quadratic { activation } => quadratic(d2, activation * activation),
             Self::Log { minimum, activation } => {
-                log_barrier(d2 - minimum * minimum, activation * (activation + 2.0 * minimum))
+                let range = activation * (activation + 2.0 * minimum);
+                let [b, slope, _] = log_barrier(d2 - minimum * minimum, range);
+                (b, slope)
             }
         }
     }

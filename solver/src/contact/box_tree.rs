@@ -1,0 +1,216 @@
+//! Which of many boxes overlap: a tree of bounding boxes over a space-filling
+//! curve.
+//!
+//! Boxes are sorted by the Morton code of their centres (Lauterbach et al. 2009,
+//! "Fast BVH construction on GPUs", doi:10.1111/j.1467-8659.2009.01377.x), and
+//! [`FAN`] consecutive ones make one box of the level above, until one is left.
+//! The tree has no pointers, so that building it is a sort and a few passes.
+
+use std::ops::Range;
+
+use mesh::Vec3;
+use rayon::prelude::*;
+
+/// Children of a node.
+const FAN: usize = 4;
+
+/// Bits of a Morton code per direction.
+const BITS: u32 = 21;
+
+/// An axis-parallel box, boundary included [m].
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    /// The smallest box around points; of none it meets no other.
+    #[must_use]
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let none = Self { low: Vec3::repeat(f64::MAX), high: Vec3::repeat(f64::MIN) };
+        points.into_iter().fold(none, |all, p| all.and(&Self { low: p, high: p }))
+    }
+
+    /// Larger by `margin` [m] on all sides.
+    #[must_use]
+    pub fn grown(&self, margin: f64) -> Self {
+        let margin = Vec3::repeat(margin);
+        Self { low: self.low - margin, high: self.high + margin }
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+}
+
+/// Boxes that are ready for queries.
+pub struct BoxTree {
+    /// Index of the box at each place of the curve.
+    order: Vec<u32>,
+    /// Boxes along the curve, and those around them level by level.
+    levels: Vec<Vec<Bounds>>,
+}
+
+impl BoxTree {
+    /// Of at most 2³² boxes.
+    #[must_use]
+    pub fn new(boxes: &[Bounds]) -> Self {
+        let order = along_curve(boxes);
+        let mut levels = vec![order.par_iter().map(|&i| boxes[i as usize]).collect::<Vec<_>>()];
+        while levels[levels.len() - 1].len() > 1 {
+            let below = &levels[levels.len() - 1];
+            let parent = |children: &[Bounds]| {
+                children.iter().skip(1).fold(children[0], |all, child| all.and(child))
+            };
+            levels.push(below.par_chunks(FAN).map(parent).collect());
+        }
+        Self { order, levels }
+    }
+
+    /// Number of boxes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Whether there is no box.
+    #[must_use]
+    #[allow(dead_code)]
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// The box at a place of the curve, and its index.
+    #[must_use]
+    pub fn at(&self, place: usize) -> (usize, &Bounds) {
+        (self.order[place] as usize, &self.levels[0][place])
+    }
+
+    /// Calls `found` with the index of every box at `first` or a later place of
+    /// the curve that meets `query`, until it returns false.
+    pub fn overlaps(&self, query: &Bounds, first: usize, found: &mut impl FnMut(usize) -> bool) {
+        let top = self.levels.len() - 1;
+        self.descend(top, 0..self.levels[top].len(), query, first, found);
+    }
+
+    fn descend(
+        &self,
+        level: usize,
+        nodes: Range<usize>,
+        query: &Bounds,
+        first: usize,
+        found: &mut impl FnMut(usize) -> bool,
+    ) -> bool {
+        let width = FAN.pow(level as u32);
+        nodes.into_iter().all(|node| {
+            if (node + 1) * width <= first || !self.levels[level][node].meets(query) {
+                return true;
+            }
+            if level == 0 {
+                return found(self.order[node] as usize);
+            }
+            let children = FAN * node..(FAN * (node + 1)).min(self.levels[level - 1].len());
+            self.descend(level - 1, children, query, first, found)
+        })
+    }
+}
+
+/// Indices of boxes in the order of the Morton codes of their centres.
+fn along_curve(boxes: &[Bounds]) -> Vec<u32> {
+    let Some(first) = boxes.first() else { return Vec::new() };
+    let all = boxes.par_iter().copied().reduce(|| *first, |a, b| a.and(&b));
+    let extent = (all.high - all.low).max();
+    let cells = f64::from((1_u32 << BITS) - 1);
+    let code = |b: &Bounds| {
+        let centre = 0.5 * (b.low - all.low) + 0.5 * (b.high - all.low);
+        // a cast stays in range whatever the number is
+        let cell = centre.map(|c| (c / extent * cells) as u32);
+        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+    };
+    let mut keys: Vec<(u64, u32)> =
+        boxes.par_iter().enumerate().map(|(i, b)| (code(b), i as u32)).collect();
+    keys.par_sort_unstable();
+    keys.into_iter().map(|(_, i)| i).collect()
+}
+
+/// The lowest [`BITS`] bits, each followed by two zeros.
+fn spread(x: u32) -> u64 {
+    let x = u64::from(x.min((1 << BITS) - 1));
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+
+    #[test]
+    fn bits_are_spread_by_three() {
+        for x in [0, 1, 0b1011, 0x1f_ffff, 0x15_5555] {
+            let expected = (0..BITS).map(|k| u64::from(x >> k & 1) << (3 * k)).sum::<u64>();
+            assert_eq!(spread(x), expected);
+        }
+    }
+
+    /// From one box to several levels, among them huge ones and points, and all
+    /// of them in one place.
+    #[test]
+    fn overlaps_are_those_of_brute_force() {
+        let mut random = Random::new(1);
+        for (count, spread) in [(1, 1.0), (2, 1.0), (4, 1.0), (5, 1.0), (300, 1.0), (70, 0.0)] {
+            let boxes: Vec<Bounds> = (0..count)
+                .map(|i| {
+                    let p = spread * random.vector();
+                    let size = [0.0, 0.3, 3.0][if i % 50 == 3 { 2 } else { i % 2 }];
+                    Bounds::around([p, p + size * random.vector(), p + size * random.vector()])
+                })
+                .collect();
+            let tree = BoxTree::new(&boxes);
+            assert_eq!(tree.len(), count);
+            let mut pairs = Vec::new();
+            for place in 0..count {
+                let (i, query) = tree.at(place);
+                let mut all = Vec::new();
+                tree.overlaps(query, 0, &mut |j| {
+                    all.push(j);
+                    true
+                });
+                all.sort_unstable();
+                let expected: Vec<_> = (0..count).filter(|&j| boxes[i].meets(&boxes[j])).collect();
+                assert_eq!(all, expected);
+                tree.overlaps(query, place + 1, &mut |j| {
+                    pairs.push((i.min(j), i.max(j)));
+                    true
+                });
+            }
+            pairs.sort_unstable();
+            let mut expected = Vec::new();
+            for i in 0..count {
+                let later = (i + 1..count).filter(|&j| boxes[i].meets(&boxes[j]));
+                expected.extend(later.map(|j| (i, j)));
+            }
+            assert_eq!(pairs, expected);
+        }
+        assert!(BoxTree::new(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_search_ends_when_it_is_told_to() {
+        let boxes = [Bounds::around([Vec3::zeros()]); 100];
+        let mut count = 0;
+        BoxTree::new(&boxes).overlaps(&boxes[0], 0, &mut |_| {
+            count += 1;
+            count < 7
+        });
+        assert_eq!(count, 7);
+    }
+}

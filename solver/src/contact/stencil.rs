@@ -1,0 +1,149 @@
+//! What one pair adds to the contact potential, with derivatives.
+//!
+//! e = m(c, ε) b(d²)
+//! ∂e/∂x  = m b′ ∇d² + b m_c ∇c
+//! ∂²e/∂x² = m (b″ ∇d² ∇d²ᵀ + b′ ∇²d²) + m_c b′ (∇d² ∇cᵀ + ∇c ∇d²ᵀ)
+//!           + b (m_cc ∇c ∇cᵀ + m_c ∇²c)
+//! ∂²e/∂x∂ε = m_ε b′ ∇d² + b m_cε ∇c
+//!
+//! m is one unless the pair is one of edges that are nearly parallel. Such a pair
+//! keeps both edges; any other is reduced to the corners that its closest points
+//! lie between, so that neighbouring features that meet there have the same
+//! stencil.
+
+use mesh::Vec3;
+
+use super::barrier::Barrier;
+use super::distance::{Closest, Region, corners};
+use super::mollifier::{
+    Mollifier, cross, cross_gradient, cross_hessian, threshold, threshold_gradient,
+};
+use crate::math::tensor::{Mat12, Vec12};
+
+/// Points of two features that interact. Equal stencils are equal: corners are
+/// in a fixed order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Stencil {
+    /// Collision vertices; the first again where fewer than four take part.
+    pub corners: [usize; 4],
+    /// Which corners the closest points lie between.
+    pub region: Region,
+    /// Whether these are edges that fade out as they become parallel.
+    pub faded: bool,
+}
+
+impl Stencil {
+    /// The corners that take part, those of the smaller part first.
+    #[must_use]
+    pub fn reduced(corners: [usize; 4], region: Region) -> Self {
+        // unused entries stay last when the parts are sorted
+        let (mut parts, mut counts) = ([[usize::MAX; 3]; 2], [0; 2]);
+        for i in (0..4).filter(|&i| region.active[i]) {
+            let part = usize::from(i >= region.first);
+            parts[part][counts[part]] = corners[i];
+            counts[part] += 1;
+        }
+        parts.iter_mut().for_each(|part| part.sort_unstable());
+        if (counts[1], parts[1]) < (counts[0], parts[0]) {
+            parts.swap(0, 1);
+            counts.swap(0, 1);
+        }
+        let [a, b] = counts;
+        let mut ordered = [parts[0][0]; 4];
+        ordered[..a].copy_from_slice(&parts[0][..a]);
+        ordered[a..a + b].copy_from_slice(&parts[1][..b]);
+        let region = Region { first: a, active: std::array::from_fn(|i| i < a + b) };
+        Self { corners: ordered, region, faded: false }
+    }
+
+    /// Two edges that are nearly parallel; their corners must be ordered by
+    /// [`ordered_edges`].
+    #[must_use]
+    pub fn faded(corners: [usize; 4], region: Region) -> Self {
+        Self { corners, region, faded: true }
+    }
+
+    /// The corners' entries of a list over all collision vertices.
+    #[must_use]
+    pub fn gather(&self, x: &[Vec3]) -> [Vec3; 4] {
+        self.corners.map(|v| x[v])
+    }
+}
+
+/// The corners of two edges in the order of a faded stencil.
+#[must_use]
+pub fn ordered_edges(mut a: [usize; 2], mut b: [usize; 2]) -> [usize; 4] {
+    a.sort_unstable();
+    b.sort_unstable();
+    let (a, b) = if b < a { (b, a) } else { (a, b) };
+    [a[0], a[1], b[0], b[1]]
+}
+
+/// A stencil at positions of its corners.
+pub struct Local {
+    region: Region,
+    x: [Vec3; 4],
+    rest: Option<[Vec3; 4]>,
+    /// Closest points.
+    pub closest: Closest,
+    fade: Mollifier,
+    barrier: [f64; 3],
+}
+
+impl Local {
+    /// The stencil at positions and rest positions of all collision vertices.
+    #[must_use]
+    pub fn new(stencil: &Stencil, x: &[Vec3], rest: &[Vec3], barrier: &Barrier) -> Self {
+        let (x, region) = (stencil.gather(x), stencil.region);
+        let rest = stencil.faded.then(|| stencil.gather(rest));
+        let fade = |rest: &_| Mollifier::new(cross(&x), threshold(rest));
+        let fade = rest.as_ref().map_or(Mollifier::ONE, fade);
+        let closest = region.closest(&x);
+        Self { region, x, rest, closest, fade, barrier: barrier.at(closest.d2) }
+    }
+
+    /// e [m⁴].
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        self.fade.value * self.barrier[0]
+    }
+
+    /// ∂e/∂x [m³].
+    #[must_use]
+    pub fn gradient(&self) -> Vec12 {
+        let distance = corners(self.closest.d2_gradient()) * (self.fade.value * self.barrier[1]);
+        match self.rest {
+            None => distance,
+            Some(_) => distance + cross_gradient(&self.x) * (self.barrier[0] * self.fade.by_cross),
+        }
+    }
+
+    /// ∂²e/∂x² [m²].
+    #[must_use]
+    pub fn hessian(&self) -> Mat12 {
+        let [b, slope, curvature] = self.barrier;
+        let m = &self.fade;
+        let by_d2 = corners(self.closest.d2_gradient());
+        let mut hessian = self.region.d2_hessian(&self.x, &self.closest) * (m.value * slope);
+        hessian += by_d2 * (by_d2 * (m.value * curvature)).transpose();
+        if self.rest.is_some() {
+            let by_cross = cross_gradient(&self.x);
+            let mixed = by_d2 * (by_cross * (m.by_cross * slope)).transpose();
+            hessian += mixed + mixed.transpose();
+            hessian += by_cross * (by_cross * (b * m.by_cross_twice)).transpose();
+            hessian += cross_hessian(&self.x) * (b * m.by_cross);
+        }
+        hessian
+    }
+
+    /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a pair that fades.
+    #[must_use]
+    pub fn by_threshold(&self) -> Option<(Vec12, Vec12)> {
+        let rest = self.rest.as_ref()?;
+        let [b, slope, _] = self.barrier;
+        let by_d2 = corners(self.closest.d2_gradient());
+        let by = by_d2 * (self.fade.by_threshold * slope)
+            + cross_gradient(&self.x) * (b * self.fade.by_both);
+        Some((by, threshold_gradient(rest)))
+    }
+}

@@ -1,0 +1,354 @@
+//! The surface that collides: the skin of the bodies as flat triangles, and
+//! rigid obstacles.
+//!
+//! x_c = W (ΠX + u)        for the bodies, f = Wᵀ f_c
+//! x_c = X_c + D(X_c, t)   for obstacles
+//!
+//! W   values of the displacement basis at the collision vertices: every
+//!     boundary facet is split into a regular pattern of `split`² triangles. With
+//!     `split` equal to the degree the collision vertices are the nodes of the
+//!     boundary, and W selects them.
+//! D   prescribed displacement [m] at the load t
+//!
+//! Contact is exact for the flat triangles, which differ from curved facets by
+//! O(h²). Topology never changes; rest shape and displacement are arguments.
+//!
+//! Source: Ferguson et al. 2023, "High-Order Incremental Potential Contact for
+//! Elastodynamic Simulation on Curved Meshes", doi:10.1145/3588432.3591488.
+
+use std::collections::BTreeMap;
+
+use mesh::{SurfaceMesh, Vec3};
+
+use super::pairs::Features;
+use crate::element::{FunctionSpace, add_at, at};
+
+/// Displacement [m] of a point of an obstacle, given its rest position [m] and
+/// the load t.
+pub type Motion = dyn Fn(Vec3, f64) -> Vec3 + Send + Sync;
+
+/// A rigid surface that is no finite-element body.
+pub struct Obstacle {
+    /// Its triangles.
+    pub surface: SurfaceMesh,
+    /// How it moves; none stands still.
+    pub motion: Option<Box<Motion>>,
+}
+
+/// What one body does to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyForce {
+    /// The two bodies, the first not after the second.
+    pub bodies: [usize; 2],
+    /// Force on the first body [N]; none within one body.
+    pub force: Vec3,
+    /// Sum of the magnitudes of the forces on the vertices of the first body [N].
+    pub magnitude: f64,
+}
+
+/// The collision surface.
+pub struct Surface {
+    /// Rows of W: nodes and weights, empty for vertices of obstacles.
+    rows: Vec<Vec<(usize, f64)>>,
+    body: Vec<usize>,
+    movable: Vec<bool>,
+    features: Features,
+    obstacles: Vec<Obstacle>,
+}
+
+impl Surface {
+    /// The surface of boundary facets (vertex ids, oriented out of the solid),
+    /// each of the body of the same entry of `bodies`, and of obstacles. `fixed`
+    /// marks displacements that do not change when a step is solved for.
+    ///
+    /// # Panics
+    /// When `split` is zero, `facets` and `bodies` differ in length, or a facet
+    /// is none of the space.
+    #[must_use]
+    pub fn new(
+        space: &FunctionSpace,
+        (facets, bodies): (&[[usize; 3]], &[usize]),
+        obstacles: Vec<Obstacle>,
+        split: usize,
+        fixed: &[bool],
+    ) -> Self {
+        assert!(split > 0 && facets.len() == bodies.len(), "one body for each facet");
+        let mut lattice = Lattice { space, split, ids: BTreeMap::new(), rows: Vec::new() };
+        let (mut triangles, mut body) = (Vec::new(), Vec::new());
+        for (&facet, &b) in facets.iter().zip(bodies) {
+            triangles.extend(lattice.split(facet));
+            body.resize(lattice.rows.len(), b);
+        }
+        let mut rows = lattice.rows;
+        let is_free = |row: &Vec<(usize, f64)>| {
+            row.iter().any(|&(n, _)| fixed[3 * n..3 * n + 3].contains(&false))
+        };
+        let mut movable: Vec<bool> = rows.iter().map(is_free).collect();
+        let first = bodies.iter().max().map_or(0, |b| b + 1);
+        for (k, obstacle) in obstacles.iter().enumerate() {
+            let offset = rows.len();
+            rows.resize(offset + obstacle.surface.vertices.len(), Vec::new());
+            body.resize(rows.len(), first + k);
+            triangles.extend(obstacle.surface.triangles.iter().map(|t| t.map(|v| v + offset)));
+        }
+        movable.resize(rows.len(), false);
+        Self { rows, body, movable, features: Features::new(&triangles), obstacles }
+    }
+
+    /// Vertices, edges and triangles.
+    #[must_use]
+    pub fn features(&self) -> &Features {
+        &self.features
+    }
+
+    /// Number of collision vertices, those of obstacles last.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Nodes on which a collision vertex depends, with weights.
+    #[must_use]
+    pub fn row(&self, vertex: usize) -> &[(usize, f64)] {
+        &self.rows[vertex]
+    }
+
+    /// Body of a collision vertex; obstacles count after the bodies.
+    #[must_use]
+    pub fn body(&self, vertex: usize) -> usize {
+        self.body[vertex]
+    }
+
+    /// Whether a collision vertex belongs to an obstacle.
+    #[must_use]
+    pub fn is_obstacle(&self, vertex: usize) -> bool {
+        self.rows[vertex].is_empty()
+    }
+
+    /// Whether all of these collision vertices stay where they are.
+    #[must_use]
+    pub fn immovable(&self, vertices: &[usize]) -> bool {
+        vertices.iter().all(|&v| !self.movable[v])
+    }
+
+    /// Rest positions of the collision vertices [m].
+    #[must_use]
+    pub fn rest(&self, space: &FunctionSpace, rest: &[Vec3]) -> Vec<Vec3> {
+        let nodes = space.node_positions(rest);
+        let mut x = self.interpolate(|n| nodes[n]);
+        self.for_each_obstacle_vertex(|v, place, _| x[v] = place);
+        x
+    }
+
+    /// Positions of the collision vertices [m] at nodal displacements `u` and a
+    /// load.
+    #[must_use]
+    pub fn positions(
+        &self,
+        space: &FunctionSpace,
+        rest: &[Vec3],
+        u: &[f64],
+        load: f64,
+    ) -> Vec<Vec3> {
+        let moved = self.trace(u);
+        let mut x = self.rest(space, rest);
+        x.iter_mut().zip(&moved).for_each(|(x, u)| *x += u);
+        self.for_each_obstacle_vertex(|v, place, motion| {
+            x[v] += motion.map_or_else(Vec3::zeros, |m| m(place, load));
+        });
+        x
+    }
+
+    /// What obstacles move between two loads [m], zero elsewhere.
+    #[must_use]
+    pub fn motion(&self, from: f64, to: f64) -> Vec<Vec3> {
+        let mut moved = vec![Vec3::zeros(); self.rows.len()];
+        self.for_each_obstacle_vertex(|v, place, motion| {
+            moved[v] = motion.map_or_else(Vec3::zeros, |m| m(place, to) - m(place, from));
+        });
+        moved
+    }
+
+    /// W of a nodal field; zero on obstacles.
+    #[must_use]
+    pub fn trace(&self, nodal: &[f64]) -> Vec<Vec3> {
+        self.interpolate(|n| at(nodal, n))
+    }
+
+    /// Adds Wᵀ of vectors on the collision vertices to a nodal field.
+    pub fn add_to_nodes(&self, vectors: &[Vec3], out: &mut [f64]) {
+        for (row, vector) in self.rows.iter().zip(vectors) {
+            for &(node, weight) in row {
+                add_at(out, node, &(weight * vector));
+            }
+        }
+    }
+
+    /// Pairs of nodes (row > column) on which corners of one stencil depend,
+    /// sorted, each once.
+    #[must_use]
+    pub fn couplings(&self, stencils: &[[usize; 4]]) -> Vec<[usize; 2]> {
+        let mut couplings = Vec::new();
+        for stencil in stencils {
+            let nodes = || stencil.iter().flat_map(|&v| self.row(v)).map(|&(node, _)| node);
+            for a in nodes() {
+                couplings.extend(nodes().filter(|&b| b < a).map(|b| [a, b]));
+            }
+        }
+        couplings.sort_unstable();
+        couplings.dedup();
+        couplings
+    }
+
+    /// Forces on corners of stencils, summed for each two bodies, in their order.
+    #[must_use]
+    pub fn body_forces(&self, forces: &[([usize; 4], [Vec3; 4])]) -> Vec<BodyForce> {
+        let mut on_vertices = BTreeMap::<[usize; 2], BTreeMap<usize, Vec3>>::new();
+        for (corners, forces) in forces {
+            let bodies = corners.map(|v| self.body[v]);
+            let key = [*bodies.iter().min().unwrap_or(&0), *bodies.iter().max().unwrap_or(&0)];
+            let sums = on_vertices.entry(key).or_default();
+            for (&v, force) in corners.iter().zip(forces).filter(|(v, _)| self.body[**v] == key[0])
+            {
+                *sums.entry(v).or_insert_with(Vec3::zeros) += force;
+            }
+        }
+        let total = |(bodies, sums): ([usize; 2], BTreeMap<usize, Vec3>)| BodyForce {
+            bodies,
+            force: sums.values().sum(),
+            magnitude: sums.values().map(Vec3::norm).sum(),
+        };
+        on_vertices.into_iter().map(total).collect()
+    }
+
+    fn interpolate(&self, nodal: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+        let one = |row: &Vec<(usize, f64)>| row.iter().map(|&(n, w)| w * nodal(n)).sum();
+        self.rows.iter().map(one).collect()
+    }
+
+    fn for_each_obstacle_vertex(&self, mut f: impl FnMut(usize, Vec3, Option<&Motion>)) {
+        let count: usize = self.obstacles.iter().map(|o| o.surface.vertices.len()).sum();
+        let mut v = self.rows.len() - count;
+        for obstacle in &self.obstacles {
+            for &place in &obstacle.surface.vertices {
+                f(v, place, obstacle.motion.as_deref());
+                v += 1;
+            }
+        }
+    }
+}
+
+/// Points of a regular pattern on facets, those on common edges shared.
+struct Lattice<'a> {
+    space: &'a FunctionSpace,
+    split: usize,
+    /// Of a point by the vertices it lies between, each with its share.
+    ids: BTreeMap<[(usize, usize); 3], usize>,
+    rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl Lattice<'_> {
+    /// The triangles of one facet, oriented as it is.
+    fn split(&mut self, facet: [usize; 3]) -> Vec<[usize; 3]> {
+        let n = self.split;
+        let mut triangles = Vec::new();
+        for j in 0..n {
+            for i in 0..n - j {
+                let mut id = |i: usize, j: usize| self.point(facet, [n - i - j, i, j]);
+                triangles.push([id(i, j), id(i + 1, j), id(i, j + 1)]);
+                if i + j + 1 < n {
+                    triangles.push([id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]);
+                }
+            }
+        }
+        triangles
+    }
+
+    /// The point with barycentric coordinates `shares` / `split`.
+    fn point(&mut self, facet: [usize; 3], shares: [usize; 3]) -> usize {
+        let mut key = [0, 1, 2].map(|c| (if shares[c] > 0 { facet[c] } else { 0 }, shares[c]));
+        key.sort_unstable();
+        if let Some(&id) = self.ids.get(&key) {
+            return id;
+        }
+        let values = self.space.facet_values(&shares.map(|s| s as f64 / self.split as f64));
+        // at a node the basis is one and zero up to rounding
+        let exact = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
+        let row = self.space.facet_nodes(facet).into_iter().zip(values.into_iter().map(exact));
+        self.rows.push(row.filter(|&(_, value)| value != 0.0).collect());
+        self.ids.insert(key, self.rows.len() - 1);
+        self.rows.len() - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::testing::{cube, flat, square};
+
+    fn surface(degree: usize, split: usize) -> (Surface, FunctionSpace, mesh::TetMesh) {
+        let mesh = cube(2, 0.2);
+        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone());
+        let facets = mesh::topology::boundary(&mesh).facets;
+        let floor =
+            Obstacle { surface: square(1, 0.0), motion: Some(Box::new(|_, t| Vec3::z() * t)) };
+        let mut fixed = vec![false; 3 * space.node_count()];
+        for (i, x) in space.node_positions(&mesh.vertices).iter().enumerate() {
+            fixed[3 * i..3 * i + 3].fill(x.z == 0.0);
+        }
+        let bodies = vec![0; facets.len()];
+        (Surface::new(&space, (&facets, &bodies), vec![floor], split, &fixed), space, mesh)
+    }
+
+    /// 48 facets of a closed surface make 48 n² triangles with 24 n² + 2 vertices.
+    #[test]
+    fn facets_are_split_into_a_closed_surface_of_the_same_shape() {
+        for (degree, split) in [(1, 1), (2, 2), (3, 3), (2, 1), (2, 3), (1, 4)] {
+            let (surface, space, mesh) = surface(degree, split);
+            let own = 24 * split * split + 2;
+            assert_eq!(surface.vertex_count(), own + 4);
+            let triangles = surface.features().triangles[..48 * split * split].to_vec();
+            assert!(mesh::topology::is_manifold(&triangles));
+            let skin = SurfaceMesh { vertices: surface.rest(&space, &mesh.vertices), triangles };
+            let volume = mesh::measure::enclosed_volume(&skin);
+            assert!((volume - 1.0).abs() < 1e-13, "{volume}");
+            for v in 0..own {
+                assert!(split != degree || surface.row(v).iter().all(|&(_, w)| w == 1.0));
+                let low = skin.vertices[v].z < 1e-9;
+                assert_eq!(surface.immovable(&[v]), low, "{degree} {split}");
+                assert!(!surface.is_obstacle(v) && surface.body(v) == 0);
+            }
+            assert!(surface.is_obstacle(own) && surface.body(own + 3) == 1);
+        }
+    }
+
+    #[test]
+    fn linear_fields_are_exact_and_obstacles_move_by_themselves() {
+        for (degree, split) in [(2, 2), (2, 3), (3, 2)] {
+            let (surface, space, mesh) = surface(degree, split);
+            let stretch = |x: &Vec3| Vec3::new(0.1 * x.y, 0.2 * x.z, x.x - x.y);
+            let u: Vec<Vec3> = space.node_positions(&mesh.vertices).iter().map(stretch).collect();
+            let rest = surface.rest(&space, &mesh.vertices);
+            let moved = surface.positions(&space, &mesh.vertices, &flat(&u), 0.3);
+            for v in 0..surface.vertex_count() {
+                let by = if surface.is_obstacle(v) { Vec3::z() * 0.3 } else { stretch(&rest[v]) };
+                assert!((moved[v] - rest[v] - by).norm() < 1e-14);
+            }
+            assert_eq!(surface.motion(0.1, 0.3)[rest.len() - 1], Vec3::z() * (0.3 - 0.1));
+        }
+    }
+
+    #[test]
+    fn the_transpose_belongs_to_the_trace() {
+        let (surface, space, _) = surface(2, 3);
+        let mut random = Random::new(3);
+        let u = random.numbers(3 * space.node_count());
+        let forces: Vec<Vec3> = (0..surface.vertex_count()).map(|_| random.vector()).collect();
+        let mut pulled = vec![0.0; u.len()];
+        surface.add_to_nodes(&forces, &mut pulled);
+        let forward: f64 = surface.trace(&u).iter().zip(&forces).map(|(a, b)| a.dot(b)).sum();
+        let backward: f64 = u.iter().zip(&pulled).map(|(a, b)| a * b).sum();
+        assert!((forward / backward - 1.0).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,254 @@
+//! The weighted stencils of the contact potential.
+//!
+//! E = κ σ Σ_k w_k e_k
+//!
+//! Plain: each pair of a vertex and a triangle or of two edges counts one.
+//!
+//! Convergent: vertex v and triangle ¼ A_v; edges a and b ¼ (A_a + A_b). Where a
+//! closest point lies between fewer corners, several features meet there and all
+//! of them are pairs, while the distance to their union should count once. So, as
+//! in the inclusion–exclusion of sets,
+//!
+//! − vertex v and edge e:      ¼ A_v (1 − n),  n triangles at e without v, if n > 1
+//! − vertices v and w:         ¼ A_v if w is inside the surface and no neighbour,
+//!                             and the same with v and w exchanged
+//! − edge e and vertex v:      −¼ A_e (n − 1), n edges at v that do not touch e and
+//!                             are not faded with it; for each of those that are,
+//!                             −¼ A_e times the faded pair at the distance of v
+//!
+//! Equal stencils are merged. Weights may be negative.
+//!
+//! Source: Li et al. 2023, "Convergent Incremental Potential Contact",
+//! arXiv:2307.15908.
+
+use std::ops::Range;
+
+use mesh::Vec3;
+
+use super::barrier::Form;
+use super::distance::{Closest, Region, edge_edge, point_edge};
+use super::mollifier::faded;
+use super::pairs::Pair;
+use super::stencil::{Stencil, ordered_edges};
+use super::surface::Surface;
+use super::weights::Adjacency;
+
+/// A stencil with its weight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// What interacts.
+    pub stencil: Stencil,
+    /// w; area [m²] in the convergent form, number in the plain one.
+    pub weight: f64,
+    shares: Range<usize>,
+}
+
+/// What one area adds to the weight of a stencil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Share {
+    stencil: Stencil,
+    /// Index of the area; none counts one.
+    area: Option<usize>,
+    factor: f64,
+}
+
+/// The terms at one state, in the order of their stencils.
+pub struct Terms {
+    /// Stencils with their weights, some of which may be zero.
+    pub terms: Vec<Term>,
+    shares: Vec<Share>,
+}
+
+impl Terms {
+    /// The terms of all pairs closer than `range` [m] at positions `x` and rest
+    /// positions of the collision vertices.
+    #[must_use]
+    pub fn new(
+        (surface, adjacency): (&Surface, &Adjacency),
+        form: Form,
+        active: &[(Pair, Closest)],
+        (x, rest): (&[Vec3], &[Vec3]),
+        range: f64,
+    ) -> Self {
+        let mut collector = Collector {
+            surface,
+            adjacency,
+            x,
+            rest,
+            range2: range * range,
+            shares: Vec::new(),
+            point_edges: Vec::new(),
+            edge_points: Vec::new(),
+            points: Vec::new(),
+        };
+        match form {
+            Form::Plain => active.iter().for_each(|(pair, closest)| {
+                let stencil = collector.stencil(pair, closest);
+                collector.shares.push(Share { stencil, area: None, factor: 1.0 });
+            }),
+            Form::Convergent => collector.convergent(active),
+        }
+        Self::merge(collector.shares, &adjacency.areas(rest))
+    }
+
+    fn merge(mut shares: Vec<Share>, areas: &[f64]) -> Self {
+        shares.sort_by_key(|share| (share.stencil, share.area));
+        let mut start = 0;
+        let merge = |same: &[Share]| {
+            let weights = same.iter().map(|s| s.factor * s.area.map_or(1.0, |a| areas[a]));
+            let (sum, size) = weights.fold((0.0, 0.0), |(s, m), w| (s + w, m + w.abs()));
+            let range = start..start + same.len();
+            start = range.end;
+            // a sum that cancels up to rounding is none
+            let weight = if sum.abs() > 1e-14 * size { sum } else { 0.0 };
+            Term { stencil: same[0].stencil, weight, shares: range }
+        };
+        let terms = shares.chunk_by(|a, b| a.stencil == b.stencil).map(merge).collect();
+        Self { terms, shares }
+    }
+
+    /// Adds `by_weight` ∂w/∂A of a term to a list over all areas.
+    pub fn add_by_area(&self, term: &Term, by_weight: f64, out: &mut [f64]) {
+        for share in &self.shares[term.shares.clone()] {
+            if let Some(area) = share.area {
+                out[area] += share.factor * by_weight;
+            }
+        }
+    }
+}
+
+struct Collector<'a> {
+    surface: &'a Surface,
+    adjacency: &'a Adjacency,
+    x: &'a [Vec3],
+    rest: &'a [Vec3],
+    range2: f64,
+    shares: Vec<Share>,
+    /// Vertex and edge within range, of a vertex and a triangle within range.
+    point_edges: Vec<(usize, usize)>,
+    /// Edge and vertex within range, of two edges within range.
+    edge_points: Vec<(usize, usize)>,
+    /// Two vertices within range.
+    points: Vec<(usize, usize)>,
+}
+
+impl Collector<'_> {
+    fn convergent(&mut self, active: &[(Pair, Closest)]) {
+        for (pair, closest) in active {
+            let stencil = self.stencil(pair, closest);
+            match *pair {
+                Pair::PointTriangle([p, a, b, c]) => {
+                    self.add(stencil, p, 0.25);
+                    self.note_parts_of_triangle(p, [a, b, c]);
+                }
+                Pair::EdgeEdge([a, b, c, d]) => {
+                    let edges = [[a, b], [c, d]].map(|edge| self.adjacency.edge(edge));
+                    for edge in edges {
+                        self.add(stencil, self.adjacency.area_of_edge(edge), 0.25);
+                    }
+                    self.note_ends(edges[0], [c, d]);
+                    self.note_ends(edges[1], [a, b]);
+                }
+            }
+        }
+        for list in [&mut self.point_edges, &mut self.edge_points, &mut self.points] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        std::mem::take(&mut self.point_edges).iter().for_each(|&(p, e)| self.at_edge(p, e));
+        std::mem::take(&mut self.points).iter().for_each(|&(p, q)| self.at_points(p, q));
+        std::mem::take(&mut self.edge_points).iter().for_each(|&(e, p)| self.at_end(e, p));
+    }
+
+    fn stencil(&self, pair: &Pair, closest: &Closest) -> Stencil {
+        match *pair {
+            Pair::PointTriangle(corners) => Stencil::reduced(corners, Region::of(1, closest)),
+            Pair::EdgeEdge(corners) => {
+                if !faded(&pair.gather(self.x), &pair.gather(self.rest)) {
+                    return Stencil::reduced(corners, Region::of(2, closest));
+                }
+                let [a, b, c, d] = corners;
+                let ordered = ordered_edges([a, b], [c, d]);
+                let closest = edge_edge(&ordered.map(|v| self.x[v]));
+                Stencil::faded(ordered, Region::of(2, &closest))
+            }
+        }
+    }
+
+    fn add(&mut self, stencil: Stencil, area: usize, factor: f64) {
+        if factor != 0.0 && !self.surface.immovable(&stencil.corners) {
+            self.shares.push(Share { stencil, area: Some(area), factor });
+        }
+    }
+
+    fn note_parts_of_triangle(&mut self, p: usize, [a, b, c]: [usize; 3]) {
+        for edge in [[a, b], [b, c], [c, a]] {
+            if self.point_edge(p, edge).1.d2 < self.range2 {
+                self.point_edges.push((p, self.adjacency.edge(edge)));
+            }
+        }
+        for q in [a, b, c] {
+            if (self.x[p] - self.x[q]).norm_squared() < self.range2 {
+                self.points.push((p.min(q), p.max(q)));
+            }
+        }
+    }
+
+    fn note_ends(&mut self, edge: usize, ends: [usize; 2]) {
+        for p in ends {
+            if self.point_edge(p, self.adjacency.ends(edge)).1.d2 < self.range2 {
+                self.edge_points.push((edge, p));
+            }
+        }
+    }
+
+    fn at_edge(&mut self, p: usize, edge: usize) {
+        let others = self.adjacency.opposite(edge).iter().filter(|&&v| v != p).count();
+        if others > 1 {
+            let (corners, closest) = self.point_edge(p, self.adjacency.ends(edge));
+            let stencil = Stencil::reduced(corners, Region::of(1, &closest));
+            self.add(stencil, p, 0.25 * (1.0 - others as f64));
+        }
+    }
+
+    fn at_points(&mut self, p: usize, q: usize) {
+        let region = Region { first: 1, active: [true, true, false, false] };
+        for (v, w) in [(p, q), (q, p)] {
+            if !self.adjacency.on_rim(w) && !self.adjacency.neighbours(v, w) {
+                self.add(Stencil::reduced([v, w, v, v], region), v, 0.25);
+            }
+        }
+    }
+
+    fn at_end(&mut self, edge: usize, p: usize) {
+        let ends = self.adjacency.ends(edge);
+        let area = self.adjacency.area_of_edge(edge);
+        let mut kept = 0.0;
+        for &other in self.adjacency.edges_of(p) {
+            let other = self.adjacency.ends(other);
+            if other.iter().any(|v| ends.contains(v)) {
+                continue;
+            }
+            let corners = ordered_edges(ends, other);
+            let x = corners.map(|v| self.x[v]);
+            if !faded(&x, &corners.map(|v| self.rest[v])) {
+                kept += 1.0;
+                continue;
+            }
+            let point = (0..4).find(|&i| corners[i] == p).expect("an end of one edge");
+            let edge = if point < 2 { [2, 3] } else { [0, 1] };
+            let region = Region::of(2, &point_edge(&x, point, edge));
+            self.add(Stencil::faded(corners, region), area, -0.25);
+        }
+        let (corners, closest) = self.point_edge(p, ends);
+        let stencil = Stencil::reduced(corners, Region::of(1, &closest));
+        self.add(stencil, area, -0.25 * (kept - 1.0));
+    }
+
+    /// Closest points of a vertex and an edge, with corners as of a vertex and a
+    /// triangle.
+    fn point_edge(&self, p: usize, [a, b]: [usize; 2]) -> ([usize; 4], Closest) {
+        let corners = [p, a, b, p];
+        (corners, point_edge(&corners.map(|v| self.x[v]), 0, [1, 2]))
+    }
+}
