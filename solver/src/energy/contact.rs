@@ -28,6 +28,7 @@ use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
 use crate::contact::candidates::{self, TooMany};
 use crate::contact::ccd;
+use crate::contact::certificate::{Intersection, certify};
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
 use crate::contact::pairs::Pair;
@@ -105,19 +106,9 @@ impl Contact {
 
     /// What intersects at positions of the collision vertices [m], if anything.
     #[must_use]
-    pub fn intersection(&self, x: &[Vec3]) -> Option<String> {
-        let triangles = self.surface.features().triangles.clone();
-        let surface = mesh::SurfaceMesh { vertices: x.to_vec(), triangles };
-        let pairs = mesh::bvh::self_intersecting_pairs(&surface);
-        let (a, _) = pairs.first()?;
-        let p = x[surface.triangles[*a][0]];
-        Some(format!(
-            "surfaces intersect in {} pairs of triangles, the first at ({:.5}, {:.5}, {:.5}) m",
-            pairs.len(),
-            p.x,
-            p.y,
-            p.z
-        ))
+    pub fn intersection(&self, x: &[Vec3]) -> Option<Intersection> {
+        let movable = |vertex: usize| !self.surface.immovable(&[vertex]);
+        certify(&self.surface.features().triangles, x, movable).err()
     }
 
     /// The collision surface.
@@ -340,7 +331,8 @@ impl Energy for Contact {
     }
 
     fn objection(&self, at: &Iterate) -> Option<String> {
-        self.certify.then(|| self.intersection(&self.positions(at))).flatten()
+        let found = self.certify.then(|| self.intersection(&self.positions(at))).flatten();
+        found.map(|intersection| intersection.to_string())
     }
 
     /// The contacts that rub in the step that begins at this state. Pairs of
