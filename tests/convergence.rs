@@ -4,6 +4,8 @@
 
 #[path = "convergence/cantilever.rs"]
 mod cantilever;
+#[path = "convergence/contact.rs"]
+mod contact;
 #[path = "convergence/dynamics.rs"]
 mod dynamics;
 #[path = "convergence/land.rs"]

@@ -113,6 +113,12 @@ impl Supports {
         self.owner.iter().map(Option::is_some).collect()
     }
 
+    /// Whether a component of a node is fixed at zero for all time.
+    #[must_use]
+    pub fn stays(&self, node: usize, axis: usize) -> bool {
+        self.owner[3 * node + axis].is_some_and(|i| self.motions[i].0[axis].is_zero())
+    }
+
     /// Whether all components of a node are fixed.
     #[must_use]
     pub fn holds(&self, node: usize) -> bool {

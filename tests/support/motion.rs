@@ -83,8 +83,15 @@ impl Motion {
     pub fn report(&mut self) -> Value {
         let step = self.last.as_ref().expect("a step was made");
         let v = self.march.progress.integrator.last().v.clone();
-        results::step(&self.scene, &self.scene.body, &mut self.system, step, Some(&v))
-            .expect("tags are known")
+        let (body, fixed) = (&self.scene.body, self.system.fixed().to_vec());
+        let mut report = results::step(&self.scene, body, &mut self.system, step, Some(&v))
+            .expect("tags are known");
+        let collisions = self.scene.collisions(body, &self.system.space, &fixed);
+        if let Some(collisions) = collisions.expect("the scene was accepted") {
+            let here = self.system.iterate(&body.mesh.vertices, &step.u, step.load);
+            report["collisions"] = results::collisions(&collisions, &here);
+        }
+        report
     }
 
     /// ∫ ρ w dX of a nodal field over all bodies, e.g. momentum [kg m/s].

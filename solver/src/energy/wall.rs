@@ -1,14 +1,15 @@
 //! The wall of a chamber, and the volume behind it.
 //!
-//! V(x) = C(X) − ⅓ ∫_Γ x · (g₁ × g₂) dξ      g_α = ∂x/∂ξ_α
+//! V(x) = C(x) − ⅓ ∫_Γ x · (g₁ × g₂) dξ      g_α = ∂x/∂ξ_α
 //! ∂V/∂x_a = −∫ φ_a (g₁ × g₂) dξ
 //! ∂²V/∂x_a∂x_b = −S_ab,  S_ab = ∫ φ_a (−∂₁φ_b [g₂]ₓ + ∂₂φ_b [g₁]ₓ) dξ
 //!
 //! Facets are oriented out of the solid, so that g₁ × g₂ points into the
 //! chamber. An open wall is closed by caps, one for each loop of its rim: the
-//! cone from the mean of the loop's vertices, whose volume C depends on the rest
-//! shape only, since the rim does not move. S is symmetric when Γ is closed or
-//! its rim is fixed.
+//! cone from the mean of the loop's vertices, of volume C = ⅙ ∮ (x × dx) · c. Its
+//! rim must not move, or only within a plane in which the cap then lies: in both
+//! cases the cap does no work. S is symmetric when Γ is closed or its rim is held
+//! like that.
 //!
 //! Source: Rumpel and Schweizerhof 2003, doi:10.1002/nme.561; Niewiarowski,
 //! Adriaenssens and Pauletti 2020, doi:10.1016/j.cma.2020.113059.
@@ -107,7 +108,11 @@ impl Wall {
             let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
             volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
         });
-        self.for_each_rim_edge(x, |_, [a, b], c| volume += x[a].cross(&x[b]).dot(&c) / 6.0);
+        self.for_each_rim_edge(x, |_, [a, b], c| {
+            let inside = space.edge_nodes([a, b]);
+            let nodes: Vec<Vec3> = [a].into_iter().chain(inside).chain([b]).map(|n| x[n]).collect();
+            volume += swept(&nodes).dot(&c) / 6.0;
+        });
         volume
     }
 
@@ -187,6 +192,18 @@ impl Wall {
             }
         });
     }
+}
+
+/// ∫ x × dx along an edge with equidistant nodes: Σ_{i<j} K_ij x_i × x_j with
+/// K_ij = ∫ φ_i φ_j′ − φ_j φ_i′.
+fn swept(nodes: &[Vec3]) -> Vec3 {
+    let weights: &[f64] = match nodes.len() {
+        2 => &[1.0],
+        3 => &[4.0 / 3.0, -1.0 / 3.0, 4.0 / 3.0],
+        _ => &[57.0 / 40.0, -0.6, 7.0 / 40.0, 81.0 / 40.0, -0.6, 57.0 / 40.0],
+    };
+    let pairs = (0..nodes.len()).flat_map(|i| (i + 1..nodes.len()).map(move |j| (i, j)));
+    pairs.zip(weights).map(|((i, j), k)| *k * nodes[i].cross(&nodes[j])).sum()
 }
 
 /// Node positions x = ΠX + u.

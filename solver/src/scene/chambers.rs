@@ -10,6 +10,8 @@ use crate::supports::Supports;
 
 /// Penalty of a prescribed volume in shear moduli per rest volume.
 const PENALTY: f64 = 10.0;
+/// Height of a rim over its extent up to which it lies in a plane.
+const FLAT: f64 = 1e-9;
 
 impl Scene {
     /// The chambers of a body, by the tags of their walls.
@@ -86,7 +88,7 @@ impl Scene {
 }
 
 /// The gas force has a potential only when every rim of its wall is fixed along
-/// all axes.
+/// all axes, or moves only within a plane.
 pub(super) fn check_rim(
     name: &str,
     facets: &[[usize; 3]],
@@ -95,16 +97,21 @@ pub(super) fn check_rim(
     body: &Body,
 ) -> Result<()> {
     let rim = mesh::topology::boundary_edges(facets);
-    let held = |&[a, b]: &[usize; 2]| {
-        [a, b].into_iter().chain(space.edge_nodes([a, b])).all(|node| supports.holds(node))
-    };
-    let free: Vec<_> = rim.iter().filter(|edge| !held(edge)).collect();
+    let nodes = |&[a, b]: &[usize; 2]| [a, b].into_iter().chain(space.edge_nodes([a, b]));
+    let held = |edge: &[usize; 2]| nodes(edge).all(|node| supports.holds(node));
+    let flat: Vec<usize> = mesh::topology::boundary_loops(facets)
+        .into_iter()
+        .filter(|rim| (0..3).any(|axis| slides(rim, axis, supports, space, body)))
+        .flatten()
+        .collect();
+    let free: Vec<_> = rim.iter().filter(|edge| !held(edge) && !flat.contains(&edge[0])).collect();
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
         bail!(
             "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
-             rim is fixed along x, y and z: add the tag around the opening to [[fixed]]",
+             rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
+             along that: add the tag around the opening to [[fixed]]",
             free.len(),
             rim.len(),
             p.x,
@@ -113,4 +120,23 @@ pub(super) fn check_rim(
         );
     }
     Ok(())
+}
+
+/// Whether a loop of vertices lies in a plane across an axis and all its nodes
+/// stay there.
+fn slides(
+    rim: &[usize],
+    axis: usize,
+    supports: &Supports,
+    space: &FunctionSpace,
+    body: &Body,
+) -> bool {
+    let x = &body.mesh.vertices;
+    let level = x[rim[0]][axis];
+    let size = rim.iter().map(|&v| (x[v] - x[rim[0]]).norm()).fold(0.0, f64::max);
+    rim.iter().enumerate().all(|(i, &a)| {
+        let edge = [a, rim[(i + 1) % rim.len()]];
+        let mut nodes = [a].into_iter().chain(space.edge_nodes(edge));
+        (x[a][axis] - level).abs() < FLAT * size && nodes.all(|n| supports.stays(n, axis))
+    })
 }

@@ -1,0 +1,135 @@
+//! Contact and friction against closed forms.
+
+use mesh::{SurfaceMesh, Vec3};
+use serde_json::Value;
+use solver::body::Body;
+use tests::motion::{Motion, SILICONE, begin};
+use tests::{block, tag};
+
+const G: f64 = 9.8;
+/// Edge of the block [m].
+const EDGE: f64 = 0.01;
+const MASS: f64 = 1000.0 * EDGE * EDGE * EDGE;
+/// d̂ [m].
+const ACTIVATION: f64 = 1e-4;
+
+fn cube() -> Body {
+    tag(block([2, 2, 2], EDGE / 2.0, |_| false, |p| p), &[("skin", &|_| true)])
+}
+
+/// The square of 0.4 m around the origin in the plane z = 0.
+fn floor() -> SurfaceMesh {
+    let corner = |x: f64, y: f64| Vec3::new(0.2 * x, 0.2 * y, 0.0);
+    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
+    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+/// A block just above a floor, in a field of gravity and with a velocity.
+fn on_floor(gravity: Vec3, velocity: f64, friction: f64, dt: f64, steps: usize) -> Motion {
+    let [x, y, z] = gravity.into();
+    let text = format!(
+        "degree = 1\ngravity = [{x:e}, {y:e}, {z:e}]\n[[body]]\nname = \"block\"\n\
+         mesh = \"block.msh\"\ntranslate = [0, 0, {:e}]\nvelocity = [{velocity:e}, 0, 0]\n\
+         {SILICONE}[[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
+         [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\nfriction = {friction:e}\n\
+         [time]\nend = {:e}\nsteps = {steps}\n",
+        0.98 * ACTIVATION,
+        dt * steps as f64
+    );
+    begin(&[("block", &cube())], &[("floor", &floor())], &text)
+}
+
+fn floor_force(report: &Value, kind: &str) -> Vec3 {
+    let forces = report["collisions"][kind].as_array().unwrap();
+    let force = forces.iter().find(|f| f["bodies"][1] == "floor").expect("it touches the floor");
+    Vec3::from_iterator(force["force"].as_array().unwrap().iter().map(|c| c.as_f64().unwrap()))
+}
+
+/// Mean velocity of the block along x [m/s].
+fn speed(motion: &Motion) -> f64 {
+    motion.momentum(motion.v()).x / MASS
+}
+
+#[test]
+fn a_resting_block_presses_with_its_weight_whatever_the_step() {
+    for dt in [0.01, 0.005, 0.0025] {
+        let steps = (0.4 / dt) as usize;
+        let mut rest = on_floor(Vec3::new(0.0, 0.0, -G), 0.0, 0.0, dt, steps);
+        rest.go(steps);
+        let report = rest.report();
+        let force = floor_force(&report, "contact");
+        let gap = report["collisions"]["smallest_gap"].as_f64().unwrap();
+        eprintln!(
+            "resting block, step {dt} s: {:.6} of its weight, gap {gap:.4}",
+            force.z / (MASS * G)
+        );
+        assert!((force.z / (MASS * G) - 1.0).abs() < 1e-4, "{force}");
+        assert!(force.xy().norm() < 1e-6 * MASS * G, "{force}");
+        // 98 Pa on its bottom: the table of gaps says 0.9935 for 100 Pa
+        assert!((gap - 0.9935).abs() < 2e-3, "{gap}");
+    }
+}
+
+#[test]
+fn on_an_incline_a_block_creeps_or_slides_as_the_laws_say() {
+    let (friction, full) = (0.5, 1e-3);
+    for r in [0.5, 0.9, 2.0] {
+        let angle = f64::atan(r * friction);
+        let gravity = G * Vec3::new(angle.sin(), 0.0, -angle.cos());
+        let (dt, steps) = (0.002, 100);
+        let mut slide = on_floor(gravity, 0.0, friction, dt, steps);
+        slide.go(steps / 2);
+        let before = speed(&slide);
+        slide.go(steps / 2);
+        let after = speed(&slide);
+        let (found, expected, what) = if r < 1.0 {
+            (after, full * (1.0 - f64::sqrt(1.0 - r)), "creep speed")
+        } else {
+            let acceleration = (after - before) / (dt * (steps / 2) as f64);
+            (acceleration, G * (angle.sin() - friction * angle.cos()), "acceleration")
+        };
+        eprintln!("incline r = {r}: {what} {found:.6}, expected {expected:.6}");
+        assert!((found / expected - 1.0).abs() < 0.02, "r = {r}: {found} {expected}");
+    }
+}
+
+#[test]
+fn a_sliding_block_stops_where_its_energy_is_used_up() {
+    let (friction, start, dt) = (0.3, 0.2, 5e-4);
+    let steps = 200;
+    let mut slide = on_floor(Vec3::new(0.0, 0.0, -G), start, friction, dt, steps);
+    slide.go(steps);
+    let way = slide.momentum(slide.u()).x / MASS;
+    let expected = start * start / (2.0 * friction * G);
+    eprintln!("sliding block: {:.3} mm, expected {:.3} mm", 1e3 * way, 1e3 * expected);
+    assert!((way / expected - 1.0).abs() < 0.03, "{way} {expected}");
+    assert!(speed(&slide) < 1e-3, "{}", speed(&slide));
+}
+
+/// Two blocks meet in flight, one vertex first.
+#[test]
+fn bodies_that_collide_in_flight_keep_their_momentum() {
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, 0.6, 0.2);
+    let tilted = tag(block([2, 2, 2], EDGE / 2.0, |_| false, |p| turn * p), &[("skin", &|_| true)]);
+    let text = format!(
+        "degree = 1\n[[body]]\nname = \"a\"\nmesh = \"a.msh\"\nvelocity = [0.5, 0, 0]\n{SILICONE}\
+         [[body]]\nname = \"b\"\nmesh = \"b.msh\"\ntranslate = [0.016, 0, 0]\n\
+         velocity = [-0.3, 0.1, 0]\n{SILICONE}\
+         [contact]\nactivation = 1e-4\nstiffness = 1e5\nfriction = 0.4\n\
+         [time]\nend = 0.05\nsteps = 50\n"
+    );
+    let mut flight = begin(&[("a", &cube()), ("b", &tilted)], &[], &text);
+    let start = flight.momentum(flight.v());
+    let mut touched = 0;
+    for _ in 0..50 {
+        flight.go(1);
+        touched += usize::from(!flight.report()["collisions"]["smallest_gap"].is_null());
+    }
+    let end = flight.momentum(flight.v());
+    eprintln!(
+        "collision: in contact for {touched} of 50 steps, momentum kept to {:.1e}",
+        (end - start).norm() / start.norm()
+    );
+    assert!(touched > 3 && touched < 50, "{touched}");
+    assert!((end - start).norm() < 1e-8 * start.norm(), "{start} {end}");
+}
