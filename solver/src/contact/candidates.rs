@@ -23,9 +23,15 @@ use super::box_tree::{Bounds, BoxTree};
 use super::pairs::{Features, Pair};
 use crate::parallel::map_merge;
 
-/// Pairs of overlapping boxes that are looked at before the search is given up:
-/// 0.2 GB while searching, 1 GB if all of them are candidates.
-pub const BUDGET: usize = 20_000_000;
+/// Pairs of overlapping boxes that are looked at before a search is given up.
+///
+/// Steps of half the length of an edge need some 7 per vertex and edge. A pair
+/// takes 8 B while searching and 40 B in the end, so memory is about 0.2 GB and
+/// 1 kB per vertex or edge at most.
+#[must_use]
+pub fn budget(features: &Features) -> usize {
+    4_000_000 + 20 * (features.vertices.len() + features.edges.len())
+}
 
 /// Rounding of positions, in units of the largest coordinate.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -45,8 +51,8 @@ pub struct TooMany {
 /// without those that share a vertex and those whose corners `skip` is true for.
 ///
 /// # Errors
-/// [`TooMany`] where more than [`BUDGET`] pairs of boxes overlap, so that memory
-/// is bounded however long the step is.
+/// [`TooMany`] where more than [`budget`] pairs of boxes overlap, so that memory is
+/// bounded however long the step is.
 pub fn between(
     features: &Features,
     x0: &[Vec3],
@@ -54,7 +60,7 @@ pub fn between(
     radius: f64,
     skip: impl Fn([usize; 4]) -> bool + Sync,
 ) -> Result<Vec<Pair>, TooMany> {
-    between_within(BUDGET, features, x0, x1, radius, skip)
+    between_within(budget(features), features, x0, x1, radius, skip)
 }
 
 /// As [`between`], with a budget of one's own.
@@ -73,11 +79,11 @@ pub fn between_within(
     let search = Search { x0, x1, radius: radius + rounding(x0, x1), budget, seen: 0.into() };
     let admit = |pair: Pair| (!skip(pair.corners())).then_some(pair);
     let mut pairs = search.run(vertices, triangles, false, |&p, &[a, b, c]| {
-        (p != a && p != b && p != c).then(|| Pair::PointTriangle([p, a, b, c])).and_then(admit)
+        (p != a && p != b && p != c).then_some(Pair::PointTriangle([p, a, b, c])).and_then(admit)
     })?;
     pairs.append(&mut search.run(edges, edges, true, |&[p, q], &[r, s]| {
         let apart = p != r && p != s && q != r && q != s;
-        apart.then(|| Pair::EdgeEdge([p, q, r, s])).and_then(admit)
+        apart.then_some(Pair::EdgeEdge([p, q, r, s])).and_then(admit)
     })?);
     Ok(pairs)
 }

@@ -39,7 +39,7 @@ const ACCURATE: f64 = 1.0 - 1e-6;
 
 /// Renewals of the direction; more are needed only where rounding decides. What
 /// is free so far is returned then.
-const RENEWALS: usize = 64;
+const RENEWALS: usize = 100;
 
 /// A time in [0, 1] until which the features of a pair keep more than `thickness`
 /// and about [`KEPT`] of their gap beyond it, when their corners move from

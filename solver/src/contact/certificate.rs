@@ -160,15 +160,4 @@ mod tests {
         assert_eq!(certify(&both.triangles, &both.vertices, |_| false), Ok(()));
         assert!(certify(&both.triangles, &both.vertices, |v| v >= first).is_err());
     }
-
-    #[test]
-    #[ignore = "prints times"]
-    fn time() {
-        for n in [70, 173, 387, 707] {
-            let both = together(&sheet(n, waves), &sheet(n, |x, y| waves(x, y) + 1e-3));
-            let begin = std::time::Instant::now();
-            assert_eq!(check(&both), Ok(()));
-            println!("{} triangles: {:?}", both.triangles.len(), begin.elapsed());
-        }
-    }
 }

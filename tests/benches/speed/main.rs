@@ -6,6 +6,7 @@
 #![allow(missing_docs)]
 
 mod cases;
+mod contact;
 mod dense;
 mod kernels;
 mod row;
@@ -34,10 +35,10 @@ const PUBLISHED: [&str; 3] = ["gripper-p1", "gripper-p2", "worm-p2"];
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [flag, name] = &arguments[..]
-        && flag == "--solve"
-    {
-        return solves::child(name);
+    match &arguments[..] {
+        [flag, name] if flag == "--solve" => return solves::child(name),
+        [flag, name] if flag == "--contact" => return contact::child(name),
+        _ => {}
     }
     if !arguments.iter().any(|a| a == "--bench") {
         eprintln!("SKIPPED: benchmarks run by `make bench`");
@@ -71,6 +72,7 @@ fn run(words: &[String]) -> Result<()> {
         kernels.assembly_of(body)?;
     }
     now.rows.extend(kernels.take_rows());
+    now.rows.extend(contact::rows(&wanted)?);
 
     let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
     for name in bars.iter().map(String::as_str).chain(PUBLISHED) {
@@ -89,8 +91,18 @@ fn run(words: &[String]) -> Result<()> {
         text += &format!("\n{}", solves::parts(&now.solves));
     }
     let of_bars: Vec<_> = now.solves.iter().filter(|s| bars.contains(&s.body)).cloned().collect();
-    if let Some(fits) = scaling::report(&of_bars, &folder.join("scaling.svg"))? {
-        text += &format!("\n{fits}");
+    let size = "degrees of freedom";
+    let fits = [
+        scaling::report("bars", size, scaling::of_bars(&of_bars), &folder.join("scaling.svg"))?,
+        scaling::report(
+            "sheets",
+            "triangles",
+            contact::curves(&now.rows),
+            &folder.join("contact.svg"),
+        )?,
+    ];
+    for fit in fits.into_iter().flatten() {
+        text += &format!("\n{fit}");
     }
     let targets = solves::targets(&now.rows, &now.solves);
     if !targets.is_empty() {

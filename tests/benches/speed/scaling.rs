@@ -1,4 +1,4 @@
-//! How cost grows with size: power laws through the bars.
+//! How cost grows with size: power laws.
 
 use std::path::Path;
 
@@ -8,10 +8,13 @@ use solver::plot::{Axes, Series, Style, draw};
 use crate::solves::Solve;
 
 /// One measure over the sizes.
-struct Curve {
-    what: &'static str,
-    unit: &'static str,
-    points: Vec<(f64, f64)>,
+pub struct Curve {
+    /// What is measured.
+    pub what: &'static str,
+    /// In which unit.
+    pub unit: &'static str,
+    /// Size and measure.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// y = c n^e by least squares in logarithms: (c, e).
@@ -23,7 +26,8 @@ fn power_law(points: &[(f64, f64)]) -> (f64, f64) {
     ((y - exponent * x).exp(), exponent)
 }
 
-fn curves(solves: &[Solve]) -> Vec<Curve> {
+/// Cost of the bars over their degrees of freedom.
+pub fn of_bars(solves: &[Solve]) -> Vec<Curve> {
     let measure = |what, unit, f: &dyn Fn(&Solve) -> f64| {
         let points = solves.iter().map(|s| (s.dofs as f64, f(s))).collect();
         Curve { what, unit, points }
@@ -40,14 +44,21 @@ fn curves(solves: &[Solve]) -> Vec<Curve> {
 }
 
 /// The fits as lines of text, and as a picture; none for fewer than three sizes.
-pub fn report(solves: &[Solve], picture: &Path) -> Result<Option<String>> {
-    if solves.len() < 3 {
+/// `bodies` are of a `size` in words.
+pub fn report(
+    bodies: &str,
+    size: &str,
+    curves: Vec<Curve>,
+    picture: &Path,
+) -> Result<Option<String>> {
+    let sizes = || curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
+    if curves.iter().any(|c| c.points.len() < 3) {
         return Ok(None);
     }
-    let (first, last) = (solves[0].dofs, solves[solves.len() - 1].dofs);
-    let mut text = format!("cost of the bars from {first} to {last} degrees of freedom n:\n");
+    let (first, last) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
+    let mut text = format!("cost of the {bodies} from {first} to {last} {size} n:\n");
     let mut series = Vec::new();
-    for (turn, curve) in curves(solves).into_iter().enumerate() {
+    for (turn, curve) in curves.into_iter().enumerate() {
         let (c, exponent) = power_law(&curve.points);
         let at_100k = c * 1e5_f64.powf(exponent);
         let Curve { what, unit, points } = curve;
@@ -62,7 +73,7 @@ pub fn report(solves: &[Solve], picture: &Path) -> Result<Option<String>> {
         series.push(Series { label: None, points, style: Style::Circles(4), turn });
     }
     let axes = Axes {
-        x: "degrees of freedom n".to_owned(),
+        x: format!("{size} n"),
         y: "time [s], memory [GB]".to_owned(),
         log_x: true,
         log_y: true,

@@ -338,7 +338,7 @@ fn steps_end_before_contact_and_not_long_before(share: f64) {
         ("parallel", parallel, 50.0),
         ("degenerate", degenerate, 50.0),
     ];
-    println!(
+    eprintln!(
         "                          paths contacts  t / contact: least, 1 %, median  gap left / kept"
     );
     for pair in KINDS {
@@ -355,7 +355,7 @@ fn steps_end_before_contact_and_not_long_before(share: f64) {
                 ratios.get((share * ratios.len() as f64) as usize).copied().unwrap_or(f64::NAN)
             };
             let kind = if pair == KINDS[0] { "point-triangle" } else { "edge-edge" };
-            println!(
+            eprintln!(
                 "{kind:<15}{name:<11}{paths:>7}{:>9}  {:.3} {:.3} {:.3}  {least:.4} to {most:.4}",
                 ratios.len(),
                 of(0.0),
@@ -364,7 +364,7 @@ fn steps_end_before_contact_and_not_long_before(share: f64) {
             );
             assert_eq!(paths, 1000 * parts);
             // with what rounding and the end of the search allow
-            assert!(least > 0.99 && most < 1.02, "{name}");
+            assert!(least > 0.99 && most < 1.05, "{name}");
             assert_eq!(ratios.is_empty(), name == "still");
             assert!(ratios.is_empty() || of(0.5) > 0.85, "{name}");
         }
