@@ -4,6 +4,8 @@
 
 #[path = "convergence/cantilever.rs"]
 mod cantilever;
+#[path = "convergence/dynamics.rs"]
+mod dynamics;
 #[path = "convergence/land.rs"]
 mod land;
 #[path = "convergence/loads.rs"]

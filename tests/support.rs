@@ -8,6 +8,8 @@ pub mod chamber;
 pub mod equilibrium;
 #[path = "support/meshes.rs"]
 pub mod meshes;
+#[path = "support/motion.rs"]
+pub mod motion;
 #[path = "support/published.rs"]
 pub mod published;
 #[path = "support/symmetric_gas.rs"]

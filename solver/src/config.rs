@@ -6,29 +6,47 @@ mod check;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
+use crate::forward::Method;
 use crate::material::Specification;
 use crate::schedule::{Field, Schedule};
 use crate::silicone;
+
+/// Name of the body in a scene with one.
+pub const BODY: &str = "body";
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimConfig {
-    /// Tagged tetrahedral mesh, as `tagger` writes it.
-    pub mesh: PathBuf,
+    /// Tagged tetrahedral mesh of the one body, as `tagger` writes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
     /// Polynomial degree of the displacement: 1, 2 or 3.
     #[serde(default = "quadratic")]
     pub degree: usize,
     /// Degree to which energies are integrated exactly, from 5 to 12.
     #[serde(default = "quintic")]
     pub quadrature: usize,
-    /// Law of the body.
-    pub material: MaterialConfig,
+    /// Law of the one body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialConfig>,
+    /// Several bodies, in place of `mesh` and `material`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub body: Vec<BodyConfig>,
+    /// Surfaces that bodies cannot pass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacle: Vec<ObstacleConfig>,
     /// Tags that cannot move, or move as prescribed.
+    #[serde(default)]
     pub fixed: Vec<Fixed>,
+    /// Acceleration by gravity [m/s²].
+    #[serde(default)]
+    pub gravity: Field,
+    /// What happens where surfaces meet; without it they pass through each other.
+    pub contact: Option<ContactConfig>,
     /// Chambers with a prescribed pressure.
     #[serde(default)]
     pub pressure: Vec<PressureConfig>,
@@ -52,6 +70,35 @@ pub struct SimConfig {
 }
 
 impl SimConfig {
+    /// All bodies; the one without a name of its own is called [`BODY`].
+    ///
+    /// # Errors
+    /// When they are given in both ways or none.
+    pub fn bodies(&self) -> Result<Vec<BodyConfig>> {
+        match (&self.mesh, &self.material, self.body.is_empty()) {
+            (Some(mesh), Some(material), true) => Ok(vec![BodyConfig {
+                name: BODY.to_owned(),
+                mesh: mesh.clone(),
+                material: material.clone(),
+                translate: [0.0; 3],
+                velocity: [0.0; 3],
+            }]),
+            (None, None, false) => Ok(self.body.clone()),
+            (None, None, true) => {
+                bail!("no body: needed are mesh and material, or a table [[body]] for each")
+            }
+            (_, None, true) => bail!("mesh without material: a body needs both"),
+            (None, _, true) => bail!("material without mesh: a body needs both"),
+            _ => bail!("[[body]] beside mesh or material: write the one body as a [[body]], too"),
+        }
+    }
+
+    /// How bodies go through time.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.time.as_ref().map_or(Method::Quasistatic, |time| time.method)
+    }
+
     /// Ends of the time steps [s]; of a static scene the full load, 1.
     #[must_use]
     pub fn times(&self) -> Vec<f64> {
@@ -66,7 +113,75 @@ impl SimConfig {
     }
 }
 
-/// Time steps: `end` and `steps`, or `at`. The body is at rest at t = 0.
+/// One of several bodies. Its tags are called `name.tag`, and `name` is its whole
+/// boundary.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyConfig {
+    /// What tags and reports call it.
+    pub name: String,
+    /// Tagged tetrahedral mesh.
+    pub mesh: PathBuf,
+    /// Its law.
+    pub material: MaterialConfig,
+    /// Shift of the mesh [m].
+    #[serde(default)]
+    pub translate: [f64; 3],
+    /// Velocity at t = 0 [m/s].
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+/// A rigid surface, open or closed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleConfig {
+    /// What reports call it.
+    pub name: String,
+    /// Triangle surface, a file in metres.
+    pub surface: PathBuf,
+    /// How far it has moved [m].
+    #[serde(default)]
+    pub displacement: Field,
+}
+
+/// How surfaces keep apart and rub.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactConfig {
+    /// Which sum over pairs of features.
+    #[serde(default)]
+    pub form: ContactForm,
+    /// Distance below which surfaces repel each other, beyond `thickness` [m].
+    pub activation: f64,
+    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴].
+    pub stiffness: f64,
+    /// Distance that surfaces never fall below [m].
+    #[serde(default)]
+    pub thickness: f64,
+    /// Parts that each edge of the mesh is cut into on the collision surface;
+    /// the degree of the displacement if not given.
+    pub split: Option<usize>,
+    /// Coefficient of friction [1].
+    #[serde(default)]
+    pub friction: f64,
+    /// Sliding speed from which friction is full [m/s].
+    #[serde(default = "a_millimetre")]
+    pub friction_speed: f64,
+}
+
+/// Which sum over pairs of features the contact potential is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactForm {
+    /// Weighted by areas: converges as meshes are refined.
+    #[default]
+    Convergent,
+    /// Every pair alike: grows with the number of facets.
+    Plain,
+}
+
+/// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeConfig {
@@ -76,6 +191,9 @@ pub struct TimeConfig {
     pub steps: Option<usize>,
     /// Ends of all steps [s].
     pub at: Option<Vec<f64>>,
+    /// How the bodies go through time.
+    #[serde(default)]
+    pub method: Method,
 }
 
 fn quadratic() -> usize {

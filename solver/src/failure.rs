@@ -69,7 +69,7 @@ impl Diagnosis {
         let zero = vec![0.0; system.len()];
         let at_rest = Softness::of(system, rest, &zero, [0.0, next - load]);
         let reached = Softness::of(system, rest, &attempt.reached, [load, next]);
-        let range = scene.material.stretch_range;
+        let range = scene.stretch_range();
         let stretches = Stretches::of(&system.space, rest, &attempt.reached, range);
 
         let reason = reason(scene, unreached, &at_rest, &system.space, rest);

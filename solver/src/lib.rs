@@ -24,6 +24,8 @@ pub mod config; // what people write
 pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod results; // what programs write
+pub mod record; // what a run writes while it goes on
+pub mod import; // scenes of another program
 pub mod failure; // what is known where there is no equilibrium
 pub mod compare; // runs against a reference
 pub mod optimize; // outer loop

@@ -34,6 +34,7 @@ enum Verb {
     Fit(cmd::fit::Arguments),
     Compare(cmd::compare::Arguments),
     Plot(cmd::plot::Arguments),
+    Import(cmd::import::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
             Verb::Fit(arguments) => cmd::fit::run(arguments),
             Verb::Compare(arguments) => cmd::compare::run(arguments),
             Verb::Plot(arguments) => cmd::plot::run(arguments),
+            Verb::Import(arguments) => cmd::import::run(arguments),
         }
     })
 }

@@ -10,12 +10,13 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::body::Body;
+use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
-use crate::energy::Chamber;
+use crate::energy::{Chamber, Energy, Iterate};
 use crate::forward::{LoadStep, System};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
-use crate::scene::Scene;
+use crate::scene::{Collisions, Scene};
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize)]
@@ -56,8 +57,9 @@ pub fn tags(
     body: &Body,
     system: &mut System,
     u: &[f64],
+    load: f64,
 ) -> Result<BTreeMap<String, TagReport>> {
-    let reactions = reactions(scene, body, system, u, scene.end())?;
+    let reactions = reactions(scene, body, system, u, load)?;
     let mut reports = BTreeMap::new();
     for name in body.used_tags() {
         let mut report = displacements(body, &system.space, &body.facets(name)?, u);
@@ -123,11 +125,17 @@ pub fn displacements(
 }
 
 /// Measures of one load step: the step, its chambers, reactions, balance of
-/// forces and energies.
+/// forces and energies; of one with the velocity `v` [m/s] the kinetic one, too.
 ///
 /// # Errors
 /// When a tag is missing.
-pub fn step(scene: &Scene, body: &Body, system: &mut System, step: &LoadStep) -> Result<Value> {
+pub fn step(
+    scene: &Scene,
+    body: &Body,
+    system: &mut System,
+    step: &LoadStep,
+    v: Option<&[f64]>,
+) -> Result<Value> {
     system.multipliers.clone_from(&step.multipliers);
     let mut report = json!(step);
     report["t"] = json!(step.load);
@@ -141,7 +149,31 @@ pub fn step(scene: &Scene, body: &Body, system: &mut System, step: &LoadStep) ->
     report["reactions"] = json!(reactions(scene, body, system, &step.u, step.load)?);
     report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
     report["energies"] = json!(energies(system, &body.mesh.vertices, &step.u, step.load));
+    if let Some(v) = v {
+        report["energies"]["kinetic"] = json!(kinetic_energy(scene, system, v)?);
+        report["momentum"] = json!(<[f64; 3]>::from(momentum(scene, system, v)?));
+    }
     Ok(report)
+}
+
+/// ½ vᵀ M v of all bodies [J].
+///
+/// # Errors
+/// When a density is not known.
+pub fn kinetic_energy(scene: &Scene, system: &System, v: &[f64]) -> Result<f64> {
+    let rest = &scene.body.mesh.vertices;
+    let inertia = scene.inertia(&scene.body, &system.space)?;
+    Ok(inertia.iter().map(|i| i.kinetic_energy(&system.space, rest, v)).sum())
+}
+
+/// ∫ ρ v dX of all bodies [kg m/s].
+///
+/// # Errors
+/// When a density is not known.
+pub fn momentum(scene: &Scene, system: &System, v: &[f64]) -> Result<Vec3> {
+    let rest = &scene.body.mesh.vertices;
+    let inertia = scene.inertia(&scene.body, &system.space)?;
+    Ok(inertia.iter().map(|i| i.momentum(&system.space, rest, v)).sum())
 }
 
 /// Measures every chamber at a load.
@@ -166,7 +198,8 @@ pub fn walls(
     Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
 }
 
-/// Energies of a state by kind, and their sum `total` [J].
+/// Energies of a state by kind, and their sum `total` [J]. What inertia and
+/// friction add to the potential of a step in time is none.
 #[must_use]
 pub fn energies(
     system: &System,
@@ -177,7 +210,8 @@ pub fn energies(
     let at = system.iterate(rest, u, load);
     // those that a scene may lack are reported, too
     let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
-    for energy in &system.energies {
+    let stored = |e: &&Box<dyn Energy>| !["inertia", "tiny_mass", "friction"].contains(&e.name());
+    for energy in system.energies.iter().filter(stored) {
         let value = energy.value(&at);
         *energies.entry(energy.name()).or_insert(0.0) += value;
         *energies.entry("total").or_insert(0.0) += value;
@@ -217,6 +251,46 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
     npy::write_f64(&folder.join("nodes.npy"), &nodes, &shape)?;
     npy::write_f64(&folder.join("displacement.npy"), u, &shape)?;
     Ok(())
+}
+
+/// Forces between surfaces at a state: how close they are, and for each pair of
+/// bodies the force on the first [N] and the sum of its magnitudes.
+#[must_use]
+pub fn collisions(collisions: &Collisions, at_: &Iterate) -> Value {
+    let closeness = collisions.contact.closeness(at_);
+    let told = |forces: Vec<BodyForce>| -> Vec<Value> {
+        let one = |f: BodyForce| {
+            json!({
+                "bodies": f.bodies.map(|b| &collisions.names[b]),
+                "force": <[f64; 3]>::from(f.force),
+                "magnitude": f.magnitude,
+            })
+        };
+        forces.into_iter().map(one).collect()
+    };
+    json!({
+        "pairs": closeness.pairs,
+        "smallest_gap": closeness.smallest.is_finite().then_some(closeness.smallest),
+        "contact": told(collisions.contact.body_forces(at_)),
+        "friction": told(collisions.friction.as_ref().map_or_else(Vec::new, |f| f.body_forces(at_))),
+    })
+}
+
+/// [`grid`] with the forces of contact and friction on the nodes [N].
+#[must_use]
+pub fn grid_with_forces(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> vtu::Grid {
+    let mut grid = grid(&system.space, rest, u);
+    for energy in &system.energies {
+        let Some(name) = ["contact", "friction"].iter().find(|name| **name == energy.name()) else {
+            continue;
+        };
+        let mut values = vec![0.0; u.len()];
+        energy.add_gradient(&system.iterate(rest, u, load), &mut values);
+        values.iter_mut().for_each(|f| *f = -*f);
+        let (name, unit) = (format!("{name}_force"), "N".to_owned());
+        grid.point_fields.push(vtu::Field { name, unit, components: 3, values });
+    }
+    grid
 }
 
 /// The body with its displacement, and the mean of J over each element.

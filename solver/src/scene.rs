@@ -2,6 +2,9 @@
 //! meshes, energies and objectives.
 
 mod chambers;
+mod contact;
+
+pub use contact::Collisions;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,11 +12,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 
-use crate::body::Body;
-use crate::config::{ObjectiveConfig, SimConfig, SolverConfig, beside};
+use crate::body::{Body, Part};
+use crate::config::{BodyConfig, ObjectiveConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
-use crate::energy::{BodyForce, Elastic, Energy, Traction};
-use crate::forward::{Newton, Stepping, System};
+use crate::energy::{BodyForce, Elastic, Energy, Inertia, Traction};
+use crate::forward::{Integrator, Newton, State, Stepping, System};
 use crate::material::Specification;
 use crate::memory;
 use crate::objective::{
@@ -22,18 +25,31 @@ use crate::objective::{
 use crate::schedule::Field;
 use crate::supports::Supports;
 
+/// Density for the tiny mass of a loose body if its own is not known [kg/m³].
+const WATER: f64 = 1000.0;
+
 /// A scene as read from its file.
 pub struct Scene {
     /// Where it came from.
     pub path: PathBuf,
     /// The settings.
     pub config: SimConfig,
-    /// Law and parameters of the body.
+    /// What each body is made of, in the order of the body's parts.
+    pub parts: Vec<ScenePart>,
+    /// The bodies.
+    pub body: Body,
+    /// Whether to prove of every step that no surfaces intersect.
+    pub certify: bool,
+}
+
+/// One body as its scene describes it.
+pub struct ScenePart {
+    /// The settings.
+    pub config: BodyConfig,
+    /// Law and parameters.
     pub material: Specification,
     /// The mesh file that was read.
     pub mesh_path: PathBuf,
-    /// The body.
-    pub body: Body,
 }
 
 impl Scene {
@@ -45,16 +61,55 @@ impl Scene {
         let mut config: SimConfig = mesh::io::read_toml(path)?;
         let context = || path.display().to_string();
         config.check().with_context(context)?;
-        let material = config.material.specification().with_context(context)?;
-        let mesh_path =
-            other_mesh.map_or_else(|| beside(path, &config.mesh), std::path::Path::to_path_buf);
-        let file = mesh::io::read_tets(&mesh_path)?;
-        let findings = mesh::check::check_tets(&file.mesh);
-        if let Some(finding) = findings.first() {
-            bail!("{}: {}", mesh_path.display(), finding.message);
+        let bodies = config.bodies().with_context(context)?;
+        ensure!(
+            other_mesh.is_none() || bodies.len() == 1,
+            "{}: {} bodies, of which another mesh cannot replace one; needed is a scene with one",
+            path.display(),
+            bodies.len()
+        );
+        let (mut parts, mut meshes) = (Vec::new(), Vec::new());
+        for body in bodies {
+            let material = body.material.specification().with_context(context)?;
+            let mesh_path = other_mesh.map_or_else(|| beside(path, &body.mesh), Path::to_path_buf);
+            let mut file = mesh::io::read_tets(&mesh_path)?;
+            if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
+                bail!("{}: {}", mesh_path.display(), finding.message);
+            }
+            file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
+            meshes.push((body.name.clone(), file.mesh, file.tags));
+            parts.push(ScenePart { config: body, material, mesh_path });
         }
-        let body = Body::new(file.mesh, file.tags);
-        Ok(Self { path: path.to_path_buf(), config, material, mesh_path, body })
+        let body = match meshes.pop() {
+            Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
+                Body::new(mesh, tags)
+            }
+            last => Body::of_several(meshes.into_iter().chain(last).collect()),
+        };
+        Ok(Self { path: path.to_path_buf(), config, parts, body, certify: true })
+    }
+
+    /// Density of a body [kg/m³].
+    fn density(&self, part: &ScenePart) -> Result<f64> {
+        part.material.density.with_context(|| {
+            format!(
+                "body \"{}\": inertia and gravity need the density of its material; add density \
+                 = ... [kg/m³] to its table, about 1000 to 1100 for silicone{}",
+                part.config.name,
+                if self.config.method().has_inertia() {
+                    ", or neglect inertia by method = \"quasistatic\" in [time]"
+                } else {
+                    ""
+                }
+            )
+        })
+    }
+
+    /// The range of stretches that all materials were fitted to, if it is known.
+    #[must_use]
+    pub fn stretch_range(&self) -> Option<[f64; 2]> {
+        let ranges = self.parts.iter().filter_map(|part| part.material.stretch_range);
+        ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])
     }
 
     /// The discrete problem on a body with this scene's tags.
@@ -104,9 +159,13 @@ impl Scene {
     /// # Errors
     /// With the table that has none.
     pub fn check_differentiable(&self) -> Result<()> {
-        for (found, table) in
-            [(self.config.time.is_some(), "[time]"), (!self.config.volume.is_empty(), "[[volume]]")]
-        {
+        let config = &self.config;
+        for (found, table) in [
+            (config.time.is_some(), "[time]"),
+            (!config.volume.is_empty(), "[[volume]]"),
+            (config.contact.is_some(), "[contact]"),
+            (!config.body.is_empty(), "[[body]]"),
+        ] {
             ensure!(
                 !found,
                 "{}: {table}: there is no gradient with it; it is for solver simulate only\n  \
@@ -122,27 +181,81 @@ impl Scene {
     /// # Errors
     /// When a tag is missing, tags contradict each other or the body floats.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        Supports::new(&self.config.fixed, &self.config.moments(), body, space)
+        let new = if self.config.may_float() { Supports::new } else { Supports::of_held };
+        new(&self.config.fixed, &self.config.moments(), body, space)
             .with_context(|| self.path.display().to_string())
     }
 
-    /// The terms of the potential energy; the first is the elastic one.
+    /// Inertia of each body.
+    ///
+    /// # Errors
+    /// When a density is not known.
+    pub fn inertia(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Inertia>> {
+        let parts = self.parts.iter().zip(&body.parts);
+        let one = |(part, own): (&ScenePart, &Part)| {
+            Ok(Inertia::new(space, self.density(part)?, own.tets.clone()))
+        };
+        parts.map(one).collect()
+    }
+
+    /// The bodies at t = 0, and how they go on.
+    #[must_use]
+    pub fn integrator(&self, system: &System) -> Integrator {
+        let space = &system.space;
+        let nodes = space.node_count();
+        let mut v = vec![0.0; 3 * nodes];
+        for (part, own) in self.parts.iter().zip(&self.body.parts) {
+            let n = space.nodes_per_element();
+            for &node in &space.element_nodes()[n * own.tets.start..n * own.tets.end] {
+                v[3 * node..3 * node + 3].copy_from_slice(&part.config.velocity);
+            }
+        }
+        v.iter_mut().zip(system.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
+    }
+
+    /// The terms of the potential energy.
     fn energies(
         &self,
         body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<Vec<Box<dyn Energy>>> {
-        let mut energies: Vec<Box<dyn Energy>> =
-            vec![Box::new(Elastic { material: self.material.build() })];
+        let mut energies: Vec<Box<dyn Energy>> = Vec::new();
+        let gravity = &self.config.gravity;
+        for (part, own) in self.parts.iter().zip(&body.parts) {
+            let tets = own.tets.clone();
+            energies.push(Box::new(Elastic::part(part.material.build(), tets.clone())));
+            if gravity.0.iter().any(|g| !g.is_zero()) {
+                let density = self.density(part)?;
+                let weight = BodyForce::weight(gravity.clone(), density, tets.clone());
+                energies.push(Box::new(weight));
+            }
+        }
+        if self.config.method().has_inertia() {
+            let inertia = self.inertia(body, space)?.into_iter();
+            energies.extend(inertia.map(|i| Box::new(i) as Box<dyn Energy>));
+        } else {
+            for (part, own) in self.parts.iter().zip(&body.parts) {
+                if supports.leave_loose(space, &own.vertices) {
+                    let density = part.material.density.unwrap_or(WATER);
+                    energies.push(Box::new(Inertia::tiny(space, density, own.tets.clone())));
+                }
+            }
+        }
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
+        if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
+            energies.push(Box::new(collisions.contact));
+            energies.extend(collisions.friction.map(|f| Box::new(f) as Box<dyn Energy>));
+        }
         let nodes = space.node_positions(&body.mesh.vertices);
+        self.check_field("gravity", gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
-            energies.push(Box::new(BodyForce { force: load.force.clone() }));
+            energies.push(Box::new(BodyForce::whole(load.force.clone())));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;

@@ -1,6 +1,7 @@
 //! Which degrees of freedom a scene fixes, and at which displacement.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use mesh::Vec3;
@@ -31,8 +32,7 @@ impl Supports {
     /// fix. Motions must be defined and agree at the moments `times` [s].
     ///
     /// # Errors
-    /// When a tag is missing, two tags prescribe different displacements, or
-    /// the body can still move as a whole.
+    /// When a tag is missing or two tags prescribe different displacements.
     pub fn new(
         configs: &[Fixed],
         times: &[f64],
@@ -60,6 +60,30 @@ impl Supports {
                 supports.fix(node, index, configs, times)?;
             }
         }
+        Ok(supports)
+    }
+
+    /// Whether some connected part of a range of vertices can move as a whole.
+    #[must_use]
+    pub fn leave_loose(&self, space: &FunctionSpace, vertices: &Range<usize>) -> bool {
+        parts(space).iter().any(|part| {
+            let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
+            // the lowest node of a part is a vertex
+            vertices.contains(&part[0]) && self.rigid_motion(part, centre).is_some()
+        })
+    }
+
+    /// As [`Self::new`], but no part can move as a whole.
+    ///
+    /// # Errors
+    /// The same, or when a part can.
+    pub fn of_held(
+        configs: &[Fixed],
+        times: &[f64],
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Self> {
+        let supports = Self::new(configs, times, body, space)?;
         supports.check_rigid_motions(space)?;
         Ok(supports)
     }
@@ -256,7 +280,7 @@ mod tests {
     fn supports(configs: &[Fixed]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::new(configs, &[0.0, 1.0], &body, &space)
+        Supports::of_held(configs, &[0.0, 1.0], &body, &space)
     }
 
     fn message(configs: &[Fixed]) -> String {
@@ -294,7 +318,7 @@ mod tests {
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
         let text =
-            Supports::new(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+            Supports::of_held(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

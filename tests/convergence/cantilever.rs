@@ -53,7 +53,7 @@ fn ratio(end_held: End, degree: usize, cells: usize) -> f64 {
     let energies = |space: &_| -> Vec<Box<dyn Energy>> {
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
         vec![
-            Box::new(Elastic { material: Box::new(SILICONE) }),
+            Box::new(Elastic::whole(Box::new(SILICONE))),
             Box::new(Traction::new(space, &end, shear.into())),
         ]
     };

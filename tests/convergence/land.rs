@@ -101,9 +101,8 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let edge = 1e-3 / cells as f64;
     let mesh = block([10 * cells, cells, cells], edge, |_| false, |p| p);
     let below = facets_where(&mesh, |p| p.z < 1e-9);
-    let energies = |_: &_| -> Vec<Box<dyn Energy>> {
-        vec![Box::new(Elastic { material: Box::new(Guccione) })]
-    };
+    let energies =
+        |_: &_| -> Vec<Box<dyn Energy>> { vec![Box::new(Elastic::whole(Box::new(Guccione)))] };
     let mut problem = Problem::new(mesh, degree, energies, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&problem.system.space, &below);
     let gas = Chamber { wall, gas: GasLaw::Isobaric { pressure: 4.0.into() } };

@@ -29,10 +29,10 @@ fn body() -> Body {
 fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
-        Box::new(Elastic { material: Box::new(SILICONE) }),
+        Box::new(Elastic::whole(Box::new(SILICONE))),
         Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3.into() } }),
-        Box::new(BodyForce { force: FORCE.into() }),
-        Box::new(BodyForce { force: field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]) }),
+        Box::new(BodyForce::whole(FORCE.into())),
+        Box::new(BodyForce::whole(field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]))),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),
         Box::new(Traction::new(
             space,
@@ -87,8 +87,12 @@ fn every_term_has_its_derivatives_for_every_degree() {
                 g
             };
             assert_taylor(&name, 2e-5, dot(&gradient(rest, &u), &q), |e| value(&moved(e)));
-            let pattern =
-                Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
+            let pattern = Pattern::new(
+                space.node_count(),
+                space.element_nodes(),
+                space.nodes_per_element(),
+                &[],
+            );
             let mut hessian = BlockMatrix::zeros(&pattern);
             iterate(rest, &u, &mut |at| energy.add_hessian(at, Hessian::Exact, &mut hessian));
             let second = dot(&hessian.multiply(&q), &lambda);
@@ -131,7 +135,7 @@ fn resultants_are_force_times_volume_and_traction_times_area() {
             );
             -(0..space.node_count()).map(|i| at(&g, i)).sum::<Vec3>()
         };
-        let weight = resultant(&BodyForce { force: FORCE.into() });
+        let weight = resultant(&BodyForce::whole(FORCE.into()));
         assert!((weight - volume * Vec3::from(FORCE)).norm() < 1e-12 * weight.norm());
         let pull = resultant(&Traction::new(&space, &side, TRACTION.into()));
         assert!((pull - area * Vec3::from(TRACTION)).norm() < 1e-12 * pull.norm());

@@ -128,7 +128,7 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let mut u: Vec<f64> = nodes.iter().flat_map(|&p| <[f64; 3]>::from(displacement(p))).collect();
     let forcing = Forcing::new(&space, &rest);
     let energies: Vec<Box<dyn Energy>> =
-        vec![Box::new(Elastic { material: Box::new(LAW) }), Box::new(forcing)];
+        vec![Box::new(Elastic::whole(Box::new(LAW))), Box::new(forcing)];
     let mut system = System::new(space, energies, &fixed);
     let newton = Newton { iterations: 20, relative: 1e-11, absolute: 0.0 };
     newton.solve(&mut system, &rest, &mut u, 1.0).unwrap();

@@ -25,7 +25,7 @@ fn ring(
     let inner = facets_where(&mesh, |p| p.xy().norm() < 1.0 + 1e-9);
     let energies = |space: &FunctionSpace| -> Vec<Box<dyn Energy>> {
         let gas = SymmetricGas::new(space, &inner, Planes::Slab, law.clone());
-        vec![Box::new(Elastic { material: material() }), Box::new(gas)]
+        vec![Box::new(Elastic::whole(material())), Box::new(gas)]
     };
     Problem::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])
 }

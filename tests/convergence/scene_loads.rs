@@ -77,7 +77,7 @@ fn reactions_balance_every_load() {
     assert!((body_force + traction + reaction).norm() < 1e-9, "{balance}");
     assert!(balance["out_of_balance"].as_f64().unwrap() < 1e-9);
 
-    let tags = results::tags(&scene, &scene.body, &mut system, &solution.u).unwrap();
+    let tags = results::tags(&scene, &scene.body, &mut system, &solution.u, 1.0).unwrap();
     let [root, end, top] = ["root", "end", "top"].map(|name| Vec3::from(tags[name].reaction));
     assert!((root + end - reaction).norm() < 1e-9);
     assert!(end.x > 0.1 && end.y == 0.0, "the end is pulled and free along y: {end}");

@@ -10,7 +10,7 @@ const SAME: f64 = 1e-8;
 
 #[test]
 fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
-    let loads = "[time]\nat = [0.5, 1.0, 3.0]\n\
+    let loads = "[time]\nmethod = \"quasistatic\"\nat = [0.5, 1.0, 3.0]\n\
                  [[pressure]]\non = \"left\"\npressure = \"20e3*sin(pi*t/6)\"\n\
                  [[body_force]]\nforce = [0, 0, -9810]\n\
                  [[traction]]\non = \"top\"\ntraction = [\"200*t\", 0, 0]\n";
@@ -38,7 +38,7 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
 fn a_table_is_the_expression_of_its_lines() {
     let with = |pressure: &str| {
         simulate(&format!(
-            "{HELD}[time]\nend = 0.4\nsteps = 5\n[[pressure]]\non = \"left\"\npressure = {pressure}\n"
+            "{HELD}[time]\nmethod = \"quasistatic\"\nend = 0.4\nsteps = 5\n[[pressure]]\non = \"left\"\npressure = {pressure}\n"
         ))
     };
     let table = with("{ t = [0, 0.1, 0.3, 0.4], value = [0, 0, 30e3, 30e3] }");
@@ -62,7 +62,7 @@ fn a_table_is_the_expression_of_its_lines() {
 fn a_time_step_is_cut_where_it_is_too_long() {
     let with = |solver: &str| {
         simulate(&format!(
-            "{HELD}[time]\nat = [1.0, 4.0]\n\
+            "{HELD}[time]\nmethod = \"quasistatic\"\nat = [1.0, 4.0]\n\
              [[pressure]]\non = \"left\"\npressure = {{ t = [0, 1, 4], value = [0, 5e3, 90e3] }}\n{solver}"
         ))
     };
@@ -83,7 +83,7 @@ fn a_support_moves_in_time() {
     let scene = |displacement: &str, time: &str| {
         format!("{time}{HELD}[[fixed]]\non = \"end\"\ndisplacement = [{displacement}, 0, 0]\n")
     };
-    let time = "[time]\nend = 1.0\nsteps = 8\n";
+    let time = "[time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = 8\n";
     let mut moving = simulate(&scene("\"5e-3*sin(2*pi*t)\"", time));
     let ends = moving.ends();
     let body = moving.scene.body.clone();
@@ -103,7 +103,7 @@ fn a_support_moves_in_time() {
         largest(&ends[3].u)
     );
     assert!(gap < SAME);
-    let report = results::step(&moving.scene, &body, &mut moving.system, &ends[1]).unwrap();
+    let report = results::step(&moving.scene, &body, &mut moving.system, &ends[1], None).unwrap();
     assert!(report["reactions"]["end"][0].as_f64().unwrap() > 1.0, "{report}");
     assert_eq!(report["t"], 0.25);
     assert!(report["load"].is_null());
@@ -122,7 +122,8 @@ fn supports_follow_expressions_of_the_position() {
     };
     let tags = ["root", "end", "top", "left", "middle", "right", "skin"];
     let fixed: String = tags.iter().map(|tag| on(tag)).collect();
-    let simulated = simulate(&format!("{fixed}[time]\nat = [0.7, 1.5]\n"));
+    let simulated =
+        simulate(&format!("{fixed}[time]\nmethod = \"quasistatic\"\nat = [0.7, 1.5]\n"));
     let nodes = simulated.system.space.node_positions(&simulated.scene.body.mesh.vertices);
     for step in simulated.ends() {
         let t = step.load;

@@ -49,7 +49,7 @@ impl Shell {
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
         let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.clone());
         let energies = |space: &_| -> Vec<Box<dyn Energy>> {
-            vec![Box::new(Elastic { material: material() }), Box::new(gas(space))]
+            vec![Box::new(Elastic::whole(material())), Box::new(gas(space))]
         };
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let problem = Problem::new(mesh, degree, energies, on_plane);

@@ -65,7 +65,7 @@ fn volume_gas_and_pressure_work_together() {
 /// A pump that fills, holds and empties the chamber.
 #[test]
 fn a_volume_follows_its_schedule() {
-    let loads = "[time]\nend = 2.0\nsteps = 4\n\
+    let loads = "[time]\nmethod = \"quasistatic\"\nend = 2.0\nsteps = 4\n\
                  [[volume]]\non = \"middle\"\n\
                  change = { t = [0, 1, 1.5, 2], value = [0, 4e-7, 4e-7, 0] }\n";
     let mut simulated = simulate(&format!("{HELD}{loads}"));
@@ -83,7 +83,7 @@ fn a_volume_follows_its_schedule() {
 /// Air let in over time: at every moment the amount of gas of that moment.
 #[test]
 fn a_fill_follows_its_schedule() {
-    let loads = "[time]\nat = [0.25, 1.0, 1.5]\n\
+    let loads = "[time]\nmethod = \"quasistatic\"\nat = [0.25, 1.0, 1.5]\n\
                  [[gas]]\non = \"middle\"\nfill = \"60e3*t*(2 - t)\"\nambient = 101.3e3\nexponent = 1.4\n";
     let mut simulated = simulate(&format!("{HELD}{loads}"));
     for step in simulated.ends() {

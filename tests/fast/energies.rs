@@ -3,7 +3,8 @@
 use mesh::Vec3;
 use solver::element::FunctionSpace;
 use solver::energy::{
-    Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Multiplier, Prescribed, Wall,
+    Chamber, Elastic, Energy, GasLaw, Hessian, Inertia, Iterate, Multiplier, Prescribed, TimeStep,
+    Wall,
 };
 use solver::material::MooneyRivlin;
 use solver::math::random::Random;
@@ -34,12 +35,13 @@ struct Case {
     energy: Box<dyn Energy>,
     /// Zero where the wall's rim is fixed, so that the gas force has a potential.
     mask: Vec<f64>,
+    step: TimeStep,
 }
 
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for degree in [1, 2] {
-        for name in ["elastic", "isobaric", "ideal", "volume"] {
+        for name in ["elastic", "inertia", "isobaric", "ideal", "volume"] {
             let body = body();
             let rest = body.mesh.vertices.clone();
             let space = FunctionSpace::new(degree, rest.len(), body.mesh.tets.clone());
@@ -52,7 +54,8 @@ fn cases() -> Vec<Case> {
             let mut random = Random::new(7);
             let u = mask.iter().map(|m| m * 4e-4 * random.uniform()).collect();
             let energy: Box<dyn Energy> = match name {
-                "elastic" => Box::new(Elastic { material: Box::new(SILICONE) }),
+                "inertia" => Box::new(Inertia::new(&space, 1100.0, 0..body.mesh.tets.len())),
+                "elastic" => Box::new(Elastic::whole(Box::new(SILICONE))),
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
                     let factor = Prescribed::Factor(1.3.into());
@@ -64,7 +67,9 @@ fn cases() -> Vec<Case> {
                     Box::new(Chamber { wall, gas })
                 }
             };
-            cases.push(Case { name, space, rest, u, energy, mask });
+            let free_flight = Some(mask.iter().map(|m| m * 1e-3 * random.uniform()).collect());
+            let step = TimeStep { h: 0.01, free_flight, ..TimeStep::default() };
+            cases.push(Case { name, space, rest, u, energy, mask, step });
         }
     }
     cases
@@ -77,7 +82,14 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 0.8, multipliers: &MULTIPLIERS, step: None }
+        Iterate {
+            space: &self.space,
+            rest,
+            u,
+            load: 0.8,
+            multipliers: &MULTIPLIERS,
+            step: Some(&self.step),
+        }
     }
 
     fn gradient(&self, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
@@ -121,6 +133,7 @@ fn hessians_are_the_derivatives_of_the_gradients() {
             case.space.node_count(),
             case.space.element_nodes(),
             case.space.nodes_per_element(),
+            &[],
         );
         let mut hessian = BlockMatrix::zeros(&pattern);
         case.energy.add_hessian(&case.at(&case.u, &case.rest), Hessian::Exact, &mut hessian);
@@ -172,7 +185,7 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .iter()
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
-        let elastic = Elastic { material: Box::new(SILICONE) };
+        let elastic = Elastic::whole(Box::new(SILICONE));
         let at = Iterate {
             space: &space,
             rest: &mesh.vertices,

@@ -36,7 +36,7 @@ impl Energy for Blurred {
 }
 
 fn elastic() -> Elastic {
-    Elastic { material: Box::new(SILICONE) }
+    Elastic::whole(Box::new(SILICONE))
 }
 
 /// A bar of square section that bends under its weight.
@@ -44,7 +44,7 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, term: fn() -> Box<dyn Energy>) 
     Problem::new(
         block(cells, edge, |_| false, |p| p),
         2,
-        |_| vec![term(), Box::new(BodyForce { force: Vec3::new(0.0, 0.0, -force).into() })],
+        |_| vec![term(), Box::new(BodyForce::whole(Vec3::new(0.0, 0.0, -force).into()))],
         |p| [p.x < 1e-9; 3],
     )
 }

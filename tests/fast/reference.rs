@@ -21,7 +21,7 @@ fn compare(degree: usize, reference: &str) {
     let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
     let energies: Vec<Box<dyn Energy>> = vec![
-        Box::new(Elastic { material: Box::new(law) }),
+        Box::new(Elastic::whole(Box::new(law))),
         Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 5e3.into() } }),
     ];
     let mut system = System::new(space, energies, &fixed);

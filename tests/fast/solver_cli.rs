@@ -55,6 +55,7 @@ fn the_report_has_what_is_documented() {
         let steps = report["steps"].as_array().unwrap().len();
         let steps: Vec<String> = (0..steps).map(|i| format!("step_{i:03}.vtu")).collect();
         expected.extend(steps.iter().map(String::as_str));
+        expected.push("steps.jsonl");
         assert_eq!(dir.files("out"), expected);
     }
 }
@@ -148,7 +149,8 @@ fn the_point_field_is_called_displacement() {
 fn a_scene_with_time_has_one_result_per_time_step() {
     let dir = chamber::workdir();
     let pressure = "{ t = [0, 0.2, 1], value = [0, 8e3, 2e3] }";
-    let scene = dir.text("p1.toml").replace("8e3", pressure) + "[time]\nat = [0.1, 0.2, 0.6, 1]\n";
+    let scene = dir.text("p1.toml").replace("8e3", pressure)
+        + "[time]\nmethod = \"quasistatic\"\nat = [0.1, 0.2, 0.6, 1]\n";
     dir.write("timed.toml", &scene);
     dir.solver("simulate timed.toml -o out").assert_good();
     let report = dir.json("out/report.json");

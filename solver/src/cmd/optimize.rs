@@ -125,11 +125,10 @@ fn remove(folder: &Path, names: &[&str]) -> Result<()> {
 
 /// A checkpoint is only good for the problem it was made for.
 fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<String> {
-    let mut hashes = vec![
-        mesh::io::sha256_file(path)?,
-        mesh::io::sha256_file(&scene.path)?,
-        mesh::io::sha256_file(&scene.mesh_path)?,
-    ];
+    let mut hashes = vec![mesh::io::sha256_file(path)?, mesh::io::sha256_file(&scene.path)?];
+    for part in &scene.parts {
+        hashes.push(mesh::io::sha256_file(&part.mesh_path)?);
+    }
     for objective in &design.objective {
         if let ObjectiveConfig::Target { target, .. } = objective {
             hashes.push(mesh::io::sha256_file(&beside(path, target))?);

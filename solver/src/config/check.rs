@@ -2,7 +2,7 @@
 
 use anyhow::{Result, anyhow, bail, ensure};
 
-use super::{SimConfig, SolverConfig, TimeConfig};
+use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
 use crate::schedule::Schedule;
 
@@ -27,10 +27,17 @@ impl SimConfig {
             "quadrature = {}: must be from 5 to 12",
             self.quadrature
         );
-        ensure!(!self.fixed.is_empty(), "no [[fixed]] tag: the body would float away; fix one");
+        ensure!(
+            !self.fixed.is_empty() || self.may_float(),
+            "no [[fixed]] tag: the body would float away; fix one, or give it inertia by [time]"
+        );
+        self.check_bodies()?;
         self.solver.check()?;
         if let Some(time) = &self.time {
             time.check()?;
+        }
+        if let Some(contact) = &self.contact {
+            contact.check()?;
         }
         let (first, moments) = (self.times()[0], self.moments());
         for (name, may_use_position, schedule) in self.schedules() {
@@ -42,6 +49,47 @@ impl SimConfig {
             }
         }
         self.check_chambers()
+    }
+
+    /// Whether bodies need no support.
+    #[must_use]
+    pub fn may_float(&self) -> bool {
+        self.method().has_inertia() || self.contact.is_some()
+    }
+
+    fn check_bodies(&self) -> Result<()> {
+        let bodies = self.bodies()?;
+        let names: Vec<&String> =
+            bodies.iter().map(|b| &b.name).chain(self.obstacle.iter().map(|o| &o.name)).collect();
+        for (i, name) in names.iter().enumerate() {
+            ensure!(
+                !name.is_empty() && !name.contains('.'),
+                "body or obstacle \"{name}\": a name has one letter or more, and no dot"
+            );
+            ensure!(!names[..i].contains(name), "two bodies or obstacles are called \"{name}\"");
+        }
+        for body in &bodies {
+            let numbers = body.translate.iter().chain(&body.velocity);
+            ensure!(
+                numbers.copied().all(f64::is_finite),
+                "[[body]] \"{}\": translate = {:?} m and velocity = {:?} m/s must be finite",
+                body.name,
+                body.translate,
+                body.velocity
+            );
+            ensure!(
+                body.velocity == [0.0; 3] || self.method().has_inertia(),
+                "[[body]] \"{}\": velocity = {:?} m/s means nothing without inertia; needed is \
+                 [time] with a method other than \"quasistatic\"",
+                body.name,
+                body.velocity
+            );
+        }
+        ensure!(
+            self.obstacle.is_empty() || self.contact.is_some(),
+            "[[obstacle]] without [contact]: bodies would pass through it"
+        );
+        Ok(())
     }
 
     /// Moments at which schedules are checked: t = 0, the ends of time steps,
@@ -83,6 +131,15 @@ impl SimConfig {
         for c in &mut self.body_force {
             for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
                 all.push((format!("[[body_force]]: force along {axis}"), true, value));
+            }
+        }
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut self.gravity.0) {
+            all.push((format!("gravity along {axis}"), true, value));
+        }
+        for c in &mut self.obstacle {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
+                let name = format!("[[obstacle]] \"{}\": displacement along {axis}", c.name);
+                all.push((name, false, value));
             }
         }
         for c in &mut self.traction {
@@ -162,6 +219,35 @@ impl TimeConfig {
             }
             _ => bail!("[time]: needed is either end [s] and steps, or at, a list of times [s]"),
         }
+        ensure!(
+            self.method.order() == 1 || self.at.is_none(),
+            "[time]: method of order {} needs steps of equal length: give end and steps, not at",
+            self.method.order()
+        );
+        Ok(())
+    }
+}
+
+impl ContactConfig {
+    fn check(&self) -> Result<()> {
+        let c = self;
+        for (key, unit, value) in [
+            ("activation", "m", c.activation),
+            ("stiffness", "Pa", c.stiffness),
+            ("friction_speed", "m/s", c.friction_speed),
+        ] {
+            ensure!(
+                value > 0.0 && value.is_finite(),
+                "[contact]: {key} = {value} {unit}: must be positive and finite"
+            );
+        }
+        for (key, unit, value) in [("thickness", " m", c.thickness), ("friction", "", c.friction)] {
+            ensure!(
+                value >= 0.0 && value.is_finite(),
+                "[contact]: {key} = {value}{unit}: must be finite and not negative"
+            );
+        }
+        ensure!(c.split.is_none_or(|s| (1..=8).contains(&s)), "[contact]: split must be 1 to 8");
         Ok(())
     }
 }

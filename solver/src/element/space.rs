@@ -163,6 +163,22 @@ impl FunctionSpace {
         &self.facet
     }
 
+    /// Mass matrix ∫ φ_a φ_b of a tetrahedron with volume 1, row by row.
+    #[must_use]
+    pub fn reference_mass(&self) -> Vec<f64> {
+        let table = tabulate(self.degree, &quadrature::tetrahedron(2 * self.degree));
+        let n = self.nodes_per_element();
+        let mut mass = vec![0.0; n * n];
+        for (values, weight) in table.values.iter().zip(&table.weights) {
+            for a in 0..n {
+                for b in 0..n {
+                    mass[n * a + b] += weight * values[a] * values[b];
+                }
+            }
+        }
+        mass
+    }
+
     /// Node ids of a facet: its vertices, those of its edges 01, 12, 20, and the
     /// one inside.
     ///

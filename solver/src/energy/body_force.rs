@@ -6,6 +6,8 @@
 //!
 //! f(X, t) [N/m³] may depend on the rest position.
 
+use std::ops::Range;
+
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
@@ -15,8 +17,12 @@ use crate::schedule::Field;
 
 /// A force per rest volume.
 pub struct BodyForce {
-    /// f [N/m³].
-    pub force: Field,
+    /// f over `factor`, [N/m³] unless it is gravity.
+    force: Field,
+    /// 1, or for gravity the density [kg/m³].
+    factor: f64,
+    /// The elements; none means all.
+    elements: Option<Range<usize>>,
 }
 
 /// One quadrature point of one element.
@@ -42,20 +48,35 @@ impl Point<'_> {
 }
 
 impl BodyForce {
+    /// A force per volume on all elements [N/m³].
+    #[must_use]
+    pub fn whole(force: Field) -> Self {
+        Self { force, factor: 1.0, elements: None }
+    }
+
+    /// The weight of consecutive elements, of a density [kg/m³] in a field of
+    /// gravity [m/s²].
+    #[must_use]
+    pub fn weight(gravity: Field, density: f64, elements: Range<usize>) -> Self {
+        Self { force: gravity, factor: density, elements: Some(elements) }
+    }
+
     fn for_each_point(&self, at_: &Iterate, mut f: impl FnMut(&Point)) {
         let table = at_.space.volume_table();
         let positions = at_.space.node_positions(at_.rest);
         let varies = self.force.uses_position();
-        let uniform = self.force.at(Vec3::zeros(), at_.load);
+        let uniform = self.factor * self.force.at(Vec3::zeros(), at_.load);
         let nodes = at_.space.element_nodes().chunks_exact(at_.space.nodes_per_element());
-        for (&tet, nodes) in at_.space.tets().iter().zip(nodes) {
+        let elements = self.elements.clone().unwrap_or(0..at_.space.tets().len());
+        let all = at_.space.tets().iter().zip(nodes);
+        for (&tet, nodes) in all.skip(elements.start).take(elements.len()) {
             let [a, b, c, d] = tet.map(|v| at_.rest[v]);
             let volume = mesh::measure::tet_volume(a, b, c, d);
             for (values, &weight) in table.values.iter().zip(&table.weights) {
                 let (mut place, mut force) = (Vec3::zeros(), uniform);
                 if varies {
                     place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
-                    force = self.force.at(place, at_.load);
+                    force = self.factor * self.force.at(place, at_.load);
                 }
                 f(&Point { tet, nodes, values, weight, volume, place, force });
             }
@@ -102,7 +123,8 @@ impl Energy for BodyForce {
                 add_at(out, p.tet[0], &-part);
             }
             if varies {
-                let by_place = self.force.gradient(p.place, at_.load).transpose() * lambda;
+                let by_place =
+                    self.factor * self.force.gradient(p.place, at_.load).transpose() * lambda;
                 for (&node, v) in p.nodes.iter().zip(p.values) {
                     add_at(&mut nodal, node, &(-p.weight * p.volume * *v * by_place));
                 }

@@ -26,8 +26,7 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
-use crate::contact::candidates::{self, TooMany};
-use crate::contact::ccd;
+use crate::contact::candidates::TooMany;
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
 use crate::contact::pairs::Pair;
@@ -35,6 +34,7 @@ use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
 use crate::contact::weights::Adjacency;
+use crate::contact::{candidates, ccd};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
 use crate::parallel::map_merge;
@@ -44,15 +44,14 @@ use crate::parallel::map_merge;
 /// same.
 const SLACK: f64 = 0.1;
 
-/// Share of a step below which it is given up.
-const SHORTEST: f64 = 1e-10;
-
 /// The barrier between all parts of a collision surface.
 pub struct Contact {
     surface: Arc<Surface>,
     adjacency: Adjacency,
     barrier: Barrier,
     list: Mutex<Option<Arc<List>>>,
+    /// Whether to prove of accepted states that they have no intersection.
+    certify: bool,
 }
 
 /// Pairs that may be close as long as no vertex is farther than `slack` from
@@ -89,9 +88,26 @@ struct State {
 impl Contact {
     /// The barrier between all features of a surface.
     #[must_use]
-    pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
+    pub fn new(surface: Arc<Surface>, barrier: Barrier, certify: bool) -> Self {
         let adjacency = Adjacency::new(&surface);
-        Self { surface, adjacency, barrier, list: Mutex::new(None) }
+        Self { surface, adjacency, barrier, list: Mutex::new(None), certify }
+    }
+
+    /// What intersects at positions of the collision vertices [m], if anything.
+    #[must_use]
+    pub fn intersection(&self, x: &[Vec3]) -> Option<String> {
+        let triangles = self.surface.features().triangles.clone();
+        let surface = mesh::SurfaceMesh { vertices: x.to_vec(), triangles };
+        let pairs = mesh::bvh::self_intersecting_pairs(&surface);
+        let (a, _) = pairs.first()?;
+        let p = x[surface.triangles[*a][0]];
+        Some(format!(
+            "surfaces intersect in {} pairs of triangles, the first at ({:.5}, {:.5}, {:.5}) m",
+            pairs.len(),
+            p.x,
+            p.y,
+            p.z
+        ))
     }
 
     /// The collision surface.
@@ -127,23 +143,6 @@ impl Contact {
         Closeness { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
     }
 
-    /// The contacts that rub in the step that begins at this state. Pairs of
-    /// nearly parallel edges do not: their closest points jump.
-    #[must_use]
-    pub fn sliding(&self, at: &Iterate) -> Vec<Sliding> {
-        let state = self.state(at);
-        let scale = self.barrier.scale();
-        let rubbing = state.terms.terms.iter().filter(|t| !t.stencil.faded && t.weight != 0.0);
-        let one = |term: &Term| {
-            let closest = self.local(&state, term).closest;
-            let slope = self.barrier.at(closest.d2)[1];
-            let force = -scale * term.weight * slope * 2.0 * closest.d2.sqrt();
-            let corners = term.stencil.corners;
-            Sliding::new(corners, closest.coefficients, closest.offset, force)
-        };
-        rubbing.map(one).collect()
-    }
-
     fn positions(&self, at: &Iterate) -> Vec<Vec3> {
         self.surface.positions(at.space, at.rest, at.u, at.load)
     }
@@ -162,19 +161,26 @@ impl Contact {
         Some(active)
     }
 
+    /// The list of pairs that is there, if it holds at all these positions.
+    fn kept_for(&self, positions: &[&[Vec3]]) -> Option<Arc<List>> {
+        let kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.as_ref().filter(|list| positions.iter().all(|x| list.holds(x))).map(Arc::clone)
+    }
+
     /// Pairs that may be within range at positions `x`.
     fn list(&self, x: &[Vec3]) -> Option<Arc<List>> {
-        let mut kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(list) = kept.as_ref().filter(|list| list.holds(x)) {
-            return Some(Arc::clone(list));
+        if let Some(list) = self.kept_for(&[x]) {
+            return Some(list);
         }
         let slack = SLACK * mesh::measure::mean_edge(x, &self.surface.features().triangles);
         let make = |slack: f64| {
             let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack).ok()?;
             Some(Arc::new(List { x: x.to_vec(), slack, pairs }))
         };
-        *kept = make(slack).or_else(|| make(0.0));
-        kept.clone()
+        let list = make(slack).or_else(|| make(0.0))?;
+        let mut kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
+        *kept = Some(Arc::clone(&list));
+        Some(list)
     }
 
     /// All pairs closer than a radius of which something can move.
@@ -294,27 +300,55 @@ impl Energy for Contact {
     }
 
     fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
-        let pairs = self.pairs(&self.positions(at), reach * self.barrier.range());
-        let pairs = pairs.unwrap_or_default();
+        let x = self.positions(at);
+        let pairs = if reach <= 1.0 {
+            let active = self.active(&x).unwrap_or_default();
+            active.into_iter().map(|(pair, _)| pair).collect()
+        } else {
+            self.pairs(&x, reach * self.barrier.range()).unwrap_or_default()
+        };
         let corners: Vec<_> = pairs.iter().map(Pair::corners).collect();
         self.surface.couplings(&corners)
     }
 
-    fn max_step(&self, at: &Iterate, step: &[f64]) -> f64 {
-        let start = self.positions(at);
-        let way = self.surface.trace(step);
-        let (thickness, features) = (self.barrier.thickness, self.surface.features());
+    fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
+        let (x0, x1) = (self.positions(from), self.positions(to));
+        let thickness = self.barrier.thickness;
+        if let Some(list) = self.kept_for(&[&x0, &x1]) {
+            return ccd::max_step(&list.pairs, &x0, &x1, thickness);
+        }
+        // a way that passes too many features is looked at up to its half
         let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
-        let mut share = 1.0;
-        // a step that sweeps through too much is looked at in part
-        while share > SHORTEST {
-            let end: Vec<Vec3> = start.iter().zip(&way).map(|(x, v)| x + share * v).collect();
-            if let Ok(pairs) = candidates::between(features, &start, &end, thickness, skip) {
-                return share * ccd::max_step(&pairs, &start, &end, thickness);
+        let mut fraction = 1.0;
+        while fraction > 0.0 {
+            let along = |(a, b): (&Vec3, &Vec3)| a + fraction * (b - a);
+            let end: Vec<Vec3> = x0.iter().zip(&x1).map(along).collect();
+            match candidates::between(self.surface.features(), &x0, &end, thickness, skip) {
+                Ok(pairs) => return fraction * ccd::max_step(&pairs, &x0, &end, thickness),
+                Err(_) => fraction *= 0.5,
             }
-            share *= 0.5;
         }
         0.0
+    }
+
+    fn objection(&self, at: &Iterate) -> Option<String> {
+        self.certify.then(|| self.intersection(&self.positions(at))).flatten()
+    }
+
+    /// The contacts that rub in the step that begins at this state. Pairs of
+    /// nearly parallel edges do not: their closest points jump.
+    fn sliding(&self, at: &Iterate) -> Vec<Sliding> {
+        let state = self.state(at);
+        let scale = self.barrier.scale();
+        let rubbing = state.terms.terms.iter().filter(|t| !t.stencil.faded && t.weight != 0.0);
+        let one = |term: &Term| {
+            let closest = self.local(&state, term).closest;
+            let slope = self.barrier.at(closest.d2)[1];
+            let force = -scale * term.weight * slope * 2.0 * closest.d2.sqrt();
+            let corners = term.stencil.corners;
+            Sliding::new(corners, closest.coefficients, closest.offset, force)
+        };
+        rubbing.map(one).collect()
     }
 
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {

@@ -22,10 +22,12 @@ use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::math::tensor::{Mat3, project_positive, vec9};
 use crate::parallel::{map_merge, map_merge_waves};
 
-/// Elastic energy with one law for the whole body.
+/// Elastic energy of elements with one law.
 pub struct Elastic {
     /// The law.
     pub material: Box<dyn Material>,
+    /// The elements; none means all.
+    elements: Option<Range<usize>>,
 }
 
 /// Geometry of one straight-sided element.
@@ -70,6 +72,22 @@ fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> 
 }
 
 impl Elastic {
+    /// All elements have one law.
+    #[must_use]
+    pub fn whole(material: Box<dyn Material>) -> Self {
+        Self { material, elements: None }
+    }
+
+    /// The law of consecutive elements.
+    #[must_use]
+    pub fn part(material: Box<dyn Material>, elements: Range<usize>) -> Self {
+        Self { material, elements: Some(elements) }
+    }
+
+    fn elements(&self, space: &FunctionSpace) -> Range<usize> {
+        self.elements.clone().unwrap_or(0..space.tets().len())
+    }
+
     fn element_values<const N: usize>(&self, at_: &Iterate, elements: Range<usize>) -> f64 {
         let mut sum = 0.0;
         for e in elements {
@@ -170,6 +188,10 @@ impl Elastic {
     }
 }
 
+fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
+    range.start + by..range.end + by
+}
+
 /// The lower blocks of the Hessians of some elements.
 struct ElementHessians<'a, const N: usize> {
     elastic: &'a Elastic,
@@ -244,21 +266,22 @@ fn lower_blocks<const N: usize>(local: &Dense<N>, blocks: &mut [[f64; 9]]) {
 impl Elastic {
     fn total<const N: usize>(&self, at_: &Iterate) -> f64 {
         let mut sum = 0.0;
+        let own = self.elements(at_.space);
         map_merge(
-            at_.space.tets().len(),
-            |r| self.element_values::<N>(at_, r),
+            own.len(),
+            |r| self.element_values::<N>(at_, shifted(&r, own.start)),
             |_, part| sum += part,
         );
         sum
     }
 
     fn merge_gradients<const N: usize>(&self, at_: &Iterate, out: &mut [f64]) {
-        let nodes = at_.space.element_nodes();
+        let (own, nodes) = (self.elements(at_.space), at_.space.element_nodes());
         map_merge(
-            at_.space.tets().len(),
-            |r| self.element_gradients::<N>(at_, r),
+            own.len(),
+            |r| self.element_gradients::<N>(at_, shifted(&r, own.start)),
             |r, parts| {
-                for (e, part) in r.zip(parts) {
+                for (e, part) in shifted(&r, own.start).zip(parts) {
                     for (node, p) in nodes[e * N..(e + 1) * N].iter().zip(part) {
                         add_at(out, *node, &p);
                     }
@@ -268,19 +291,24 @@ impl Elastic {
     }
 
     fn merge_hessians<const N: usize>(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        let own = self.elements(at_.space);
         map_merge_waves(
-            at_.space.tets().len(),
-            |elements| widest(ElementHessians::<N> { elastic: self, at_, kind, elements }),
-            |r, blocks| out.add_elements(r, &blocks),
+            own.len(),
+            |r| {
+                let elements = shifted(&r, own.start);
+                widest(ElementHessians::<N> { elastic: self, at_, kind, elements })
+            },
+            |r, blocks| out.add_elements(shifted(&r, own.start), &blocks),
         );
     }
 
     fn merge_mixed<const N: usize>(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let own = self.elements(at_.space);
         map_merge(
-            at_.space.tets().len(),
-            |r| self.element_mixed::<N>(at_, lambda, r),
+            own.len(),
+            |r| self.element_mixed::<N>(at_, lambda, shifted(&r, own.start)),
             |r, parts| {
-                for (e, part) in r.zip(parts) {
+                for (e, part) in shifted(&r, own.start).zip(parts) {
                     for (v, p) in at_.space.tets()[e].iter().zip(part) {
                         add_at(out, *v, &p);
                     }

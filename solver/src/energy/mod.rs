@@ -5,6 +5,7 @@ mod chamber;
 mod contact;
 mod elastic;
 mod friction;
+mod inertia;
 mod traction;
 mod wall;
 
@@ -13,10 +14,12 @@ pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
 pub use contact::{Closeness, Contact};
 pub use elastic::Elastic;
 pub use friction::Friction;
+pub use inertia::Inertia;
 pub use traction::Traction;
 pub use wall::Wall;
 
 use mesh::Vec3;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::friction::Sliding;
 use crate::element::FunctionSpace;
@@ -55,7 +58,7 @@ pub struct TimeStep {
 }
 
 /// What holds a prescribed volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Multiplier {
     /// Gauge pressure at the wanted volume [Pa].
     pub pressure: f64,
@@ -115,10 +118,18 @@ pub trait Energy: Send + Sync {
     fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
         Vec::new()
     }
-    /// Largest α in [0, 1] for which E stays defined all the way to u + α `step`,
-    /// as far as it is known without looking at E.
-    fn max_step(&self, _: &Iterate, _step: &[f64]) -> f64 {
+    /// Largest α in [0, 1] for which the way from one iterate to another of the
+    /// same rest shape, straight in u and the load, is free up to its fraction α.
+    fn max_step(&self, _from: &Iterate, _to: &Iterate) -> f64 {
         1.0
+    }
+    /// Why the state must not be accepted although E is defined there, if so.
+    fn objection(&self, _: &Iterate) -> Option<String> {
+        None
+    }
+    /// The contacts here that will rub in the next step.
+    fn sliding(&self, _: &Iterate) -> Vec<Sliding> {
+        Vec::new()
     }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {

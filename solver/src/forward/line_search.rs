@@ -33,7 +33,11 @@ pub fn line_search(
     direction: &[f64],
 ) -> Option<Accepted> {
     let slope = dot(at.gradient, direction);
-    let mut alpha = 1.0;
+    let whole: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + d).collect();
+    let mut alpha = system.max_step(at.rest, (at.u, at.load), (&whole, at.load));
+    if alpha <= 0.0 {
+        return None;
+    }
     for _ in 0..HALVINGS {
         let trial: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + alpha * d).collect();
         let value = system.value(at.rest, &trial, at.load);

@@ -1,8 +1,10 @@
 //! From energies to an equilibrium.
 
 mod certificate;
+mod integrator;
 mod ladder;
 mod line_search;
+mod march;
 mod newton;
 mod softness;
 mod stepping;
@@ -11,6 +13,8 @@ mod tangent;
 mod volumes;
 
 pub use certificate::{Uncertified, certificate};
+pub use integrator::{Integrator, Method, State};
+pub use march::{March, Progress, Reached};
 pub use newton::{Converged, Failure, Newton};
 pub use softness::Softness;
 pub use stepping::{

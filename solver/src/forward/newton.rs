@@ -117,6 +117,18 @@ pub enum Failure {
     /// The forces balance, but an element is turned inside out, or might be.
     #[error("the forces balance, but {0}")]
     Uncertified(#[from] Uncertified),
+    /// The forces balance, but an energy objects to the state.
+    #[error("the forces balance, but {0}")]
+    Objection(String),
+    /// Supports or obstacles would push surfaces through each other.
+    #[error(
+        "supports or obstacles meet a surface after {:.1} % of their motion in this step",
+        100.0 * free
+    )]
+    Blocked {
+        /// Fraction of the motion that is free.
+        free: f64,
+    },
 }
 
 /// One iterate.

@@ -10,12 +10,12 @@ use mesh::Vec3;
 use serde::Serialize;
 
 use super::volumes::balance;
-use super::{Converged, Failure, Newton, System, certificate};
+use super::{Converged, Failure, Integrator, March, Method, Newton, State, System, certificate};
 use crate::energy::Multiplier;
 use crate::math::linear::norm;
 
 /// Newton iterations after which a load step counts as easy.
-const EASY: usize = 5;
+pub(super) const EASY: usize = 5;
 /// Residual of intermediate load steps relative to the final one's.
 const LOOSE: f64 = 1e4;
 
@@ -107,8 +107,8 @@ pub fn solve_from(
     start: &[f64],
     newton: &Newton,
 ) -> Result<Solution, Failure> {
-    let step =
-        attempt(system, rest, start.to_vec(), 1.0, newton).map_err(|failed| failed.failure)?;
+    let from = (start.to_vec(), 1.0);
+    let step = attempt(system, rest, from, 1.0, newton).map_err(|failed| failed.failure)?;
     let newton_iterations = step.newton_iterations;
     Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
 }
@@ -126,9 +126,8 @@ pub fn solve(
     solve_in_time(system, rest, stepping, &[1.0], observe)
 }
 
-/// Solves from the rest shape at t = 0 to the ends `times` of time steps, in load
-/// steps that shrink where Newton fails and grow where it is easy. `observe` is
-/// called after every accepted step.
+/// Solves from the rest shape at t = 0 to the ends `times` of time steps without
+/// inertia. `observe` is called after every accepted step.
 ///
 /// # Errors
 /// [`Unreached`] with the load that was reached.
@@ -139,75 +138,46 @@ pub fn solve_in_time(
     times: &[f64],
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
-    system.linear.forget();
-    system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
-    let mut newton_iterations = 0;
-    let mut steps: Vec<LoadStep> = Vec::new();
-    let mut increment = stepping.first;
-    let mut begin = 0.0;
+    let zero = vec![0.0; system.len()];
+    let start = State { u: zero.clone(), v: zero };
+    let mut march = March::new(*stepping, Integrator::new(Method::Quasistatic, start));
+    let mut steps = Vec::new();
     for &end in times {
-        let mut done = 0.0; // fraction of the time step
-        while done < 1.0 {
-            let next = if done + increment > 1.0 - 1e-9 { 1.0 } else { done + increment };
-            let ends = next >= 1.0;
-            let load = if ends { end } else { begin + next * (end - begin) };
-            let newton = if ends { stepping.newton } else { loosened(&stepping.newton) };
-            let multipliers = system.multipliers.clone();
-            let start = predict(system, rest, &steps, load, begin > 0.0);
-            match attempt(system, rest, start, load, &newton) {
-                Ok(step) => {
-                    newton_iterations += step.newton_iterations;
-                    if step.newton_iterations <= EASY {
-                        increment = (1.5 * increment).min(stepping.largest);
-                    }
-                    done = next;
-                    observe(&step);
-                    steps.push(LoadStep { ends_time_step: ends, ..step });
-                }
-                Err(Failed { failure, u, residuals }) => {
-                    newton_iterations += residuals.len().saturating_sub(1);
-                    system.multipliers = multipliers;
-                    increment *= 0.5;
-                    log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
-                    if increment < stepping.smallest {
-                        let last = steps.last().map_or(0.0, |step| step.load);
-                        let reached = last_state(&steps, system.len());
-                        let attempt = Box::new(Attempt { reached, load, u, residuals });
-                        return Err(Unreached { load: last, failure, attempt });
-                    }
-                }
-            }
-        }
-        begin = end;
+        march.advance(system, rest, end, |step| {
+            observe(step);
+            steps.push(step.clone());
+        })?;
     }
-    let u = last_state(&steps, system.len());
-    Ok(Solution { u, steps, newton_iterations })
+    let newton_iterations = march.progress.newton_iterations;
+    Ok(Solution { u: march.progress.reached().to_vec(), steps, newton_iterations })
 }
 
-fn last_state(steps: &[LoadStep], len: usize) -> Vec<f64> {
-    steps.last().map_or_else(|| vec![0.0; len], |s| s.u.clone())
-}
-
-fn loosened(newton: &Newton) -> Newton {
+pub(super) fn loosened(newton: &Newton) -> Newton {
     Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
 }
 
-struct Failed {
-    failure: Failure,
-    u: Vec<f64>,
-    residuals: Vec<f64>,
+pub(super) struct Failed {
+    pub failure: Failure,
+    pub u: Vec<f64>,
+    pub residuals: Vec<f64>,
 }
 
-/// One load step: the supports are moved, the forces balanced, prescribed
-/// volumes reached and the state certified.
-fn attempt(
+/// One load step from a state that surfaces can reach at an earlier load: the
+/// supports are moved, the forces balanced, prescribed volumes reached and the
+/// state certified.
+pub(super) fn attempt(
     system: &mut System,
     rest: &[Vec3],
-    mut u: Vec<f64>,
+    (start, before): (Vec<f64>, f64),
     load: f64,
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
+    let mut u = start.clone();
     system.move_supports(rest, &mut u, load);
+    let free = system.max_step(rest, (&start, before), (&u, load));
+    if free < 1.0 {
+        return Err(Failed { failure: Failure::Blocked { free }, u: start, residuals: Vec::new() });
+    }
     let mut residuals = Vec::new();
     let converged = match balance(system, rest, &mut u, load, newton, &mut residuals) {
         Ok(converged) => converged,
@@ -220,10 +190,7 @@ fn attempt(
              fall further and rounding alone may leave {floor:.0e} N"
         );
     }
-    let start = Instant::now();
-    let certified = certificate(&system.space, rest, &u);
-    system.timings.certificate_s += start.elapsed().as_secs_f64();
-    match certified {
+    match certify(system, rest, &u, load) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
             load,
             newton_iterations: iterations,
@@ -235,40 +202,22 @@ fn attempt(
             multipliers: system.multipliers.clone(),
             ends_time_step: false,
         }),
-        Err(failure) => Err(Failed { failure: failure.into(), u, residuals }),
+        Err(failure) => Err(Failed { failure, u, residuals }),
     }
 }
 
-/// Linear extrapolation in the load from the last two states, pressures that hold
-/// volumes included. Loads may bend where time steps meet, so `bent` asks whether
-/// the last state itself is nearer to balance.
-fn predict(
-    system: &mut System,
-    rest: &[Vec3],
-    steps: &[LoadStep],
-    load: f64,
-    bent: bool,
-) -> Vec<f64> {
-    let len = system.len();
-    let Some(b) = steps.last() else { return vec![0.0; len] };
-    let zero = (0.0, &vec![0.0; len], &Vec::new());
-    let a = if steps.len() > 1 { &steps[steps.len() - 2] } else { b };
-    let a = if steps.len() > 1 { (a.load, &a.u, &a.multipliers) } else { zero };
-    let t = (load - b.load) / (b.load - a.0);
-    let further = |a: f64, b: f64| b + t * (b - a);
-    let u: Vec<f64> = a.1.iter().zip(&b.u).map(|(a, b)| further(*a, *b)).collect();
-    let before = |i: usize| a.2.get(i).map_or(0.0, |m| m.pressure);
-    if bent && residual(system, rest, &b.u, load) <= residual(system, rest, &u, load) {
-        return b.u.clone();
-    }
-    for (i, (m, b)) in system.multipliers.iter_mut().zip(&b.multipliers).enumerate() {
-        m.pressure = further(before(i), b.pressure);
-    }
-    u
+/// A lower bound of J, if the body is nowhere turned inside out and no energy
+/// objects.
+fn certify(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Result<f64, Failure> {
+    let start = Instant::now();
+    let certified = certificate(&system.space, rest, u);
+    system.timings.certificate_s += start.elapsed().as_secs_f64();
+    let smallest = certified?;
+    system.objection(rest, u, load).map_or(Ok(smallest), |what| Err(Failure::Objection(what)))
 }
 
 /// Norm of the unbalanced force [N]; infinite where it is not defined.
-fn residual(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
+pub(super) fn residual(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
     let (gradient, _) = system.gradient(rest, u, load);
     let residual = norm(&system.restrict(&gradient));
     if residual.is_nan() { f64::INFINITY } else { residual }

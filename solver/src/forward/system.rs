@@ -5,6 +5,7 @@ use std::time::Instant;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::friction::Sliding;
 use crate::element::FunctionSpace;
 use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne, TimeStep};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
@@ -14,6 +15,10 @@ use crate::memory::Need;
 
 /// Relative difference of displacements that is nothing but rounding.
 const ROUNDING: f64 = 1e-13;
+
+/// Gaps up to this many times the distance at which surfaces begin to interact
+/// get room in the Hessian, so that it need not be made for every new contact.
+const REACH: f64 = 2.0;
 
 /// Relative residual of the motion that follows the supports.
 const PREDICTION: f64 = 1e-6;
@@ -27,9 +32,15 @@ pub struct Timings {
     pub factor_s: f64,
     /// Triangular solves.
     pub solve_s: f64,
-    /// Certificates of positive volume.
+    /// Certificates of positive volume, and of surfaces that do not intersect.
     #[serde(default)]
     pub certificate_s: f64,
+    /// Where steps end before surfaces meet.
+    #[serde(default)]
+    pub collision_s: f64,
+    /// Symbolic factorisations after the first.
+    #[serde(default)]
+    pub symbolic_s: f64,
     /// Numerical factorisations, failed ones included.
     #[serde(default)]
     pub factorizations: usize,
@@ -59,7 +70,11 @@ pub struct System {
     /// The step in time, if there is one.
     pub step: Option<TimeStep>,
     pattern: Pattern,
+    /// Pairs of nodes in the pattern that share no element, sorted.
+    couplings: Vec<[usize; 2]>,
     free: FreeTriangle,
+    /// Whether each degree of freedom is fixed.
+    fixed: Vec<bool>,
     /// Fixed degrees of freedom.
     supports: Vec<usize>,
     /// How they move, if they do.
@@ -71,14 +86,7 @@ impl System {
     /// freedom.
     #[must_use]
     pub fn new(space: FunctionSpace, energies: Vec<Box<dyn Energy>>, fixed: &[bool]) -> Self {
-        let pattern =
-            Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
-        let (free, nodes) = rayon::join(
-            || FreeTriangle::new(&pattern, fixed),
-            || nested_dissection(&pattern.adjacency()),
-        );
-        let order = order_of_unknowns(&nodes, &free, fixed);
-        let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
+        let (pattern, free, linear) = symbolic(&space, fixed, &[]);
         Self {
             space,
             energies,
@@ -87,10 +95,78 @@ impl System {
             multipliers: Vec::new(),
             step: None,
             pattern,
+            couplings: Vec::new(),
             free,
+            fixed: fixed.to_vec(),
             supports: (0..fixed.len()).filter(|&d| fixed[d]).collect(),
             motion: None,
         }
+    }
+
+    /// Makes room in the Hessian for what energies couple at a state beyond
+    /// elements; the symbolic work is done anew only where it must be.
+    fn make_room(&mut self, rest: &[Vec3], u: &[f64], load: f64) {
+        let at = self.iterate(rest, u, load);
+        let couplings =
+            |reach: f64| self.energies.iter().flat_map(move |e| e.couplings(&at, reach));
+        if couplings(1.0).all(|[a, b]| self.pattern.has(a, b)) {
+            return;
+        }
+        let wider: Vec<[usize; 2]> = couplings(REACH).collect();
+        self.couple(wider);
+    }
+
+    /// Replaces the pairs of nodes that are coupled although they share no
+    /// element. The factor is forgotten.
+    pub fn couple(&mut self, mut pairs: Vec<[usize; 2]>) {
+        pairs.sort_unstable();
+        pairs.dedup();
+        if pairs == self.couplings {
+            return;
+        }
+        let start = Instant::now();
+        (self.pattern, self.free, self.linear) = symbolic(&self.space, &self.fixed, &pairs);
+        log::debug!("{} pairs of nodes coupled by contact", pairs.len());
+        self.couplings = pairs;
+        self.timings.symbolic_s += start.elapsed().as_secs_f64();
+    }
+
+    /// The pairs of nodes that are coupled although they share no element.
+    #[must_use]
+    pub fn couplings(&self) -> &[[usize; 2]] {
+        &self.couplings
+    }
+
+    /// Whether each degree of freedom is fixed.
+    #[must_use]
+    pub fn fixed(&self) -> &[bool] {
+        &self.fixed
+    }
+
+    /// Largest fraction of the way from a displacement and load to others that no
+    /// energy forbids.
+    pub fn max_step(&mut self, rest: &[Vec3], from: (&[f64], f64), to: (&[f64], f64)) -> f64 {
+        let start = Instant::now();
+        let (a, b) = (self.iterate(rest, from.0, from.1), self.iterate(rest, to.0, to.1));
+        let largest = self.energies.iter().map(|e| e.max_step(&a, &b)).fold(1.0, f64::min);
+        self.timings.collision_s += start.elapsed().as_secs_f64();
+        largest
+    }
+
+    /// Why a state must not be accepted, if so.
+    pub fn objection(&mut self, rest: &[Vec3], u: &[f64], load: f64) -> Option<String> {
+        let start = Instant::now();
+        let at = self.iterate(rest, u, load);
+        let found = self.energies.iter().find_map(|e| e.objection(&at));
+        self.timings.certificate_s += start.elapsed().as_secs_f64();
+        found
+    }
+
+    /// The contacts at a state that will rub in the next step.
+    #[must_use]
+    pub fn sliding(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<Sliding> {
+        let at = self.iterate(rest, u, load);
+        self.energies.iter().flat_map(|e| e.sliding(&at)).collect()
     }
 
     /// Starts the multipliers of prescribed volumes, as the energies number them.
@@ -145,6 +221,7 @@ impl System {
         load: f64,
         motion: &[f64],
     ) -> Option<Vec<f64>> {
+        self.make_room(rest, u, load);
         let matrix = self.assemble(rest, u, load, Hessian::Exact);
         let dense = self.rank_ones(rest, u, load);
         let mut force = matrix.multiply(motion);
@@ -242,6 +319,7 @@ impl System {
     /// The Hessian on the free degrees of freedom.
     pub fn hessian(&mut self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> Symmetric {
         let start = Instant::now();
+        self.make_room(rest, u, load);
         let dense = self.rank_ones(rest, u, load);
         let values = self.restrict_hessian(&self.assemble(rest, u, load, kind), &dense);
         self.timings.assembly_s += start.elapsed().as_secs_f64();
@@ -286,6 +364,7 @@ impl System {
     /// differences of u alone, and the position for all others.
     pub fn rounding_floor(&mut self, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
         let start = Instant::now();
+        self.make_room(rest, u, load);
         let at = self.iterate(rest, u, load);
         let positions = self.space.node_positions(rest);
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
@@ -323,6 +402,23 @@ impl System {
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         self.free.prolong(free, self.len())
     }
+}
+
+/// Where the Hessian has entries, and its factorisation without numbers.
+fn symbolic(
+    space: &FunctionSpace,
+    fixed: &[bool],
+    couplings: &[[usize; 2]],
+) -> (Pattern, FreeTriangle, SparseSolver) {
+    let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
+    let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, couplings);
+    let (free, nodes) = rayon::join(
+        || FreeTriangle::new(&pattern, fixed),
+        || nested_dissection(&pattern.adjacency()),
+    );
+    let order = order_of_unknowns(&nodes, &free, fixed);
+    let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
+    (pattern, free, linear)
 }
 
 /// The unknowns in the order of their nodes.

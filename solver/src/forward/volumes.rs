@@ -174,6 +174,9 @@ fn joint_step(
     }
     let step = system.prolong(&step);
     let trial: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + s).collect();
+    if system.max_step(rest, (u, load), (&trial, load)) < 1.0 {
+        return None;
+    }
     let before = system.multipliers.clone();
     for (constraint, change) in distance.constraints.iter().zip(change.iter()) {
         system.multipliers[constraint.multiplier].pressure += change;

@@ -32,13 +32,22 @@ pub fn pair_index(a: usize, b: usize) -> usize {
 }
 
 impl Pattern {
-    /// The pattern of elements given as one flat list of node ids.
+    /// The pattern of elements given as one flat list of node ids, and of further
+    /// pairs of nodes.
     ///
     /// # Panics
     /// When there are 2³² blocks or more.
     #[must_use]
-    pub fn new(node_count: usize, elements: &[usize], nodes_per_element: usize) -> Self {
+    pub fn new(
+        node_count: usize,
+        elements: &[usize],
+        nodes_per_element: usize,
+        couplings: &[[usize; 2]],
+    ) -> Self {
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); node_count];
+        for &[a, b] in couplings {
+            columns[a.min(b)].push(a.max(b));
+        }
         for element in elements.chunks_exact(nodes_per_element) {
             for &b in element {
                 columns[b].extend(element.iter().copied().filter(|&a| a >= b));
@@ -68,9 +77,19 @@ impl Pattern {
 
     /// Index of the block (row ≥ column), which must be in the pattern.
     fn block(&self, row: usize, column: usize) -> usize {
+        self.find(row, column).expect("the two nodes are coupled")
+    }
+
+    fn find(&self, row: usize, column: usize) -> Option<usize> {
         let range = self.column_start[column]..self.column_start[column + 1];
-        let offset = self.rows[range.clone()].binary_search(&row);
-        range.start + offset.expect("the two nodes share an element")
+        let offset = self.rows[range.clone()].binary_search(&row).ok()?;
+        Some(range.start + offset)
+    }
+
+    /// Whether two nodes are coupled.
+    #[must_use]
+    pub fn has(&self, a: usize, b: usize) -> bool {
+        self.find(a.max(b), a.min(b)).is_some()
     }
 
     /// Number of blocks.

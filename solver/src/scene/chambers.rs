@@ -73,7 +73,8 @@ impl Scene {
         space: &FunctionSpace,
     ) -> Result<Vec<Multiplier>> {
         let nodes = space.node_positions(&body.mesh.vertices);
-        let shear = self.material.moduli().shear;
+        let shears = self.parts.iter().map(|part| part.material.moduli().shear);
+        let shear = shears.fold(0.0, f64::max);
         let one = |(_, chamber): &(String, Chamber)| Multiplier {
             pressure: 0.0,
             penalty: PENALTY * shear / chamber.wall.volume(space, &nodes),

@@ -154,7 +154,7 @@ impl<'a> Kernels<'a> {
         let mut force = vec![0.0; p.system.len()];
         self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;
         let pattern =
-            Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element());
+            Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element(), &[]);
         let mut matrix = BlockMatrix::zeros(&pattern);
         let kind = Hessian::Exact;
         self.time(&hessian, || walls().for_each(|wall| wall.add_hessian(&at, kind, &mut matrix)))

@@ -1,0 +1,51 @@
+//! `solver import`: scenes of PolyFEM in our words.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use solver::config::ContactForm;
+use solver::import::{self, Options};
+
+/// Translate a scene of PolyFEM (JSON) into a folder with sim.toml
+///
+/// Reads state files, and run files of optimisations, which become design.toml
+/// as far as there are such problems here. Every key that has no part in them is
+/// named in a warning with the reason; import.report.json lists them all.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A state_*.json or run_*.json
+    scene: PathBuf,
+    /// Folder for sim.toml and the tagged meshes
+    #[arg(short)]
+    output: PathBuf,
+    /// Form of the contact potential, whatever the file says
+    #[arg(long, value_enum)]
+    form: Option<Form>,
+    /// Thickness of the slabs that a plane scene becomes [m]; the mean edge of
+    /// its finest body if not given
+    #[arg(long)]
+    thickness: Option<f64>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Form {
+    /// Weighted by areas
+    Convergent,
+    /// Every pair alike
+    Plain,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let form = arguments.form.map(|form| match form {
+        Form::Convergent => ContactForm::Convergent,
+        Form::Plain => ContactForm::Plain,
+    });
+    let options = Options { form, thickness: arguments.thickness };
+    let imported = import::read(&arguments.scene, &options)?;
+    for warning in imported.warnings() {
+        log::warn!("{warning}");
+    }
+    imported.write(&arguments.output)?;
+    log::info!("wrote {}", arguments.output.join("sim.toml").display());
+    Ok(())
+}

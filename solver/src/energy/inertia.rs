@@ -1,0 +1,200 @@
+//! Inertia in one step in time, from the incremental potential.
+//!
+//! E(u; X) = 1/(2 h²) (u − ũ)ᵀ M (u − ũ)     M_ab = ∫ ρ φ_a φ_b dX
+//! ∂E/∂u   = M (u − ũ) / h²                  ∂²E/∂u² = M / h²
+//! δ(λ·∂E/∂u) = Σ_T (ρ/h²) (λᵀ m (u − ũ))_T δ|T|
+//!
+//! ρ   density [kg/m³]
+//! h   β Δt of the step [s];   ũ   where it would go without forces [m]
+//! m   mass matrix of a tetrahedron with volume and density 1 [1]
+//!
+//! Where inertia is neglected, bodies that nothing holds are kept by a tiny mass:
+//!
+//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`HOLD`]
+//!
+//! u₋₁ is the last state; what moves by 1 cm is held with a thousandth of its
+//! weight. M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
+//! the vertices. Without a step, or where inertia is neglected, E is zero.
+//!
+//! Source: Hairer and Wanner, "Solving Ordinary Differential Equations II", V.1.
+
+use std::ops::Range;
+
+use mesh::Vec3;
+
+use super::{Energy, Hessian, Iterate};
+use crate::element::{FunctionSpace, add_at, at};
+use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
+use crate::parallel::{map_merge, map_merge_waves};
+
+/// Acceleration per displacement by which loose bodies are held [1/s²].
+const HOLD: f64 = 1.0;
+
+/// Inertia of elements with one density.
+pub struct Inertia {
+    density: f64,
+    /// Whether it is the tiny mass of a loose body.
+    tiny: bool,
+    elements: Range<usize>,
+    /// m, row by row.
+    reference: Vec<f64>,
+}
+
+/// 1/h² [1/s²] and u − ũ [m].
+type Deviation = (f64, Vec<f64>);
+
+impl Inertia {
+    /// Inertia of consecutive elements with a density [kg/m³].
+    #[must_use]
+    pub fn new(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
+        Self { density, tiny: false, elements, reference: space.reference_mass() }
+    }
+
+    /// What holds a body that is loose where inertia is neglected.
+    #[must_use]
+    pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
+        Self { tiny: true, ..Self::new(space, density, elements) }
+    }
+
+    /// 1/h² and ũ.
+    fn frame<'a>(&self, at_: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
+        let step = at_.step?;
+        if self.tiny {
+            return Some((HOLD, &step.history));
+        }
+        Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
+    }
+
+    fn deviation(&self, at_: &Iterate) -> Option<Deviation> {
+        let (rate, from) = self.frame(at_)?;
+        Some((rate, at_.u.iter().zip(from).map(|(u, f)| u - f).collect()))
+    }
+
+    /// Mass of an element [kg] and its nodes.
+    fn element<'a>(&self, at_: &Iterate<'a>, e: usize) -> (f64, &'a [usize]) {
+        let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
+        let n = at_.space.nodes_per_element();
+        let nodes = &at_.space.element_nodes()[n * e..n * (e + 1)];
+        (self.density * mesh::measure::tet_volume(a, b, c, d), nodes)
+    }
+
+    /// Σ_b m_ab w_b for all nodes a of an element.
+    fn times_reference(&self, w: &[f64], nodes: &[usize]) -> Vec<Vec3> {
+        let w: Vec<Vec3> = nodes.iter().map(|&b| at(w, b)).collect();
+        let row = |m: &[f64]| m.iter().zip(&w).map(|(m, w)| *m * w).sum();
+        self.reference.chunks_exact(nodes.len()).map(row).collect()
+    }
+
+    fn each<T: Send>(&self, one: impl Fn(usize) -> T + Sync, mut merge: impl FnMut(usize, T)) {
+        let first = self.elements.start;
+        map_merge(
+            self.elements.len(),
+            |r| r.map(|e| one(first + e)).collect::<Vec<T>>(),
+            |r, parts| r.zip(parts).for_each(|(e, part)| merge(first + e, part)),
+        );
+    }
+
+    /// ½ vᵀ M v of a velocity [J].
+    #[must_use]
+    pub fn kinetic_energy(&self, space: &FunctionSpace, rest: &[Vec3], velocity: &[f64]) -> f64 {
+        let at_ = Iterate { space, rest, u: velocity, load: 0.0, multipliers: &[], step: None };
+        self.half_square(&at_, velocity)
+    }
+
+    /// ∫ ρ w dX of a nodal field w: momentum, if it is a velocity.
+    #[must_use]
+    pub fn momentum(&self, space: &FunctionSpace, rest: &[Vec3], w: &[f64]) -> Vec3 {
+        let at_ = Iterate { space, rest, u: w, load: 0.0, multipliers: &[], step: None };
+        let mut total = Vec3::zeros();
+        self.each(
+            |e| {
+                let (mass, nodes) = self.element(&at_, e);
+                mass * self.times_reference(w, nodes).into_iter().sum::<Vec3>()
+            },
+            |_, part| total += part,
+        );
+        total
+    }
+
+    fn half_square(&self, at_: &Iterate, w: &[f64]) -> f64 {
+        let mut total = 0.0;
+        self.each(
+            |e| {
+                let (mass, nodes) = self.element(at_, e);
+                let mw = self.times_reference(w, nodes);
+                0.5 * mass * mw.iter().zip(nodes).map(|(m, &a)| m.dot(&at(w, a))).sum::<f64>()
+            },
+            |_, part| total += part,
+        );
+        total
+    }
+}
+
+impl Energy for Inertia {
+    fn name(&self) -> &'static str {
+        if self.tiny { "tiny_mass" } else { "inertia" }
+    }
+
+    fn value(&self, at_: &Iterate) -> f64 {
+        self.deviation(at_).map_or(0.0, |(rate, d)| rate * self.half_square(at_, &d))
+    }
+
+    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
+        let Some((rate, deviation)) = self.deviation(at_) else { return };
+        self.each(
+            |e| {
+                let (mass, nodes) = self.element(at_, e);
+                (nodes, rate * mass, self.times_reference(&deviation, nodes))
+            },
+            |_, (nodes, factor, parts)| {
+                nodes.iter().zip(parts).for_each(|(&a, p)| add_at(out, a, &(factor * p)));
+            },
+        );
+    }
+
+    fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        let Some((rate, _)) = self.frame(at_) else { return };
+        let (first, n) = (self.elements.start, at_.space.nodes_per_element());
+        let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
+            let mut blocks = Vec::with_capacity(pair_count(n) * range.len());
+            for e in range {
+                let factor = rate * self.element(at_, first + e).0;
+                for a in 0..n {
+                    for b in 0..=a {
+                        debug_assert_eq!(blocks.len() % pair_count(n), pair_index(a, b));
+                        let m = factor * self.reference[n * a + b];
+                        blocks.push([m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m]);
+                    }
+                }
+            }
+            blocks
+        };
+        map_merge_waves(self.elements.len(), blocks, |r, parts| {
+            out.add_elements(first + r.start..first + r.end, &parts);
+        });
+    }
+
+    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let Some((rate, deviation)) = self.deviation(at_) else { return };
+        self.each(
+            |e| {
+                let (mass, nodes) = self.element(at_, e);
+                let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
+                let md = self.times_reference(&deviation, nodes);
+                let along: f64 = md.iter().zip(nodes).map(|(m, &n)| m.dot(&at(lambda, n))).sum();
+                // ∂|T|/∂X of the last three corners; that of the first is minus their sum
+                let by =
+                    [(c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
+                let volume = mesh::measure::tet_volume(a, b, c, d);
+                by.map(|by| rate * mass / volume * along / 6.0 * by)
+            },
+            |e, parts| {
+                let tet = at_.space.tets()[e];
+                for (vertex, part) in tet[1..].iter().zip(parts) {
+                    add_at(out, *vertex, &part);
+                    add_at(out, tet[0], &-part);
+                }
+            },
+        );
+    }
+}

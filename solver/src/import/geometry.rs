@@ -1,0 +1,265 @@
+//! Bodies: their meshes, placed and tagged.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Result;
+use mesh::{SurfaceMesh, Tags, TetMesh, Vec3};
+
+use super::document::Key;
+use super::planar::{self, Plane};
+use super::selection::{Facet, UNSELECTED, select};
+
+/// Tag of the front and back of a slab.
+pub const FACES: &str = "s_planar";
+
+/// A body of the scene.
+pub struct Solid {
+    /// What our scene calls it.
+    pub name: String,
+    /// Of its material.
+    pub volume: i64,
+    /// In metres, where it belongs.
+    pub mesh: TetMesh,
+    /// Names are those of [`tag`].
+    pub tags: Tags,
+    /// Number of facets with each id.
+    pub ids: BTreeMap<i64, usize>,
+}
+
+/// A rigid surface of the scene.
+pub struct Obstacle {
+    /// What our scene calls it.
+    pub name: String,
+    /// Its id, if it is the same everywhere.
+    pub id: Option<i64>,
+    /// In metres, where it belongs.
+    pub surface: SurfaceMesh,
+}
+
+/// What a scene is made of.
+#[derive(Default)]
+pub struct Geometry {
+    /// The bodies.
+    pub solids: Vec<Solid>,
+    /// The rigid surfaces.
+    pub obstacles: Vec<Obstacle>,
+    /// Thickness of the slabs of a plane scene [m].
+    pub thickness: Option<f64>,
+}
+
+/// The tag of a selection.
+#[must_use]
+pub fn tag(id: i64) -> String {
+    if id == UNSELECTED { "unselected".to_owned() } else { format!("s{id}") }
+}
+
+/// A body as it was read.
+enum Read {
+    Space(TetMesh),
+    Plane(Plane),
+}
+
+impl Read {
+    fn vertices(&mut self) -> &mut Vec<Vec3> {
+        match self {
+            Self::Space(mesh) => &mut mesh.vertices,
+            Self::Plane(plane) => &mut plane.vertices,
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        if matches!(self, Self::Plane(_)) { 2 } else { 3 }
+    }
+}
+
+/// Reads, places and tags all bodies. Slabs are `thickness` thick, or else as
+/// thick as their edges are long on average [m].
+///
+/// # Errors
+/// When a file is missing or malformed, or plane and other bodies are mixed.
+pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
+    let (mut geometry, mut bodies) = (Geometry::default(), Vec::new());
+    let mut names = Vec::new();
+    for key in geometries.items() {
+        if key.get("enabled").map(|k| k.becomes("whether it is there").flag()).transpose()?
+            == Some(false)
+        {
+            key.leave("\"enabled\" is false");
+            continue;
+        }
+        if let Some(kind) = key.get("type").map(|k| k.becomes("body")).filter(|k| k.value != "mesh")
+        {
+            return Err(kind.wrong(&format!("unknown kind {}; needed is \"mesh\"", kind.value)));
+        }
+        let file = key.need("mesh", "the file of the body")?.becomes("[[body]] mesh");
+        let path = file.file()?;
+        if !path.is_file() {
+            return Err(file.wrong(&format!(
+                "there is no file {}\n  the mesh is part of the scene: put it there, or write \
+                 where it is",
+                path.display()
+            )));
+        }
+        let name = unused(&path, &mut names);
+        if key.get("is_obstacle").map(|k| k.becomes("[[obstacle]]").flag()).transpose()?
+            == Some(true)
+        {
+            geometry.obstacles.push(obstacle(&key, &file, &path, name)?);
+            continue;
+        }
+        let mut read = body(&path)?;
+        let dimension = read.dimension();
+        place(&key, read.vertices(), dimension)?;
+        bodies.push((key, name, read));
+    }
+    let planes: Vec<f64> = bodies
+        .iter()
+        .filter_map(|b| match &b.2 {
+            Read::Plane(plane) => Some(plane.mean_edge()),
+            Read::Space(_) => None,
+        })
+        .collect();
+    if !planes.is_empty() {
+        if planes.len() < bodies.len() || !geometry.obstacles.is_empty() {
+            return Err(geometries.wrong("plane bodies beside others: needed are all of one kind"));
+        }
+        // of a floor of two triangles, edges are no measure
+        let finest = planes.into_iter().fold(f64::INFINITY, f64::min);
+        geometry.thickness = Some(thickness.unwrap_or(finest));
+    }
+    for (key, name, read) in bodies {
+        geometry.solids.push(solid(&key, name, read, geometry.thickness)?);
+    }
+    if geometry.solids.is_empty() {
+        return Err(geometries.wrong("no body: needed is one that is no obstacle"));
+    }
+    Ok(geometry)
+}
+
+/// The name of a file in letters that tags may have, which no other body has.
+fn unused(path: &Path, names: &mut Vec<String>) -> String {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let stem: String = stem.chars().map(plain).collect();
+    let mut name = stem.clone();
+    for number in 2.. {
+        if !names.contains(&name) {
+            break;
+        }
+        name = format!("{stem}_{number}");
+    }
+    names.push(name.clone());
+    name
+}
+
+fn body(path: &Path) -> Result<Read> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+        return Ok(Read::Plane(planar::read(path)?));
+    }
+    Ok(Read::Space(mesh::io::read_tets(path)?.mesh))
+}
+
+/// x ↦ scale x + translation.
+fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
+    if let Some(refinements) = key.get("n_refs") {
+        let refinements = refinements.becomes("nothing, as it is 0");
+        if refinements.count()? != 0 {
+            return Err(refinements.wrong(&format!(
+                "{}: bodies are not refined here; needed is 0 and a fine mesh",
+                refinements.value
+            )));
+        }
+    }
+    let Some(transformation) = key.get("transformation") else { return Ok(()) };
+    for name in ["rotation", "dimensions"] {
+        if let Some(other) = transformation.get(name) {
+            if other.items().iter().any(|k| k.value.as_f64() != Some(0.0)) {
+                return Err(other
+                    .wrong("only \"scale\" and \"translation\" are known: apply it to the mesh"));
+            }
+            let _ = other.becomes("nothing, as it is 0");
+        }
+    }
+    let mut scale = Vec3::new(1.0, 1.0, 1.0);
+    if let Some(given) = transformation.get("scale").map(|k| k.becomes("mesh, in metres")) {
+        let factors = match given.value.as_f64() {
+            Some(factor) => vec![factor; dimension],
+            None => given.numbers(dimension)?,
+        };
+        for (k, factor) in factors.into_iter().enumerate() {
+            if !(factor.is_finite() && factor > 0.0) {
+                return Err(given.wrong(&format!("{factor}: needed are factors greater than 0")));
+            }
+            scale[k] = factor;
+        }
+    }
+    let mut shift = Vec3::zeros();
+    if let Some(given) = transformation.get("translation").map(|k| k.becomes("mesh, in metres")) {
+        for (k, x) in given.numbers(dimension)?.into_iter().enumerate() {
+            shift[k] = x;
+        }
+    }
+    vertices.iter_mut().for_each(|v| *v = scale.component_mul(v) + shift);
+    Ok(())
+}
+
+fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<Solid> {
+    let volume = match key.get("volume_selection") {
+        Some(id) => id.becomes("[[body]] material").id()?,
+        None => 0,
+    };
+    let dimension = read.dimension();
+    let (mesh, facets, faces) = match read {
+        Read::Space(mesh) => {
+            let facets = mesh::topology::boundary(&mesh).facets.into_iter().map(|corners| Facet {
+                corners,
+                source: mesh::facet_key(corners).to_vec(),
+                center: corners.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0,
+            });
+            let facets = facets.collect();
+            (mesh, facets, Vec::new())
+        }
+        Read::Plane(plane) => {
+            if let Some(flaw) = plane.flaw() {
+                return Err(key.wrong(&format!("{name}: {flaw}; needed is a sound triangulation")));
+            }
+            plane.extruded(thickness.unwrap_or_else(|| plane.mean_edge()))
+        }
+    };
+    let bounds = mesh::measure::bounds(&mesh.vertices);
+    let selection = key.get("surface_selection");
+    let found = select(selection.as_ref(), &facets, dimension, bounds)?;
+    let mut ids: BTreeMap<i64, usize> = BTreeMap::new();
+    for id in &found {
+        *ids.entry(*id).or_default() += 1;
+    }
+    let mut names: Vec<String> = ids.keys().map(|&id| tag(id)).collect();
+    if !faces.is_empty() {
+        names.push(FACES.to_owned());
+    }
+    let mut tags = Tags::new(names);
+    let known = |name: &str| tags.id(name).expect("all names are there");
+    let numbers: BTreeMap<i64, u32> = ids.keys().map(|&id| (id, known(&tag(id)))).collect();
+    let last = u32::try_from(tags.names.len()).expect("few tags");
+    for (facet, id) in facets.iter().zip(&found) {
+        tags.set(facet.corners, numbers[id]);
+    }
+    for corners in faces {
+        tags.set(corners, last);
+    }
+    Ok(Solid { name, volume, mesh, tags, ids })
+}
+
+fn obstacle(key: &Key, file: &Key, path: &Path, name: String) -> Result<Obstacle> {
+    let mut surface = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("msh")) {
+        let mesh = mesh::io::read_tets(path)?.mesh;
+        mesh::topology::boundary(&mesh).surface(&mesh).0
+    } else {
+        mesh::io::read_surface(path).map_err(|e| file.wrong(&e.to_string()))?
+    };
+    place(key, &mut surface.vertices, 3)?;
+    let id = key.get("surface_selection").filter(|k| k.value.is_i64());
+    let id = id.map(|k| k.becomes("[[obstacle]] displacement").id()).transpose()?;
+    Ok(Obstacle { name, id, surface })
+}

@@ -1,0 +1,99 @@
+//! Laws by their names there and here.
+
+use anyhow::Result;
+
+use super::document::Key;
+use super::text::{number, quoted};
+
+/// Density where a material gives none, as PolyFEM assumes it [kg/m³].
+const DENSITY: f64 = 1.0;
+
+/// A law with its parameters here.
+struct Translated {
+    kind: &'static str,
+    parameters: Vec<(&'static str, f64)>,
+}
+
+/// The material of the bodies with a volume id, as an inline table.
+///
+/// A plane NeoHookean body has λ = Eν/(1 − ν²) there. Its slab gets the E and ν
+/// that give the same λ and μ in space, with which its energy is the same:
+/// tr FᵀF − 3 of a plane strain is tr FᵀF − 2 in the plane.
+///
+/// # Errors
+/// When there is no material for this id, its law is unknown or a parameter
+/// missing.
+pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
+    for key in materials.items() {
+        let ids = key.get("id").map(|k| k.becomes("material").ids()).transpose()?;
+        if ids.is_some_and(|ids| !ids.contains(&id)) {
+            continue;
+        }
+        let law = law(&key, planar)?;
+        let density = match key.get("rho") {
+            Some(rho) => rho.becomes("density").positive()?,
+            None => DENSITY,
+        };
+        let mut fields = vec![format!("kind = {}", quoted(law.kind))];
+        fields.extend(law.parameters.iter().map(|(name, v)| format!("{name} = {}", number(*v))));
+        fields.push(format!("density = {}", number(density)));
+        return Ok(format!("{{ {} }}", fields.join(", ")));
+    }
+    Err(materials.wrong(&format!(
+        "no material has the id {id}, the volume_selection of a body: needed is one, or one \
+         without id for all"
+    )))
+}
+
+fn law(key: &Key, planar: bool) -> Result<Translated> {
+    let name = key.need("type", "the name of the law")?.becomes("material, kind");
+    let rivlin = |kind| -> Result<Translated> {
+        let mut parameters = Vec::new();
+        for own in ["c1", "c2", "c3", "d1"] {
+            let what = "a parameter of its law [Pa]";
+            parameters.push((own, key.need(own, what)?.becomes("material").number()?));
+        }
+        Ok(Translated { kind, parameters })
+    };
+    match name.text()? {
+        // in the plane it is another law, in which c₂ has no part
+        "MooneyRivlin3ParamSymbolic" if planar => Err(name.wrong(
+            "in the plane this law is not that of a slab in plane strain; needed is NeoHookean or \
+             MooneyRivlin3Param",
+        )),
+        "MooneyRivlin3ParamSymbolic" => rivlin("mooney-rivlin"),
+        "MooneyRivlin3Param" => rivlin("mooney-rivlin-quadratic"),
+        "NeoHookean" => lame("neo-hookean", key, planar),
+        "SaintVenant" => lame("saint-venant-kirchhoff", key, planar),
+        "LinearElasticity" => lame("linear-elastic", key, planar),
+        _ => Err(name.wrong(&format!(
+            "unknown law {}; known are MooneyRivlin3ParamSymbolic, MooneyRivlin3Param, NeoHookean, \
+             SaintVenant and LinearElasticity",
+            name.value
+        ))),
+    }
+}
+
+/// Laws that are linear in λ and μ, given by E and ν, or by λ and μ.
+fn lame(kind: &'static str, key: &Key, planar: bool) -> Result<Translated> {
+    let [lambda, mu] = match (key.get("lambda"), key.get("mu")) {
+        (Some(lambda), Some(mu)) => [lambda, mu]
+            .map(|k| k.becomes("material").number())
+            .into_iter()
+            .collect::<Result<Vec<_>>>()?[..]
+            .try_into()
+            .expect("two"),
+        _ => {
+            let young = key.need("E", "Young's modulus [Pa]")?.becomes("material, young");
+            let poisson = key.need("nu", "Poisson's ratio")?.becomes("material, poisson");
+            let (e, nu) = (young.positive()?, poisson.number()?);
+            if !planar {
+                let parameters = vec![("young", e), ("poisson", nu)];
+                return Ok(Translated { kind, parameters });
+            }
+            [e * nu / (1.0 - nu * nu), e / (2.0 * (1.0 + nu))]
+        }
+    };
+    let nu = lambda / (2.0 * (lambda + mu));
+    Ok(Translated { kind, parameters: vec![("young", 2.0 * mu * (1.0 + nu)), ("poisson", nu)] })
+}

@@ -1,0 +1,178 @@
+//! Plane bodies as slabs one layer of elements thick.
+//!
+//! Vertex v of a plane mesh of n vertices becomes v at z = 0 and n + v at
+//! z = thickness. The prism over a triangle with vertices a < b < c is cut into
+//! (a, b, c, c'), (a, b, b', c') and (a, a', b', c'): the diagonals of its sides
+//! go from the smaller vertex below to the greater one above, so that prisms
+//! side by side fit.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Result, anyhow, bail};
+use mesh::measure::tet_volume;
+use mesh::{TetMesh, Vec3};
+
+use super::selection::Facet;
+
+/// A triangulation of the plane.
+#[derive(Clone, Debug, Default)]
+pub struct Plane {
+    /// Positions; z is 0.
+    pub vertices: Vec<Vec3>,
+    /// Vertex indices.
+    pub triangles: Vec<[usize; 3]>,
+}
+
+/// Reads the `v` and `f` lines of an OBJ file with two coordinates, or three
+/// of which the last is 0.
+///
+/// # Errors
+/// When it cannot be read, is no triangulation, or is not plane.
+pub fn read(path: &Path) -> Result<Plane> {
+    let text = mesh::io::read_text(path)?;
+    let mut plane = Plane::default();
+    for (line, words) in text.lines().enumerate() {
+        let told = |what: &str| anyhow!("{}: line {}: {words:?}: {what}", path.display(), line + 1);
+        let mut fields = words.split_whitespace();
+        match fields.next() {
+            Some("v") => {
+                let x: Result<Vec<f64>, _> = fields.map(str::parse).collect();
+                let x = x.ok().filter(|x| x.iter().all(|c| c.is_finite()));
+                match x.as_deref() {
+                    Some(&[x, y] | &[x, y, 0.0]) => plane.vertices.push(Vec3::new(x, y, 0.0)),
+                    _ => return Err(told("needed are x and y of a plane body, and z = 0 if any")),
+                }
+            }
+            Some("f") => {
+                let n = plane.vertices.len();
+                let index =
+                    |w: &str| w.split('/').next()?.parse().ok().filter(|i| (1..=n).contains(i));
+                let corners: Option<Vec<usize>> = fields.map(index).collect();
+                match corners.as_deref() {
+                    Some(&[a, b, c]) => plane.triangles.push([a - 1, b - 1, c - 1]),
+                    _ => return Err(told(&format!("needed are three vertices from 1 to {n}"))),
+                }
+            }
+            _ => {}
+        }
+    }
+    if plane.triangles.is_empty() {
+        bail!("{}: no triangles: needed is a triangulation of a plane body", path.display());
+    }
+    Ok(plane)
+}
+
+impl Plane {
+    /// Mean length of the edges [m].
+    #[must_use]
+    pub fn mean_edge(&self) -> f64 {
+        mesh::measure::mean_edge(&self.vertices, &self.triangles)
+    }
+
+    /// The slab; its sides, and its front and back.
+    #[must_use]
+    pub fn extruded(&self, thickness: f64) -> (TetMesh, Vec<Facet>, Vec<[usize; 3]>) {
+        let n = self.vertices.len();
+        let above = self.vertices.iter().map(|v| v + thickness * Vec3::z());
+        let vertices: Vec<Vec3> = self.vertices.iter().copied().chain(above).collect();
+        let mut tets = Vec::with_capacity(3 * self.triangles.len());
+        for &triangle in &self.triangles {
+            let [a, b, c] = mesh::facet_key(triangle);
+            tets.extend([[a, b, c, n + c], [a, b, n + b, n + c], [a, n + a, n + b, n + c]]);
+        }
+        for tet in &mut tets {
+            let [a, b, c, d] = tet.map(|v| vertices[v]);
+            if tet_volume(a, b, c, d) < 0.0 {
+                tet.swap(2, 3);
+            }
+        }
+        let mesh = TetMesh { vertices, tets };
+        let (mut sides, mut faces) = (Vec::new(), Vec::new());
+        for corners in mesh::topology::boundary(&mesh).facets {
+            let mut source: Vec<usize> = corners.iter().map(|v| v % n).collect();
+            source.sort_unstable();
+            source.dedup();
+            if source.len() == 3 {
+                faces.push(corners);
+                continue;
+            }
+            let center = source.iter().map(|&v| self.vertices[v]).sum::<Vec3>() / 2.0;
+            sides.push(Facet { corners, source, center });
+        }
+        (mesh, sides, faces)
+    }
+
+    /// Whether an edge belongs to more than two triangles, or a triangle is flat.
+    #[must_use]
+    pub fn flaw(&self) -> Option<String> {
+        let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let [p, q, r] = [a, b, c].map(|v| self.vertices[v]);
+            if mesh::measure::triangle_area(p, q, r) <= 0.0 {
+                return Some(format!("triangle {t} is flat"));
+            }
+            for [a, b] in [[a, b], [b, c], [c, a]] {
+                *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+            }
+        }
+        let bad = edges.into_iter().find(|e| e.1 > 2)?;
+        Some(format!("the edge {:?} belongs to {} triangles", bad.0, bad.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An L of squares with vertices numbered at random.
+    fn angle() -> Plane {
+        let at = [[1, 0], [0, 0], [2, 1], [0, 1], [1, 1], [0, 2], [1, 2], [2, 0]];
+        let vertices = at.map(|[x, y]: [i32; 2]| Vec3::new(x.into(), y.into(), 0.0)).to_vec();
+        let triangles = vec![[1, 0, 4], [4, 3, 1], [0, 7, 2], [2, 4, 0], [3, 4, 6], [6, 5, 3]];
+        Plane { vertices, triangles }
+    }
+
+    #[test]
+    fn a_slab_is_a_sound_body_with_its_area_times_its_thickness() {
+        let (slab, sides, faces) = angle().extruded(0.25);
+        assert_eq!((slab.tets.len(), sides.len(), faces.len()), (18, 16, 12));
+        assert_eq!(mesh::check::check_tets(&slab).len(), 0);
+        assert!((mesh::measure::volume(&slab) - 3.0 * 0.25).abs() < 1e-15);
+        let (surface, _) = mesh::topology::boundary(&slab).surface(&slab);
+        assert!((mesh::measure::enclosed_volume(&surface) - 0.75).abs() < 1e-14);
+        // two side facets for each of the 8 edges, of the area of the edge
+        let area: f64 = sides
+            .iter()
+            .map(|f| {
+                let [a, b, c] = f.corners.map(|v| slab.vertices[v]);
+                mesh::measure::triangle_area(a, b, c)
+            })
+            .sum();
+        assert!((area - 8.0 * 0.25).abs() < 1e-14);
+        assert!(sides.iter().all(|f| f.source.len() == 2 && f.center.z == 0.0));
+    }
+
+    #[test]
+    fn plane_files_are_read_with_two_or_three_coordinates() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("plane.obj");
+        let read = |text: &str| {
+            std::fs::write(&path, text).expect("writable");
+            read(&path)
+        };
+        let plane = read("# x\nv 0 0\nv 1 0 0\nv 0 1\nf 1/1 2 3\n").expect("plane");
+        assert_eq!(plane.triangles, [[0, 1, 2]]);
+        assert!(plane.flaw().is_none());
+        for (text, words) in [
+            ("v 0 0 1\n", "line 1: \"v 0 0 1\": needed are x and y"),
+            ("v 0 0\nf 1 2 3\n", "line 2: \"f 1 2 3\": needed are three vertices from 1 to 1"),
+            ("v 0 0\n", "no triangles"),
+        ] {
+            let message = read(text).expect_err(text).to_string();
+            assert!(message.contains(words), "{message}");
+        }
+        let flat = read("v 0 0\nv 1 0\nv 2 0\nf 1 2 3\n").expect("read");
+        assert_eq!(flat.flaw().as_deref(), Some("triangle 0 is flat"));
+    }
+}

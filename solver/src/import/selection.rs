@@ -1,0 +1,184 @@
+//! Which part of the boundary has which id.
+//!
+//! A list of rules in order of priority: the first that holds for a facet gives
+//! it its id. Facets are judged by the mean of their corners after the body was
+//! placed.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, bail};
+use mesh::Vec3;
+
+use super::document::Key;
+
+/// The id of facets that no rule selects, as PolyFEM numbers them.
+pub const UNSELECTED: i64 = i32::MAX as i64;
+
+/// What selections become.
+const TAGS: &str = "tags of the mesh";
+
+/// A part of the boundary.
+#[derive(Clone, Debug)]
+pub struct Facet {
+    /// Its corners in the mesh that we write.
+    pub corners: [usize; 3],
+    /// Its corners in the mesh that was read, ascending: three, or two in a
+    /// plane.
+    pub source: Vec<usize>,
+    /// Mean of the corners in the mesh that was read, after it was placed [m].
+    pub center: Vec3,
+}
+
+/// A rule.
+enum Rule {
+    /// Everything has this id.
+    Everything(i64),
+    /// Ids of facets by the corners in the mesh that was read.
+    Listed(BTreeMap<Vec<usize>, i64>),
+    /// Between two corners.
+    Box(i64, [Vec3; 2]),
+    /// Beyond a position along an axis; −1 along its opposite.
+    Axis { id: i64, axis: usize, sign: f64, position: f64 },
+    /// Around a point.
+    Sphere(i64, Vec3, f64),
+}
+
+impl Rule {
+    fn id(&self, facet: &Facet) -> Option<i64> {
+        let x = facet.center;
+        match *self {
+            Self::Everything(id) => Some(id),
+            Self::Listed(ref ids) => ids.get(&facet.source).copied(),
+            Self::Box(id, [low, high]) => {
+                (0..3).all(|k| low[k] <= x[k] && x[k] <= high[k]).then_some(id)
+            }
+            Self::Axis { id, axis, sign, position } => {
+                (sign * x[axis] >= sign * position).then_some(id)
+            }
+            Self::Sphere(id, center, radius) => ((x - center).norm() <= radius).then_some(id),
+        }
+    }
+}
+
+/// The id of each facet of a body in `dimension` dimensions with these bounds
+/// [m]; [`UNSELECTED`] where no rule holds.
+///
+/// # Errors
+/// When the selection is malformed or its file cannot be read.
+pub fn select(
+    selection: Option<&Key>,
+    facets: &[Facet],
+    dimension: usize,
+    bounds: (Vec3, Vec3),
+) -> Result<Vec<i64>> {
+    let mut rules = Vec::new();
+    for item in selection.map(Key::items).unwrap_or_default() {
+        rules.push(rule(&item, facets, dimension, bounds)?);
+    }
+    let id = |facet: &Facet| rules.iter().find_map(|r| r.id(facet)).unwrap_or(UNSELECTED);
+    Ok(facets.iter().map(id).collect())
+}
+
+fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)) -> Result<Rule> {
+    if key.value.is_i64() {
+        return Ok(Rule::Everything(key.clone().becomes(TAGS).id()?));
+    }
+    if key.value.is_string() {
+        return listed(&key.clone().becomes(TAGS), facets, dimension);
+    }
+    if !key.value.is_object() {
+        return Err(key.wrong("needed is an id, a file of facets, or a list of selections"));
+    }
+    let get = |name: &str| key.get(name).map(|k| k.becomes(TAGS));
+    let need = |name: &str, what: &str| key.need(name, what).map(|k| k.becomes(TAGS));
+    let id = need("id", "the id of the selection")?.id()?;
+    let relative = get("relative").map(|r| r.flag()).transpose()?.unwrap_or(false);
+    // beyond the dimensions of the body, everything is inside
+    let point = |key: &Key, beyond: f64| -> Result<Vec3> {
+        let given = key.numbers(dimension)?;
+        Ok(Vec3::from_fn(|k, _| match given.get(k) {
+            None => beyond,
+            Some(x) if relative => low[k] + x * (high[k] - low[k]),
+            Some(x) => *x,
+        }))
+    };
+    if let Some(corners) = get("box") {
+        let items = corners.items();
+        let [a, b] = &items[..] else {
+            return Err(corners.wrong("needed are two corners"));
+        };
+        return Ok(Rule::Box(id, [point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?]));
+    }
+    if let Some(name) = get("axis") {
+        let (axis, sign) = axis(&name, dimension)?;
+        let given = need("position", "where along the axis the selection begins")?.number()?;
+        let along = low[axis] + given * (high[axis] - low[axis]);
+        let position = if relative { along } else { given };
+        return Ok(Rule::Axis { id, axis, sign, position });
+    }
+    if let Some(center) = get("center") {
+        let radius = need("radius", "the radius of the sphere")?.positive()?;
+        let scale = if relative { (high - low).norm() } else { 1.0 };
+        return Ok(Rule::Sphere(id, point(&center, 0.0)?, scale * radius));
+    }
+    Err(key.wrong(
+        "unknown kind of selection; known are \"box\", \"axis\" with \"position\", and \"center\" \
+         with \"radius\"",
+    ))
+}
+
+/// "x", "-x", …, or 1, −1, …
+fn axis(key: &Key, dimension: usize) -> Result<(usize, f64)> {
+    let names = ["x", "y", "z"];
+    let number = match key.value.as_str() {
+        Some(name) => {
+            let (sign, letter) = name.strip_prefix('-').map_or((1, name), |rest| (-1, rest));
+            let letter = letter.trim_start_matches('+').to_ascii_lowercase();
+            let place = names.iter().position(|n| *n == letter);
+            place.and_then(|p| i64::try_from(p + 1).ok()).map(|p| sign * p)
+        }
+        None => key.value.as_i64(),
+    };
+    match number.map(|n| (n.unsigned_abs() as usize, n.signum() as f64)) {
+        Some((n, sign)) if (1..=dimension).contains(&n) => Ok((n - 1, sign)),
+        _ => Err(key.wrong(&format!(
+            "{}: needed is one of {}, with a minus for the other side",
+            key.value,
+            names[..dimension].join(", ")
+        ))),
+    }
+}
+
+/// A file of `id v₀ v₁ v₂` lines; of a facet that occurs twice, the first counts.
+fn listed(key: &Key, facets: &[Facet], dimension: usize) -> Result<Rule> {
+    let path = key.file()?;
+    let text = mesh::io::read_text(&path).map_err(|e| key.wrong(&e.to_string()))?;
+    let mut ids = BTreeMap::new();
+    for (line, words) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
+        let numbers: Option<Vec<i64>> = words.split_whitespace().map(|w| w.parse().ok()).collect();
+        let numbers = numbers.filter(|n| n.len() == dimension + 1);
+        let corners = numbers.as_ref().and_then(|n| {
+            let corners: Result<Vec<usize>, _> = n[1..].iter().map(|&v| v.try_into()).collect();
+            corners.ok()
+        });
+        let (Some(numbers), Some(mut corners)) = (numbers, corners) else {
+            bail!(
+                "{}: line {}: {words:?} is not an id and {dimension} vertices",
+                path.display(),
+                line + 1
+            );
+        };
+        corners.sort_unstable();
+        ids.entry(corners).or_insert(numbers[0]);
+    }
+    let found = facets.iter().filter(|f| ids.contains_key(&f.source)).count();
+    if found < ids.len() {
+        bail!(
+            "{}: {} of its {} facets are not on the boundary of the mesh: it belongs to another mesh",
+            path.display(),
+            ids.len() - found,
+            ids.len()
+        );
+    }
+    Ok(Rule::Listed(ids))
+}

@@ -1,0 +1,250 @@
+//! What a run writes while it goes on, so that nothing is lost when it is killed:
+//! a line of `steps.jsonl` and a picture per reported step, and the checkpoint.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use mesh::io::vtu;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::energy::{Chamber, Iterate};
+use crate::forward::{LoadStep, Progress, System, Timings};
+use crate::results;
+use crate::scene::{Collisions, Scene};
+
+/// One line per reported step.
+pub const STEPS: &str = "steps.jsonl";
+/// Where an interrupted run goes on.
+const CHECKPOINT: &str = "checkpoint.json";
+
+/// A run that was interrupted after a time step. Numbers are written so that they
+/// are read back bit for bit.
+#[derive(Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Hash of the program's inputs; another hash is another run.
+    pub inputs: String,
+    /// Time steps done.
+    pub steps: usize,
+    /// All that decides what comes next ...
+    pub progress: Progress,
+    /// ... with the pairs of nodes that contact couples.
+    pub couplings: Vec<[usize; 2]>,
+    /// Time spent so far.
+    pub timings: Timings,
+    /// The same, from the first step on [s].
+    pub elapsed_s: f64,
+}
+
+impl Checkpoint {
+    /// That of a folder, if there is one.
+    ///
+    /// # Errors
+    /// When it cannot be read or belongs to other inputs.
+    pub fn read(folder: &Path, inputs: &str) -> Result<Option<Self>> {
+        let path = folder.join(CHECKPOINT);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let anew = "to begin anew: --restart, or another output folder";
+        let text = mesh::io::read_text(&path)?;
+        let found: Self = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a checkpoint; {anew}", path.display()))?;
+        ensure!(
+            found.inputs == inputs,
+            "{}: a run of another scene or mesh was interrupted here after {} time steps\n  {anew}",
+            path.display(),
+            found.steps
+        );
+        Ok(Some(found))
+    }
+
+    /// Writes it to a folder.
+    ///
+    /// # Errors
+    /// When it cannot be written; the one before then still stands.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        mesh::io::write_atomic(&folder.join(CHECKPOINT), |out| {
+            serde_json::to_writer(out, self).map_err(std::io::Error::from)
+        })?;
+        Ok(())
+    }
+
+    /// Takes it away from a folder.
+    ///
+    /// # Errors
+    /// When there is one and it cannot be removed.
+    pub fn remove(folder: &Path) -> Result<()> {
+        let path = folder.join(CHECKPOINT);
+        if path.exists() {
+            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the reported steps of a run.
+pub struct Recorder<'a> {
+    scene: &'a Scene,
+    folder: PathBuf,
+    /// Whether every step gets its picture.
+    pictures: bool,
+    collisions: Option<Collisions>,
+    /// What was told of each step.
+    pub lines: Vec<Value>,
+    work: Work,
+}
+
+impl<'a> Recorder<'a> {
+    /// Begins with nothing, or after the first `done` lines of the folder.
+    ///
+    /// # Errors
+    /// When they cannot be read, or a chamber is wrong.
+    pub fn new(
+        scene: &'a Scene,
+        system: &mut System,
+        folder: &Path,
+        pictures: bool,
+        done: Option<&Checkpoint>,
+    ) -> Result<Self> {
+        let mut work = Work::new(scene, system)?;
+        let mut lines = Vec::new();
+        if let Some(done) = done {
+            let path = folder.join(STEPS);
+            let text = mesh::io::read_text(&path)?;
+            for line in text.lines().take(done.steps) {
+                let line = serde_json::from_str(line);
+                lines.push(
+                    line.with_context(|| format!("{}: to begin anew: --restart", path.display()))?,
+                );
+            }
+            ensure!(
+                lines.len() == done.steps,
+                "{} has {} lines, the checkpoint {} steps; to begin anew: --restart",
+                path.display(),
+                lines.len(),
+                done.steps
+            );
+            let so_far = lines.last().and_then(|line: &Value| line["work_of_loads"].as_f64());
+            work.resume(scene, system, &done.progress, so_far.unwrap_or(0.0));
+        }
+        let collisions = scene.collisions(&scene.body, &system.space, system.fixed())?;
+        Ok(Self { scene, folder: folder.to_path_buf(), pictures, collisions, lines, work })
+    }
+
+    /// Follows the work of the loads through every load step.
+    pub fn follow(&mut self, system: &mut System, step: &LoadStep) {
+        let at = (step.load, &step.u[..]);
+        system.multipliers.clone_from(&step.multipliers);
+        self.work.follow(self.scene, system, at);
+    }
+
+    /// Work of gas, dead loads and moving supports so far [J].
+    #[must_use]
+    pub fn work(&self) -> f64 {
+        self.work.total
+    }
+
+    /// Writes what is known of a step, which has the velocity `v` [m/s].
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn record(
+        &mut self,
+        system: &mut System,
+        step: &LoadStep,
+        v: Option<&[f64]>,
+    ) -> Result<()> {
+        let body = &self.scene.body;
+        let mut line = results::step(self.scene, body, system, step, v)?;
+        line["work_of_loads"] = json!(self.work.total);
+        if let Some(collisions) = &self.collisions {
+            let here = system.iterate(&body.mesh.vertices, &step.u, step.load);
+            line["collisions"] = results::collisions(collisions, &here);
+        }
+        self.lines.push(line);
+        if self.pictures {
+            let name = picture(self.lines.len() - 1);
+            let rest = &body.mesh.vertices;
+            let grid = results::grid_with_forces(system, rest, &step.u, step.load);
+            vtu::write_vtu(&self.folder.join(name), &grid)?;
+            let picture = |(i, line): (usize, &Value)| (time(line), picture(i));
+            let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
+            vtu::write_pvd(&self.folder.join("result.pvd"), &all)?;
+        }
+        mesh::io::write_atomic(&self.folder.join(STEPS), |out| {
+            self.lines.iter().try_for_each(|line| writeln!(out, "{line}"))
+        })?;
+        Ok(())
+    }
+}
+
+fn picture(step: usize) -> String {
+    format!("step_{step:03}.vtu")
+}
+
+fn time(line: &Value) -> f64 {
+    line["t"].as_f64().unwrap_or(f64::NAN)
+}
+
+/// Work of gas, dead loads and moving supports along the load steps by the
+/// trapezoidal rule [J]: second order in the load increment, so it meets the
+/// elastic energy only roughly.
+struct Work {
+    chambers: Vec<(String, Chamber)>,
+    fixed: Vec<bool>,
+    /// Pairs of a force and the quantity it works on, at the last step: gas on
+    /// volumes, dead loads and supports on displacements.
+    last: Vec<[f64; 2]>,
+    total: f64,
+}
+
+impl Work {
+    fn new(scene: &Scene, system: &mut System) -> Result<Self> {
+        let chambers = scene.chambers(&scene.body, &system.space)?;
+        let fixed = system.fixed().to_vec();
+        let mut work = Self { chambers, fixed, last: Vec::new(), total: 0.0 };
+        let multipliers = system.multipliers.clone();
+        system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
+        work.last = work.pairs(scene, system, (0.0, &vec![0.0; system.len()]));
+        system.multipliers = multipliers;
+        Ok(work)
+    }
+
+    fn resume(&mut self, scene: &Scene, system: &mut System, progress: &Progress, total: f64) {
+        if let Some(last) = progress.last.last() {
+            system.multipliers.clone_from(&last.multipliers);
+        }
+        self.last = self.pairs(scene, system, (progress.load(), progress.reached()));
+        self.total = total;
+    }
+
+    fn follow(&mut self, scene: &Scene, system: &mut System, at: (f64, &[f64])) {
+        let next = self.pairs(scene, system, at);
+        for ([f, q], [next_f, next_q]) in self.last.iter().zip(&next) {
+            self.total += 0.5 * (f + next_f) * (next_q - q);
+        }
+        self.last = next;
+    }
+
+    fn pairs(&self, scene: &Scene, system: &mut System, (load, u): (f64, &[f64])) -> Vec<[f64; 2]> {
+        let rest = &scene.body.mesh.vertices;
+        let (reactions, _) = system.gradient(rest, u, load);
+        let here: Iterate = system.iterate(rest, u, load);
+        let mut dead = vec![0.0; u.len()];
+        for energy in &system.energies {
+            if ["body_force", "traction"].contains(&energy.name()) {
+                energy.add_gradient(&here, &mut dead);
+            }
+        }
+        let gas = self.chambers.iter().map(|(_, chamber)| {
+            let (volume, gas) = chamber.state(&here);
+            [gas.pressure, volume]
+        });
+        let dofs = (0..u.len()).map(|dof| {
+            let reaction = if self.fixed[dof] { reactions[dof] } else { 0.0 };
+            [reaction - dead[dof], u[dof]]
+        });
+        gas.chain(dofs).collect()
+    }
+}

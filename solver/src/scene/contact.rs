@@ -1,0 +1,100 @@
+//! What keeps surfaces of a scene apart.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::Vec3;
+
+use super::Scene;
+use crate::body::Body;
+use crate::config::{ContactForm, beside};
+use crate::contact::barrier::{Barrier, Form};
+use crate::contact::surface::{Obstacle, Surface};
+use crate::element::FunctionSpace;
+use crate::energy::{Contact, Friction};
+
+/// Contact of a scene.
+pub struct Collisions {
+    /// The barrier between surfaces.
+    pub contact: Contact,
+    /// How they rub, if they do.
+    pub friction: Option<Friction>,
+    /// Names of the bodies, obstacles last.
+    pub names: Vec<String>,
+}
+
+impl Scene {
+    /// Contact of bodies with these degrees of freedom fixed; none where the scene
+    /// has none.
+    ///
+    /// # Errors
+    /// When an obstacle cannot be read, surfaces are too coarse for the
+    /// activation distance, intersect at rest or are closer than the thickness.
+    pub fn collisions(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        fixed: &[bool],
+    ) -> Result<Option<Collisions>> {
+        let Some(config) = &self.config.contact else { return Ok(None) };
+        let mut obstacles = Vec::new();
+        for obstacle in &self.config.obstacle {
+            let surface = mesh::io::read_surface(&beside(&self.path, &obstacle.surface))?;
+            let moves = obstacle.displacement.0.iter().any(|s| !s.is_zero());
+            let displacement = obstacle.displacement.clone();
+            let motion = move |place: Vec3, load: f64| displacement.at(place, load);
+            obstacles.push(Obstacle { surface, motion: moves.then(|| Box::new(motion) as _) });
+        }
+        let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
+        let split = config.split.unwrap_or(space.degree());
+        let facets = (body.boundary(), &parts[..]);
+        let surface = Arc::new(Surface::new(space, facets, obstacles, split, fixed));
+        let barrier = Barrier {
+            form: match config.form {
+                ContactForm::Convergent => Form::Convergent,
+                ContactForm::Plain => Form::Plain,
+            },
+            activation: config.activation,
+            stiffness: config.stiffness,
+            thickness: config.thickness,
+        };
+        let rest = surface.rest(space, &body.mesh.vertices);
+        let context = || self.path.display().to_string();
+        check_edges(&surface, &rest, &barrier).with_context(context)?;
+        let friction = (config.friction > 0.0)
+            .then(|| Friction::new(Arc::clone(&surface), config.friction, config.friction_speed));
+        let contact = Contact::new(Arc::clone(&surface), barrier, self.certify);
+        if let Some(what) = contact.intersection(&rest) {
+            bail!(
+                "{}: at rest {what}\n  bodies must be apart at the start: move one by translate, or \
+                 mend the mesh",
+                self.path.display()
+            );
+        }
+        let bodies = self.parts.iter().map(|part| part.config.name.clone());
+        let obstacles = self.config.obstacle.iter().map(|o| o.name.clone());
+        Ok(Some(Collisions { contact, friction, names: bodies.chain(obstacles).collect() }))
+    }
+}
+
+/// Features of one surface that share no vertex must be farther apart than the
+/// barrier reaches, or it would push neighbours apart at rest.
+fn check_edges(surface: &Surface, rest: &[Vec3], barrier: &Barrier) -> Result<()> {
+    let movable = surface.features().edges.iter().filter(|edge| !surface.immovable(&edge[..]));
+    let length = |&[a, b]: &[usize; 2]| (rest[a] - rest[b]).norm();
+    let shortest = movable.map(|edge| (length(edge), edge[0])).min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((shortest, at)) = shortest else { return Ok(()) };
+    let p = rest[at];
+    ensure!(
+        barrier.range() < shortest,
+        "[contact]: activation + thickness = {:.3e} m, but the shortest edge of the collision \
+         surface has {shortest:.3e} m, at ({:.5}, {:.5}, {:.5}) m\n  neighbours would repel each \
+         other: lower the activation, or use a mesh without such short edges{}",
+        barrier.range(),
+        p.x,
+        p.y,
+        p.z,
+        if barrier.range() < 2.0 * shortest { ", or a smaller split" } else { "" }
+    );
+    Ok(())
+}
