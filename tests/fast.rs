@@ -9,6 +9,8 @@ mod compare;
 mod energies;
 #[path = "fast/failures.rs"]
 mod failures;
+#[path = "fast/import.rs"]
+mod import;
 #[path = "fast/newton.rs"]
 mod newton;
 #[path = "fast/optimize.rs"]

@@ -8,7 +8,8 @@ use solver::body::Body;
 
 use crate::shared;
 
-const FOLDER: &str = "data/pneumatic-actuator-design";
+/// Where they are beside the repository.
+pub const FOLDER: &str = "data/pneumatic-actuator-design";
 
 /// Ids of the chambers of the worm, from its end at −x.
 pub const WORM_CHAMBERS: [u32; 10] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11];

@@ -17,3 +17,4 @@ pub mod surface; // what collides
 pub mod stencil; // what one pair adds
 pub mod weights; // areas
 pub mod terms; // the potential of a surface
+pub mod certificate; // that nothing intersects

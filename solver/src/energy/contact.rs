@@ -26,7 +26,9 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
-use crate::contact::candidates::TooMany;
+use crate::contact::candidates::{self, TooMany};
+use crate::contact::ccd;
+use crate::contact::certificate::{Intersection, certify};
 use crate::contact::distance::Closest;
 use crate::contact::friction::Sliding;
 use crate::contact::pairs::Pair;
@@ -34,7 +36,6 @@ use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::contact::terms::{Term, Terms};
 use crate::contact::weights::Adjacency;
-use crate::contact::{candidates, ccd};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
 use crate::parallel::map_merge;
@@ -43,6 +44,9 @@ use crate::parallel::map_merge;
 /// mean edge lengths. A longer way makes lists longer and rarer; results are the
 /// same.
 const SLACK: f64 = 0.1;
+
+/// Share of a step below which it is given up.
+const SHORTEST: f64 = 1e-10;
 
 /// The barrier between all parts of a collision surface.
 pub struct Contact {
@@ -88,26 +92,23 @@ struct State {
 impl Contact {
     /// The barrier between all features of a surface.
     #[must_use]
-    pub fn new(surface: Arc<Surface>, barrier: Barrier, certify: bool) -> Self {
+    pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
         let adjacency = Adjacency::new(&surface);
-        Self { surface, adjacency, barrier, list: Mutex::new(None), certify }
+        Self { surface, adjacency, barrier, list: Mutex::new(None), certify: false }
+    }
+
+    /// The same, and of accepted states it is proved that they have no
+    /// intersection.
+    #[must_use]
+    pub fn certified(self) -> Self {
+        Self { certify: true, ..self }
     }
 
     /// What intersects at positions of the collision vertices [m], if anything.
     #[must_use]
-    pub fn intersection(&self, x: &[Vec3]) -> Option<String> {
-        let triangles = self.surface.features().triangles.clone();
-        let surface = mesh::SurfaceMesh { vertices: x.to_vec(), triangles };
-        let pairs = mesh::bvh::self_intersecting_pairs(&surface);
-        let (a, _) = pairs.first()?;
-        let p = x[surface.triangles[*a][0]];
-        Some(format!(
-            "surfaces intersect in {} pairs of triangles, the first at ({:.5}, {:.5}, {:.5}) m",
-            pairs.len(),
-            p.x,
-            p.y,
-            p.z
-        ))
+    pub fn intersection(&self, x: &[Vec3]) -> Option<Intersection> {
+        let movable = |vertex: usize| !self.surface.immovable(&[vertex]);
+        certify(&self.surface.features().triangles, x, movable).err()
     }
 
     /// The collision surface.
@@ -177,10 +178,9 @@ impl Contact {
             let pairs = self.pairs(x, self.barrier.range() + 2.0 * slack).ok()?;
             Some(Arc::new(List { x: x.to_vec(), slack, pairs }))
         };
-        let list = make(slack).or_else(|| make(0.0))?;
         let mut kept = self.list.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = Some(Arc::clone(&list));
-        Some(list)
+        *kept = make(slack).or_else(|| make(0.0));
+        kept.clone()
     }
 
     /// All pairs closer than a radius of which something can move.
@@ -301,9 +301,8 @@ impl Energy for Contact {
 
     fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
         let x = self.positions(at);
-        let pairs = if reach <= 1.0 {
-            let active = self.active(&x).unwrap_or_default();
-            active.into_iter().map(|(pair, _)| pair).collect()
+        let pairs: Vec<Pair> = if reach <= 1.0 {
+            self.active(&x).unwrap_or_default().into_iter().map(|(pair, _)| pair).collect()
         } else {
             self.pairs(&x, reach * self.barrier.range()).unwrap_or_default()
         };
@@ -312,27 +311,28 @@ impl Energy for Contact {
     }
 
     fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        let (x0, x1) = (self.positions(from), self.positions(to));
-        let thickness = self.barrier.thickness;
-        if let Some(list) = self.kept_for(&[&x0, &x1]) {
-            return ccd::max_step(&list.pairs, &x0, &x1, thickness);
+        let (start, whole) = (self.positions(from), self.positions(to));
+        let (thickness, features) = (self.barrier.thickness, self.surface.features());
+        if let Some(list) = self.kept_for(&[&start, &whole]) {
+            return ccd::max_step(&list.pairs, &start, &whole, thickness);
         }
-        // a way that passes too many features is looked at up to its half
         let skip = |corners: [usize; 4]| self.surface.immovable(&corners);
-        let mut fraction = 1.0;
-        while fraction > 0.0 {
-            let along = |(a, b): (&Vec3, &Vec3)| a + fraction * (b - a);
-            let end: Vec<Vec3> = x0.iter().zip(&x1).map(along).collect();
-            match candidates::between(self.surface.features(), &x0, &end, thickness, skip) {
-                Ok(pairs) => return fraction * ccd::max_step(&pairs, &x0, &end, thickness),
-                Err(_) => fraction *= 0.5,
+        let mut share = 1.0;
+        // a step that sweeps through too much is looked at in part
+        while share > SHORTEST {
+            let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
+            let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();
+            if let Ok(pairs) = candidates::between(features, &start, &end, thickness, skip) {
+                return share * ccd::max_step(&pairs, &start, &end, thickness);
             }
+            share *= 0.5;
         }
         0.0
     }
 
     fn objection(&self, at: &Iterate) -> Option<String> {
-        self.certify.then(|| self.intersection(&self.positions(at))).flatten()
+        let found = self.certify.then(|| self.intersection(&self.positions(at))).flatten();
+        found.map(|intersection| intersection.to_string())
     }
 
     /// The contacts that rub in the step that begins at this state. Pairs of

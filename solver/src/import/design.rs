@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use super::document::{Document, Key};
 use super::geometry::{Solid, tag};
@@ -36,15 +36,25 @@ const ITERATIONS: usize = 1000;
 pub struct Design {
     /// The text of `design.toml`.
     pub text: String,
-    /// Target surfaces: where they are, and their names in our folder.
-    pub targets: Vec<(PathBuf, String)>,
+    /// Target surfaces.
+    pub targets: Vec<TargetFile>,
+}
+
+/// A target surface.
+pub struct TargetFile {
+    /// Where it was read.
+    from: PathBuf,
+    /// Its name in our folder.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
 }
 
 /// What is known while terms are written.
 struct Writer<'a> {
     scene: &'a Translated,
     text: Text,
-    targets: Vec<(PathBuf, String)>,
+    targets: Vec<TargetFile>,
     names: Vec<String>,
     notes: Vec<String>,
 }
@@ -312,12 +322,16 @@ impl Writer<'_> {
         mesh::io::read_surface(&path).map_err(|e| key.wrong(&e.to_string()))?;
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let ours = format!("targets/{name}");
-        if let Some(other) = self.targets.iter().find(|t| t.1 == ours && t.0 != path) {
-            return Err(
-                key.wrong(&format!("another target is called {name}: {}", other.0.display()))
-            );
+        match self.targets.iter().find(|t| t.name == ours).map(|t| &t.from) {
+            Some(same) if *same == path => return Ok(ours),
+            Some(other) => {
+                let what = format!("another target is called {name}: {}", other.display());
+                return Err(key.wrong(&what));
+            }
+            None => {}
         }
-        self.targets.push((path, ours.clone()));
+        let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+        self.targets.push(TargetFile { from: path, name: ours.clone(), bytes });
         Ok(ours)
     }
 }

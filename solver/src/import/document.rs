@@ -23,6 +23,8 @@ pub enum Fate {
 pub struct Document {
     /// Where it came from.
     pub path: PathBuf,
+    /// Fingerprint of the file.
+    pub sha256: String,
     root: Value,
     fates: RefCell<BTreeMap<String, Fate>>,
     /// Keys that were looked into.
@@ -42,7 +44,8 @@ impl Document {
             return Err(anyhow!("{}: a list or a value; needed is {{...}}", path.display()));
         }
         let (fates, entered) = Default::default();
-        Ok(Self { path: path.to_path_buf(), root, fates, entered })
+        let sha256 = mesh::io::sha256_file(path)?;
+        Ok(Self { path: path.to_path_buf(), sha256, root, fates, entered })
     }
 
     /// Its outermost object.
@@ -72,7 +75,13 @@ impl Document {
             return;
         }
         let reason = reasons.iter().filter(|r| matches(r.0, pointer)).max_by_key(|r| r.0.len());
-        let known = self.entered.borrow().contains(pointer) || reason.is_some();
+        let entered = self.entered.borrow().contains(pointer);
+        let empty = value.as_object().is_some_and(serde_json::Map::is_empty)
+            || value.as_array().is_some_and(Vec::is_empty);
+        if entered && empty {
+            return;
+        }
+        let known = entered || reason.is_some();
         let expected = reasons.iter().any(|r| matches_start(r.0, pointer));
         if pointer.is_empty() || known || expected {
             match value {
@@ -82,7 +91,10 @@ impl Document {
                     }
                     return;
                 }
-                Value::Array(items) if items.iter().any(|v| v.is_object() || v.is_array()) => {
+                Value::Array(items)
+                    if items.iter().any(|v| v.is_object() || v.is_array())
+                        || fates.contains_key(&format!("{pointer}/0")) =>
+                {
                     for (i, value) in items.iter().enumerate() {
                         self.collect(&format!("{pointer}/{i}"), value, reasons, fates);
                     }

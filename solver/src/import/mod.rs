@@ -125,6 +125,9 @@ impl Imported {
         let context = || format!("{}: the scene that it describes", documents[0].0.path.display());
         let mut config: SimConfig = toml::from_str(&scene.text).with_context(context)?;
         config.check().with_context(context)?;
+        for body in config.bodies().with_context(context)? {
+            body.material.specification().with_context(context)?;
+        }
         for solid in &scene.geometry.solids {
             if let Some(finding) = mesh::check::check_tets(&solid.mesh).first() {
                 bail!("{}: body \"{}\": {}", context(), solid.name, finding.message);

@@ -86,6 +86,12 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
             text.key("velocity", &velocity);
         }
     }
+    for key in materials.items() {
+        let ids = key.get("id").map(|k| k.ids()).transpose()?.unwrap_or_default();
+        if !ids.is_empty() && geometry.solids.iter().all(|s| !ids.contains(&s.volume)) {
+            key.leave("no body is made of it");
+        }
+    }
     loads::write_obstacles(conditions.as_ref(), &at, &mut text)?;
     loads::write(conditions.as_ref(), &at, &mut text)?;
     contact(&root, optimised, options.form, &mut text, &mut notes)?;

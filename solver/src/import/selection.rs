@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use mesh::Vec3;
 
 use super::document::Key;
@@ -162,23 +162,23 @@ fn listed(key: &Key, facets: &[Facet], dimension: usize) -> Result<Rule> {
             corners.ok()
         });
         let (Some(numbers), Some(mut corners)) = (numbers, corners) else {
-            bail!(
+            return Err(key.wrong(&format!(
                 "{}: line {}: {words:?} is not an id and {dimension} vertices",
                 path.display(),
                 line + 1
-            );
+            )));
         };
         corners.sort_unstable();
         ids.entry(corners).or_insert(numbers[0]);
     }
     let found = facets.iter().filter(|f| ids.contains_key(&f.source)).count();
     if found < ids.len() {
-        bail!(
+        return Err(key.wrong(&format!(
             "{}: {} of its {} facets are not on the boundary of the mesh: it belongs to another mesh",
             path.display(),
             ids.len() - found,
             ids.len()
-        );
+        )));
     }
     Ok(Rule::Listed(ids))
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use mesh::io::{sha256_file, write_atomic, write_surface, write_tets};
+use mesh::io::{write_atomic, write_surface, write_tets};
 use serde_json::{Value, json};
 
 use super::geometry::Solid;
@@ -57,18 +57,17 @@ impl Imported {
             write_surface(&folder.join(format!("{}.obj", obstacle.name)), &obstacle.surface)?;
         }
         if let Some(design) = &self.design {
-            for (from, to) in &design.targets {
-                let bytes = std::fs::read(from).with_context(|| from.display().to_string())?;
-                write_atomic(&folder.join(to), |out| out.write_all(&bytes))?;
+            for target in &design.targets {
+                write_atomic(&folder.join(&target.name), |out| out.write_all(&target.bytes))?;
             }
             write_atomic(&folder.join(DESIGN), |out| out.write_all(design.text.as_bytes()))?;
         }
-        crate::results::write_json(&folder.join(REPORT), &self.report()?)?;
+        crate::results::write_json(&folder.join(REPORT), &self.report())?;
         write_atomic(&folder.join(SCENE), |out| out.write_all(self.scene.text.as_bytes()))?;
         Ok(())
     }
 
-    fn report(&self) -> Result<Value> {
+    fn report(&self) -> Value {
         let mut files = Vec::new();
         for (document, reasons) in &self.documents {
             let (mut translated, mut left) = (BTreeMap::new(), BTreeMap::new());
@@ -80,19 +79,19 @@ impl Imported {
             }
             files.push(json!({
                 "path": document.path,
-                "sha256": sha256_file(&document.path)?,
+                "sha256": document.sha256,
                 "translated": translated,
                 "left": left,
             }));
         }
         let bodies: Vec<Value> = self.scene.geometry.solids.iter().map(facts).collect();
-        Ok(json!({
+        json!({
             "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
             "files": files,
             "notes": self.scene.notes,
             "thickness": self.scene.geometry.thickness,
             "bodies": bodies,
-        }))
+        })
     }
 }
 

@@ -63,7 +63,8 @@ impl Scene {
         check_edges(&surface, &rest, &barrier).with_context(context)?;
         let friction = (config.friction > 0.0)
             .then(|| Friction::new(Arc::clone(&surface), config.friction, config.friction_speed));
-        let contact = Contact::new(Arc::clone(&surface), barrier, self.certify);
+        let contact = Contact::new(Arc::clone(&surface), barrier);
+        let contact = if self.certify { contact.certified() } else { contact };
         if let Some(what) = contact.intersection(&rest) {
             bail!(
                 "{}: at rest {what}\n  bodies must be apart at the start: move one by translate, or \

@@ -42,7 +42,7 @@ impl Scene {
         let u = vec![0.0; 3 * space.node_count()];
         let fixed = vec![false; u.len()];
         let surface = Surface::new(&space, (&facets, &bodies), obstacles, degree, &fixed);
-        let contact = Contact::new(Arc::new(surface), barrier, true);
+        let contact = Contact::new(Arc::new(surface), barrier);
         Self { space, rest, u, contact, step: None }
     }
 
