@@ -63,7 +63,7 @@ impl Scene {
 
     fn times_hessian(&self, energy: &dyn Energy, kind: Hessian, q: &[f64]) -> Vec<f64> {
         let n = self.space.node_count();
-        let dense = Pattern::new(n, &(0..n).collect::<Vec<_>>(), n);
+        let dense = Pattern::new(n, &(0..n).collect::<Vec<_>>(), n, &[]);
         let mut matrix = BlockMatrix::zeros(&dense);
         energy.add_hessian(&self.here(), kind, &mut matrix);
         matrix.multiply(q)
@@ -324,7 +324,8 @@ fn the_energy_is_continuously_differentiable_wherever_features_meet() {
         let mut ground = square(3, 0.3);
         ground.vertices.iter_mut().for_each(|v| v.z = -0.3 * (v.x - 0.5).abs());
         let obstacle = Obstacle { surface: ground, motion: None };
-        let scene = Scene::new(1, &[tet.clone()], vec![obstacle], barrier(form, 0.1), |_| true);
+        let scene =
+            Scene::new(1, std::slice::from_ref(&tet), vec![obstacle], barrier(form, 0.1), |_| true);
         let roughness = |steps: usize| {
             let (mut last, mut jump, mut size) = (None, 0.0_f64, 0.0_f64);
             let mut kinds = std::collections::BTreeSet::new();
@@ -374,11 +375,13 @@ fn steps_are_cut_where_surfaces_meet() {
         };
         for (way, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
             let step = upper(&scene, way);
-            let share = scene.contact.max_step(&scene.here(), &step);
+            let to: Vec<f64> = scene.u.iter().zip(&step).map(|(u, s)| u + s).collect();
+            let share = scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &to));
             assert!((share == 1.0) == free && share > 0.02, "{share}");
             let start = scene.u.clone();
             scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
             assert!(scene.contact.value(&scene.here()).is_finite());
+            assert_eq!(scene.contact.objection(&scene.here()), None);
             let left = scene.contact.closeness(&scene.here()).smallest;
             assert!(free || (left > 0.0 && left < 0.2), "{left}");
             scene.u = start;
