@@ -244,7 +244,8 @@ impl Scene {
             }
         }
         for (name, chamber) in self.chambers(body, space)? {
-            chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
+            let facets = body.facets(&name)?;
+            chambers::check_rim(&name, &chamber.wall, &facets, supports, space, body)?;
             energies.push(Box::new(chamber));
         }
         if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {

@@ -10,6 +10,14 @@
 //! shape only, since the rim does not move. S is symmetric when Γ is closed or
 //! its rim is fixed.
 //!
+//! The ends of a chamber may also be planes of symmetry in which its rims slide,
+//! all normal to one axis k, as those of a slab in plane strain. Then
+//!
+//! V(x) = −½ ∫_Γ D x · (g₁ × g₂) dξ,   D = I − e_k e_kᵀ
+//!
+//! since D x has divergence 2 and no flux through the ends; its derivatives by
+//! what is free at the rims are the same as above.
+//!
 //! Source: Rumpel and Schweizerhof 2003, doi:10.1002/nme.561; Niewiarowski,
 //! Adriaenssens and Pauletti 2020, doi:10.1016/j.cma.2020.113059.
 
@@ -26,6 +34,8 @@ pub struct Wall {
     facets: Vec<Vec<usize>>,
     /// Loops of the rim as vertex ids, in the direction of the facets' edges.
     rim: Vec<Vec<usize>>,
+    /// Axis normal to the planes in which the rims slide; none if caps close them.
+    slides: Option<usize>,
 }
 
 /// Values of a facet at one quadrature point; the weight includes the ½ of the
@@ -53,7 +63,26 @@ impl Wall {
         Self {
             facets: facets.iter().map(|&f| space.facet_nodes(f)).collect(),
             rim: boundary_loops(facets),
+            slides: None,
         }
+    }
+
+    /// The same wall, whose rims slide in planes normal to an axis.
+    #[must_use]
+    pub fn sliding(self, axis: usize) -> Self {
+        Self { slides: Some(axis), ..self }
+    }
+
+    /// Axis normal to the planes in which its rims slide.
+    #[must_use]
+    pub fn slides(&self) -> Option<usize> {
+        self.slides
+    }
+
+    /// Loops of the rim as vertex ids.
+    #[must_use]
+    pub fn rim(&self) -> &[Vec<usize>] {
+        &self.rim
     }
 
     /// Whether the wall encloses the chamber without caps.
@@ -88,10 +117,11 @@ impl Wall {
         }
     }
 
-    /// Calls `f` with each edge of the rim, the middle of its loop, and the
-    /// number of vertices of the loop.
-    fn for_each_rim_edge(&self, x: &[Vec3], mut f: impl FnMut(&[usize], [usize; 2], Vec3)) {
-        for rim in &self.rim {
+    /// Calls `f` with each loop that a cap closes, each of its edges, and its
+    /// middle.
+    fn for_each_cap(&self, x: &[Vec3], mut f: impl FnMut(&[usize], [usize; 2], Vec3)) {
+        let capped = if self.slides.is_some() { &[][..] } else { &self.rim };
+        for rim in capped {
             let middle = rim.iter().map(|&v| x[v]).sum::<Vec3>() / rim.len() as f64;
             for (i, &a) in rim.iter().enumerate() {
                 f(rim, [a, rim[(i + 1) % rim.len()]], middle);
@@ -103,11 +133,16 @@ impl Wall {
     #[must_use]
     pub fn volume(&self, space: &FunctionSpace, x: &[Vec3]) -> f64 {
         let mut volume = 0.0;
+        let mut flux = Vec3::repeat(1.0 / 3.0);
+        if let Some(axis) = self.slides {
+            flux = Vec3::from_fn(|k, _| if k == axis { 0.0 } else { 0.5 });
+        }
         self.for_each_point(space, x, |_, x, p| {
             let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
-            volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
+            let flux = flux.component_mul(&position);
+            volume -= p.weight * flux.dot(&p.g1.cross(&p.g2));
         });
-        self.for_each_rim_edge(x, |_, [a, b], c| volume += x[a].cross(&x[b]).dot(&c) / 6.0);
+        self.for_each_cap(x, |_, [a, b], c| volume += x[a].cross(&x[b]).dot(&c) / 6.0);
         volume
     }
 
@@ -129,7 +164,8 @@ impl Wall {
     }
 
     /// Adds `scale` ∂V/∂X of wall and caps, three components per vertex, where
-    /// `x` are positions whose rim has straight edges [m²].
+    /// `x` are positions whose rim has straight edges [m²]. Rims that slide stay
+    /// in their planes.
     pub fn add_volume_gradient(
         &self,
         space: &FunctionSpace,
@@ -139,7 +175,7 @@ impl Wall {
     ) {
         let mut nodal = vec![0.0; 3 * space.node_count()];
         self.add_wall_gradient(space, x, scale, &mut nodal);
-        self.for_each_rim_edge(x, |rim, [a, b], c| {
+        self.for_each_cap(x, |rim, [a, b], c| {
             // the cap's facet is (b, a, c), and moving c moves the loop's mean
             let third = scale / 6.0 * (x[b] - x[a]).cross(&(c - x[a]));
             add_at(&mut nodal, a, &third);

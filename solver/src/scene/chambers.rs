@@ -10,6 +10,8 @@ use crate::supports::Supports;
 
 /// Penalty of a prescribed volume in shear moduli per rest volume.
 const PENALTY: f64 = 10.0;
+/// Rims are plane up to this fraction of the size of all bodies.
+const FLAT: f64 = 1e-9;
 
 impl Scene {
     /// The chambers of a body, by the tags of their walls.
@@ -21,7 +23,10 @@ impl Scene {
         let nodes = space.node_positions(&body.mesh.vertices);
         let mut chambers = Vec::new();
         for (on, gas) in self.gas_laws() {
-            let wall = Wall::new(space, &body.facets(on).with_context(context)?);
+            let mut wall = Wall::new(space, &body.facets(on).with_context(context)?);
+            if let Some(axis) = self.slides(&wall, body, space)? {
+                wall = wall.sliding(axis);
+            }
             let volume = wall.volume(space, &nodes);
             if !matches!(gas, GasLaw::Isobaric { .. }) && volume <= 0.0 {
                 bail!(
@@ -44,6 +49,26 @@ impl Scene {
             chambers.push((on.clone(), Chamber { wall, gas }));
         }
         Ok(chambers)
+    }
+
+    /// The axis along which all rims of a wall are plane and fixed, if they are
+    /// not fixed along all axes.
+    fn slides(&self, wall: &Wall, body: &Body, space: &FunctionSpace) -> Result<Option<usize>> {
+        if wall.is_closed() {
+            return Ok(None);
+        }
+        let vertices = &body.mesh.vertices;
+        let tolerance = FLAT * mesh::measure::diagonal(vertices);
+        let flat = |rim: &Vec<usize>, axis: usize| {
+            rim.iter().all(|&v| (vertices[v][axis] - vertices[rim[0]][axis]).abs() <= tolerance)
+        };
+        let is_flat = |axis: &usize| wall.rim().iter().all(|rim| flat(rim, *axis));
+        let Some(axis) = (0..3).find(is_flat) else { return Ok(None) };
+        let supports = self.supports(body, space)?;
+        let nodes = || wall.rim().iter().flatten();
+        let slides = nodes().any(|&v| !supports.holds(v));
+        let fixed = nodes().all(|&v| supports.owner[3 * v + axis].is_some());
+        Ok((slides && fixed).then_some(axis))
     }
 
     /// What is behind each wall.
@@ -86,9 +111,10 @@ impl Scene {
 }
 
 /// The gas force has a potential only when every rim of its wall is fixed along
-/// all axes.
+/// all axes, or slides in a plane normal to one.
 pub(super) fn check_rim(
     name: &str,
+    wall: &Wall,
     facets: &[[usize; 3]],
     supports: &Supports,
     space: &FunctionSpace,
@@ -96,7 +122,11 @@ pub(super) fn check_rim(
 ) -> Result<()> {
     let rim = mesh::topology::boundary_edges(facets);
     let held = |&[a, b]: &[usize; 2]| {
-        [a, b].into_iter().chain(space.edge_nodes([a, b])).all(|node| supports.holds(node))
+        let held = |node: usize| match wall.slides() {
+            Some(axis) => supports.owner[3 * node + axis].is_some(),
+            None => supports.holds(node),
+        };
+        [a, b].into_iter().chain(space.edge_nodes([a, b])).all(held)
     };
     let free: Vec<_> = rim.iter().filter(|edge| !held(edge)).collect();
     if let Some([a, _]) = free.first() {
@@ -104,7 +134,8 @@ pub(super) fn check_rim(
         bail!(
             "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
-             rim is fixed along x, y and z: add the tag around the opening to [[fixed]]",
+             rim is fixed along x, y and z, or plane and fixed along the normal: add the tag around \
+             the opening to [[fixed]]",
             free.len(),
             rim.len(),
             p.x,
