@@ -168,8 +168,9 @@ fn clock(root: &Key, planar: bool) -> Result<Clock> {
         (Some(_), Some(step), Some(count)) => (count as f64, step),
         _ => return Err(time.wrong("needed are two of tend [s], dt [s] and time_steps")),
     };
-    if !(steps >= 1.0 && steps < 1e9 && step > 0.0) {
-        return Err(time.wrong(&format!("{steps} steps of {step} s: needed are one or more")));
+    if !((1.0..1e6).contains(&steps) && step > 0.0) {
+        return Err(time
+            .wrong(&format!("{steps} steps of {step} s: needed are 1 to 10⁶ of positive length")));
     }
     // as it was written if that is the same, and as our scene counts its steps
     let written = end.map(|end| end - start).filter(|end| (end - steps * step).abs() < 1e-9 * step);
