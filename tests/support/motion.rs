@@ -41,12 +41,21 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, text).expect("the folder is writable");
     let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
-    let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
-    let march = March::new(scene.stepping(), scene.integrator(&system));
-    Motion { scene, system, march, last: None }
+    Motion::of(scene)
 }
 
 impl Motion {
+    /// A scene at t = 0.
+    ///
+    /// # Panics
+    /// When it is refused.
+    #[must_use]
+    pub fn of(scene: Scene) -> Self {
+        let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
+        let march = March::new(scene.stepping(), scene.integrator(&system));
+        Self { scene, system, march, last: None }
+    }
+
     /// Goes through the next `count` time steps.
     ///
     /// # Panics
