@@ -46,7 +46,7 @@ fn the_walker_in_flight() {
 }
 
 #[test]
-#[ignore = "minutes: runs in make test-all"]
+#[ignore = "a minute: runs in make test-all"]
 fn the_walker_on_its_way() {
     let Some(reference) = reference("walker_dyn50") else { return };
     let file = "walker/state_walker.json";
@@ -55,19 +55,19 @@ fn the_walker_on_its_way() {
 }
 
 #[test]
-#[ignore = "half a minute: runs in make test-all"]
+#[ignore = "two minutes: runs in make test-all"]
 fn the_worm_falls_and_lands() {
     let Some(reference) = reference("worm_dyn_steps1to2") else { return };
     let file = "worm/state_worm.json";
     let Some((_dir, scene)) = scene(file, &Options::default(), as_published) else { return };
-    agree(&differences(scene, &reference, 2), 2, 1e-4, 1e-2);
+    agree(&differences(scene, &reference, 2), 2, 1e-9, 1e-6);
 }
 
 #[test]
-#[ignore = "half a minute: runs in make test-all"]
+#[ignore = "a minute: runs in make test-all"]
 fn the_gripper_begins_to_swell() {
     let Some(reference) = reference("gripper_dyn_step1") else { return };
     let file = "gripper_bellows/state_gripper_bellows.json";
     let Some((_dir, scene)) = scene(file, &Options::default(), as_published) else { return };
-    agree(&differences(scene, &reference, 1), usize::MAX, 1e-4, 0.0);
+    agree(&differences(scene, &reference, 1), usize::MAX, 1e-6, 0.0);
 }
