@@ -17,6 +17,8 @@ mod import;
 mod newton;
 #[path = "fast/optimize.rs"]
 mod optimize;
+#[path = "fast/polyfem.rs"]
+mod polyfem;
 #[path = "fast/reference.rs"]
 mod reference;
 #[path = "fast/resume.rs"]

@@ -10,6 +10,8 @@ pub mod equilibrium;
 pub mod meshes;
 #[path = "support/motion.rs"]
 pub mod motion;
+#[path = "support/polyfem.rs"]
+pub mod polyfem;
 #[path = "support/published.rs"]
 pub mod published;
 #[path = "support/symmetric_gas.rs"]

@@ -93,6 +93,13 @@ impl SimConfig {
         }
     }
 
+    /// Newton iterations allowed in one load step.
+    #[must_use]
+    pub fn newton_iterations(&self) -> usize {
+        let default = if self.contact.is_some() { 200 } else { 30 };
+        self.solver.newton_iterations.unwrap_or(default)
+    }
+
     /// How bodies go through time.
     #[must_use]
     pub fn method(&self) -> Method {
@@ -323,8 +330,10 @@ pub struct SolverConfig {
     pub largest_load_step: f64,
     /// Increment below which the load counts as unreachable [1].
     pub smallest_load_step: f64,
-    /// Newton iterations allowed in one load step.
-    pub newton_iterations: usize,
+    /// Newton iterations allowed in one load step: 30 if not given, 200 with
+    /// contact, where an impact takes many.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub newton_iterations: Option<usize>,
     /// Unbalanced force relative to the forces that balance, and gap of a
     /// prescribed volume relative to it [1].
     pub relative_tolerance: f64,
@@ -338,7 +347,7 @@ impl Default for SolverConfig {
             first_load_step: 0.25,
             largest_load_step: 1.0,
             smallest_load_step: 1e-3,
-            newton_iterations: 30,
+            newton_iterations: None,
             relative_tolerance: 1e-10,
             absolute_tolerance: 1e-10,
         }

@@ -301,7 +301,8 @@ fn advice(
     advice.push(format!(
         "finer load steps: [solver] smallest_load_step below {:e}, newton_iterations above {}; -v \
          shows every iteration",
-        settings.smallest_load_step, settings.newton_iterations
+        settings.smallest_load_step,
+        scene.config.newton_iterations()
     ));
     advice
 }

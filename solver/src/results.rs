@@ -146,6 +146,12 @@ pub fn step(
         report.remove("load");
     }
     report["walls"] = json!(walls(scene, body, system, &step.u, step.load)?);
+    let mut moved = BTreeMap::new();
+    for name in body.used_tags() {
+        let report = displacements(body, &system.space, &body.facets(name)?, &step.u);
+        moved.insert(name.clone(), report.mean_displacement_vector);
+    }
+    report["mean_displacement"] = json!(moved);
     report["reactions"] = json!(reactions(scene, body, system, &step.u, step.load)?);
     report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
     report["energies"] = json!(energies(system, &body.mesh.vertices, &step.u, step.load));

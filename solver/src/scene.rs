@@ -285,7 +285,7 @@ impl Scene {
             first_load_step,
             largest_load_step,
             smallest_load_step,
-            newton_iterations,
+            newton_iterations: _,
             relative_tolerance,
             absolute_tolerance,
         } = self.config.solver;
@@ -294,7 +294,7 @@ impl Scene {
             largest: largest_load_step,
             smallest: smallest_load_step,
             newton: Newton {
-                iterations: newton_iterations,
+                iterations: self.config.newton_iterations(),
                 relative: relative_tolerance,
                 absolute: absolute_tolerance,
             },

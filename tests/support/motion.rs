@@ -23,7 +23,7 @@ pub struct Motion {
     /// The last time step.
     pub last: Option<LoadStep>,
     /// The files of the scene, which reports read again.
-    _folder: TempDir,
+    _folder: Option<TempDir>,
 }
 
 /// A scene of bodies `name.msh`, surfaces `name.stl` and text.
@@ -44,12 +44,21 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, text).expect("the folder is writable");
     let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
-    let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
-    let march = March::new(scene.stepping(), scene.integrator(&system));
-    Motion { scene, system, march, last: None, _folder: folder }
+    Motion { _folder: Some(folder), ..Motion::of(scene) }
 }
 
 impl Motion {
+    /// A scene at t = 0.
+    ///
+    /// # Panics
+    /// When it is refused.
+    #[must_use]
+    pub fn of(scene: Scene) -> Self {
+        let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
+        let march = March::new(scene.stepping(), scene.integrator(&system));
+        Self { scene, system, march, last: None, _folder: None }
+    }
+
     /// Goes through the next `count` time steps.
     ///
     /// # Panics

@@ -8,10 +8,11 @@ use solver::plot::{Axes, Series, Style, draw};
 
 /// Draw numbers of one or more runs against each other, as SVG
 ///
-/// A run is a history.jsonl of optimize, a row per line, a report.json of
+/// A run is a history.jsonl of optimize or steps.jsonl of simulate, a row per line, a report.json of
 /// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
 /// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star,
 /// as in `mean_displacement.throat*1e3`. Without --x, rows are counted.
+/// Rows without the number are left out.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Runs: one curve each, for every --y
@@ -99,12 +100,18 @@ fn rows(path: &Path) -> Result<Vec<Value>> {
     }
 }
 
+/// The rows that have both numbers: before surfaces meet there is no gap, for one.
 fn points(rows: &[Value], x: Option<&str>, y: &str) -> Result<Vec<(f64, f64)>> {
     let point = |(i, row): (usize, &Value)| {
         let x = x.map_or(Ok(i as f64), |x| number(row, x))?;
         Ok((x, number(row, y)?))
     };
-    rows.iter().enumerate().map(point).collect()
+    let (points, missing): (Vec<_>, Vec<_>) =
+        rows.iter().enumerate().map(point).partition(Result::is_ok);
+    match missing.into_iter().next() {
+        Some(error) if points.is_empty() => error.map(|_: (f64, f64)| Vec::new()),
+        _ => points.into_iter().collect(),
+    }
 }
 
 /// The number of a column in a row.

@@ -281,11 +281,7 @@ impl SolverConfig {
             "absolute_tolerance = {} N: must be finite and not negative",
             s.absolute_tolerance
         );
-        ensure!(
-            s.newton_iterations > 0,
-            "newton_iterations = {}: must be positive",
-            s.newton_iterations
-        );
+        ensure!(s.newton_iterations != Some(0), "newton_iterations = 0: must be positive");
         Ok(())
     }
 }

@@ -55,7 +55,8 @@ pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
         let r = y / full;
         let value = y * r * (1.0 - r / 3.0) + full / 3.0;
         // f₀′/y = (2 − y/ε)/ε, whose derivative by y is −1/ε²
-        let curvature = if y > 0.0 { -1.0 / (full * full * y) } else { 0.0 };
+        // and which acts on τ τᵀ, of size y²
+        let curvature = if r > 1e-100 { -1.0 / (full * full * y) } else { 0.0 };
         [value, (2.0 - r) / full, curvature]
     } else {
         [y, 1.0 / y, -1.0 / (y * y * y)]

@@ -9,6 +9,7 @@ mod cases;
 mod contact;
 mod dense;
 mod kernels;
+mod motion;
 mod row;
 mod scaling;
 mod solves;
@@ -73,6 +74,7 @@ fn run(words: &[String]) -> Result<()> {
     }
     now.rows.extend(kernels.take_rows());
     now.rows.extend(contact::rows(&wanted)?);
+    now.rows.extend(motion::rows(&wanted)?);
 
     let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
     for name in bars.iter().map(String::as_str).chain(PUBLISHED) {
