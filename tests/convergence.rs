@@ -8,6 +8,8 @@ mod cantilever;
 mod contact;
 #[path = "convergence/dynamics.rs"]
 mod dynamics;
+#[path = "convergence/hertz.rs"]
+mod hertz;
 #[path = "convergence/land.rs"]
 mod land;
 #[path = "convergence/loads.rs"]
@@ -18,6 +20,10 @@ mod manufactured;
 mod node_order;
 #[path = "convergence/patch.rs"]
 mod patch;
+#[path = "convergence/pile.rs"]
+mod pile;
+#[path = "convergence/pressed_cube.rs"]
+mod pressed_cube;
 #[path = "convergence/ring.rs"]
 mod ring;
 #[path = "convergence/scene_loads.rs"]

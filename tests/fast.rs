@@ -5,6 +5,8 @@
 mod bad_design;
 #[path = "fast/compare.rs"]
 mod compare;
+#[path = "fast/contact_failures.rs"]
+mod contact_failures;
 #[path = "fast/energies.rs"]
 mod energies;
 #[path = "fast/failures.rs"]
@@ -21,6 +23,8 @@ mod polyfem;
 mod reference;
 #[path = "fast/resume.rs"]
 mod resume;
+#[path = "fast/resume_in_time.rs"]
+mod resume_in_time;
 #[path = "fast/solver_bad_input.rs"]
 mod solver_bad_input;
 #[path = "fast/solver_cli.rs"]

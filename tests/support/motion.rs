@@ -6,6 +6,7 @@ use solver::body::Body;
 use solver::forward::{LoadStep, March, System};
 use solver::results;
 use solver::scene::Scene;
+use tempfile::TempDir;
 
 /// The material of all scenes here, for a `[[body]]` or at the top.
 pub const SILICONE: &str =
@@ -21,6 +22,8 @@ pub struct Motion {
     pub march: March,
     /// The last time step.
     pub last: Option<LoadStep>,
+    /// The files of the scene, which reports read again.
+    _folder: Option<TempDir>,
 }
 
 /// A scene of bodies `name.msh`, surfaces `name.stl` and text.
@@ -41,7 +44,7 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, text).expect("the folder is writable");
     let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
-    Motion::of(scene)
+    Motion { _folder: Some(folder), ..Motion::of(scene) }
 }
 
 impl Motion {
@@ -53,7 +56,7 @@ impl Motion {
     pub fn of(scene: Scene) -> Self {
         let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
         let march = March::new(scene.stepping(), scene.integrator(&system));
-        Self { scene, system, march, last: None }
+        Self { scene, system, march, last: None, _folder: None }
     }
 
     /// Goes through the next `count` time steps.
@@ -93,8 +96,9 @@ impl Motion {
         let step = self.last.as_ref().expect("a step was made");
         let v = self.march.progress.integrator.last().v.clone();
         let (body, fixed) = (&self.scene.body, self.system.fixed().to_vec());
-        let mut report = results::step(&self.scene, body, &mut self.system, step, Some(&v))
-            .expect("tags are known");
+        let v = self.march.progress.integrator.method.has_inertia().then_some(&v[..]);
+        let mut report =
+            results::step(&self.scene, body, &mut self.system, step, v).expect("tags are known");
         let collisions = self.scene.collisions(body, &self.system.space, &fixed);
         if let Some(collisions) = collisions.expect("the scene was accepted") {
             let here = self.system.iterate(&body.mesh.vertices, &step.u, step.load);

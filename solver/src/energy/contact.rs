@@ -144,6 +144,15 @@ impl Contact {
         Closeness { pairs: active.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
     }
 
+    /// The closest of the pairs within range at positions of the collision
+    /// vertices, and its distance [m].
+    #[must_use]
+    pub fn closest(&self, x: &[Vec3]) -> Option<(Pair, f64)> {
+        let active = self.active(x)?.into_iter();
+        let closest = active.min_by(|a, b| a.1.d2.total_cmp(&b.1.d2))?;
+        Some((closest.0, closest.1.d2.sqrt()))
+    }
+
     fn positions(&self, at: &Iterate) -> Vec<Vec3> {
         self.surface.positions(at.space, at.rest, at.u, at.load)
     }

@@ -180,7 +180,9 @@ impl March {
         let free = system.max_step(rest, (from, before), (&further, before));
         let ahead: Vec<f64> = from.iter().zip(&further).map(|(a, b)| a + free * (b - a)).collect();
         let bent = self.progress.time > 0.0 || inertial || free < 1.0;
-        if bent && residual(system, rest, from, load) <= residual(system, rest, &ahead, load) {
+        // obstacles that have moved into a state leave forces there that mean nothing
+        let open = bent && system.max_step(rest, (from, before), (from, load)) >= 1.0;
+        if open && residual(system, rest, from, load) <= residual(system, rest, &ahead, load) {
             return (from.to_vec(), before);
         }
         if let (false, Some((b, a))) = (inertial, self.progress.last.split_last()) {

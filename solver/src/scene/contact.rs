@@ -74,7 +74,33 @@ impl Scene {
         }
         let bodies = self.parts.iter().map(|part| part.config.name.clone());
         let obstacles = self.config.obstacle.iter().map(|o| o.name.clone());
-        Ok(Some(Collisions { contact, friction, names: bodies.chain(obstacles).collect() }))
+        let collisions = Collisions { contact, friction, names: bodies.chain(obstacles).collect() };
+        collisions.check_gap(&rest, barrier.thickness).with_context(context)?;
+        Ok(Some(collisions))
+    }
+}
+
+impl Collisions {
+    /// Surfaces must be farther apart at rest than they may ever come.
+    fn check_gap(&self, rest: &[Vec3], thickness: f64) -> Result<()> {
+        let Some((pair, distance)) = self.contact.closest(rest) else { return Ok(()) };
+        let corners = pair.corners();
+        let [first, second] = [corners[0], corners[3]].map(|v| {
+            let name = &self.names[self.contact.surface().body(v)];
+            (name, rest[v])
+        });
+        ensure!(
+            distance > thickness,
+            "[contact]: at rest \"{}\" at ({:.5}, {:.5}, {:.5}) m and \"{}\" are {distance:.3e} m \
+             apart, but thickness = {thickness:.3e} m\n  surfaces cannot come closer than that: \
+             lower the thickness, or move a body by translate",
+            first.0,
+            first.1.x,
+            first.1.y,
+            first.1.z,
+            second.0
+        );
+        Ok(())
     }
 }
 

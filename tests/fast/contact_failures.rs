@@ -1,0 +1,161 @@
+//! Scenes with contact that cannot be used, and runs through time that fail on
+//! the way: exit code, a message with numbers, the good part on disk, no panic.
+
+use mesh::io::{write_surface, write_tets};
+use mesh::{SurfaceMesh, Vec3};
+use serde_json::Value;
+use tests::workdir::{Run, Workdir};
+use tests::{block, tag};
+
+const MATERIAL: &str =
+    "material = { kind = \"neo-hookean\", young = 1e5, poisson = 0.35, density = 1000.0 }\n";
+
+/// A block of 1 cm falls the 3 mm to a floor, with another one 2 cm beside it.
+fn scene() -> String {
+    format!(
+        "degree = 1\ngravity = [0, 0, -9.8]\n\
+         [[body]]\nname = \"a\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 3e-3]\n{MATERIAL}\
+         [[body]]\nname = \"b\"\nmesh = \"block.msh\"\ntranslate = [0.02, 0, 3e-3]\n{MATERIAL}\
+         [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
+         [contact]\nactivation = 1e-4\nstiffness = 1e5\nthickness = 0.0\n\
+         [time]\nend = 0.04\nsteps = 10\n"
+    )
+}
+
+/// A folder with `block.msh`, with 5 mm edges and an outside `skin`, and `floor.stl`.
+fn workdir() -> Workdir {
+    let dir = Workdir::new();
+    let block = tag(block([2, 2, 2], 5e-3, |_| false, |p| p), &[("skin", &|_| true)]);
+    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
+    let floor = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    write_surface(&dir.path("floor.stl"), &floor).unwrap();
+    dir.write("sim.toml", &scene());
+    dir
+}
+
+fn refuse(cases: &[(&str, &str, &[&str])]) {
+    let dir = workdir();
+    for (from, to, words) in cases {
+        assert!(scene().contains(from), "{from:?} is not in the scene");
+        dir.write("changed.toml", &scene().replacen(from, to, 1));
+        let run = dir.solver("simulate changed.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["changed.toml"]);
+        assert_eq!(dir.files("out"), [""; 0], "{to}");
+    }
+}
+
+#[test]
+fn surfaces_that_are_not_apart_at_the_start() {
+    refuse(&[
+        (
+            "translate = [0.02, 0, 3e-3]",
+            "translate = [8e-3, 0, 4e-3]",
+            &["intersect at (0.0", "apart"],
+        ),
+        // in touch at a whole face, and sunk into the floor
+        ("translate = [0.02, 0, 3e-3]", "translate = [0.01, 0, 3e-3]", &["intersect at (0.010"]),
+        ("translate = [0, 0, 3e-3]", "translate = [0, 0, -1e-3]", &["intersect at", "translate"]),
+        // apart, but closer than the thickness
+        (
+            "thickness = 0.0",
+            "thickness = 4e-3",
+            &["3.000e-3 m", "thickness = 4.000e-3 m", "\"a\"", "\"floor\""],
+        ),
+    ]);
+}
+
+#[test]
+fn lengths_of_contact_that_make_no_sense() {
+    let short = &["activation + thickness = 6.000e-3 m", "shortest edge", "5.000e-3 m", "lower"];
+    refuse(&[
+        ("activation = 1e-4", "activation = 6e-3", short),
+        ("activation = 1e-4", "activation = 0.0", &["activation = 0 m: must be positive"]),
+        ("activation = 1e-4", "activation = -1e-4", &["activation = -0.0001 m: must be positive"]),
+        ("activation = 1e-4", "activation = nan", &["activation = NaN m"]),
+        ("thickness = 0.0", "thickness = -1e-5", &["thickness = -0.00001 m", "not negative"]),
+        ("stiffness = 1e5", "stiffness = 0.0", &["stiffness = 0 Pa: must be positive"]),
+        ("thickness = 0.0", "friction = -0.1", &["friction = -0.1", "not negative"]),
+    ]);
+}
+
+#[test]
+fn schedules_that_are_no_numbers() {
+    let axis = |what: &str| format!("surface = \"floor.stl\"\ndisplacement = [0, 0, \"{what}\"]");
+    let (moves, late) = (axis("log(t)"), axis("sqrt(0.03 - t)"));
+    refuse(&[
+        ("gravity = [0, 0, -9.8]", "gravity = [0, 0, nan]", &["gravity along z", "NaN"]),
+        ("gravity = [0, 0, -9.8]", "gravity = [0, 0, \"-9.8/t\"]", &["gravity along z", "t = 0"]),
+        ("surface = \"floor.stl\"", &moves, &["[[obstacle]] \"floor\"", "along z", "t = 0"]),
+        ("surface = \"floor.stl\"", &late, &["[[obstacle]] \"floor\"", "NaN", "t = 0.03"]),
+    ]);
+}
+
+/// Runs a scene that must fail under way; the report, with as many lines in
+/// steps.jsonl and pictures as time steps were done.
+fn fails(dir: &Workdir, scene: &str, words: &[&str]) -> (Run, Value) {
+    let run = dir.solver(&format!("simulate {scene} -o out"));
+    run.assert_refused(1, words);
+    run.assert_refused(1, &[scene, "no equilibrium beyond t = ", "not_full_load.vtu"]);
+    let report = dir.json("out/report.json");
+    assert_eq!(report["usable"], false);
+    let steps = report["steps"].as_array().unwrap();
+    let lines = dir.text("out/steps.jsonl");
+    assert!(!steps.is_empty() && lines.lines().count() == steps.len(), "{lines}");
+    for (line, step) in lines.lines().zip(steps) {
+        assert_eq!(&serde_json::from_str::<Value>(line).unwrap(), step);
+    }
+    let files = dir.files("out");
+    let pictures = files.iter().filter(|f| f.starts_with("step_")).count();
+    assert_eq!(pictures, steps.len(), "{files:?}");
+    for name in ["not_full_load.vtu", "result.pvd"] {
+        assert!(files.contains(&name.to_owned()), "{files:?}");
+    }
+    for name in ["result.vtu", "displacement.npy", "checkpoint.json"] {
+        assert!(!files.contains(&name.to_owned()), "{files:?}");
+    }
+    (run, report)
+}
+
+#[test]
+fn a_step_that_cannot_converge() {
+    let dir = workdir();
+    let impatient = "[solver]\nnewton_iterations = 1\nsmallest_load_step = 0.2\n[time]";
+    dir.write("one.toml", &scene().replace("[time]", impatient));
+    let (_, report) = fails(&dir, "one.toml", &["1 Newton iterations were not enough", "wanted"]);
+    // it falls 2.9 mm in 24 ms
+    let reached = report["failure"]["load_reached"].as_f64().unwrap();
+    assert!((0.015..0.04).contains(&reached), "{reached}");
+    // mended, the same folder ends well
+    dir.solver("simulate sim.toml -o out").assert_good();
+    assert!(!dir.files("out").contains(&"not_full_load.vtu".to_owned()));
+    assert_eq!(dir.json("out/report.json")["steps"].as_array().unwrap().len(), 10);
+}
+
+/// A chamber under a pressure that doubles every two steps, until no element
+/// holds it.
+#[test]
+fn a_load_that_explodes() {
+    let dir = workdir();
+    let inner = |p: Vec3| p.iter().all(|&x| x > 2e-3 && x < 13e-3);
+    let middle = |c: [usize; 3]| c == [1, 1, 1];
+    let rules: &[(&str, &dyn Fn(Vec3) -> bool)] = &[("cavity", &inner), ("skin", &|_| true)];
+    let hollow = tag(block([3, 3, 3], 5e-3, middle, |p| p), rules);
+    write_tets(&dir.path("hollow.msh"), &hollow.mesh, &hollow.tags).unwrap();
+    let text = scene().replacen("block.msh", "hollow.msh", 1).replace(
+        "[contact]",
+        "[[pressure]]\non = \"a.cavity\"\npressure = \"1e3*exp(170*t)\"\n[contact]",
+    );
+    let give_up = "[solver]\nsmallest_load_step = 0.1\n[time]\nend = 0.4\nsteps = 100";
+    dir.write("bang.toml", &text.replace("[time]\nend = 0.04\nsteps = 10", give_up));
+    let (run, report) = fails(&dir, "bang.toml", &["worst element: tetrahedron", "try: "]);
+    assert!(!run.stderr.contains("NaN") && !run.stderr.contains("inf "), "{}", run.stderr);
+    let steps = report["steps"].as_array().unwrap();
+    assert!(steps.len() > 3 && steps.len() < 100, "{}", steps.len());
+    let last = steps.last().unwrap()["walls"]["a.cavity"]["volume"].as_f64().unwrap();
+    let first = steps[0]["walls"]["a.cavity"]["volume"].as_f64().unwrap();
+    eprintln!("exploding load: {} steps, to {:.1} times the volume", steps.len(), last / first);
+    assert!(last > first);
+}

@@ -1,0 +1,148 @@
+//! A simulation through time with contact that is killed ends as one that is not.
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use mesh::io::{write_surface, write_tets};
+use mesh::{SurfaceMesh, Vec3};
+use solver::math::random::Random;
+use tests::workdir::Workdir;
+use tests::{block, tag};
+
+const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
+const STEPS: usize = 30;
+
+/// Two blocks fall onto a floor and each other while they slide: the state
+/// before last, contacts that rub, and the couplings of contact all matter.
+fn workdir() -> Workdir {
+    let dir = Workdir::new();
+    let block = tag(block([3, 3, 3], 4e-3, |_| false, |p| p), &[("skin", &|_| true)]);
+    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
+    let floor = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    write_surface(&dir.path("floor.stl"), &floor).unwrap();
+    let material = "{ kind = \"neo-hookean\", young = 3e4, poisson = 0.4, density = 1000.0 }";
+    dir.write(
+        "sim.toml",
+        &format!(
+            "degree = 1\ngravity = [0, 0, -9.8]\n\
+             [[body]]\nname = \"low\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 3e-4]\n\
+             velocity = [0.3, 0, 0]\nmaterial = {material}\n\
+             [[body]]\nname = \"high\"\nmesh = \"block.msh\"\ntranslate = [3e-3, 2e-3, 13e-3]\n\
+             velocity = [0, 0.1, -0.2]\nmaterial = {material}\n\
+             [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
+             [contact]\nactivation = 2e-4\nstiffness = 3e4\nfriction = 0.4\n\
+             [time]\nmethod = \"bdf2\"\nend = 0.06\nsteps = {STEPS}\n"
+        ),
+    );
+    dir
+}
+
+/// What must be the same, byte for byte.
+fn results(dir: &Workdir) -> (Vec<u8>, String) {
+    (std::fs::read(dir.path("out/displacement.npy")).unwrap(), dir.text("out/steps.jsonl"))
+}
+
+fn assert_same(dir: &Workdir, (displacement, lines): &(Vec<u8>, String)) {
+    let found = results(dir);
+    for (i, (line, expected)) in found.1.lines().zip(lines.lines()).enumerate() {
+        assert_eq!(line, expected, "step {}", i + 1);
+    }
+    assert_eq!(found.1.lines().count(), STEPS);
+    assert!(found.0 == *displacement, "displacement.npy differs");
+    let files = dir.files("out");
+    assert!(!files.contains(&"checkpoint.json".to_owned()), "{files:?}");
+    assert_eq!(files.iter().filter(|f| f.starts_with("step_")).count(), STEPS, "{files:?}");
+}
+
+/// Starts the program and kills it (SIGKILL) after some time; false when it was
+/// finished before.
+fn killed_after(dir: &Workdir, delay: Duration) -> bool {
+    let mut child = dir.command(COMMAND).stderr(Stdio::null()).spawn().unwrap();
+    let clock = Instant::now();
+    while clock.elapsed() < delay {
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(status.success(), "{status}");
+            return false;
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+    child.kill().unwrap();
+    !child.wait().unwrap().success()
+}
+
+#[test]
+fn killed_at_random_times() {
+    let clock = Instant::now();
+    let undisturbed = workdir();
+    undisturbed.solver(COMMAND).assert_good();
+    let whole = clock.elapsed().as_secs_f64();
+    let expected = results(&undisturbed);
+    // without contact it would prove little
+    assert!(expected.1.lines().last().unwrap().contains("\"friction\":[{"), "{}", expected.1);
+    let mut random = Random::new(5);
+    let (mut kills, mut folders) = (0, 0);
+    while kills < 8 {
+        folders += 1;
+        assert!(folders < 10, "only {kills} kills");
+        let dir = workdir();
+        loop {
+            let delay = whole * 0.1 * (1.0 + random.uniform());
+            if kills > 20 || !killed_after(&dir, Duration::from_secs_f64(delay)) {
+                break;
+            }
+            kills += 1;
+        }
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
+    eprintln!("{kills} kills in {folders} folders, of runs of {whole:.2} s");
+}
+
+/// A folder with a run that was killed after some steps.
+fn unfinished() -> Workdir {
+    let dir = workdir();
+    let mut child = dir.command(COMMAND).stderr(Stdio::null()).spawn().unwrap();
+    while !dir.path("out/checkpoint.json").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "over before it was killed");
+        std::thread::sleep(Duration::from_micros(300));
+    }
+    child.kill().unwrap();
+    assert!(!child.wait().unwrap().success(), "over before it was killed");
+    dir
+}
+
+#[test]
+fn an_unfinished_run_of_another_scene() {
+    let dir = unfinished();
+    let sound = dir.text("sim.toml");
+    dir.write("sim.toml", &sound.replace("friction = 0.4", "friction = 0.5"));
+    let run = dir.solver(COMMAND);
+    run.assert_refused(2, &["checkpoint.json", "another scene", "time steps", "--restart"]);
+    assert!(dir.path("out/checkpoint.json").exists());
+    // the floor counts, too
+    dir.write("sim.toml", &sound);
+    let floor = std::fs::read(dir.path("floor.stl")).unwrap();
+    let mut moved = mesh::io::read_surface(&dir.path("floor.stl")).unwrap();
+    moved.vertices.iter_mut().for_each(|v| v.z -= 1e-5);
+    write_surface(&dir.path("floor.stl"), &moved).unwrap();
+    dir.solver(COMMAND).assert_refused(2, &["checkpoint.json", "--restart"]);
+    std::fs::write(dir.path("floor.stl"), floor).unwrap();
+    let again = workdir();
+    again.solver(COMMAND).assert_good();
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+    assert_same(&dir, &results(&again));
+}
+
+#[test]
+fn a_checkpoint_that_is_none() {
+    let dir = unfinished();
+    let text = dir.text("out/checkpoint.json");
+    dir.write("out/checkpoint.json", &text[..text.len() / 2]);
+    dir.solver(COMMAND).assert_refused(2, &["checkpoint.json: not a checkpoint", "--restart"]);
+    dir.write("out/checkpoint.json", &text);
+    dir.write("out/steps.jsonl", "");
+    dir.solver(COMMAND).assert_refused(2, &["steps.jsonl has 0 lines", "--restart"]);
+    dir.solver(&format!("{COMMAND} --restart")).assert_good();
+}
