@@ -6,8 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::stepping::{
     Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
-use super::{Integrator, System};
+use super::{Failure, Integrator, System};
 use crate::energy::{Multiplier, TimeStep};
+
+/// Of the way that supports and obstacles can go in a step, what the next try goes.
+const NEARLY: f64 = 0.9;
+/// Smallest factor of an increment by which the next is tried.
+const SHORTEST: f64 = 0.02;
 
 /// All that decides what comes next.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -118,7 +123,11 @@ impl March {
                 Err(Failed { failure, u, residuals }) => {
                     self.progress.newton_iterations += residuals.len().saturating_sub(1);
                     system.multipliers = multipliers;
-                    self.progress.increment *= 0.5;
+                    self.progress.increment *= match failure {
+                        // what is free is known: no need to halve up to it
+                        Failure::Blocked { free } => (NEARLY * free).clamp(SHORTEST, 0.5),
+                        _ => 0.5,
+                    };
                     let increment = self.progress.increment;
                     log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
                     if increment < self.stepping.smallest {
