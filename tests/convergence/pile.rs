@@ -62,7 +62,6 @@ fn thrown(seed: u64) -> Motion {
     text += &format!(
         "[[obstacle]]\nname = \"box\"\nsurface = \"box.stl\"\n\
          [contact]\nactivation = 2e-4\nstiffness = 2e4\nfriction = 0.3\n\
-         [solver]\nnewton_iterations = 300\n\
          [time]\nend = 0.25\nsteps = {STEPS}\n"
     );
     let bodies: Vec<(&str, &Body)> = bodies.iter().map(|(name, body)| (&name[..], body)).collect();
