@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Form of the contact potential, whatever the file says
     #[arg(long, value_enum)]
     form: Option<Form>,
-    /// Thickness of the slabs that a plane scene becomes [m]; the mean edge of
-    /// its finest body if not given
+    /// Thickness of the slabs that a plane scene becomes [m]; a tenth of the mean
+    /// edge of its finest body if not given
     #[arg(long)]
     thickness: Option<f64>,
 }

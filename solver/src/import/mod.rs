@@ -44,8 +44,8 @@ pub use self::document::Fate;
 pub struct Options {
     /// The form of the contact potential, whatever the file says.
     pub form: Option<ContactForm>,
-    /// Thickness of the slabs of a plane scene [m]; if not given, the mean
-    /// length of the edges of the body where it is smallest.
+    /// Thickness of the slabs of a plane scene [m]; if not given, a tenth of the
+    /// mean length of the edges of the body where it is smallest.
     pub thickness: Option<f64>,
 }
 
