@@ -108,12 +108,11 @@ fn press(even: usize, growth: f64) {
     let by_radius = 4.0 / 3.0 * modulus * radius.powi(3) / RADIUS;
     eprintln!(
         "Hertz, {tets} tetrahedra P2: force {:.4} of that by the approach, {:.4} of that by \
-         the radius; radius {:.4} of √(R δ) = {:.3} R; {} load steps, {} Newton iterations, {:.1} s",
+         the radius; radius {:.4} of √(R δ) = {:.3} R; {} Newton iterations, {:.1} s",
         force / by_approach,
         force / by_radius,
         radius / (RADIUS * delta).sqrt(),
         (delta / RADIUS).sqrt(),
-        press.march.progress.last.len(),
         press.march.progress.newton_iterations,
         clock.elapsed().as_secs_f64()
     );
