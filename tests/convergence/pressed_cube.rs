@@ -1,4 +1,4 @@
-//! A cube between two plates that it sticks to, pressed to half its height
+//! A cube between two plates that it rubs on, pressed to half its height
 //! (figure 2 of the paper): the stress at its free faces is not zero and becomes
 //! so with the mesh, while the forces of contact there are none from the start.
 
@@ -42,13 +42,13 @@ fn cube(cells: usize) -> Body {
     tag(mesh, &tags)
 }
 
-fn pressed(cells: usize) -> Motion {
+fn pressed(friction: f64, cells: usize) -> Motion {
     let start = 0.99 * ACTIVATION;
     let text = format!(
         "degree = 1\n[[body]]\nname = \"cube\"\nmesh = \"cube.msh\"\n{SILICONE}\
          [[obstacle]]\nname = \"low\"\nsurface = \"low.stl\"\ndisplacement = [0, 0, \"{0:e}*t\"]\n\
          [[obstacle]]\nname = \"high\"\nsurface = \"high.stl\"\ndisplacement = [0, 0, \"-{0:e}*t\"]\n\
-         [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\nfriction = 1.0\n\
+         [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\nfriction = {friction}\n\
          friction_speed = 1e-4\n\
          [time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = {STEPS}\n",
         EDGE / 4.0
@@ -125,9 +125,9 @@ fn force_on_free_nodes(motion: &Motion) -> (f64, usize) {
 
 /// Presses a cube; per step the shortening and the mean of |∫ P N dA| over the
 /// four free faces, relative to the force of a plate.
-fn press(cells: usize) -> Vec<(f64, f64)> {
+fn press(friction: f64, cells: usize) -> Vec<(f64, f64)> {
     let clock = std::time::Instant::now();
-    let mut cube = pressed(cells);
+    let mut cube = pressed(friction, cells);
     let mut curve = Vec::new();
     for step in 1..=STEPS {
         cube.go(1);
@@ -142,7 +142,7 @@ fn press(cells: usize) -> Vec<(f64, f64)> {
     }
     let last = curve.last().unwrap();
     eprintln!(
-        "cube of {} tetrahedra at {} %: |∫ P N dA| on a free face {:.4} of the {:.3} N of a plate, \
+        "cube of {} tetrahedra, friction {friction}, at {} %: |∫ P N dA| on a free face {:.4} of the {:.3} N of a plate, \
          force of contact there 0; {} Newton iterations, {:.1} s",
         6 * cells.pow(3),
         100.0 * last.0,
@@ -154,11 +154,28 @@ fn press(cells: usize) -> Vec<(f64, f64)> {
     curve
 }
 
+/// Where the cube slips at its edges, the error halves with the mesh.
 #[test]
 fn stress_at_free_faces_halves_with_the_mesh_and_contact_has_none() {
-    let [coarse, fine] = [4, 8].map(press);
-    for (c, f) in coarse.iter().zip(&fine) {
-        assert!(c.1 > 1e-3 && f.1 < 0.5 * c.1, "at {}: {} {}", c.0, c.1, f.1);
+    compare(0.2, 0.5);
+}
+
+/// Where it sticks, the stress at its edges has no bound: it grows with the
+/// distance r as r^(λ − 1), and errors of forces fall with h^λ. Between a clamped
+/// and a free face at 90° and for ν = 0.35, λ = 0.68 solves
+/// sin²(λπ/2) = ((κ + 1)² − 4 λ²) / 4κ with κ = 3 − 4ν (Williams 1952), so that
+/// halved edges leave 0.62 of the error.
+#[test]
+fn where_it_sticks_the_edges_keep_it_from_halving() {
+    compare(1.0, 0.62);
+}
+
+/// Presses cubes with whole and halved edges.
+fn compare(friction: f64, most: f64) {
+    let [coarse, fine] = [4, 8].map(|n| press(friction, n));
+    // the friction of the first steps is that of plates that hardly touch
+    for (c, f) in coarse.iter().zip(&fine).filter(|(c, _)| c.0 > 0.1) {
+        assert!(c.1 > 0.01 && f.1 < most * c.1, "at {}: {} {}", c.0, c.1, f.1);
     }
 }
 
@@ -169,7 +186,7 @@ fn the_picture_of_it() {
     let mut series = Vec::new();
     for (turn, &n) in cells.iter().enumerate() {
         let label = Some(format!("{} tetrahedra: stress", 6 * n * n * n));
-        let points = press(n).into_iter().map(|(x, y)| (100.0 * x, y)).collect();
+        let points = press(0.2, n).into_iter().map(|(x, y)| (100.0 * x, y)).collect();
         series.push(Series { label, points, style: Style::Dotted(2), turn });
     }
     let points = vec![(2.5, 0.0), (50.0, 0.0)];

@@ -10,11 +10,11 @@ use tests::{block, tag};
 const MATERIAL: &str =
     "material = { kind = \"neo-hookean\", young = 1e5, poisson = 0.35, density = 1000.0 }\n";
 
-/// A block of 1 cm falls the 3 mm to a floor, with another one 2 cm beside it.
+/// A block of 1 cm falls the 2 mm to a floor, with another one 2 cm beside it.
 fn scene() -> String {
     format!(
         "degree = 1\ngravity = [0, 0, -9.8]\n\
-         [[body]]\nname = \"a\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 3e-3]\n{MATERIAL}\
+         [[body]]\nname = \"a\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 2e-3]\n{MATERIAL}\
          [[body]]\nname = \"b\"\nmesh = \"block.msh\"\ntranslate = [0.02, 0, 3e-3]\n{MATERIAL}\
          [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
          [contact]\nactivation = 1e-4\nstiffness = 1e5\nthickness = 0.0\n\
@@ -56,13 +56,13 @@ fn surfaces_that_are_not_apart_at_the_start() {
             &["intersect at (0.0", "apart"],
         ),
         // in touch at a whole face, and sunk into the floor
-        ("translate = [0.02, 0, 3e-3]", "translate = [0.01, 0, 3e-3]", &["intersect at (0.010"]),
-        ("translate = [0, 0, 3e-3]", "translate = [0, 0, -1e-3]", &["intersect at", "translate"]),
+        ("translate = [0.02, 0, 3e-3]", "translate = [0.01, 0, 2e-3]", &["intersect at (0.010"]),
+        ("translate = [0, 0, 2e-3]", "translate = [0, 0, -1e-3]", &["intersect at", "translate"]),
         // apart, but closer than the thickness
         (
             "thickness = 0.0",
-            "thickness = 4e-3",
-            &["3.000e-3 m", "thickness = 4.000e-3 m", "\"a\"", "\"floor\""],
+            "thickness = 2.5e-3",
+            &["2.000e-3 m", "thickness = 2.500e-3 m", "\"a\"", "\"floor\""],
         ),
     ]);
 }
@@ -125,7 +125,7 @@ fn a_step_that_cannot_converge() {
     let impatient = "[solver]\nnewton_iterations = 1\nsmallest_load_step = 0.2\n[time]";
     dir.write("one.toml", &scene().replace("[time]", impatient));
     let (_, report) = fails(&dir, "one.toml", &["1 Newton iterations were not enough", "wanted"]);
-    // it falls 2.9 mm in 24 ms
+    // it falls 1.9 mm in 20 ms
     let reached = report["failure"]["load_reached"].as_f64().unwrap();
     assert!((0.015..0.04).contains(&reached), "{reached}");
     // mended, the same folder ends well
@@ -148,7 +148,7 @@ fn a_load_that_explodes() {
         "[contact]",
         "[[pressure]]\non = \"a.cavity\"\npressure = \"1e3*exp(170*t)\"\n[contact]",
     );
-    let give_up = "[solver]\nsmallest_load_step = 0.1\n[time]\nend = 0.4\nsteps = 100";
+    let give_up = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 30\n[time]\nend = 0.4\nsteps = 100";
     dir.write("bang.toml", &text.replace("[time]\nend = 0.04\nsteps = 10", give_up));
     let (run, report) = fails(&dir, "bang.toml", &["worst element: tetrahedron", "try: "]);
     assert!(!run.stderr.contains("NaN") && !run.stderr.contains("inf "), "{}", run.stderr);

@@ -10,13 +10,13 @@ use tests::workdir::Workdir;
 use tests::{block, tag};
 
 const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
-const STEPS: usize = 30;
+const STEPS: usize = 24;
 
 /// Two blocks fall onto a floor and each other while they slide: the state
 /// before last, contacts that rub, and the couplings of contact all matter.
 fn workdir() -> Workdir {
     let dir = Workdir::new();
-    let block = tag(block([3, 3, 3], 4e-3, |_| false, |p| p), &[("skin", &|_| true)]);
+    let block = tag(block([2, 2, 2], 6e-3, |_| false, |p| p), &[("skin", &|_| true)]);
     write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
     let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
     let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
@@ -33,7 +33,7 @@ fn workdir() -> Workdir {
              velocity = [0, 0.1, -0.2]\nmaterial = {material}\n\
              [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
              [contact]\nactivation = 2e-4\nstiffness = 3e4\nfriction = 0.4\n\
-             [time]\nmethod = \"bdf2\"\nend = 0.06\nsteps = {STEPS}\n"
+             [time]\nmethod = \"bdf2\"\nend = 0.048\nsteps = {STEPS}\n"
         ),
     );
     dir

@@ -1,8 +1,6 @@
 //! Runs of PolyFEM on scenes that were published with Gjoka et al. 2024, and the
 //! same scenes here.
 
-use std::path::PathBuf;
-
 use mesh::Vec3;
 use serde_json::Value;
 use solver::element::at;
@@ -81,7 +79,7 @@ pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option
     dir.write("scene.json", &json.to_string());
     let imported = import::read(&dir.path("scene.json"), options);
     let imported = imported.unwrap_or_else(|e| panic!("{e:#}"));
-    imported.write(&PathBuf::from(dir.path(""))).expect("the folder is writable");
+    imported.write(&dir.path("")).expect("the folder is writable");
     let scene = Scene::read(&dir.path("sim.toml"), None).unwrap_or_else(|e| panic!("{e:#}"));
     Some((dir, scene))
 }
