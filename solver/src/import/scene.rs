@@ -102,6 +102,9 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
              forces and volumes are those of this depth"
         ));
     }
+    if options.thickness.is_some() && geometry.thickness.is_none() {
+        notes.push("the thickness of slabs has no part in it: its bodies are not plane".to_owned());
+    }
     let steps = clock.ends.len();
     Ok(Translated { text: text.0, geometry, several, steps, notes })
 }
@@ -221,6 +224,9 @@ fn contact(
     let Some(contact) = contact.filter(|_| enabled == Some(true)) else {
         for key in root.get("contact").into_iter().chain(solver) {
             key.leave("contact is off");
+        }
+        if wanted.is_some() {
+            notes.push("the form of contact has no part in it: contact is off".to_owned());
         }
         return Ok(());
     };

@@ -248,8 +248,12 @@ fn the_form_of_contact_is_that_of_the_file_unless_it_is_optimised() {
     assert_eq!(form(&scene(), None), (ContactForm::Convergent, 0));
     assert_eq!(form(&plain, None), (ContactForm::Plain, 1));
     assert_eq!(form(&plain, Some(ContactForm::Convergent)), (ContactForm::Convergent, 0));
-    let (imported, config) = sound(&with("/contact/enabled", json!(false)));
+    let options = Options { form: Some(ContactForm::Plain), thickness: Some(1e-3) };
+    let (imported, config) =
+        read(&with("/contact/enabled", json!(false)), &options).expect("sound");
     assert!(config.contact.is_none());
+    let notes = &imported.scene.notes;
+    assert!(notes[0].contains("contact is off") && notes[1].contains("not plane"), "{notes:?}");
     assert_eq!(imported.left()["scene.json: contact is off"], ["/contact", "/solver/contact"]);
 }
 
