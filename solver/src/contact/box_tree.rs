@@ -3,7 +3,7 @@
 //!
 //! Boxes are sorted by the Morton code of their centres (Lauterbach et al. 2009,
 //! "Fast BVH construction on GPUs", doi:10.1111/j.1467-8659.2009.01377.x), and
-//! [`FAN`] consecutive ones make one box of the level above, until one is left.
+//! `FAN` consecutive ones make one box of the level above, until one is left.
 //! The tree has no pointers, so that building it is a sort and a few passes.
 
 use std::ops::Range;

@@ -13,7 +13,7 @@
 //! - a list of surfaces has ids: the tag of id 2 is `s2`, that of facets which
 //!   nothing selects `unselected`;
 //! - a plane scene is one of depth 1 m, ours a slab of another thickness: see
-//!   [`planar`]. Displacements are the same, energies and forces are in
+//!   `planar`. Displacements are the same, energies and forces are in
 //!   proportion to the thickness.
 
 mod design;
