@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
+pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
 use crate::material::Specification;
 use crate::schedule::{Field, Schedule};
@@ -175,17 +176,6 @@ pub struct ContactConfig {
     /// Sliding speed from which friction is full [m/s].
     #[serde(default = "a_millimetre")]
     pub friction_speed: f64,
-}
-
-/// Which sum over pairs of features the contact potential is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ContactForm {
-    /// Weighted by areas: converges as meshes are refined.
-    #[default]
-    Convergent,
-    /// Every pair alike: grows with the number of facets.
-    Plain,
 }
 
 /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.

@@ -12,10 +12,15 @@
 //! convergent form: Li et al. 2023, "Convergent Incremental Potential Contact",
 //! arXiv:2307.15908.
 
+use serde::{Deserialize, Serialize};
+
 /// How pairs are weighted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// By areas, so that the potential is that of a surface.
+    /// By areas, so that the potential is that of a surface and converges as
+    /// meshes are refined.
+    #[default]
     Convergent,
     /// Every pair alike, so that it grows with the number of facets.
     Plain,

@@ -7,8 +7,8 @@ use mesh::Vec3;
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::{ContactForm, beside};
-use crate::contact::barrier::{Barrier, Form};
+use crate::config::beside;
+use crate::contact::barrier::Barrier;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
 use crate::energy::{Contact, Friction};
@@ -50,10 +50,7 @@ impl Scene {
         let facets = (body.boundary(), &parts[..]);
         let surface = Arc::new(Surface::new(space, facets, obstacles, split, fixed));
         let barrier = Barrier {
-            form: match config.form {
-                ContactForm::Convergent => Form::Convergent,
-                ContactForm::Plain => Form::Plain,
-            },
+            form: config.form,
             activation: config.activation,
             stiffness: config.stiffness,
             thickness: config.thickness,
