@@ -49,7 +49,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design, arguments.mesh.as_deref())?;
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let handles = arguments.handles.map_or(design.shape.level[0].handles, |n| n as usize);
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design.shape.on, handles)?;
     let theta = vec![0.0; level.variables()];

@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design, None)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective)?;
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let inputs = hash_inputs(&arguments.design, &design, &scene)?;
     if arguments.restart || outdated(folder, &inputs)? {
         forget(folder)?;

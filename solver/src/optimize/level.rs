@@ -164,7 +164,13 @@ impl Level {
                 }
             },
         };
-        let at = Equilibrium { space: &self.system.space, rest: &rest, u: &solution.u };
+        let at = Equilibrium {
+            space: &self.system.space,
+            rest: &rest,
+            u: &solution.u,
+            load: 1.0,
+            contact: &[],
+        };
         let mut terms = BTreeMap::new();
         for term in &self.terms {
             let value = term.weight * term.objective.value(&at);
@@ -227,7 +233,13 @@ impl Level {
     fn rest_gradient(&mut self, at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let mut by_u = vec![0.0; at.u.len()];
         let mut by_rest = vec![0.0; 3 * at.rest.len()];
-        let here = Equilibrium { space: &self.system.space, rest: &at.rest, u: &at.u };
+        let here = Equilibrium {
+            space: &self.system.space,
+            rest: &at.rest,
+            u: &at.u,
+            load: 1.0,
+            contact: &[],
+        };
         for term in &self.terms {
             term.objective.add_du(&here, term.weight, &mut by_u);
             term.objective.add_drest(&here, term.weight, &mut by_rest);
