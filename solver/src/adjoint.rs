@@ -1,16 +1,30 @@
-//! Gradient of an objective at an equilibrium.
+//! Gradient of an objective over a run, backwards through its time steps.
 //!
-//! G(u, X) = ∂E/∂u = 0 on the free degrees of freedom, so
+//! Step n solves G(u_n; X, past_n, p) = ∂E/∂u = 0 on the free degrees of freedom,
+//! where the past is what [`TimeStep`](crate::energy::TimeStep) holds:
 //!
-//! H λ = −∂J/∂u      dJ/dX = ∂J/∂X + λᵀ ∂²E/∂u∂X
+//! history = Σ αᵢ u₋ᵢ      free flight = Σ αᵢ (u₋ᵢ + h v₋ᵢ)
+//! contacts that rub: a function of u₋₁ and X      v_n = (u_n − history) / h
 //!
-//! with the exact Hessian H = ∂²E/∂u² at the equilibrium.
+//! With ū_n, v̄_n the cotangents of the state that later steps and the objective have
+//! gathered, from the last step to the first:
+//!
+//! H λ = −(ū_n + v̄_n / h)      X̄ += λᵀ ∂²E/∂u∂X      p̄ += λᵀ ∂²E/∂u∂p
+//! past̄ = λᵀ ∂²E/∂u∂past,  of the history also − v̄_n / h,  on to the states before
+//!
+//! with the exact Hessian H = ∂²E/∂u². An objective may also look at the forces
+//! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms.
+//!
+//! It is the chain rule for any formula and start; for implicit Euler it is the
+//! recursion of Gjoka et al. 2024, section 4.3. One factorisation per step.
 
 use std::time::Instant;
 
 use mesh::Vec3;
 
-use crate::forward::System;
+use crate::element::FunctionSpace;
+use crate::energy::PastCotangent;
+use crate::forward::{State, System, Trajectory, is_contact};
 use crate::math::linear::norm;
 
 /// Relative residual of the adjoint system.
@@ -26,39 +40,166 @@ pub struct Singular {
     pub residual: f64,
 }
 
-/// Adds the implicit part λᵀ ∂²E/∂u∂X to `out`, three components per vertex,
-/// given ∂J/∂u at the equilibrium `u` under the full load, at which the system
-/// has been linearised.
+/// Partial derivatives of the objective by what a moment looks like.
+pub struct Partials {
+    /// ∂J/∂u_n at fixed f, three components per node.
+    pub by_u: Vec<f64>,
+    /// ∂J/∂f_n by the nodal forces of contact and friction.
+    pub by_contact: Vec<f64>,
+}
+
+/// dJ of a run, without ∂J/∂X, which the objective adds.
+pub struct Gradient {
+    /// By rest vertices, three components per vertex.
+    pub rest: Vec<f64>,
+    /// By the parameters of each energy, for each time step.
+    pub parameters: Vec<Vec<Vec<f64>>>,
+    /// By the state at t = 0.
+    pub start: State,
+}
+
+/// Sweeps back through a run on a rest shape. `partials` adds the objective's at
+/// moment n, 0 at the start, to zeros. `linearized` says that the system has a
+/// factor of the Hessian at the last state.
 ///
 /// # Errors
-/// [`Singular`] when H has no accurate inverse.
-pub fn add_implicit(
+/// [`Singular`] when H has no accurate inverse at some step.
+pub fn sweep(
     system: &mut System,
     rest: &[Vec3],
-    u: &[f64],
-    du: &[f64],
-    out: &mut [f64],
-) -> Result<(), Singular> {
-    let mut lambda = system.restrict(du);
-    if norm(&lambda) == 0.0 {
-        return Ok(());
+    run: &Trajectory,
+    linearized: bool,
+    mut partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
+) -> Result<Gradient, Singular> {
+    let (len, steps) = (system.len(), run.steps());
+    let mut rest_bar = vec![0.0; 3 * rest.len()];
+    let mut parameters = vec![Vec::new(); steps];
+    let mut states: Vec<Option<State>> = vec![None; steps + 1];
+    for n in (1..=steps).rev() {
+        let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
+        let mut own = Partials { by_u: u, by_contact: vec![0.0; len] };
+        partials(&system.space, n, &mut own);
+        let at = Moment { rest, u: &run.states[n].u, load: run.times[n] };
+        system.step = Some(run.step(system, rest, n));
+        let sweep = Step { by_velocity: v, partials: own };
+        let factored = linearized && n == steps;
+        let lambda = sweep.solve(system, &at, factored)?;
+        let past = sweep.pull_back(system, &at, lambda, &mut rest_bar, &mut parameters[n - 1]);
+        hand_on(system, rest, run, n, &past, &mut states, &mut rest_bar);
     }
-    lambda.iter_mut().for_each(|l| *l = -*l);
-    let start = Instant::now();
-    let rhs = lambda.clone();
-    let mut residual = system.linear.solve(&mut lambda);
-    if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
-        lambda = rhs;
-        residual = system.linear.solve(&mut lambda);
-    }
-    system.timings.solve_s += start.elapsed().as_secs_f64();
-    if residual.is_nan() || residual > TOLERANCE {
-        return Err(Singular { residual });
-    }
-    let lambda = system.prolong(&lambda);
-    let at = system.iterate(rest, u, 1.0);
-    for energy in &system.energies {
-        energy.add_mixed_vjp(&at, &lambda, out);
-    }
-    Ok(())
+    let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
+    let mut first = Partials { by_u: u, by_contact: vec![0.0; len] };
+    partials(&system.space, 0, &mut first);
+    Ok(Gradient { rest: rest_bar, parameters, start: State { u: first.by_u, v } })
 }
+
+fn zeros(len: usize) -> State {
+    State { u: vec![0.0; len], v: vec![0.0; len] }
+}
+
+/// Where a step ends.
+struct Moment<'a> {
+    rest: &'a [Vec3],
+    u: &'a [f64],
+    load: f64,
+}
+
+/// What is known at a step before its adjoint system is solved.
+struct Step {
+    by_velocity: Vec<f64>,
+    partials: Partials,
+}
+
+impl Step {
+    /// λ, zero on the fixed degrees of freedom.
+    fn solve(
+        &self,
+        system: &mut System,
+        at: &Moment,
+        factored: bool,
+    ) -> Result<Vec<f64>, Singular> {
+        let h = system.step.as_ref().expect("set by the sweep").h;
+        let by_contact = &self.partials.by_contact;
+        let through = system.contact_hessian_times(at.rest, at.u, at.load, by_contact);
+        let sum = |d: usize| {
+            let own = self.partials.by_u[d] + self.by_velocity[d] / h;
+            -(own - through.as_ref().map_or(0.0, |t| t[d]))
+        };
+        let rhs = system.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
+        if norm(&rhs) == 0.0 {
+            return Ok(vec![0.0; at.u.len()]);
+        }
+        if !factored {
+            system.linearize(at.rest, at.u, at.load);
+        }
+        let start = Instant::now();
+        let mut lambda = rhs.clone();
+        let mut residual = system.linear.solve(&mut lambda);
+        if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
+            lambda = rhs;
+            residual = system.linear.solve(&mut lambda);
+        }
+        system.timings.solve_s += start.elapsed().as_secs_f64();
+        if residual.is_nan() || residual > TOLERANCE {
+            return Err(Singular { residual });
+        }
+        Ok(system.prolong(&lambda))
+    }
+
+    /// The cotangent of the past; adds those of the rest shape and parameters.
+    fn pull_back(
+        &self,
+        system: &System,
+        at: &Moment,
+        lambda: Vec<f64>,
+        rest_bar: &mut [f64],
+        parameters: &mut Vec<Vec<f64>>,
+    ) -> PastCotangent {
+        let iterate = system.iterate(at.rest, at.u, at.load);
+        let mut past = PastCotangent::zeros(at.u.len());
+        let by_contact = &self.partials.by_contact;
+        let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
+        for energy in &system.energies {
+            let lambda = if is_contact(&**energy) { &in_contact } else { &lambda };
+            energy.add_mixed_vjp(&iterate, lambda, rest_bar);
+            energy.add_past_vjp(&iterate, lambda, &mut past);
+            parameters.push(energy.parameter_vjp(&iterate, lambda));
+        }
+        let h = system.step.as_ref().expect("set by the sweep").h;
+        past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
+        past
+    }
+}
+
+/// Hands the cotangent of the past of step n on to the states before it.
+fn hand_on(
+    system: &System,
+    rest: &[Vec3],
+    run: &Trajectory,
+    n: usize,
+    past: &PastCotangent,
+    states: &mut [Option<State>],
+    rest_bar: &mut [f64],
+) {
+    let h = system.step.as_ref().expect("set by the sweep").h;
+    let integrator = run.past(n);
+    for (i, alpha) in integrator.formula().0.iter().enumerate() {
+        let state = states[n - 1 - i].get_or_insert_with(|| zeros(system.len()));
+        for d in 0..system.len() {
+            let flight = past.free_flight[d];
+            state.u[d] += alpha * (past.history[d] + flight);
+            state.v[d] += alpha * h * flight;
+        }
+    }
+    if past.sliding.is_empty() {
+        return;
+    }
+    let before = system.iterate(rest, &run.states[n - 1].u, run.times[n - 1]);
+    let state = states[n - 1].get_or_insert_with(|| zeros(system.len()));
+    for energy in &system.energies {
+        energy.add_sliding_vjp(&before, &past.sliding, &mut state.u, rest_bar);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 //! Everything is SI. Paths are relative to the file that names them.
 
 mod check;
+mod design;
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +15,9 @@ use crate::forward::Method;
 use crate::material::Specification;
 use crate::schedule::{Field, Schedule};
 use crate::silicone;
+pub use design::{
+    DesignConfig, Interior, LevelConfig, OptimizerConfig, PressureDesign, ShapeConfig, Tags,
+};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
@@ -342,50 +346,6 @@ impl Default for SolverConfig {
             absolute_tolerance: 1e-10,
         }
     }
-}
-
-/// A design problem: what may change in a scene, and what is wanted.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DesignConfig {
-    /// The scene, a `sim.toml`.
-    pub scene: PathBuf,
-    /// What may move, and in which levels.
-    pub shape: ShapeConfig,
-    /// Weighted terms of the objective.
-    pub objective: Vec<ObjectiveConfig>,
-}
-
-/// A cascade of shape levels on one tag.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ShapeConfig {
-    /// Tag whose vertices move; its rim stays.
-    pub on: String,
-    /// Levels from coarse to fine.
-    pub level: Vec<LevelConfig>,
-    /// Largest vertex motion of the first step of a level, as a fraction of the
-    /// mean edge of the moving surface [1].
-    #[serde(default = "half_an_edge")]
-    pub first_step: f64,
-    /// A level ends when the objective falls by less than this fraction in one
-    /// iteration [1].
-    #[serde(default)]
-    pub stagnation: f64,
-}
-
-fn half_an_edge() -> f64 {
-    0.5
-}
-
-/// One level of the cascade.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LevelConfig {
-    /// Number of handles.
-    pub handles: usize,
-    /// Accepted optimiser iterations.
-    pub iterations: usize,
 }
 
 /// A weighted term of the objective.

@@ -158,12 +158,7 @@ impl Scene {
     /// With the table that has none.
     pub fn check_differentiable(&self) -> Result<()> {
         let config = &self.config;
-        for (found, table) in [
-            (config.time.is_some(), "[time]"),
-            (!config.volume.is_empty(), "[[volume]]"),
-            (config.contact.is_some(), "[contact]"),
-            (!config.body.is_empty(), "[[body]]"),
-        ] {
+        for (found, table) in [(!config.volume.is_empty(), "[[volume]]")] {
             ensure!(
                 !found,
                 "{}: {table}: there is no gradient with it; it is for solver simulate only\n  \

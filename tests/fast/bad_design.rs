@@ -25,7 +25,11 @@ fn refuse(cases: &[Case]) {
 #[test]
 fn settings() {
     refuse(&[
-        ("first_step", "frist_step", &["design.toml", "unknown field `frist_step`", "`level`"]),
+        (
+            "first_step",
+            "frist_step",
+            &["design.toml", "unknown field `frist_step`", "`stagnation`"],
+        ),
         ("spacing", "spaces", &["design.toml", "unknown field `spaces`", "`spacing`"]),
         ("kind = \"target\"", "kind = \"goal\"", &["design.toml", "`goal`", "`clearance`"]),
         ("weight = 1e10", "weight = nan", &["design.toml", "objective \"top\": weight = NaN"]),
@@ -33,7 +37,11 @@ fn settings() {
         ("weight = 1e10", "weight = \"big\"", &["design.toml", "invalid type", "big"]),
         ("spacing = 2e-3", "spacing = 0.0", &["design.toml", "spacing = 0 m must be positive"]),
         ("minimum = 2e-3", "minimum = -1.0", &["design.toml", "minimum = -1 m must be positive"]),
-        ("handles = 1", "handles = 0", &["design.toml", "a level needs a handle"]),
+        (
+            "handles = 1",
+            "handles = 0",
+            &["design.toml", "handles = 0 and vertices = false", "one handle or more"],
+        ),
         ("p1.toml", "none.toml", &["none.toml", "No such file"]),
         ("target.stl", "none.stl", &["none.stl", "No such file"]),
         ("target.stl", "p1.toml", &["p1.toml", "unknown surface format"]),

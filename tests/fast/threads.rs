@@ -36,7 +36,7 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
     }
     found.push(("mixed".to_owned(), mixed));
     let path = dir.path("design.toml");
-    let design: DesignConfig = mesh::io::read_toml(&path).unwrap();
+    let design = DesignConfig::read(&path).unwrap();
     let builder = ObjectiveBuilder::new(&path, &design.objective, &scene).unwrap();
     let at = Equilibrium { space: &system.space, rest: &rest, u: &u, load: 1.0, contact: &[] };
     for term in builder.build(&scene.body, &system.space).unwrap() {

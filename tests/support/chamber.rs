@@ -38,9 +38,11 @@ pressure = 8e3
 pub const DESIGN: &str = r#"
 scene = "sim.toml"
 
+[optimizer]
+first_step = 0.1
+
 [shape]
 on = "cavity"
-first_step = 0.1
 
 [[shape.level]]
 handles = 1

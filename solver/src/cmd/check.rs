@@ -12,6 +12,7 @@ use solver::optimize::{Evaluation, Level};
 use solver::scene::ObjectiveBuilder;
 
 use super::optimize::read;
+use solver::config::LevelConfig;
 
 /// Slopes of the first-order remainder that an exact gradient may have.
 const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
@@ -50,17 +51,20 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design, arguments.mesh.as_deref())?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
-    let handles = arguments.handles.map_or(design.shape.level[0].handles, |n| n as usize);
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design.shape.on, handles)?;
+    let mut settings = design.levels()[0].clone();
+    if let Some(handles) = arguments.handles {
+        settings = LevelConfig { handles: Some(handles as usize), vertices: false, ..settings };
+    }
+    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
     let theta = vec![0.0; level.variables()];
     level.admit(&level.body.mesh.vertices).context("the starting shape")?;
     let start = level.evaluate(&theta, None).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;
-    level.linearize(&start);
+    level.linearize(&theta, &start);
     let gradient = level.gradient(&theta, &start)?;
     log::info!("{} variables, J {:.8e}, |g| {:.4e}", theta.len(), start.objective, norm(&gradient));
-    let motion = arguments.motion.unwrap_or(0.1 * level.mean_edge());
+    let motion = arguments.motion.unwrap_or(0.1 * level.map().mean_edge());
     let mut failed = Vec::new();
     for direction in 0..=arguments.random {
         let (name, q) = match direction {
@@ -112,14 +116,14 @@ fn along(
 ) -> Result<Taylor> {
     let zero = vec![0.0; q.len()];
     let scaled = |s: f64| -> Vec<f64> { q.iter().map(|q| s * q).collect() };
-    let small = 1e-3 * level.mean_edge() / norm(q);
-    let per_unit = level.motion(&zero, &scaled(small)) / small;
+    let small = 1e-3 * level.map().mean_edge() / norm(q);
+    let per_unit = level.map().motion(&zero, &scaled(small)) / small;
     let epsilon = motion / per_unit;
     let value = |e: f64| -> Result<f64> {
         if e == 0.0 {
             return Ok(start.objective);
         }
-        Ok(level.evaluate(&scaled(e), Some(&start.u)).context("a trial shape")?.objective)
+        Ok(level.evaluate(&scaled(e), Some(start.run.last())).context("a trial shape")?.objective)
     };
     taylor(epsilon, steps, dot(gradient, q), value)
 }

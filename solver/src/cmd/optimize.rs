@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
@@ -69,12 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// A design file and its scene, perhaps with another mesh.
 pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Scene)> {
-    let design: DesignConfig = mesh::io::read_toml(path)?;
-    ensure!(!design.shape.level.is_empty(), "{}: no [[shape.level]]", path.display());
-    ensure!(!design.objective.is_empty(), "{}: no [[objective]]", path.display());
-    for level in &design.shape.level {
-        ensure!(level.handles > 0, "{}: a level needs a handle or more", path.display());
-    }
+    let design = DesignConfig::read(path)?;
     let scene = Scene::read(&beside(path, &design.scene), other_mesh)?;
     scene.check_differentiable()?;
     Ok((design, scene))

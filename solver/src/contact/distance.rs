@@ -131,6 +131,41 @@ impl Region {
         hessian
     }
 
+    /// Cotangents of the corners, given those of the coefficients and the offset of
+    /// closest points in this region.
+    ///
+    /// From tₖ · r = 0: Σ M σ = s̄ with s̄ₖ = c̄ · eₖ + r̄ · tₖ, and
+    /// x̄ᵢ = cᵢ r̄ − Σₖ σₖ (cᵢ tₖ + eᵢₖ r).
+    #[must_use]
+    pub fn closest_vjp(
+        &self,
+        x: &[Vec3; 4],
+        closest: &Closest,
+        (by_coefficients, by_offset): (&[f64; 4], &Vec3),
+    ) -> [Vec3; 4] {
+        let free = self.free();
+        let t = free.tangents(x);
+        let by_free: [f64; 2] = std::array::from_fn(|k| {
+            let own: f64 = free.directions[k].iter().zip(by_coefficients).map(|(e, b)| e * b).sum();
+            own + by_offset.dot(&t[k])
+        });
+        let (aa, ab, bb) = (t[0].norm_squared(), t[0].dot(&t[1]), t[1].norm_squared());
+        let sigma = match free.count {
+            0 => [0.0; 2],
+            1 => [by_free[0] / aa, 0.0],
+            _ => {
+                let by = 1.0 / t[0].cross(&t[1]).norm_squared();
+                let [p, q] = by_free;
+                [(bb * p - ab * q) * by, (aa * q - ab * p) * by]
+            }
+        };
+        std::array::from_fn(|i| {
+            let c = closest.coefficients[i];
+            let moved = |k: usize| sigma[k] * (c * t[k] + free.directions[k][i] * closest.offset);
+            c * by_offset - moved(0) - moved(1)
+        })
+    }
+
     /// Orthonormal vectors that span the range of ∂²d²/∂x² and contain ∂d²/∂x;
     /// zero from their number on.
     #[must_use]

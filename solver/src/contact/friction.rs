@@ -48,6 +48,51 @@ impl Sliding {
     }
 }
 
+/// Cotangents of a [`Sliding`] contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlidingCotangent {
+    /// Of the coefficients.
+    pub coefficients: [f64; 4],
+    /// Of the normal n, a unit vector with 𝒯 𝒯ᵀ = I − n nᵀ.
+    pub normal: Vec3,
+    /// Of the normal force [1/N of the unit of J].
+    pub force: f64,
+}
+
+impl Sliding {
+    /// The normal n = 𝒯₁ × 𝒯₂, from the second feature to the first.
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        self.tangents[0].cross(&self.tangents[1])
+    }
+
+    /// Cotangents of the power N k(y) (P w)·(P l) of friction, with P = I − n nᵀ,
+    /// k = f₀′/y, y = |P w|, w = Σ cᵢ vᵢ and l = Σ cᵢ λᵢ, for velocities v [m/s] and
+    /// any λ of all collision vertices.
+    #[must_use]
+    pub fn power_vjp(&self, v: &[Vec3], lambda: &[Vec3], full_speed: f64) -> SlidingCotangent {
+        let normal = self.normal();
+        let sum = |of: &[Vec3]| -> Vec3 {
+            self.corners.iter().zip(self.coefficients).map(|(&i, c)| c * of[i]).sum()
+        };
+        let along = |x: &Vec3| x - normal * normal.dot(x);
+        let (w, l) = (sum(v), sum(lambda));
+        let (pw, pl) = (along(&w), along(&l));
+        let [_, by, twice] = dissipation(pw.norm(), full_speed);
+        let power = pw.dot(&pl);
+        // ∂power/∂w and ∂power/∂l, both within the tangent plane
+        let (by_w, by_l) = (by * pl + twice * power * pw, by * pw);
+        let coefficient = |&i: &usize| self.force * (by_w.dot(&v[i]) + by_l.dot(&lambda[i]));
+        let (wn, ln) = (w.dot(&normal), l.dot(&normal));
+        let by_normal = -by * (ln * w + wn * l) - twice * power * wn * w;
+        SlidingCotangent {
+            coefficients: [0, 1, 2, 3].map(|i| coefficient(&self.corners[i])),
+            normal: self.force * by_normal,
+            force: by * power,
+        }
+    }
+}
+
 /// f₀, f₀′/y and (f₀″ − f₀′/y)/y² at a speed, for a speed ε of full friction.
 #[must_use]
 pub fn dissipation(y: f64, full: f64) -> [f64; 3] {

@@ -5,8 +5,12 @@ mod extension;
 pub mod geodesic;
 mod handles;
 mod laplacian;
+mod patch;
+mod pressure_curve;
 pub mod sampling;
 
 pub use extension::Extension;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
+pub use patch::{FreeVertices, Patch};
+pub use pressure_curve::PressureCurve;

@@ -4,7 +4,8 @@
 //! δ(λ·∂E/∂u) = −∫ (f · λ) div V + λ · ∇f V dX for a velocity field V of the
 //! rest shape
 //!
-//! f(X, t) [N/m³] may depend on the rest position.
+//! f(X, t) [N/m³] may depend on the rest position. The one parameter is a factor
+//! of f, for gravity the density.
 
 use std::ops::Range;
 
@@ -12,6 +13,7 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::element::{add_at, at};
+use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
 use crate::schedule::Field;
 
@@ -131,5 +133,11 @@ impl Energy for BodyForce {
             }
         });
         at_.space.add_to_vertices(&nodal, out);
+    }
+
+    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.add_gradient(at_, &mut gradient);
+        vec![dot(&gradient, lambda) / self.factor]
     }
 }

@@ -17,7 +17,8 @@
 //!
 //! P, P₀ and V* follow their schedules; P > 0 inflates. P̂ and k belong to the
 //! iterate: `forward` finds the P̂ for which V = V*, and P is then the pressure
-//! that holds it, whatever k. The dense second term is never assembled, see
+//! that holds it, whatever k. The one parameter is P, or of an ideal gas P₀, at the
+//! iterate's load; of a prescribed volume there is none. The dense second term is never assembled, see
 //! [`Energy::rank_one`].
 
 use mesh::Vec3;
@@ -25,6 +26,7 @@ use mesh::Vec3;
 use super::wall::{Wall, positions};
 use super::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
 use crate::element::at;
+use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
 use crate::schedule::Schedule;
 
@@ -232,6 +234,20 @@ impl Energy for Chamber {
         self.wall.add_volume_gradient(at_.space, &x, gas.stiffness * along, out);
         let rest = at_.space.node_positions(at_.rest);
         self.wall.add_volume_gradient(at_.space, &rest, -gas.pressure_by_rest * along, out);
+    }
+
+    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let x = positions(at_);
+        let by = match &self.gas {
+            GasLaw::Isobaric { .. } => 1.0,
+            GasLaw::Volume { .. } => return Vec::new(),
+            GasLaw::Ideal { exponent, .. } => {
+                (self.rest_volume(at_) / self.wall.volume(at_.space, &x)).powf(*exponent)
+            }
+        };
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.wall.add_wall_gradient(at_.space, &x, -by, &mut gradient);
+        vec![dot(&gradient, lambda)]
     }
 }
 

@@ -30,7 +30,7 @@ use crate::contact::candidates::{self, TooMany};
 use crate::contact::ccd;
 use crate::contact::certificate::{Intersection, certify};
 use crate::contact::distance::Closest;
-use crate::contact::friction::Sliding;
+use crate::contact::friction::{Sliding, SlidingCotangent};
 use crate::contact::pairs::Pair;
 use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
@@ -87,6 +87,14 @@ struct State {
     x: Vec<Vec3>,
     rest: Vec<Vec3>,
     terms: Terms,
+}
+
+impl State {
+    /// The terms that rub in a step that begins here. Pairs of nearly parallel
+    /// edges do not: their closest points jump.
+    fn rubbing(&self) -> impl Iterator<Item = &Term> {
+        self.terms.terms.iter().filter(|t| !t.stencil.faded && t.weight != 0.0)
+    }
 }
 
 impl Contact {
@@ -231,6 +239,27 @@ impl Contact {
         });
     }
 
+    /// Normal force per weight at a squared distance, and its slope.
+    fn normal_force(&self, d2: f64) -> [f64; 2] {
+        let [_, slope, curvature] = self.barrier.at(d2);
+        let (scale, d) = (self.barrier.scale(), d2.sqrt());
+        [-2.0 * scale * slope * d, -scale * (2.0 * curvature * d + slope / d)]
+    }
+
+    /// Cotangents of nodes and rest vertices from those of the collision vertices'
+    /// positions, rest positions (which W and Π make of rest vertices) and areas.
+    fn add_to_rest(
+        &self,
+        at: &Iterate,
+        (state, mut by_rest, by_area): (&State, Vec<Vec3>, &[f64]),
+        out: &mut [f64],
+    ) {
+        self.adjacency.add_gradient(&state.rest, by_area, &mut by_rest);
+        let mut nodal = vec![0.0; at.u.len()];
+        self.surface.add_to_nodes(&by_rest, &mut nodal);
+        at.space.add_to_vertices(&nodal, out);
+    }
+
     fn for_each_force(&self, at: &Iterate, mut f: impl FnMut([usize; 4], [Vec3; 4])) {
         let gradient = |local: &Local, weight: f64| local.gradient() * weight;
         self.for_each_term(&self.state(at), gradient, |term, gradient| {
@@ -344,20 +373,15 @@ impl Energy for Contact {
         found.map(|intersection| intersection.to_string())
     }
 
-    /// The contacts that rub in the step that begins at this state. Pairs of
-    /// nearly parallel edges do not: their closest points jump.
     fn sliding(&self, at: &Iterate) -> Vec<Sliding> {
         let state = self.state(at);
-        let scale = self.barrier.scale();
-        let rubbing = state.terms.terms.iter().filter(|t| !t.stencil.faded && t.weight != 0.0);
         let one = |term: &Term| {
             let closest = self.local(&state, term).closest;
-            let slope = self.barrier.at(closest.d2)[1];
-            let force = -scale * term.weight * slope * 2.0 * closest.d2.sqrt();
+            let force = term.weight * self.normal_force(closest.d2)[0];
             let corners = term.stencil.corners;
             Sliding::new(corners, closest.coefficients, closest.offset, force)
         };
-        rubbing.map(one).collect()
+        state.rubbing().map(one).collect()
     }
 
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
@@ -380,10 +404,35 @@ impl Energy for Contact {
             let by_weight = scale * local.gradient().dot(&l);
             state.terms.add_by_area(term, by_weight, &mut by_area);
         }
-        self.adjacency.add_gradient(&state.rest, &by_area, &mut by_rest);
-        let mut nodal = vec![0.0; at.u.len()];
-        self.surface.add_to_nodes(&by_rest, &mut nodal);
-        at.space.add_to_vertices(&nodal, out);
+        self.add_to_rest(at, (&state, by_rest, &by_area), out);
+    }
+
+    fn add_sliding_vjp(
+        &self,
+        at: &Iterate,
+        cotangents: &[SlidingCotangent],
+        by_u: &mut [f64],
+        by_rest: &mut [f64],
+    ) {
+        let state = self.state(at);
+        let mut by_x = vec![Vec3::zeros(); state.x.len()];
+        let mut by_area = vec![0.0; self.adjacency.areas(&state.rest).len()];
+        for (term, by) in state.rubbing().zip(cotangents) {
+            let closest = self.local(&state, term).closest;
+            let [force, force_slope] = self.normal_force(closest.d2);
+            let normal = closest.offset.normalize();
+            let turned = (by.normal - normal * normal.dot(&by.normal)) / closest.d2.sqrt();
+            let by_offset = turned + closest.offset * (2.0 * by.force * term.weight * force_slope);
+            let corners = term.stencil.gather(&state.x);
+            let by_closest = (&by.coefficients, &by_offset);
+            let pull = term.stencil.region.closest_vjp(&corners, &closest, by_closest);
+            for (&v, p) in term.stencil.corners.iter().zip(pull) {
+                by_x[v] += p;
+            }
+            state.terms.add_by_area(term, by.force * force, &mut by_area);
+        }
+        self.surface.add_to_nodes(&by_x, by_u);
+        self.add_to_rest(at, (&state, by_x, &by_area), by_rest);
     }
 }
 

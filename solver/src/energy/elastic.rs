@@ -6,6 +6,8 @@
 //! Shape derivative along a velocity field V with nodal u fixed:
 //! δ(λ·∂E/∂u) = ∫ −[A : (∇u ∇V)] : ∇λ − P : (∇λ ∇V) + (div V) P : ∇λ dX
 //!
+//! Its parameters are those of the law.
+//!
 //! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
 //! Analysis"; shape derivative: Haug, Choi and Komkov, "Design Sensitivity
 //! Analysis of Structural Systems".
@@ -186,6 +188,27 @@ impl Elastic {
         };
         elements.map(one).collect()
     }
+
+    fn element_parameters<const N: usize>(
+        &self,
+        at_: &Iterate,
+        lambda: &[f64],
+        elements: Range<usize>,
+    ) -> Vec<f64> {
+        let mut sum = vec![0.0; self.material.parameter_count()];
+        for e in elements {
+            let element = Element::new(at_.space, at_.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
+            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(at_.space, q);
+                let bar = field_gradient(&l, &g) * (weight * element.volume);
+                let k = Kinematics::new(&field_gradient(&u, &g));
+                self.material.add_parameter_vjp(&k, &bar, &mut sum);
+            }
+        }
+        sum
+    }
 }
 
 fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
@@ -318,6 +341,19 @@ impl Elastic {
     }
 }
 
+impl Elastic {
+    fn merge_parameters<const N: usize>(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let own = self.elements(at_.space);
+        let mut sum = vec![0.0; self.material.parameter_count()];
+        map_merge(
+            own.len(),
+            |r| self.element_parameters::<N>(at_, lambda, shifted(&r, own.start)),
+            |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),
+        );
+        sum
+    }
+}
+
 /// Calls a method with the number of nodes per element as a constant, so that
 /// its loops have fixed lengths.
 macro_rules! with_nodes {
@@ -349,5 +385,9 @@ impl Energy for Elastic {
 
     fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
         with_nodes!(at_.space, self.merge_mixed(at_, lambda, out));
+    }
+
+    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        with_nodes!(at_.space, self.merge_parameters(at_, lambda))
     }
 }

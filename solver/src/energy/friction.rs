@@ -9,10 +9,12 @@
 //! last h. Without a step in time there is no friction.
 //!
 //! u and X enter at fixed `Sliding` through v alone, and v does not depend on the
-//! rest shape: the mixed derivative vanishes. That the normal forces, closest
-//! points and weights at the start of the step change with the rest shape and
-//! with the last state is not part of this energy; whoever differentiates a whole
-//! run must add it.
+//! rest shape: the mixed derivative vanishes. The normal forces, closest points and
+//! weights at the start of the step change with the rest shape and with the last
+//! state: `add_past_vjp` says how the forces follow them, and the contact that
+//! made them ([`Energy::add_sliding_vjp`]) how they follow its state.
+//!
+//! Its one parameter is μ.
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, section 5.
 
@@ -22,8 +24,8 @@ use std::sync::Arc;
 use mesh::Vec3;
 
 use super::contact::add_block;
-use super::{Energy, Hessian, Iterate, TimeStep};
-use crate::contact::friction::{Sliding, dissipation};
+use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
+use crate::contact::friction::{Sliding, SlidingCotangent, dissipation};
 use crate::contact::surface::{BodyForce, Surface};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
@@ -139,4 +141,32 @@ impl Energy for Friction {
     }
 
     fn add_mixed_vjp(&self, _: &Iterate, _lambda: &[f64], _out: &mut [f64]) {}
+
+    fn add_past_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
+        let Some(step) = at.step else { return };
+        let (v, lambda) = (self.velocities(at, step), self.surface.trace(lambda));
+        let mut pull = vec![Vec3::zeros(); v.len()];
+        out.sliding.resize(step.sliding.len(), SlidingCotangent::default());
+        for (contact, out) in step.sliding.iter().zip(&mut out.sliding) {
+            // v = (u − history) / h
+            let l = crate::contact::distance::corners(contact.corners.map(|i| lambda[i]));
+            let by_velocity = self.hessian(contact, &v, step.h, Hessian::Exact) * l;
+            for (i, &corner) in contact.corners.iter().enumerate() {
+                pull[corner] -= by_velocity.fixed_rows::<3>(3 * i);
+            }
+            let own = contact.power_vjp(&v, &lambda, self.full_speed);
+            for (o, c) in out.coefficients.iter_mut().zip(own.coefficients) {
+                *o += self.coefficient * c;
+            }
+            out.normal += self.coefficient * own.normal;
+            out.force += self.coefficient * own.force;
+        }
+        self.surface.add_to_nodes(&pull, &mut out.history);
+    }
+
+    fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let lambda = self.surface.trace(lambda);
+        let work: f64 = self.forces(at).iter().zip(&lambda).map(|(f, l)| -f.dot(l)).sum();
+        vec![work / self.coefficient]
+    }
 }

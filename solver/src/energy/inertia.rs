@@ -14,7 +14,8 @@
 //!
 //! u₋₁ is the last state; what moves by 1 cm is held with a thousandth of its
 //! weight. M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
-//! the vertices. Without a step, or where inertia is neglected, E is zero.
+//! the vertices. Without a step, or where inertia is neglected, E is zero. The one
+//! parameter is ρ.
 //!
 //! Source: Hairer and Wanner, "Solving Ordinary Differential Equations II", V.1.
 
@@ -22,8 +23,9 @@ use std::ops::Range;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, PastCotangent};
 use crate::element::{FunctionSpace, add_at, at};
+use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::parallel::{map_merge, map_merge_waves};
 
@@ -130,6 +132,21 @@ impl Inertia {
     }
 }
 
+impl Inertia {
+    /// Adds `factor` M w, three components per node.
+    fn add_mass_times(&self, at_: &Iterate, w: &[f64], factor: f64, out: &mut [f64]) {
+        self.each(
+            |e| {
+                let (mass, nodes) = self.element(at_, e);
+                (nodes, factor * mass, self.times_reference(w, nodes))
+            },
+            |_, (nodes, factor, parts)| {
+                nodes.iter().zip(parts).for_each(|(&a, p)| add_at(out, a, &(factor * p)));
+            },
+        );
+    }
+}
+
 impl Energy for Inertia {
     fn name(&self) -> &'static str {
         if self.tiny { "tiny_mass" } else { "inertia" }
@@ -141,15 +158,7 @@ impl Energy for Inertia {
 
     fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
         let Some((rate, deviation)) = self.deviation(at_) else { return };
-        self.each(
-            |e| {
-                let (mass, nodes) = self.element(at_, e);
-                (nodes, rate * mass, self.times_reference(&deviation, nodes))
-            },
-            |_, (nodes, factor, parts)| {
-                nodes.iter().zip(parts).for_each(|(&a, p)| add_at(out, a, &(factor * p)));
-            },
-        );
+        self.add_mass_times(at_, &deviation, rate, out);
     }
 
     fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
@@ -196,5 +205,17 @@ impl Energy for Inertia {
                 }
             },
         );
+    }
+
+    fn add_past_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
+        let Some((rate, _)) = self.frame(at_) else { return };
+        let from = if self.tiny { &mut out.history } else { &mut out.free_flight };
+        self.add_mass_times(at_, lambda, -rate, from);
+    }
+
+    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; at_.u.len()];
+        self.add_gradient(at_, &mut gradient);
+        vec![dot(&gradient, lambda) / self.density]
     }
 }

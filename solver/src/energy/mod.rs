@@ -21,7 +21,7 @@ pub use wall::Wall;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::friction::Sliding;
+use crate::contact::friction::{Sliding, SlidingCotangent};
 use crate::element::FunctionSpace;
 use crate::math::sparse::BlockMatrix;
 
@@ -55,6 +55,25 @@ pub struct TimeStep {
     pub free_flight: Option<Vec<f64>>,
     /// Contacts that rub, as they were at the start of the step.
     pub sliding: Vec<Sliding>,
+}
+
+/// Cotangents of what a [`TimeStep`] looks back to.
+#[derive(Clone, Debug, Default)]
+pub struct PastCotangent {
+    /// Of the history, three components per node.
+    pub history: Vec<f64>,
+    /// Of the free flight, three components per node.
+    pub free_flight: Vec<f64>,
+    /// Of the contacts that rub, in their order; empty if nothing looked at them.
+    pub sliding: Vec<SlidingCotangent>,
+}
+
+impl PastCotangent {
+    /// Zero, for a number of degrees of freedom.
+    #[must_use]
+    pub fn zeros(len: usize) -> Self {
+        Self { history: vec![0.0; len], free_flight: vec![0.0; len], sliding: Vec::new() }
+    }
 }
 
 /// What holds a prescribed volume.
@@ -137,4 +156,21 @@ pub trait Energy: Send + Sync {
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
+    /// Adds λᵀ ∂²E/∂u∂(history, free flight, contacts that rub).
+    fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
+    /// Adds to `by_u` and `by_rest` what cotangents of its [`Self::sliding`] here make
+    /// of this state; of all terms of a system at most one has contacts that rub.
+    fn add_sliding_vjp(
+        &self,
+        _at: &Iterate,
+        _cotangents: &[SlidingCotangent],
+        _by_u: &mut [f64],
+        _by_rest: &mut [f64],
+    ) {
+    }
+    /// λᵀ ∂²E/∂u∂p for the numbers p that the term was made with, in the order that
+    /// its type documents.
+    fn parameter_vjp(&self, _at: &Iterate, _lambda: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
 }

@@ -23,6 +23,7 @@ use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, cross_matrix};
 
 /// Facets of the solid around a chamber, as node ids.
+#[derive(Clone, Debug)]
 pub struct Wall {
     facets: Vec<Vec<usize>>,
     /// Loops of the rim as vertex ids, in the direction of the facets' edges.

@@ -84,10 +84,16 @@ impl Integrator {
         &self.states[0]
     }
 
+    /// α and β of the next step.
+    #[must_use]
+    pub fn formula(&self) -> (&'static [f64], f64) {
+        FORMULAS[self.states.len().min(self.method.order()) - 1]
+    }
+
     /// The next step, of length Δt [s], without contacts.
     #[must_use]
     pub fn step(&self, dt: f64) -> TimeStep {
-        let (alpha, beta) = FORMULAS[self.states.len().min(self.method.order()) - 1];
+        let (alpha, beta) = self.formula();
         let h = beta * dt;
         let sum = |of: fn(&State) -> &Vec<f64>| -> Vec<f64> {
             let len = self.last().u.len();

@@ -10,6 +10,7 @@ mod softness;
 mod stepping;
 mod system;
 mod tangent;
+mod trajectory;
 mod volumes;
 
 pub use certificate::{Uncertified, certificate};
@@ -20,5 +21,6 @@ pub use softness::Softness;
 pub use stepping::{
     Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
 };
-pub use system::{System, Timings};
+pub use system::{System, Timings, is_contact};
 pub use tangent::follow;
+pub use trajectory::Trajectory;

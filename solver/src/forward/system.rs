@@ -346,15 +346,46 @@ impl System {
         self.energies.iter().filter_map(|e| e.rank_one(&at)).collect()
     }
 
-    /// Factors the exact Hessian under the full load, for derivatives at an
-    /// equilibrium and as the start of the next one.
-    pub fn linearize(&mut self, rest: &[Vec3], u: &[f64]) {
-        let hessian = self.hessian(rest, u, 1.0, Hessian::Exact);
+    /// Factors the exact Hessian, for derivatives at an equilibrium and as the start
+    /// of the next one.
+    pub fn linearize(&mut self, rest: &[Vec3], u: &[f64], load: f64) {
+        let hessian = self.hessian(rest, u, load, Hessian::Exact);
         let start = Instant::now();
         if self.linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
             self.linear.factor_indefinite(hessian);
         }
         self.timings.factor_s += start.elapsed().as_secs_f64();
+    }
+
+    /// Forces of contact and friction on the nodes [N], three components per node.
+    #[must_use]
+    pub fn contact_forces(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<f64> {
+        let at = self.iterate(rest, u, load);
+        let mut pull = vec![0.0; self.len()];
+        let contact = self.energies.iter().filter(|e| is_contact(&***e));
+        contact.for_each(|e| e.add_gradient(&at, &mut pull));
+        pull.iter_mut().for_each(|p| *p = -*p);
+        pull
+    }
+
+    /// The exact Hessian of contact and friction times a vector; none if that is
+    /// zero.
+    pub fn contact_hessian_times(
+        &mut self,
+        rest: &[Vec3],
+        u: &[f64],
+        load: f64,
+        vector: &[f64],
+    ) -> Option<Vec<f64>> {
+        if vector.iter().all(|v| *v == 0.0) {
+            return None;
+        }
+        self.make_room(rest, u, load);
+        let at = self.iterate(rest, u, load);
+        let mut matrix = BlockMatrix::zeros(&self.pattern);
+        let contact = self.energies.iter().filter(|e| is_contact(&***e));
+        contact.for_each(|e| e.add_hessian(&at, Hessian::Exact, &mut matrix));
+        Some(matrix.multiply(vector))
     }
 
     /// What rounding leaves of the gradient's free part [N], whatever `u` is: the
@@ -402,6 +433,12 @@ impl System {
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         self.free.prolong(free, self.len())
     }
+}
+
+/// Whether forces of a term count as those of contact.
+#[must_use]
+pub fn is_contact(energy: &dyn Energy) -> bool {
+    matches!(energy.name(), "contact" | "friction")
 }
 
 /// Where the Hessian has entries, and its factorisation without numbers.

@@ -48,6 +48,8 @@ pub struct Invariants {
 pub trait Isotropic: Send + Sync {
     /// ψ and its derivatives.
     fn partials(&self, at: &Invariants) -> Partials;
+    /// Number of parameters.
+    fn parameter_count(&self) -> usize;
     /// Adds Σₖ barₖ ∂²ψ/∂(Ī₁, Ī₂, J)ₖ∂parameters.
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]);
 }
@@ -89,6 +91,10 @@ impl<T: Isotropic> Material for T {
         let at = Invariants::new(k);
         let p = Plain::new(k, &at, &self.partials(&at));
         widest(Tangent { partials: &p, k })
+    }
+
+    fn parameter_count(&self) -> usize {
+        Isotropic::parameter_count(self)
     }
 
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {

@@ -56,6 +56,10 @@ impl Material for LinearElastic {
         a
     }
 
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
         let strain = strain(k);
         self.0.add_vjp(2.0 * strain.dot(p_bar), strain.trace() * p_bar.trace(), out);

@@ -42,6 +42,8 @@ pub trait Material: Send + Sync {
     fn first_piola(&self, k: &Kinematics) -> Mat3;
     /// A = ∂P/∂F [Pa].
     fn tangent(&self, k: &Kinematics) -> Mat9;
+    /// Number of parameters.
+    fn parameter_count(&self) -> usize;
     /// Adds P̄ : ∂P/∂parameters, in the order of the law's [`Law::parameters`].
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]);
 }

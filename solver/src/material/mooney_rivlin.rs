@@ -63,6 +63,10 @@ impl Isotropic for MooneyRivlin {
         p
     }
 
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         out[0] += bar[0];
         out[1] += bar[1];

@@ -60,6 +60,10 @@ impl Material for NeoHookean {
         a
     }
 
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
         let [by_mu, by_lambda] = by_lame(k);
         self.0.add_vjp(by_mu.dot(p_bar), by_lambda.dot(p_bar), out);

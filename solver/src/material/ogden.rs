@@ -178,6 +178,10 @@ impl Material for Ogden {
         a
     }
 
+    fn parameter_count(&self) -> usize {
+        2 * self.terms.len() + 1
+    }
+
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
         let p = Principal::new(k);
         let n = self.terms.len();

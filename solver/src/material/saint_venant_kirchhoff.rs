@@ -64,6 +64,10 @@ impl Material for SaintVenantKirchhoff {
         a
     }
 
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
         let by_mu = 2.0 * k.f * k.green;
         let by_lambda = k.green.trace() * k.f;

@@ -14,7 +14,7 @@ use serde_json::json;
 use super::checkpoint::Checkpoint;
 use super::{Evaluation, Lbfgs, Level, Rejected};
 use crate::body::Body;
-use crate::config::DesignConfig;
+use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
 use crate::results;
 use crate::scene::{ObjectiveBuilder, Scene};
@@ -97,7 +97,7 @@ impl Cascade<'_> {
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
             let next = checkpoint.level + 1;
-            if next == self.design.shape.level.len() {
+            if next == self.design.levels().len() {
                 return Ok(Finished { body: shape, last: (level, evaluation), stopped });
             }
             let body = remesh(shape);
@@ -146,15 +146,15 @@ impl Cascade<'_> {
 
     /// Iterates one level to its end.
     fn run_level(&self, body: Body, checkpoint: &mut Checkpoint) -> Result<(Level, Evaluation)> {
-        let settings = &self.design.shape.level[checkpoint.level];
-        let on = &self.design.shape.on;
-        let mut level = Level::new(self.scene, self.objectives, body, on, settings.handles)?;
+        let settings = &self.design.levels()[checkpoint.level];
+        let optimizer = self.design.optimizer_of(settings);
+        let mut level = Level::new(self.scene, self.objectives, body, self.design, settings)?;
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
-            match self.iterate(&mut level, checkpoint, &current)? {
+            match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
                 Ok(step) => {
                     current = step.evaluation.clone();
-                    self.accept(&mut level, checkpoint, step)?;
+                    self.accept(&mut level, checkpoint, step, &optimizer)?;
                 }
                 Err(reason) => {
                     checkpoint.stopped = Some(reason);
@@ -172,15 +172,9 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables(), level.dofs())?;
-            let evaluation = Evaluation {
-                rest: level.shape(&checkpoint.theta),
-                u: checkpoint.u.clone(),
-                objective: checkpoint.objective,
-                terms: checkpoint.terms.clone(),
-                newton_iterations: 0,
-                forward_s: 0.0,
-            };
-            level.linearize(&evaluation);
+            let recalled = level.recall(&checkpoint.theta, &checkpoint.u);
+            let evaluation = recalled.with_context(|| format!("level {}", checkpoint.level + 1))?;
+            level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
         let theta = vec![0.0; level.variables()];
@@ -194,7 +188,7 @@ impl Cascade<'_> {
             },
         };
         let clock = Instant::now();
-        level.linearize(&evaluation);
+        level.linearize(&theta, &evaluation);
         evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
@@ -247,6 +241,7 @@ impl Cascade<'_> {
         level: &mut Level,
         checkpoint: &Checkpoint,
         current: &Evaluation,
+        optimizer: &OptimizerConfig,
     ) -> Result<Result<Step, String>> {
         let gradient = &checkpoint.gradient;
         if norm(gradient) == 0.0 {
@@ -257,7 +252,7 @@ impl Cascade<'_> {
         let at = |alpha: f64| -> Vec<f64> {
             checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
         };
-        let first = self.first_alpha(level, checkpoint, &at);
+        let first = first_alpha(level, checkpoint, optimizer, &at);
         let clock = Instant::now();
         let predicted = level.predict(&at(first), current);
         let mut forward_s = clock.elapsed().as_secs_f64();
@@ -265,7 +260,7 @@ impl Cascade<'_> {
         let mut reason = String::new();
         for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let start = ahead(&current.u, predicted.as_deref(), alpha / first);
+            let start = ahead(current.run.last(), predicted.as_deref(), alpha / first);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
             let outcome = lower(level, &theta, &start, wanted);
@@ -274,7 +269,7 @@ impl Cascade<'_> {
             let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
             match with_gradient {
                 Ok((gradient, evaluation)) => {
-                    let motion = level.motion(&checkpoint.theta, &theta);
+                    let motion = level.map().motion(&checkpoint.theta, &theta);
                     let gradient_s = clock.elapsed().as_secs_f64();
                     return Ok(Ok(Step {
                         theta,
@@ -294,30 +289,14 @@ impl Cascade<'_> {
         Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
     }
 
-    /// 1 for an L-BFGS direction; without memory, and always as an upper bound,
-    /// what moves vertices by a set number of edges.
-    fn first_alpha(
-        &self,
-        level: &Level,
-        checkpoint: &Checkpoint,
-        at: &impl Fn(f64) -> Vec<f64>,
-    ) -> f64 {
-        let fresh = checkpoint.lbfgs.is_empty();
-        let edges = if fresh { self.design.shape.first_step } else { LARGEST_MOTION };
-        let wanted = edges * level.mean_edge();
-        // motion is linear in small steps, so probe with one
-        let mut alpha = 1.0;
-        let mut motion = level.motion(&checkpoint.theta, &at(alpha));
-        while motion > 0.1 * wanted {
-            alpha *= 0.1;
-            motion = level.motion(&checkpoint.theta, &at(alpha));
-        }
-        let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
-        if fresh { scaled } else { scaled.min(1.0) }
-    }
-
     /// Takes a step over into the optimiser's memory and onto disk.
-    fn accept(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
+    fn accept(
+        &self,
+        level: &mut Level,
+        checkpoint: &mut Checkpoint,
+        step: Step,
+        optimizer: &OptimizerConfig,
+    ) -> Result<()> {
         let difference =
             |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         checkpoint.lbfgs.update(
@@ -328,19 +307,21 @@ impl Cascade<'_> {
         // in the same checkpoint as the step: a kill between two would forget it
         let before = checkpoint.objective;
         let fall = (before - step.evaluation.objective) / before.abs();
-        if fall < self.design.shape.stagnation {
+        if fall < optimizer.stagnation {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
         self.record(level, checkpoint, step)
     }
 
     fn record(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
-        let settings = &self.design.shape.level[checkpoint.level];
+        let levels = self.design.levels();
+        let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         let gradient_norm = norm(&step.gradient);
         let line = json!({
             "level": checkpoint.level + 1,
             "handles": settings.handles,
+            "variables": level.variables(),
             "iteration": checkpoint.iteration,
             "objective": evaluation.objective,
             "terms": evaluation.terms,
@@ -354,11 +335,11 @@ impl Cascade<'_> {
             "mean_displacement": level.mean_displacements(evaluation)?,
         });
         log::info!(
-            "level {}/{} ({} handles)  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
+            "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
              motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s",
             checkpoint.level + 1,
-            self.design.shape.level.len(),
-            settings.handles,
+            levels.len(),
+            variables(level, settings),
             checkpoint.iteration,
             settings.iterations,
             evaluation.objective,
@@ -372,7 +353,7 @@ impl Cascade<'_> {
         checkpoint.objective = evaluation.objective;
         checkpoint.terms = step.evaluation.terms;
         checkpoint.theta = step.theta;
-        checkpoint.u = step.evaluation.u;
+        checkpoint.u = step.evaluation.run.last().to_vec();
         checkpoint.gradient = step.gradient;
         // history first: a kill in between leaves one line too many, which the
         // next start removes
@@ -414,6 +395,28 @@ impl Cascade<'_> {
     }
 }
 
+/// 1 for an L-BFGS direction; without memory, and always as an upper bound,
+/// what moves vertices by a set number of edges.
+fn first_alpha(
+    level: &Level,
+    checkpoint: &Checkpoint,
+    optimizer: &OptimizerConfig,
+    at: &impl Fn(f64) -> Vec<f64>,
+) -> f64 {
+    let fresh = checkpoint.lbfgs.is_empty();
+    let edges = if fresh { optimizer.first_step } else { LARGEST_MOTION };
+    let wanted = edges * level.map().mean_edge();
+    // motion is linear in small steps, so probe with one
+    let mut alpha = 1.0;
+    let mut motion = level.map().motion(&checkpoint.theta, &at(alpha));
+    while motion > 0.1 * wanted {
+        alpha *= 0.1;
+        motion = level.map().motion(&checkpoint.theta, &at(alpha));
+    }
+    let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
+    if fresh { scaled } else { scaled.min(1.0) }
+}
+
 /// The evaluation at θ if its objective is at most `wanted`, with the level
 /// linearised there.
 fn lower(
@@ -427,8 +430,18 @@ fn lower(
         let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
         return Err(Rejected(reason));
     }
-    level.linearize(&evaluation);
+    level.linearize(theta, &evaluation);
     Ok(evaluation)
+}
+
+/// What changes in a level, for the log.
+fn variables(level: &Level, settings: &LevelConfig) -> String {
+    match (settings.handles, settings.vertices) {
+        (Some(1), _) => "1 handle".to_owned(),
+        (Some(count), _) => format!("{count} handles"),
+        (None, true) => "free vertices".to_owned(),
+        (None, false) => format!("{} pressures", level.variables()),
+    }
 }
 
 /// u + t du, or u without a prediction.

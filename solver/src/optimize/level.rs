@@ -1,8 +1,5 @@
-//! One level of the cascade: handles θ → rest shape → equilibrium → objective,
-//! and the gradient of that whole map.
-//!
-//! X(θ) = X₀ + 𝓔 (handles(θ) − X₀ on the moving surface), with 𝓔 the extension
-//! into the interior, so that the gradient is that of what is simulated.
+//! One level of the cascade: variables θ → rest shape and pressures → run through
+//! time → objective, and the gradient of that whole map.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -10,13 +7,16 @@ use std::time::Instant;
 use anyhow::Result;
 use mesh::Vec3;
 
+use super::design_map::DesignMap;
 use super::validity;
-use crate::adjoint;
+use crate::adjoint::{self, Gradient};
 use crate::body::Body;
-use crate::design::{Extension, Handles, sample_handles};
-use crate::element::{FunctionSpace, at, interpolate};
+use crate::config::{DesignConfig, LevelConfig};
+use crate::element::{FunctionSpace, interpolate};
 use crate::failure::Diagnosis;
-use crate::forward::{Newton, Stepping, System, Unreached, follow, solve, solve_from};
+use crate::forward::{
+    Integrator, March, Newton, Stepping, System, Trajectory, Unreached, follow, solve_from,
+};
 use crate::objective::Equilibrium;
 use crate::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted};
@@ -30,41 +30,43 @@ const NEARBY: usize = 12;
 #[error("{0}")]
 pub struct Rejected(pub String);
 
-/// A rest shape with its equilibrium and objective.
+/// A design with its run and objective.
 #[derive(Clone)]
 pub struct Evaluation {
     /// Rest vertex positions [m].
     pub rest: Vec<Vec3>,
-    /// Displacement at equilibrium [m].
-    pub u: Vec<f64>,
+    /// All states.
+    pub run: Trajectory,
     /// Σ of the terms.
     pub objective: f64,
     /// Weighted value of each term, by the user's name.
     pub terms: BTreeMap<String, f64>,
-    /// Newton iterations of the equilibrium.
+    /// Newton iterations of the run.
     pub newton_iterations: usize,
-    /// Time for the shape, its equilibrium and the terms [s].
+    /// Time for the shape, its run and the terms [s].
     pub forward_s: f64,
 }
 
-/// A design problem with a fixed mesh topology and a fixed set of handles.
+/// A design problem with a fixed mesh topology and fixed variables.
 pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
-    /// The handles.
-    pub handles: Handles,
+    map: DesignMap,
     system: System,
     stepping: Stepping,
+    /// The state at t = 0 and how it goes on.
+    start: Integrator,
+    /// Ends of the time steps [s].
+    times: Vec<f64>,
+    /// Whether the scene goes through time; else it is one equilibrium.
+    transient: bool,
     terms: Vec<Weighted>,
-    extension: Extension,
-    moving: Vec<[usize; 3]>,
-    mean_edge: f64,
     /// Why the last solve from rest failed, if it did.
     unreached: Option<Unreached>,
 }
 
 impl Level {
-    /// Sets up `handles` handles on the tag `on` of a body.
+    /// Sets up a level on a body.
     ///
     /// # Errors
     /// When a tag is missing or the handles cannot be placed.
@@ -72,39 +74,35 @@ impl Level {
         scene: &Scene,
         objectives: &ObjectiveBuilder,
         body: Body,
-        on: &str,
-        handles: usize,
+        design: &DesignConfig,
+        level: &LevelConfig,
     ) -> Result<Self> {
         let system = scene.system(&body)?;
         let terms = objectives.build(&body, &system.space)?;
-        let moving = body.facets(on)?;
-        let handles = sample_handles(&body.mesh.vertices, &moving, handles)?;
-        let extension = Extension::new(&body.mesh)?;
-        let mean_edge = mesh::measure::mean_edge(&body.mesh.vertices, &moving);
-        let stepping = scene.stepping();
+        let map = DesignMap::new(scene, design, level, &body, &system)?;
         Ok(Self {
-            body,
-            handles,
-            system,
-            stepping,
+            map,
+            stepping: scene.stepping(),
+            start: scene.integrator(&system),
+            times: scene.times(),
+            transient: scene.config.time.is_some(),
             terms,
-            extension,
-            moving,
-            mean_edge,
             unreached: None,
+            body,
+            system,
         })
     }
 
     /// Number of design variables.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.handles.variables()
+        self.map.variables()
     }
 
-    /// Mean edge length of the moving surface [m].
+    /// From variables to rest shape and pressures.
     #[must_use]
-    pub fn mean_edge(&self) -> f64 {
-        self.mean_edge
+    pub fn map(&self) -> &DesignMap {
+        &self.map
     }
 
     /// Number of degrees of freedom of the equilibrium.
@@ -113,30 +111,22 @@ impl Level {
         self.system.len()
     }
 
-    /// Rest vertex positions X(θ) [m].
+    /// Whether the scene goes through time.
     #[must_use]
-    pub fn shape(&self, theta: &[f64]) -> Vec<Vec3> {
-        let rest = &self.body.mesh.vertices;
-        let moved = self.handles.apply(theta, rest);
-        let mut displacement = vec![Vec3::zeros(); rest.len()];
-        for (&v, x) in self.handles.vertices().iter().zip(moved) {
-            displacement[v] = x - rest[v];
-        }
-        self.extension.apply(&mut displacement);
-        rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
+    pub fn is_transient(&self) -> bool {
+        self.transient
     }
 
-    /// Largest motion of a vertex from θ = a to θ = b [m].
+    /// Names of the terms, in the order of the design file.
     #[must_use]
-    pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
-        let rest = &self.body.mesh.vertices;
-        let (a, b) = (self.handles.apply(a, rest), self.handles.apply(b, rest));
-        a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    pub fn term_names(&self) -> Vec<String> {
+        self.terms.iter().map(|t| t.objective.name().to_owned()).collect()
     }
 
-    /// Shape, equilibrium and objective at θ; the equilibrium is sought next to
-    /// `start` if given, else from rest. The first keeps a search on one branch
-    /// of equilibria, and is several times cheaper.
+    /// Shape, run and objective at θ. Of a scene without time the equilibrium is
+    /// sought next to `start` if given, else from rest: the first keeps a search on
+    /// one branch of equilibria, and is several times cheaper. A run through time
+    /// begins at its beginning.
     ///
     /// # Errors
     /// [`Rejected`] when the shape is invalid, a term is infinite or there is
@@ -147,40 +137,95 @@ impl Level {
         start: Option<&[f64]>,
     ) -> Result<Evaluation, Rejected> {
         let clock = Instant::now();
-        let rest = self.shape(theta);
+        let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        let solution = match start {
-            Some(u) => {
-                let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
-                solve_from(&mut self.system, &rest, u, &newton)
-                    .map_err(|e| Rejected(e.to_string()))?
-            }
-            None => match solve(&mut self.system, &rest, &self.stepping, |_| ()) {
-                Ok(solution) => solution,
-                Err(unreached) => {
-                    let rejected = Rejected(unreached.to_string());
-                    self.unreached = Some(unreached);
-                    return Err(rejected);
-                }
-            },
+        self.map.set_pressures(theta, &mut self.system);
+        let (run, newton_iterations) = match start {
+            Some(u) if !self.transient => self.run_next_to(&rest, u)?,
+            _ => self.run(&rest)?,
         };
-        let at = Equilibrium {
-            space: &self.system.space,
-            rest: &rest,
-            u: &solution.u,
-            load: 1.0,
-            contact: &[],
-        };
-        let mut terms = BTreeMap::new();
-        for term in &self.terms {
-            let value = term.weight * term.objective.value(&at);
-            *terms.entry(term.objective.name().to_owned()).or_insert(0.0) += value;
-        }
+        let terms = self.terms_of(&rest, &run);
         let objective: f64 = terms.values().sum();
-        let newton_iterations = solution.newton_iterations;
-        let u = solution.u;
         let forward_s = clock.elapsed().as_secs_f64();
-        Ok(Evaluation { rest, u, objective, terms, newton_iterations, forward_s })
+        Ok(Evaluation { rest, run, objective, terms, newton_iterations, forward_s })
+    }
+
+    /// The run from rest.
+    fn run(&mut self, rest: &[Vec3]) -> Result<(Trajectory, usize), Rejected> {
+        let mut march = March::new(self.stepping, self.start.clone());
+        let mut run = Trajectory::begin(&self.start);
+        for &end in &self.times {
+            if let Err(unreached) = march.advance(&mut self.system, rest, end, |_| ()) {
+                let rejected = Rejected(unreached.to_string());
+                self.unreached = Some(unreached);
+                return Err(rejected);
+            }
+            run.push(end, march.progress.integrator.last().clone());
+        }
+        Ok((run, march.progress.newton_iterations))
+    }
+
+    /// The one equilibrium next to a displacement.
+    fn run_next_to(&mut self, rest: &[Vec3], u: &[f64]) -> Result<(Trajectory, usize), Rejected> {
+        self.one_step(rest, u);
+        let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
+        let solution =
+            solve_from(&mut self.system, rest, u, &newton).map_err(|e| Rejected(e.to_string()))?;
+        Ok((self.one_step(rest, &solution.u), solution.newton_iterations))
+    }
+
+    /// An evaluation as it was, of a scene without time from its displacement alone.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`].
+    pub fn recall(&mut self, theta: &[f64], u: &[f64]) -> Result<Evaluation, Rejected> {
+        if self.transient {
+            return self.evaluate(theta, None);
+        }
+        self.map.set_pressures(theta, &mut self.system);
+        let rest = self.map.shape(theta);
+        let run = self.one_step(&rest, u);
+        let terms = self.terms_of(&rest, &run);
+        let objective: f64 = terms.values().sum();
+        Ok(Evaluation { rest, run, objective, terms, newton_iterations: 0, forward_s: 0.0 })
+    }
+
+    /// The run to a displacement in one step, which the system is told of.
+    fn one_step(&mut self, rest: &[Vec3], u: &[f64]) -> Trajectory {
+        let mut run = Trajectory::begin(&self.start);
+        let mut integrator = self.start.clone();
+        let step = integrator.step(self.times[0]);
+        integrator.accept(&step, u);
+        run.push(self.times[0], integrator.last().clone());
+        self.system.step = Some(run.step(&self.system, rest, 1));
+        run
+    }
+
+    /// Weighted terms over a run, by the user's names.
+    fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
+        let mut terms = BTreeMap::new();
+        for n in 0..=run.steps() {
+            let contact = self.contact_forces(rest, run, n);
+            let at = equilibrium(&self.system, rest, run, n, &contact);
+            for term in &self.terms {
+                let value = match term.weight * term.factors[n] {
+                    0.0 => 0.0,
+                    factor => factor * term.objective.value(&at),
+                };
+                *terms.entry(term.objective.name().to_owned()).or_insert(0.0) += value;
+            }
+        }
+        terms
+    }
+
+    /// Forces of contact at a moment, where a term looks at them.
+    fn contact_forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
+        let looks = |t: &Weighted| t.factors[n] != 0.0 && t.objective.uses_contact();
+        if n == 0 || !self.terms.iter().any(looks) {
+            return Vec::new();
+        }
+        self.system.step = Some(run.step(&self.system, rest, n));
+        self.system.contact_forces(rest, &run.states[n].u, run.times[n])
     }
 
     /// Explains why the body at θ = 0 has no equilibrium, after
@@ -191,28 +236,36 @@ impl Level {
     }
 
     /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or
-    /// next to an evaluation. What follows depends on the evaluation alone, not
-    /// on how it was reached: an interrupted search goes on with the same bits.
-    pub fn linearize(&mut self, at: &Evaluation) {
-        self.system.linearize(&at.rest, &at.u);
+    /// next to an evaluation of a scene without time. What follows depends on the
+    /// evaluation alone, not on how it was reached: an interrupted search goes on with
+    /// the same bits.
+    pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
+        self.map.set_pressures(theta, &mut self.system);
+        if !self.transient {
+            self.system.step = Some(at.run.step(&self.system, &at.rest, 1));
+            self.system.linearize(&at.rest, at.run.last(), 1.0);
+        }
     }
 
     /// First-order change of the equilibrium from `at`, where the level is
     /// linearised, to the shape X(θ): a start for [`Self::evaluate`] on the way
-    /// there. None where the equilibrium is not stable.
+    /// there. None where the equilibrium is not stable, or of a run through time.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<f64>> {
-        let shape = self.shape(theta);
+        if self.transient {
+            return None;
+        }
+        let shape = self.map.shape(theta);
         let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
-        follow(&mut self.system, &at.rest, &at.u, &motion)
+        follow(&mut self.system, &at.rest, at.run.last(), &motion)
     }
 
-    /// The displacement of an evaluation on another mesh of the same shape.
+    /// The last displacement of an evaluation on another mesh of the same shape.
     #[must_use]
     pub fn carry(&self, at: &Evaluation, body: &Body) -> Vec<f64> {
         let space = &self.system.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(space.degree(), vertices.len(), body.mesh.tets.clone());
-        interpolate((space, &at.rest, &at.u), (&other, vertices))
+        interpolate((space, &at.rest, at.run.last()), (&other, vertices))
     }
 
     /// dJ/dθ at an evaluation made with the same θ, where the level is
@@ -221,32 +274,42 @@ impl Level {
     /// # Errors
     /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
-        let by_rest = self.rest_gradient(at)?;
-        let mut bar: Vec<Vec3> =
-            (0..self.body.mesh.vertices.len()).map(|v| self::at(&by_rest, v)).collect();
-        self.extension.pull_back(&mut bar);
-        let on_surface: Vec<Vec3> = self.handles.vertices().iter().map(|&v| bar[v]).collect();
-        Ok(self.handles.pull_back(theta, &self.body.mesh.vertices, &on_surface))
+        let all: Vec<usize> = (0..self.terms.len()).collect();
+        let gradient = self.sweep(at, &all, !self.transient)?;
+        Ok(self.map.pull_back(theta, &gradient.rest, &gradient.parameters))
     }
 
-    /// dJ/dX of all vertices, three components per vertex.
-    fn rest_gradient(&mut self, at: &Evaluation) -> Result<Vec<f64>, Rejected> {
-        let mut by_u = vec![0.0; at.u.len()];
+    /// dJ of some of the terms by all that a run depends on; `linearized` as for
+    /// [`adjoint::sweep`].
+    ///
+    /// # Errors
+    /// When the adjoint system has no accurate solution.
+    pub fn sweep(
+        &mut self,
+        at: &Evaluation,
+        terms: &[usize],
+        linearized: bool,
+    ) -> Result<Gradient, Rejected> {
+        let contact: Vec<Vec<f64>> =
+            (0..=at.run.steps()).map(|n| self.contact_forces(&at.rest, &at.run, n)).collect();
         let mut by_rest = vec![0.0; 3 * at.rest.len()];
-        let here = Equilibrium {
-            space: &self.system.space,
-            rest: &at.rest,
-            u: &at.u,
-            load: 1.0,
-            contact: &[],
+        let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
+            let state = &at.run.states[n];
+            let (rest, load) = (&at.rest[..], at.run.times[n]);
+            let here = Equilibrium { space, rest, u: &state.u, load, contact: &contact[n] };
+            for term in terms.iter().map(|&i| &self.terms[i]) {
+                let factor = term.weight * term.factors[n];
+                if factor != 0.0 {
+                    term.objective.add_du(&here, factor, &mut out.by_u);
+                    term.objective.add_dcontact(&here, factor, &mut out.by_contact);
+                    term.objective.add_drest(&here, factor, &mut by_rest);
+                }
+            }
         };
-        for term in &self.terms {
-            term.objective.add_du(&here, term.weight, &mut by_u);
-            term.objective.add_drest(&here, term.weight, &mut by_rest);
-        }
-        adjoint::add_implicit(&mut self.system, &at.rest, &at.u, &by_u, &mut by_rest)
-            .map_err(|e| Rejected(e.to_string()))?;
-        Ok(by_rest)
+        let swept = adjoint::sweep(&mut self.system, &at.rest, &at.run, linearized, partials);
+        let mut gradient = swept.map_err(|e| Rejected(e.to_string()))?;
+        gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        Ok(gradient)
     }
 
     /// Mean displacement of each tag over its rest area [m].
@@ -258,7 +321,7 @@ impl Level {
         body.mesh.vertices.clone_from(&at.rest);
         let one = |name: &String| {
             let facets = body.facets(name)?;
-            let report = displacements(&body, &self.system.space, &facets, &at.u);
+            let report = displacements(&body, &self.system.space, &facets, at.run.last());
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
@@ -270,7 +333,7 @@ impl Level {
     /// # Errors
     /// With the element, facet or term that is in the way.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
-        validity::check(rest, &self.body.mesh.tets, self.body.boundary(), &self.moving)
+        validity::check(rest, &self.body.mesh.tets, self.body.boundary(), self.map.moving())
             .map_err(|e| Rejected(e.to_string()))?;
         for term in &self.terms {
             let name = term.objective.name();
@@ -282,6 +345,18 @@ impl Level {
     /// The solution's grid for ParaView.
     #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        crate::results::grid(&self.system.space, &at.rest, &at.u)
+        crate::results::grid(&self.system.space, &at.rest, at.run.last())
     }
+}
+
+/// A moment of a run, as objectives see it.
+fn equilibrium<'a>(
+    system: &'a System,
+    rest: &'a [Vec3],
+    run: &'a Trajectory,
+    n: usize,
+    contact: &'a [f64],
+) -> Equilibrium<'a> {
+    let (u, load) = (&run.states[n].u[..], run.times[n]);
+    Equilibrium { space: &system.space, rest, u, load, contact }
 }

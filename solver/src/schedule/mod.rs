@@ -55,6 +55,19 @@ impl From<f64> for Schedule {
     }
 }
 
+impl Schedule {
+    /// Linear between values at increasing times [s], the first 0.
+    ///
+    /// # Errors
+    /// When times do not increase or a number is not finite.
+    pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
+        let table = Table::new(times.to_vec(), values.to_vec())?;
+        let mut schedule = Self { written: Written::Table(Arc::new(table)), first: 1.0 };
+        schedule.begin(times[1]);
+        Ok(schedule)
+    }
+}
+
 impl std::str::FromStr for Schedule {
     type Err = Malformed;
 

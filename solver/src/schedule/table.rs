@@ -22,6 +22,16 @@ impl TryFrom<Columns> for Table {
     type Error = String;
 
     fn try_from(Columns { t, value }: Columns) -> Result<Self, String> {
+        Self::new(t, value)
+    }
+}
+
+impl Table {
+    /// Values at increasing times [s].
+    ///
+    /// # Errors
+    /// With what is not as it should be.
+    pub fn new(t: Vec<f64>, value: Vec<f64>) -> Result<Self, String> {
         if t.len() != value.len() || t.len() < 2 {
             return Err(format!(
                 "the table has {} times and {} values; needed is one value for each of two or more \
@@ -38,9 +48,7 @@ impl TryFrom<Columns> for Table {
         }
         Ok(Self { t, value })
     }
-}
 
-impl Table {
     /// First and last time [s].
     #[must_use]
     pub fn range(&self) -> (f64, f64) {

@@ -1,0 +1,349 @@
+//! Taylor tests of whole runs: small bodies that fall on each other, rub and are
+//! blown up.
+
+use std::sync::Arc;
+
+use mesh::{TetMesh, Vec3, topology};
+
+use super::*;
+use crate::contact::barrier::{Barrier, Form};
+use crate::contact::surface::Surface;
+use crate::element::FunctionSpace;
+use crate::energy::{
+    BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Wall,
+};
+use crate::forward::{Integrator, March, Method, Newton, Stepping};
+use crate::material::MooneyRivlin;
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::schedule::{Field, Schedule};
+use crate::testing::{check_gradient, cube, flat, points};
+
+const TIGHT: Stepping = Stepping {
+    first: 1.0,
+    largest: 1.0,
+    smallest: 1e-3,
+    newton: Newton { iterations: 100, relative: 1e-13, absolute: 1e-13 },
+};
+
+/// Numbers that the energies are made with.
+#[derive(Clone, Copy)]
+struct Numbers {
+    law: [f64; 4],
+    density: f64,
+    friction: f64,
+    /// Pressure, or fill of a closed gas, in each half of the run [Pa].
+    pressure: f64,
+}
+
+const NUMBERS: Numbers =
+    Numbers { law: [55e3, 5e3, 1.7e3, 1e6], density: 1000.0, friction: 0.5, pressure: 4e3 };
+
+/// What is run.
+struct Case {
+    method: Method,
+    degree: usize,
+    steps: usize,
+    dt: f64,
+    /// A block that hits another; else a block with a cavity alone.
+    contact: bool,
+    gas: bool,
+}
+
+/// The cube with its middle cell taken out, and the wall of the hole.
+fn hollow() -> (TetMesh, Vec<[usize; 3]>) {
+    let mut mesh = cube(3, 0.0);
+    let middle = |t: &[usize; 4]| {
+        let c = t.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 4.0;
+        (c - Vec3::repeat(0.5)).amax() < 1.0 / 6.0
+    };
+    mesh.tets = mesh.tets.iter().filter(|t| !middle(t)).copied().collect();
+    let inside =
+        |f: &[usize; 3]| f.iter().all(|&v| (mesh.vertices[v] - Vec3::repeat(0.5)).amax() < 0.4);
+    let wall = topology::boundary(&mesh).facets.into_iter().filter(inside).collect();
+    (mesh, wall)
+}
+
+impl Case {
+    /// Rest vertices [m], tetrahedra, those of the second body, and a wall.
+    fn bodies(&self) -> (Vec<Vec3>, Vec<[usize; 4]>, usize, Vec<[usize; 3]>) {
+        let size = 0.02;
+        if !self.contact {
+            let (mesh, wall) = hollow();
+            let rest = mesh.vertices.iter().map(|v| size * v).collect();
+            return (rest, mesh.tets, 0, wall);
+        }
+        let lower = cube(1, 0.0);
+        let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
+        let lift = Vec3::new(0.13, 0.09, 1.045);
+        let upper = lower.vertices.iter().map(|v| turn * v + lift);
+        let rest: Vec<Vec3> =
+            lower.vertices.iter().copied().chain(upper).map(|v| size * v).collect();
+        let shifted = lower.tets.iter().map(|t| t.map(|v| v + 8));
+        let tets: Vec<[usize; 4]> = lower.tets.iter().copied().chain(shifted).collect();
+        (rest, tets, 6, Vec::new())
+    }
+
+    /// What acts in full at the end of each step.
+    fn steady(&self, value: f64) -> Schedule {
+        let mut schedule = Schedule::from(value);
+        schedule.begin(self.dt);
+        schedule
+    }
+
+    fn system(&self, numbers: &Numbers) -> (System, Vec<Vec3>) {
+        let (rest, tets, upper, wall) = self.bodies();
+        let count = tets.len();
+        let space = FunctionSpace::new(self.degree, rest.len(), tets.clone());
+        let nodes = space.node_positions(&rest);
+        let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
+        let [c1, c2, c3, d1] = numbers.law;
+        let law = MooneyRivlin { c1, c2, c3, d1 };
+        let mut energies: Vec<Box<dyn Energy>> = vec![Box::new(Elastic::whole(Box::new(law)))];
+        if self.method.has_inertia() {
+            energies.push(Box::new(Inertia::new(&space, numbers.density, 0..count)));
+        } else if self.contact {
+            energies.push(Box::new(Inertia::tiny(&space, 1e9, upper..count)));
+        }
+        let gravity = Field(["2".parse(), "1".parse(), "-9.8".parse()].map(|s| s.expect("fine")));
+        energies.push(Box::new(BodyForce::weight(gravity, numbers.density, 0..count)));
+        if !wall.is_empty() {
+            let gas = if self.gas {
+                let fill = self.steady(numbers.pressure);
+                GasLaw::Ideal { fill, ambient: 101.3e3, exponent: 1.4 }
+            } else {
+                GasLaw::Isobaric { pressure: self.steady(numbers.pressure) }
+            };
+            energies.push(Box::new(Chamber { wall: Wall::new(&space, &wall), gas }));
+        }
+        if self.contact {
+            let mesh = TetMesh { vertices: rest.clone(), tets };
+            let facets = topology::boundary(&mesh).facets;
+            let bodies: Vec<usize> = facets.iter().map(|f| usize::from(f[0] >= 8)).collect();
+            let on = (&facets[..], &bodies[..]);
+            let surface = Surface::new(&space, on, Vec::new(), self.degree, &fixed);
+            let surface = Arc::new(surface);
+            let (form, thickness) = (Form::Convergent, 0.0);
+            let barrier = Barrier { form, activation: 1.2e-3, stiffness: 1e5, thickness };
+            energies.push(Box::new(Contact::new(Arc::clone(&surface), barrier)));
+            energies.push(Box::new(Friction::new(surface, numbers.friction, 0.05)));
+        }
+        (System::new(space, energies, &fixed), rest)
+    }
+
+    fn run(&self, system: &mut System, rest: &[Vec3], start: State) -> Trajectory {
+        let integrator = Integrator::new(self.method, start);
+        let mut run = Trajectory::begin(&integrator);
+        let mut march = March::new(TIGHT, integrator);
+        for n in 1..=self.steps {
+            let end = self.dt * n as f64;
+            march.advance(system, rest, end, |_| ()).expect("an equilibrium");
+            run.push(end, march.progress.integrator.last().clone());
+        }
+        run
+    }
+
+    /// At rest, the upper body in motion.
+    fn start(&self, system: &System, rest: &[Vec3]) -> State {
+        let mut v = vec![0.0; system.len()];
+        if self.contact && self.method.has_inertia() {
+            for (node, x) in system.space.node_positions(rest).iter().enumerate() {
+                if x.z > 0.0205 {
+                    v[3 * node..3 * node + 3].copy_from_slice(&[0.15, 0.05, -0.3]);
+                }
+            }
+        }
+        State { u: vec![0.0; system.len()], v }
+    }
+}
+
+/// J = Σ_n ω_n (a·x + ½ |x|² + b·f + ½ c |f|²) with random vectors, x = ΠX + u.
+struct Probe {
+    a: Vec<f64>,
+    b: Vec<f64>,
+    stiff: f64,
+}
+
+impl Probe {
+    fn new(len: usize, forces: bool) -> Self {
+        let mut random = Random::new(21);
+        let (a, mut b) = (random.numbers(len), random.numbers(len));
+        b.iter_mut().for_each(|b| *b *= if forces { 3e-3 } else { 0.0 });
+        Self { a, b, stiff: if forces { 1e-2 } else { 0.0 } }
+    }
+
+    fn weight(n: usize) -> f64 {
+        1.0 / (1.0 + n as f64)
+    }
+
+    fn forces(system: &mut System, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
+        if n == 0 {
+            return vec![0.0; system.len()];
+        }
+        system.step = Some(run.step(system, rest, n));
+        system.contact_forces(rest, &run.states[n].u, run.times[n])
+    }
+
+    fn positions(system: &System, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
+        let x = flat(&system.space.node_positions(rest));
+        x.iter().zip(u).map(|(x, u)| 10.0 * (x + u)).collect()
+    }
+
+    fn value(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> f64 {
+        let mut sum = 0.0;
+        for n in 0..=run.steps() {
+            let x = Self::positions(system, rest, &run.states[n].u);
+            let f = Self::forces(system, rest, run, n);
+            let of_x = dot(&self.a, &x) + 0.5 * dot(&x, &x);
+            let of_f = dot(&self.b, &f) + 0.5 * self.stiff * dot(&f, &f);
+            sum += Self::weight(n) * (of_x + of_f);
+        }
+        sum
+    }
+
+    fn gradient(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> Gradient {
+        let forces: Vec<_> =
+            (0..=run.steps()).map(|n| Self::forces(system, rest, run, n)).collect();
+        let xs: Vec<_> = run.states.iter().map(|s| Self::positions(system, rest, &s.u)).collect();
+        let mut by_x = vec![0.0; system.len()];
+        let mut gradient = sweep(system, rest, run, false, |_, n, out| {
+            for d in 0..by_x.len() {
+                let by = 10.0 * Self::weight(n) * (self.a[d] + xs[n][d]);
+                out.by_u[d] += by;
+                by_x[d] += by;
+                out.by_contact[d] +=
+                    Self::weight(n) * (self.b[d] + self.stiff * forces[n][d]) * f64::from(n > 0);
+            }
+        })
+        .expect("regular");
+        system.space.add_to_vertices(&by_x, &mut gradient.rest);
+        gradient
+    }
+}
+
+/// Sum over steps of one energy's parameters.
+fn summed(gradient: &Gradient, energy: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; gradient.parameters[0][energy].len()];
+    for step in &gradient.parameters {
+        sum.iter_mut().zip(&step[energy]).for_each(|(s, p)| *s += p);
+    }
+    sum
+}
+
+fn check(case: &Case, forces: bool) {
+    let (mut system, rest) = case.system(&NUMBERS);
+    let start = case.start(&system, &rest);
+    let run = case.run(&mut system, &rest, start.clone());
+    let probe = Probe::new(system.len(), forces);
+    let gradient = probe.gradient(&mut system, &rest, &run);
+    if case.contact {
+        let size = |n: usize| -> f64 {
+            run.step(&system, &rest, n).sliding.iter().map(|s| s.force.abs()).sum()
+        };
+        let rubbing = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
+        assert!(case.steps == 1 || rubbing > 0, "nothing rubs");
+    }
+
+    // shape: vertices that are not fixed, so that supports stay in place
+    check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
+        let rest = points(x);
+        let (mut system, _) = case.system(&NUMBERS);
+        let run = case.run(&mut system, &rest, start.clone());
+        probe.value(&mut system, &rest, &run)
+    });
+    // numbers, each relative to itself
+    let names: Vec<&str> = system.energies.iter().map(|e| e.name()).collect();
+    let of = |name: &str| {
+        let mine = (0..names.len()).filter(|&i| names[i] == name);
+        mine.map(|i| summed(&gradient, i)).next()
+    };
+    let with = |p: &[f64], by: &[f64]| {
+        check_gradient(p, by, 1e-3, |p| {
+            let scaled = |k: usize, x: f64| x * p[k];
+            let numbers = Numbers {
+                law: std::array::from_fn(|k| scaled(k, NUMBERS.law[k])),
+                density: scaled(4, NUMBERS.density),
+                friction: scaled(5, NUMBERS.friction),
+                pressure: scaled(6, NUMBERS.pressure),
+            };
+            let (mut system, _) = case.system(&numbers);
+            let run = case.run(&mut system, &rest, start.clone());
+            probe.value(&mut system, &rest, &run)
+        });
+    };
+    let mut by: Vec<f64> =
+        of("elastic").expect("there").iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
+    let density = ["inertia", "body_force"].map(|n| of(n).map_or(0.0, |g| g[0]));
+    by.push(density.iter().sum::<f64>() * NUMBERS.density);
+    by.push(of("friction").map_or(0.0, |g| g[0]) * NUMBERS.friction);
+    let pressure = of("pressure").map_or(0.0, |g| g[0]);
+    by.push(pressure * NUMBERS.pressure);
+    with(&[1.0; 7], &by);
+    // the start, of what can move
+    if case.method.has_inertia() {
+        let free = |g: &[f64]| -> Vec<f64> {
+            g.iter().zip(system.fixed()).map(|(g, fixed)| if *fixed { 0.0 } else { *g }).collect()
+        };
+        let by: Vec<f64> = free(&gradient.start.v);
+        check_gradient(&start.v, &by, if case.contact { 1e-3 } else { 0.2 }, |v| {
+            let (mut system, _) = case.system(&NUMBERS);
+            let v = free(v);
+            let run = case.run(&mut system, &rest, State { u: start.u.clone(), v });
+            probe.value(&mut system, &rest, &run)
+        });
+        let by: Vec<f64> = free(&gradient.start.u);
+        check_gradient(&start.u, &by, if case.contact { 1e-6 } else { 2e-4 }, |u| {
+            let (mut system, _) = case.system(&NUMBERS);
+            let u = free(u);
+            let run = case.run(&mut system, &rest, State { u, v: start.v.clone() });
+            probe.value(&mut system, &rest, &run)
+        });
+    }
+}
+
+#[test]
+fn a_chamber_alone_has_its_gradient_with_any_formula() {
+    let case = |method, steps, gas| {
+        let (degree, dt, contact) = (1, 0.02, false);
+        check(&Case { method, degree, steps, dt, contact, gas }, false);
+    };
+    case(Method::Quasistatic, 1, false);
+    case(Method::Quasistatic, 2, true);
+    case(Method::ImplicitEuler, 1, true);
+    case(Method::ImplicitEuler, 3, false);
+    case(Method::Bdf2, 2, false);
+    case(Method::Bdf2, 4, true);
+    case(Method::Bdf3, 5, false);
+}
+
+#[test]
+fn bodies_that_hit_and_rub_have_their_gradient() {
+    for steps in [1, 2, 3, 10] {
+        let (degree, dt) = (1, 2e-3);
+        let method = Method::ImplicitEuler;
+        check(&Case { method, degree, steps, dt, contact: true, gas: false }, true);
+    }
+}
+
+#[test]
+fn quadratic_bodies_that_hit_and_rub_have_their_gradient() {
+    let (degree, dt) = (2, 2e-3);
+    let case = |method, steps| {
+        check(&Case { method, degree, steps, dt, contact: true, gas: false }, true);
+    };
+    case(Method::ImplicitEuler, 3);
+    case(Method::Bdf2, 4);
+}
+
+#[test]
+fn without_inertia_bodies_that_hit_and_rub_have_their_gradient() {
+    let case = Case {
+        method: Method::Quasistatic,
+        degree: 1,
+        steps: 4,
+        dt: 0.25,
+        contact: true,
+        gas: false,
+    };
+    check(&case, true);
+}

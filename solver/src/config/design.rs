@@ -1,0 +1,241 @@
+//! What people write in `design.toml`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::ObjectiveConfig;
+
+/// A design problem: what may change in a scene, and what is wanted.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DesignConfig {
+    /// The scene, a `sim.toml`.
+    pub scene: PathBuf,
+    /// What may move, and in which levels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<ShapeConfig>,
+    /// Pressures that may change over time, together with the shape or alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pressure: Vec<PressureDesign>,
+    /// How to go down.
+    #[serde(default)]
+    pub optimizer: OptimizerConfig,
+    /// Weighted terms of the objective.
+    pub objective: Vec<ObjectiveConfig>,
+}
+
+/// How to go down, and when to stop.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OptimizerConfig {
+    /// Accepted iterations of a design without a shape, whose levels have their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<usize>,
+    /// How far the first step of a level moves a vertex, or a pressure by its
+    /// equivalent, as a fraction of a mean edge [1].
+    pub first_step: f64,
+    /// A level ends when the objective falls by less than this fraction in one
+    /// iteration [1].
+    pub stagnation: f64,
+    /// A level ends when the norm of the gradient falls below this fraction of that
+    /// at its start [1].
+    pub gradient_tolerance: f64,
+    /// No iteration begins after this much computing time of a level [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+}
+
+impl Default for OptimizerConfig {
+    fn default() -> Self {
+        Self {
+            iterations: None,
+            first_step: 0.5,
+            stagnation: 0.0,
+            gradient_tolerance: 0.0,
+            time_limit: None,
+        }
+    }
+}
+
+/// A cascade of shape levels on one tag or several.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeConfig {
+    /// Tags whose vertices move; their rims stay.
+    pub on: Tags,
+    /// What vertices inside the body do.
+    #[serde(default)]
+    pub interior: Interior,
+    /// Levels from coarse to fine.
+    pub level: Vec<LevelConfig>,
+}
+
+/// One tag or several.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged, expecting = "needed is the name of a tag, or a list of names")]
+pub enum Tags {
+    /// One.
+    One(String),
+    /// Several.
+    Several(Vec<String>),
+}
+
+impl Tags {
+    /// The names.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Several(names) => names,
+        }
+    }
+}
+
+/// Vertices inside the body when its boundary moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interior {
+    /// Follow the boundary, and the gradient knows.
+    #[default]
+    Extended,
+    /// Follow the boundary, but the gradient takes them as fixed, as the published
+    /// one does; for comparison.
+    Frozen,
+}
+
+/// One level of the cascade: `handles`, or `vertices = true`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelConfig {
+    /// Number of handles on each tag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub handles: Option<usize>,
+    /// Whether all vertices off the rims move freely.
+    #[serde(default)]
+    pub vertices: bool,
+    /// Accepted optimiser iterations.
+    pub iterations: usize,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_step: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stagnation: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradient_tolerance: Option<f64>,
+    /// In place of the design's [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+}
+
+/// A pressure of the scene whose slopes over time may change, one for each time step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureDesign {
+    /// Tag of a wall that has a `[[pressure]]` in the scene.
+    pub on: String,
+    /// Smallest and largest slope [Pa/s].
+    pub slope: [f64; 2],
+    /// Largest change of a slope in one iteration [Pa/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
+impl DesignConfig {
+    /// Reads and checks a design file.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        let design: Self = mesh::io::read_toml(path)?;
+        design.check().with_context(|| path.display().to_string())?;
+        Ok(design)
+    }
+
+    /// The levels; that of a design without a shape has neither handles nor vertices.
+    #[must_use]
+    pub fn levels(&self) -> Vec<LevelConfig> {
+        let iterations = self.optimizer.iterations.unwrap_or(0);
+        self.shape.as_ref().map_or_else(
+            || vec![LevelConfig { iterations, ..Default::default() }],
+            |shape| shape.level.clone(),
+        )
+    }
+
+    /// The settings of a level in place of the design's.
+    #[must_use]
+    pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
+        let own = &self.optimizer;
+        OptimizerConfig {
+            iterations: Some(level.iterations),
+            first_step: level.first_step.unwrap_or(own.first_step),
+            stagnation: level.stagnation.unwrap_or(own.stagnation),
+            gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
+            time_limit: level.time_limit.or(own.time_limit),
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        ensure!(!self.objective.is_empty(), "no [[objective]]: needed is what to minimise");
+        match (&self.shape, self.optimizer.iterations) {
+            (None, _) if self.pressure.is_empty() => {
+                bail!("neither [shape] nor [[pressure]]: needed is what may change")
+            }
+            (None, None) => {
+                bail!("no iterations in [optimizer]: a design without [shape] needs their number")
+            }
+            (Some(_), Some(_)) => {
+                bail!("iterations in [optimizer] beside [shape]: write them in [[shape.level]]")
+            }
+            _ => {}
+        }
+        if let Some(shape) = &self.shape {
+            ensure!(!shape.on.names().is_empty(), "[shape] on = []: name a tag or more");
+            ensure!(!shape.level.is_empty(), "no [[shape.level]]");
+        }
+        for level in self.levels() {
+            let found = (level.handles, level.vertices);
+            ensure!(
+                self.shape.is_none() || matches!(found, (Some(1..), false) | (None, true)),
+                "[[shape.level]] with handles = {} and vertices = {}: needed is one handle or \
+                 more, or vertices = true",
+                level.handles.unwrap_or(0),
+                level.vertices
+            );
+            self.optimizer_of(&level).check()?;
+        }
+        for pressure in &self.pressure {
+            let [low, high] = pressure.slope;
+            ensure!(
+                low < high && low.is_finite() && high.is_finite(),
+                "[[pressure]] on \"{}\": slope = [{low}, {high}] Pa/s; needed are two numbers, \
+                 the smaller first",
+                pressure.on
+            );
+            ensure!(
+                pressure.change.is_none_or(|c| c.is_finite() && c > 0.0),
+                "[[pressure]] on \"{}\": change = {:?} Pa/s must be positive",
+                pressure.on,
+                pressure.change.unwrap_or(f64::NAN)
+            );
+        }
+        Ok(())
+    }
+}
+
+impl OptimizerConfig {
+    fn check(&self) -> Result<()> {
+        for (key, value) in [
+            ("first_step", self.first_step),
+            ("stagnation", self.stagnation),
+            ("gradient_tolerance", self.gradient_tolerance),
+            ("time_limit", self.time_limit.unwrap_or(0.0)),
+        ] {
+            ensure!(value.is_finite() && value >= 0.0, "{key} = {value} must not be negative");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,118 @@
+//! A part of the boundary that a design moves.
+
+use mesh::{Vec3, topology};
+
+use super::handles::{HandleError, Handles, sample_handles};
+use super::sampling::rim;
+
+/// Design variables of one patch, all in metres; zero is the shape as it is.
+#[derive(Clone, Debug)]
+pub enum Patch {
+    /// Rigid motions of handles.
+    Handles(Handles),
+    /// The displacement of every vertex off the rim.
+    Vertices(FreeVertices),
+}
+
+/// Vertices of a patch that move freely.
+#[derive(Clone, Debug)]
+pub struct FreeVertices {
+    /// Vertex ids off the rim, ascending.
+    vertices: Vec<usize>,
+}
+
+impl Patch {
+    /// A patch with handles, or without a number of them with all vertices free.
+    ///
+    /// # Errors
+    /// [`HandleError`] if the patch has too few vertices or is degenerate.
+    pub fn new(
+        rest: &[Vec3],
+        facets: &[[usize; 3]],
+        handles: Option<usize>,
+    ) -> Result<Self, HandleError> {
+        if let Some(count) = handles {
+            return Ok(Self::Handles(sample_handles(rest, facets, count)?));
+        }
+        let (surface, ids) = topology::submesh(rest, facets);
+        let held = rim(&surface);
+        let free = (0..ids.len()).filter(|v| held.binary_search(v).is_err());
+        let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
+        Ok(Self::Vertices(FreeVertices { vertices }))
+    }
+
+    /// Number of design variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        match self {
+            Self::Handles(handles) => handles.variables(),
+            Self::Vertices(free) => 3 * free.vertices.len(),
+        }
+    }
+
+    /// Ids of the vertices that it may move, ascending.
+    #[must_use]
+    pub fn vertices(&self) -> &[usize] {
+        match self {
+            Self::Handles(handles) => handles.vertices(),
+            Self::Vertices(free) => &free.vertices,
+        }
+    }
+
+    /// Positions of its vertices [m], from the rest positions of the whole mesh
+    /// with which it was made.
+    #[must_use]
+    pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
+        match self {
+            Self::Handles(handles) => handles.apply(theta, rest),
+            Self::Vertices(free) => {
+                let moves = theta.chunks_exact(3).map(Vec3::from_column_slice);
+                free.vertices.iter().zip(moves).map(|(&v, d)| rest[v] + d).collect()
+            }
+        }
+    }
+
+    /// Cotangents of the variables for those of its vertices' positions.
+    #[must_use]
+    pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
+        match self {
+            Self::Handles(handles) => handles.pull_back(theta, rest, bar),
+            Self::Vertices(_) => bar.iter().flat_map(|b| [b.x, b.y, b.z]).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::testing::{cap, check_gradient};
+
+    #[test]
+    fn free_vertices_move_all_but_the_rim() {
+        let surface = cap(2);
+        let x = &surface.vertices;
+        let patch = Patch::new(x, &surface.triangles, None).unwrap();
+        let on_rim = rim(&surface);
+        assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
+        assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
+        let theta = Random::new(3).numbers(patch.variables());
+        let a = Random::new(4).numbers(patch.variables());
+        let value = |theta: &[f64]| -> f64 {
+            let moved = patch.apply(theta, x);
+            let sum = moved
+                .iter()
+                .zip(a.chunks_exact(3))
+                .map(|(v, a)| Vec3::from_column_slice(a).dot(v) + 0.5 * v.norm_squared());
+            sum.sum()
+        };
+        let moved = patch.apply(&theta, x);
+        let bar: Vec<Vec3> = moved
+            .iter()
+            .zip(a.chunks_exact(3))
+            .map(|(v, a)| Vec3::from_column_slice(a) + v)
+            .collect();
+        check_gradient(&theta, &patch.pull_back(&theta, x, &bar), 1e-2, value);
+    }
+}

@@ -1,0 +1,119 @@
+//! A pressure over time by its slopes.
+//!
+//! P_n = P_0 + Σ_{m ≤ n} Δt_m s_m      s_m = s⁰_m + r y_m
+//!
+//! P_n   gauge pressure at the end of time step n [Pa]
+//! s_m   slope during step m, s⁰ that of the scene [Pa/s]
+//! y_m   design variables [m]; zero is the scene's pressure
+//! r     a tenth of the scale of pressure per run and mean edge, so that changing all
+//!       y by an edge changes the pressure at the end by a tenth of its scale, as
+//!       variables of the shape change it by about an edge [Pa/s/m]
+//!
+//! Bounds are on the slopes. Source: the authors' walker, Gjoka et al. 2024,
+//! section 5.
+
+/// Change of the pressure for a variable of one mean edge, over its scale.
+const SHARE: f64 = 0.1;
+
+/// One pressure.
+#[derive(Clone, Debug)]
+pub struct PressureCurve {
+    /// t_0 = 0, t_1, …, t_N [s].
+    times: Vec<f64>,
+    start: f64,
+    /// s⁰ [Pa/s].
+    slopes: Vec<f64>,
+    /// r [Pa/s/m].
+    unit: f64,
+    /// Smallest and largest slope [Pa/s].
+    bounds: [f64; 2],
+}
+
+impl PressureCurve {
+    /// Slopes within `bounds` [Pa/s] around a pressure with `values` P_n [Pa] at
+    /// `times` t_n [s], the first 0. `scale` is a typical pressure [Pa], `edge` a
+    /// typical motion of the shape [m].
+    #[must_use]
+    pub fn new(times: &[f64], values: &[f64], bounds: [f64; 2], scale: f64, edge: f64) -> Self {
+        let slopes = (1..times.len())
+            .map(|n| (values[n] - values[n - 1]) / (times[n] - times[n - 1]))
+            .collect();
+        let unit = SHARE * scale / (times[times.len() - 1] * edge);
+        Self { times: times.to_vec(), start: values[0], slopes, unit, bounds }
+    }
+
+    /// Number of design variables: one per time step.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.slopes.len()
+    }
+
+    /// P_0, …, P_N [Pa].
+    #[must_use]
+    pub fn values(&self, y: &[f64]) -> Vec<f64> {
+        let mut values = vec![self.start];
+        for (n, (slope, y)) in self.slopes.iter().zip(y).enumerate() {
+            let dt = self.times[n + 1] - self.times[n];
+            values.push(values[n] + dt * (slope + self.unit * y));
+        }
+        values
+    }
+
+    /// Cotangents of the variables for those of P_1, …, P_N.
+    #[must_use]
+    pub fn pull_back(&self, bar: &[f64]) -> Vec<f64> {
+        let mut later = 0.0;
+        let mut by: Vec<f64> = (0..bar.len())
+            .rev()
+            .map(|n| {
+                later += bar[n];
+                later * self.unit * (self.times[n + 1] - self.times[n])
+            })
+            .collect();
+        by.reverse();
+        by
+    }
+
+    /// Smallest and largest value of each variable.
+    #[must_use]
+    pub fn bounds(&self) -> Vec<[f64; 2]> {
+        let own = |slope: &f64| self.bounds.map(|b| (b - slope) / self.unit);
+        self.slopes.iter().map(own).collect()
+    }
+
+    /// A change of slopes [Pa/s] in variables [m].
+    #[must_use]
+    pub fn variable_change(&self, slope: f64) -> f64 {
+        slope / self.unit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+    use crate::testing::check_gradient;
+
+    #[test]
+    fn slopes_add_up_and_pull_back() {
+        let (times, values) = ([0.0, 0.1, 0.4, 0.5], [0.0, 100.0, -50.0, 0.0]);
+        let curve = PressureCurve::new(&times, &values, [-2e3, 3e3], 500.0, 1e-3);
+        assert_eq!(curve.values(&[0.0; 3]), values);
+        let [low, high] = curve.bounds()[1];
+        let at = |y: f64| curve.values(&[0.0, y, 0.0]);
+        assert!((at(low)[2] - (100.0 - 0.3 * 2e3)).abs() < 1e-9);
+        assert!((at(high)[2] - (100.0 + 0.3 * 3e3)).abs() < 1e-9);
+        // all variables by an edge: the end by a tenth of the scale
+        assert!((curve.values(&[1e-3; 3])[3] - 50.0).abs() < 1e-9);
+        let y = Random::new(1).numbers(3);
+        let value = |y: &[f64]| -> f64 {
+            curve.values(y)[1..].iter().enumerate().map(|(n, p)| (n + 1) as f64 * p * p).sum()
+        };
+        let bar: Vec<f64> = curve.values(&y)[1..]
+            .iter()
+            .enumerate()
+            .map(|(n, p)| 2.0 * (n + 1) as f64 * p)
+            .collect();
+        check_gradient(&y, &curve.pull_back(&bar), 1e-4, value);
+    }
+}

@@ -1,0 +1,191 @@
+//! What an objective of a design problem depends on, one by one, for Taylor tests of
+//! the user's own scene.
+
+use anyhow::Result;
+
+use super::{Evaluation, Level, Rejected};
+use crate::adjoint::Gradient;
+use crate::config::{DesignConfig, LevelConfig};
+use crate::scene::{ObjectiveBuilder, Scene};
+
+/// A group of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Parameter {
+    /// Design variables of the shape [m].
+    Shape,
+    /// Design variables of the pressures [m].
+    Pressures,
+    /// Parameters of a body's law, each relative to itself.
+    Material(usize),
+    /// Density of a body, relative to itself.
+    Density(usize),
+    /// Coefficient of friction, relative to itself.
+    Friction,
+    /// Velocity of a body at t = 0 [m/s].
+    Velocity(usize),
+}
+
+impl Parameter {
+    /// All that the runs of a level depend on.
+    #[must_use]
+    pub fn of(scene: &Scene, level: &Level) -> Vec<Self> {
+        let mut all = Vec::new();
+        let shape = level.map().shape_variables();
+        all.extend((shape > 0).then_some(Self::Shape));
+        all.extend((level.variables() > shape).then_some(Self::Pressures));
+        for part in 0..scene.parts.len() {
+            all.push(Self::Material(part));
+            if scene.weighs(part) {
+                all.push(Self::Density(part));
+            }
+            if scene.config.method().has_inertia() {
+                all.push(Self::Velocity(part));
+            }
+        }
+        let rubs = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
+        all.extend(rubs.then_some(Self::Friction));
+        all
+    }
+
+    /// What people call it.
+    #[must_use]
+    pub fn name(&self, scene: &Scene) -> String {
+        let body = |part: usize| &scene.parts[part].config.name;
+        match self {
+            Self::Shape => "shape".to_owned(),
+            Self::Pressures => "pressures".to_owned(),
+            Self::Material(part) => format!("material of {}", body(*part)),
+            Self::Density(part) => format!("density of {}", body(*part)),
+            Self::Friction => "friction".to_owned(),
+            Self::Velocity(part) => format!("velocity of {}", body(*part)),
+        }
+    }
+
+    /// Number of its numbers.
+    #[must_use]
+    pub fn count(&self, scene: &Scene, level: &Level) -> usize {
+        let shape = level.map().shape_variables();
+        match self {
+            Self::Shape => shape,
+            Self::Pressures => level.variables() - shape,
+            Self::Material(part) => scene.parts[*part].material.values.len(),
+            Self::Density(_) | Self::Friction => 1,
+            Self::Velocity(_) => 3,
+        }
+    }
+
+    /// dJ by its numbers, from the sweep at θ = 0.
+    #[must_use]
+    pub fn gradient(&self, scene: &Scene, level: &Level, swept: &Gradient) -> Vec<f64> {
+        let shape = level.map().shape_variables();
+        let sum = |energy: usize| -> Vec<f64> {
+            let mut sum = vec![0.0; swept.parameters[0][energy].len()];
+            for step in &swept.parameters {
+                sum.iter_mut().zip(&step[energy]).for_each(|(s, p)| *s += p);
+            }
+            sum
+        };
+        let first = |name: &str, nth: usize| level.energies_named(name).get(nth).copied();
+        let zero = || vec![0.0; level.variables()];
+        match self {
+            Self::Shape => {
+                let mut all = level.map().pull_back(&zero(), &swept.rest, &swept.parameters);
+                all.truncate(shape);
+                all
+            }
+            Self::Pressures => {
+                level.map().pull_back(&zero(), &swept.rest, &swept.parameters)[shape..].to_vec()
+            }
+            Self::Material(part) => {
+                let by = first("elastic", *part).map_or_else(Vec::new, sum);
+                by.iter().zip(&scene.parts[*part].material.values).map(|(g, p)| g * p).collect()
+            }
+            Self::Density(part) => {
+                let inertia = first("inertia", *part).into_iter();
+                let has_weight = scene.config.gravity.0.iter().any(|g| !g.is_zero());
+                let weight = first("body_force", *part).filter(|_| has_weight);
+                let density = scene.parts[*part].material.density.unwrap_or(0.0);
+                vec![inertia.chain(weight).map(|e| sum(e)[0]).sum::<f64>() * density]
+            }
+            Self::Friction => {
+                let mu = scene.config.contact.as_ref().map_or(0.0, |c| c.friction);
+                vec![first("friction", 0).map_or(0.0, |e| sum(e)[0]) * mu]
+            }
+            Self::Velocity(part) => level.by_velocity(scene, *part, &swept.start.v).to_vec(),
+        }
+    }
+}
+
+/// Evaluates a design problem with changed parameters.
+pub struct Perturbed<'a> {
+    /// The scene as it is.
+    pub scene: &'a Scene,
+    /// The design problem.
+    pub design: &'a DesignConfig,
+    /// The level that is checked.
+    pub settings: &'a LevelConfig,
+    /// Terms of the objective.
+    pub objectives: &'a ObjectiveBuilder<'a>,
+}
+
+impl Perturbed<'_> {
+    /// The evaluation at θ = 0 with a parameter changed by `by`, next to that of the
+    /// level.
+    ///
+    /// # Errors
+    /// When the shape is not admissible or the run fails.
+    pub fn evaluate(
+        &self,
+        level: &mut Level,
+        start: &Evaluation,
+        parameter: &Parameter,
+        by: &[f64],
+    ) -> Result<Evaluation> {
+        let mut theta = vec![0.0; level.variables()];
+        let near = Some(start.run.last());
+        let changed = match parameter {
+            Parameter::Shape => {
+                theta[..by.len()].copy_from_slice(by);
+                return Ok(level.evaluate(&theta, near)?);
+            }
+            Parameter::Pressures => {
+                let shape = theta.len() - by.len();
+                theta[shape..].copy_from_slice(by);
+                return Ok(level.evaluate(&theta, near)?);
+            }
+            Parameter::Material(part) => {
+                let mut scene = self.scene.clone();
+                let values = &mut scene.parts[*part].material.values;
+                values.iter_mut().zip(by).for_each(|(p, by)| *p *= 1.0 + by);
+                scene
+            }
+            Parameter::Density(part) => {
+                let mut scene = self.scene.clone();
+                let density = &mut scene.parts[*part].material.density;
+                *density = density.map(|d| d * (1.0 + by[0]));
+                scene
+            }
+            Parameter::Friction => {
+                let mut scene = self.scene.clone();
+                scene.config.contact.iter_mut().for_each(|c| c.friction *= 1.0 + by[0]);
+                scene
+            }
+            Parameter::Velocity(part) => {
+                let mut scene = self.scene.clone();
+                let velocity = &mut scene.parts[*part].config.velocity;
+                velocity.iter_mut().zip(by).for_each(|(v, by)| *v += by);
+                scene
+            }
+        };
+        // free vertices take no time to set up, and none is moved
+        let settings = LevelConfig {
+            handles: None,
+            vertices: self.design.shape.is_some(),
+            ..self.settings.clone()
+        };
+        let body = level.body.clone();
+        let mut other = Level::new(&changed, self.objectives, body, self.design, &settings)?;
+        let theta = vec![0.0; other.variables()];
+        other.evaluate(&theta, near).map_err(|Rejected(why)| anyhow::anyhow!(why))
+    }
+}
