@@ -37,6 +37,50 @@ impl Body {
         Self::with_parts(mesh, tags, vec![part])
     }
 
+    /// The bodies one by one, with their own tags; the name is none if there is only
+    /// one.
+    #[must_use]
+    pub fn separate(&self) -> Vec<(Option<String>, TetMesh, Tags)> {
+        self.parts.iter().map(|part| self.one(part)).collect()
+    }
+
+    fn one(&self, part: &Part) -> (Option<String>, TetMesh, Tags) {
+        let Some(name) = &part.name else {
+            return (None, self.mesh.clone(), self.tags.clone());
+        };
+        let (vertex, prefix) = (part.vertices.start, format!("{name}."));
+        let vertices = self.mesh.vertices[part.vertices.clone()].to_vec();
+        let tets = self.mesh.tets[part.tets.clone()].iter().map(|t| t.map(|v| v - vertex));
+        let mut tags = Tags::default();
+        let mut ids = std::collections::BTreeMap::new();
+        // ids count from one
+        for (id, tag) in (1..).zip(&self.tags.names) {
+            if let Some(own) = tag.strip_prefix(&prefix) {
+                tags.names.push(own.to_owned());
+                ids.insert(id, u32::try_from(tags.names.len()).expect("fewer than 2^32 tags"));
+            }
+        }
+        for (facet, id) in &self.tags.facets {
+            if let (true, Some(own)) = (part.vertices.contains(&facet[0]), ids.get(id)) {
+                tags.set(facet.map(|v| v - vertex), *own);
+            }
+        }
+        (Some(name.clone()), TetMesh { vertices, tets: tets.collect() }, tags)
+    }
+
+    /// The bodies of [`Self::separate`] in one.
+    #[must_use]
+    pub fn join(mut bodies: Vec<(Option<String>, TetMesh, Tags)>) -> Self {
+        if bodies.len() == 1 && bodies[0].0.is_none() {
+            let (_, mesh, tags) = bodies.remove(0);
+            return Self::new(mesh, tags);
+        }
+        let named = |(name, mesh, tags): (Option<String>, TetMesh, Tags)| {
+            (name.unwrap_or_default(), mesh, tags)
+        };
+        Self::of_several(bodies.into_iter().map(named).collect())
+    }
+
     /// Several bodies, whose tags are called `name.tag` from now on.
     #[must_use]
     pub fn of_several(bodies: Vec<(String, TetMesh, Tags)>) -> Self {
@@ -98,5 +142,29 @@ impl Body {
             self.boundary.iter().copied().filter(|&f| self.tags.get(f) == Some(id)).collect();
         ensure!(!facets.is_empty(), "tag \"{name}\" has no facet on the boundary of the mesh");
         Ok(facets)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::cube;
+
+    #[test]
+    fn bodies_are_the_same_when_they_are_taken_apart_and_joined() {
+        let one = |n: usize, tag: &str| {
+            let mesh = cube(n, 0.1);
+            let mut tags = Tags::new(vec![tag.to_owned(), "rest".to_owned()]);
+            for (i, facet) in mesh::topology::boundary(&mesh).facets.into_iter().enumerate() {
+                tags.set(facet, 1 + u32::from(i % 3 == 0));
+            }
+            (tag.to_owned(), mesh, tags)
+        };
+        let body = Body::of_several(vec![one(2, "left"), one(1, "right")]);
+        let again = Body::join(body.separate());
+        assert_eq!(again.mesh, body.mesh);
+        assert_eq!(again.parts, body.parts);
+        assert_eq!(body.separate()[1].2.names, ["right", "rest"]);
+        assert_eq!((again.tags.names, again.tags.facets), (body.tags.names, body.tags.facets));
     }
 }

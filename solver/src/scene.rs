@@ -27,6 +27,7 @@ use crate::supports::Supports;
 const WATER: f64 = 1000.0;
 
 /// A scene as read from its file.
+#[derive(Clone)]
 pub struct Scene {
     /// Where it came from.
     pub path: PathBuf,
@@ -41,6 +42,7 @@ pub struct Scene {
 }
 
 /// One body as its scene describes it.
+#[derive(Clone)]
 pub struct ScenePart {
     /// The settings.
     pub config: BodyConfig,
@@ -51,25 +53,47 @@ pub struct ScenePart {
 }
 
 impl Scene {
-    /// Reads a scene and its mesh, or another mesh in its place.
+    /// Reads a scene and its meshes.
     ///
     /// # Errors
     /// With the file, what was found and what was needed.
-    pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<Self> {
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::read_with(path, &[])
+    }
+
+    /// Reads a scene with other meshes in place of its own: (name of the body, path),
+    /// without a name where there is only one body.
+    ///
+    /// # Errors
+    /// With the file, what was found and what was needed.
+    pub fn read_with(path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
         let mut config: SimConfig = mesh::io::read_toml(path)?;
         let context = || path.display().to_string();
         config.check().with_context(context)?;
         let bodies = config.bodies().with_context(context)?;
-        ensure!(
-            other_mesh.is_none() || bodies.len() == 1,
-            "{}: {} bodies, of which another mesh cannot replace one; needed is a scene with one",
-            path.display(),
-            bodies.len()
-        );
+        let stands_for = |other: &Option<String>, body: &BodyConfig| match other {
+            None => bodies.len() == 1,
+            Some(name) => *name == body.name,
+        };
+        for (name, mesh) in others {
+            ensure!(
+                bodies.iter().any(|body| stands_for(name, body)),
+                "{}: {} cannot take the place of a mesh; needed is the name of one of the bodies, \
+                 as in --mesh {}={}",
+                path.display(),
+                mesh.display(),
+                bodies[0].name,
+                mesh.display()
+            );
+        }
+        let mesh_of = |body: &BodyConfig| {
+            let other = others.iter().find(|(name, _)| stands_for(name, body));
+            other.map_or_else(|| beside(path, &body.mesh), |(_, mesh)| mesh.clone())
+        };
+        let paths: Vec<PathBuf> = bodies.iter().map(mesh_of).collect();
         let (mut parts, mut meshes) = (Vec::new(), Vec::new());
-        for body in bodies {
+        for (body, mesh_path) in bodies.into_iter().zip(paths) {
             let material = body.material.specification().with_context(context)?;
-            let mesh_path = other_mesh.map_or_else(|| beside(path, &body.mesh), Path::to_path_buf);
             let mut file = mesh::io::read_tets(&mesh_path)?;
             if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
                 bail!("{}: {}", mesh_path.display(), finding.message);
@@ -193,18 +217,25 @@ impl Scene {
 
     /// The bodies at t = 0, and how they go on.
     #[must_use]
-    pub fn integrator(&self, system: &System) -> Integrator {
+    pub fn integrator(&self, body: &Body, system: &System) -> Integrator {
         let space = &system.space;
         let nodes = space.node_count();
         let mut v = vec![0.0; 3 * nodes];
-        for (part, own) in self.parts.iter().zip(&self.body.parts) {
-            let n = space.nodes_per_element();
-            for &node in &space.element_nodes()[n * own.tets.start..n * own.tets.end] {
+        for (i, part) in self.parts.iter().enumerate() {
+            for node in nodes_of(body, i, space) {
                 v[3 * node..3 * node + 3].copy_from_slice(&part.config.velocity);
             }
         }
         v.iter_mut().zip(system.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
         Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
+    }
+
+    /// Whether the density of a body matters.
+    #[must_use]
+    pub fn weighs(&self, part: usize) -> bool {
+        let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
+        let known = self.parts[part].material.density.is_some();
+        known && (falls || self.config.method().has_inertia())
     }
 
     /// The terms of the potential energy.
@@ -293,4 +324,14 @@ impl Scene {
             },
         }
     }
+}
+
+/// Nodes of one of the bodies, ascending.
+#[must_use]
+pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
+    let (tets, n) = (&body.parts[part].tets, space.nodes_per_element());
+    let mut nodes = space.element_nodes()[n * tets.start..n * tets.end].to_vec();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
 }

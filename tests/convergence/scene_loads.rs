@@ -61,7 +61,7 @@ fn reactions_balance_every_load() {
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, SCENE).unwrap();
 
-    let scene = Scene::read(&path, None).unwrap();
+    let scene = Scene::read(&path).unwrap();
     let mut system = scene.system(&scene.body).unwrap();
     let rest = scene.body.mesh.vertices.clone();
     let solution = solve(&mut system, &rest, &scene.stepping(), |_| ()).unwrap();
@@ -102,7 +102,7 @@ fn a_wall_whose_rim_leaves_its_plane_is_refused() {
              [[pressure]]\non = \"hole\"\npressure = 1e3\n"
         );
         std::fs::write(&path, format!("{material}{rest}")).unwrap();
-        let scene = Scene::read(&path, None).unwrap();
+        let scene = Scene::read(&path).unwrap();
         scene.system(&scene.body).map(|_| ())
     };
     // the rim lies in the plane x = 0

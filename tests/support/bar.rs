@@ -61,7 +61,7 @@ pub fn simulate(loads: &str) -> Simulated {
         .expect("a sound body");
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, format!("{BODY}{loads}")).expect("the folder is writable");
-    let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
+    let scene = Scene::read(&path).unwrap_or_else(|e| panic!("{e:#}"));
     let mut system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
     let rest = scene.body.mesh.vertices.clone();
     let solution = solve_in_time(&mut system, &rest, &scene.stepping(), &scene.times(), |_| ())

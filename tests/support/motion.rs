@@ -43,7 +43,7 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
     }
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, text).expect("the folder is writable");
-    let scene = Scene::read(&path, None).unwrap_or_else(|e| panic!("{e:#}"));
+    let scene = Scene::read(&path).unwrap_or_else(|e| panic!("{e:#}"));
     Motion { _folder: Some(folder), ..Motion::of(scene) }
 }
 
@@ -55,7 +55,7 @@ impl Motion {
     #[must_use]
     pub fn of(scene: Scene) -> Self {
         let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
-        let march = March::new(scene.stepping(), scene.integrator(&system));
+        let march = March::new(scene.stepping(), scene.integrator(&scene.body, &system));
         Self { scene, system, march, last: None, _folder: None }
     }
 

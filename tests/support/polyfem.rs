@@ -80,7 +80,7 @@ pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option
     let imported = import::read(&dir.path("scene.json"), options);
     let imported = imported.unwrap_or_else(|e| panic!("{e:#}"));
     imported.write(&dir.path("")).expect("the folder is writable");
-    let scene = Scene::read(&dir.path("sim.toml"), None).unwrap_or_else(|e| panic!("{e:#}"));
+    let scene = Scene::read(&dir.path("sim.toml")).unwrap_or_else(|e| panic!("{e:#}"));
     Some((dir, scene))
 }
 

@@ -9,15 +9,16 @@ use mesh::io::vtu;
 use serde_json::{Value, json};
 use solver::config::{DesignConfig, ObjectiveConfig, beside};
 use solver::failure;
-use solver::optimize::{Cascade, Checkpoint, Finished};
+use solver::optimize::{Cascade, Checkpoint, Finished, mesh_file};
 use solver::results;
 use solver::scene::{ObjectiveBuilder, Scene};
 
-/// Optimise the shape of a cavity
+/// Optimise shapes of cavities and pressures over time
 ///
-/// Writes to the output folder: design.msh (tagged), history.jsonl (one line
-/// per accepted iteration), report.json, and result.vtu (the design under
-/// load). Killed at any moment, the same command continues where it was.
+/// Writes to the output folder: design.msh (tagged; design.NAME.msh for each of
+/// several bodies), pressures.toml (designed pressures, as tables of a scene),
+/// history.jsonl (one line per accepted iteration), report.json, and result.vtu (the
+/// design at the end). Killed at any moment, the same command continues where it was.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The design problem
@@ -32,7 +33,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let (design, scene) = read(&arguments.design, None)?;
+    let (design, scene) = read(&arguments.design, &[])?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
@@ -49,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         inputs,
     };
     let finished = cascade.run()?;
-    write(folder, &finished)?;
+    write(folder, &scene, &finished)?;
     let report = report(folder, &finished, start)?;
     results::write_json(&folder.join("report.json"), &report)?;
     let fall = 1.0
@@ -68,9 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// A design file and its scene, perhaps with another mesh.
-pub fn read(path: &Path, other_mesh: Option<&Path>) -> Result<(DesignConfig, Scene)> {
+pub fn read(path: &Path, others: &[super::OtherMesh]) -> Result<(DesignConfig, Scene)> {
     let design = DesignConfig::read(path)?;
-    let scene = Scene::read(&beside(path, &design.scene), other_mesh)?;
+    let scene = Scene::read_with(&beside(path, &design.scene), others)?;
     scene.check_differentiable()?;
     Ok((design, scene))
 }
@@ -103,8 +104,14 @@ fn forget_failure(folder: &Path) -> Result<()> {
 }
 
 fn forget(folder: &Path) -> Result<()> {
-    let names = ["checkpoint.json", "history.jsonl", "design.msh", "report.json", "result.vtu"];
+    let names = ["checkpoint.json", "history.jsonl", "report.json", "result.vtu", "pressures.toml"];
     remove(folder, &names)?;
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.starts_with("design.") && name.ends_with(".msh") {
+            remove(folder, &[&name])?;
+        }
+    }
     remove(folder, &[failure::STATE])
 }
 
@@ -132,10 +139,37 @@ fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<Stri
     Ok(hashes.join(" "))
 }
 
-fn write(folder: &Path, finished: &Finished) -> Result<()> {
-    mesh::io::write_tets(&folder.join("design.msh"), &finished.body.mesh, &finished.body.tags)?;
+fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
+    for (part, (name, mut mesh, tags)) in scene.parts.iter().zip(finished.body.separate()) {
+        // as the scene reads it
+        let shift = mesh::Vec3::from(part.config.translate);
+        mesh.vertices.iter_mut().for_each(|v| *v -= shift);
+        mesh::io::write_tets(&folder.join(mesh_file("design", name.as_deref())), &mesh, &tags)?;
+    }
     let (level, evaluation) = &finished.last;
     vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;
+    write_pressures(folder, finished)
+}
+
+/// The designed pressures as the tables that a scene would have.
+fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
+    let map = finished.last.0.map();
+    let number = |list: &[f64]| toml::Value::from(list.to_vec());
+    let one = |(on, values): (String, Vec<f64>)| {
+        let mut curve = toml::Table::new();
+        curve.insert("t".to_owned(), number(&finished.last.1.run.times));
+        curve.insert("value".to_owned(), number(&values));
+        let mut table = toml::Table::new();
+        table.insert("on".to_owned(), on.into());
+        table.insert("pressure".to_owned(), curve.into());
+        toml::Value::Table(table)
+    };
+    let tables: Vec<toml::Value> = map.pressures(&finished.theta).into_iter().map(one).collect();
+    if tables.is_empty() {
+        return Ok(());
+    }
+    let text = toml::to_string(&toml::Table::from_iter([("pressure".to_owned(), tables.into())]))?;
+    mesh::io::write_atomic(&folder.join("pressures.toml"), |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }
 

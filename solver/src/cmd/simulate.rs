@@ -31,8 +31,8 @@ pub struct Arguments {
     #[arg(short, long)]
     output: PathBuf,
     /// Another tagged mesh in place of the scene's
-    #[arg(long)]
-    mesh: Option<PathBuf>,
+    #[arg(long, value_parser = super::other_mesh)]
+    mesh: Vec<super::OtherMesh>,
     /// Another degree of the displacement in place of the scene's: 1, 2 or 3
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
     degree: Option<usize>,
@@ -52,7 +52,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let mut scene = Scene::read(&arguments.scene, arguments.mesh.as_deref())?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.config.degree,
         system.memory().describe(memory::available())
     );
-    let mut march = March::new(scene.stepping(), scene.integrator(&system));
+    let mut march = March::new(scene.stepping(), scene.integrator(&scene.body, &system));
     let pictures = !arguments.final_only;
     let mut recorder = Recorder::new(&scene, &mut system, folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::checkpoint::Checkpoint;
 use super::{Evaluation, Lbfgs, Level, Rejected};
-use crate::body::Body;
+use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
 use crate::results;
@@ -25,6 +25,8 @@ const MEMORY: usize = 6;
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.
 const HALVINGS: usize = 10;
+/// Of the way that the rest shape can go, what the first trial goes.
+const NEARLY: f64 = 0.9;
 /// Passes of the interior re-meshing between levels.
 const REMESH_PASSES: usize = 10;
 /// Largest vertex motion of one iteration in mean edges of the moving surface.
@@ -50,6 +52,8 @@ pub struct Finished {
     pub body: Body,
     /// The last level and its last evaluation.
     pub last: (Level, Evaluation),
+    /// Its variables.
+    pub theta: Vec<f64>,
     /// Why each level that ended early did.
     pub stopped: Vec<(usize, String)>,
 }
@@ -98,21 +102,25 @@ impl Cascade<'_> {
             shape.mesh.vertices.clone_from(&evaluation.rest);
             let next = checkpoint.level + 1;
             if next == self.design.levels().len() {
-                return Ok(Finished { body: shape, last: (level, evaluation), stopped });
+                let theta = checkpoint.theta;
+                return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
             }
-            let body = remesh(shape);
+            let body = remesh(&shape, level.map().moving());
             let start = level.carry(&evaluation, &body);
             checkpoint = self.begin_level(next, &body, start, stopped, checkpoint.history)?;
         }
     }
 
-    fn level_path(&self, level: usize) -> PathBuf {
-        self.folder.join(format!("level-{}.msh", level + 1))
+    fn level_path(&self, level: usize, part: &Part) -> PathBuf {
+        self.folder.join(mesh_file(&format!("level-{}", level + 1), part.name.as_deref()))
     }
 
     fn level_body(&self, level: usize) -> Result<Body> {
-        let file = mesh::io::read_tets(&self.level_path(level))?;
-        Ok(Body::new(file.mesh, file.tags))
+        let part = |part: &Part| {
+            let file = mesh::io::read_tets(&self.level_path(level, part))?;
+            Ok((part.name.clone(), file.mesh, file.tags))
+        };
+        Ok(Body::join(self.scene.body.parts.iter().map(part).collect::<Result<_>>()?))
     }
 
     /// Puts a level's mesh and a checkpoint before its first solve on disk.
@@ -125,7 +133,9 @@ impl Cascade<'_> {
         stopped_before: Vec<(usize, String)>,
         history: usize,
     ) -> Result<Checkpoint> {
-        mesh::io::write_tets(&self.level_path(level), &body.mesh, &body.tags)?;
+        for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
+            mesh::io::write_tets(&self.level_path(level, part), &mesh, &tags)?;
+        }
         let checkpoint = Checkpoint {
             inputs: self.inputs.clone(),
             level,
@@ -135,6 +145,8 @@ impl Cascade<'_> {
             objective: f64::MAX,
             terms: std::collections::BTreeMap::new(),
             gradient: Vec::new(),
+            first_gradient: 0.0,
+            spent_s: 0.0,
             lbfgs: Lbfgs::new(MEMORY),
             history,
             stopped: None,
@@ -247,20 +259,22 @@ impl Cascade<'_> {
         if norm(gradient) == 0.0 {
             return Ok(Err("the gradient is zero".to_owned()));
         }
-        let direction = checkpoint.lbfgs.direction(gradient);
-        let slope = dot(gradient, &direction);
-        let at = |alpha: f64| -> Vec<f64> {
-            checkpoint.theta.iter().zip(&direction).map(|(t, d)| t + alpha * d).collect()
-        };
-        let first = first_alpha(level, checkpoint, optimizer, &at);
         let clock = Instant::now();
-        let predicted = level.predict(&at(first), current);
+        let way = first_way(level, checkpoint, optimizer);
+        let slope = dot(gradient, &way);
+        if slope >= 0.0 {
+            return Ok(Err("no way within the bounds goes down".to_owned()));
+        }
+        let at = |alpha: f64| -> Vec<f64> {
+            checkpoint.theta.iter().zip(&way).map(|(t, d)| t + alpha * d).collect()
+        };
+        let predicted = level.predict(&at(1.0), current);
         let mut forward_s = clock.elapsed().as_secs_f64();
-        let mut alpha = first;
+        let mut alpha = 1.0;
         let mut reason = String::new();
         for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let start = ahead(current.run.last(), predicted.as_deref(), alpha / first);
+            let start = ahead(current.run.last(), predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
             let outcome = lower(level, &theta, &start, wanted);
@@ -310,6 +324,14 @@ impl Cascade<'_> {
         if fall < optimizer.stagnation {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
+        let left = projected_norm(level, &step.theta, &step.gradient) / checkpoint.first_gradient;
+        if left < optimizer.gradient_tolerance {
+            checkpoint.stopped = Some(format!("the gradient fell to {left:.1e} of its first"));
+        }
+        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
+        if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
+            checkpoint.stopped = Some(format!("{spent:.0} s were spent on the level"));
+        }
         self.record(level, checkpoint, step)
     }
 
@@ -336,7 +358,7 @@ impl Cascade<'_> {
         });
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
-             motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s",
+             motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s{}",
             checkpoint.level + 1,
             levels.len(),
             variables(level, settings),
@@ -348,8 +370,13 @@ impl Cascade<'_> {
             evaluation.newton_iterations,
             step.forward_s,
             step.gradient_s,
+            self.time_left(checkpoint, &step),
         );
         checkpoint.history += 1;
+        checkpoint.spent_s += step.forward_s + step.gradient_s;
+        if checkpoint.iteration == 0 {
+            checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
+        }
         checkpoint.objective = evaluation.objective;
         checkpoint.terms = step.evaluation.terms;
         checkpoint.theta = step.theta;
@@ -359,6 +386,19 @@ impl Cascade<'_> {
         // next start removes
         self.append_history(&line)?;
         checkpoint.write(&self.folder)
+    }
+
+    /// What the iterations that are left may take, if they go on as in this level.
+    fn time_left(&self, checkpoint: &Checkpoint, step: &Step) -> String {
+        if checkpoint.iteration == 0 {
+            return String::new();
+        }
+        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
+        let levels = self.design.levels();
+        let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
+        let left = all.saturating_sub(checkpoint.iteration) as f64;
+        let minutes = left * spent / (checkpoint.iteration + 1) as f64 / 60.0;
+        format!("  about {minutes:.0} min left")
     }
 
     fn history_path(&self) -> PathBuf {
@@ -395,26 +435,58 @@ impl Cascade<'_> {
     }
 }
 
-/// 1 for an L-BFGS direction; without memory, and always as an upper bound,
-/// what moves vertices by a set number of edges.
-fn first_alpha(
-    level: &Level,
-    checkpoint: &Checkpoint,
-    optimizer: &OptimizerConfig,
-    at: &impl Fn(f64) -> Vec<f64>,
-) -> f64 {
+/// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
+/// far as vertices may move at once and the rest shape does not meet itself.
+fn first_way(level: &Level, checkpoint: &Checkpoint, optimizer: &OptimizerConfig) -> Vec<f64> {
+    let (theta, gradient) = (&checkpoint.theta, &checkpoint.gradient);
     let fresh = checkpoint.lbfgs.is_empty();
     let edges = if fresh { optimizer.first_step } else { LARGEST_MOTION };
     let wanted = edges * level.map().mean_edge();
+    let mut way = match level.map().bounds(theta) {
+        None => capped(level, theta, checkpoint.lbfgs.direction(gradient), wanted, fresh),
+        Some((lower, upper)) if fresh => {
+            let down = gradient.iter().map(|g| -g).collect();
+            let down = capped(level, theta, down, wanted, true);
+            let end = |i: usize| (theta[i] + down[i]).clamp(lower[i], upper[i]);
+            (0..theta.len()).map(|i| end(i) - theta[i]).collect()
+        }
+        Some((lower, upper)) => {
+            let end = checkpoint.lbfgs.step(theta, gradient, &lower, &upper);
+            let way = end.iter().zip(theta).map(|(e, t)| e - t).collect();
+            capped(level, theta, way, wanted, false)
+        }
+    };
+    let free = level.free_way(theta, &way);
+    if free < 1.0 {
+        way.iter_mut().for_each(|d| *d *= NEARLY * free);
+    }
+    way
+}
+
+/// A step from θ that moves at most as far as `wanted` [m], or exactly as far.
+fn capped(level: &Level, theta: &[f64], step: Vec<f64>, wanted: f64, exactly: bool) -> Vec<f64> {
+    let at =
+        |alpha: f64| -> Vec<f64> { theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect() };
     // motion is linear in small steps, so probe with one
     let mut alpha = 1.0;
-    let mut motion = level.map().motion(&checkpoint.theta, &at(alpha));
+    let mut motion = level.map().motion(theta, &at(alpha));
     while motion > 0.1 * wanted {
         alpha *= 0.1;
-        motion = level.map().motion(&checkpoint.theta, &at(alpha));
+        motion = level.map().motion(theta, &at(alpha));
     }
     let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
-    if fresh { scaled } else { scaled.min(1.0) }
+    let factor = if exactly { scaled } else { scaled.min(1.0) };
+    step.into_iter().map(|d| factor * d).collect()
+}
+
+/// Norm of the gradient along which θ can go down.
+fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
+    let Some((lower, upper)) = level.map().bounds(theta) else { return norm(gradient) };
+    let held = |i: usize| {
+        (gradient[i] > 0.0 && theta[i] <= lower[i]) || (gradient[i] < 0.0 && theta[i] >= upper[i])
+    };
+    let free: Vec<f64> = (0..theta.len()).filter(|&i| !held(i)).map(|i| gradient[i]).collect();
+    norm(&free)
 }
 
 /// The evaluation at θ if its objective is at most `wanted`, with the level
@@ -449,15 +521,29 @@ fn ahead(u: &[f64], du: Option<&[f64]>, t: f64) -> Vec<f64> {
     du.map_or_else(|| u.to_vec(), |du| u.iter().zip(du).map(|(u, d)| u + t * d).collect())
 }
 
-/// Improves the interior; boundary vertices and tags stay as they are.
-fn remesh(mut body: Body) -> Body {
-    let report = mesh::improve::improve_interior(&mut body.mesh, REMESH_PASSES);
-    log::info!(
-        "re-meshed the interior: radius ratio min {:.3} -> {:.3}, first percentile {:.3} -> {:.3}",
-        report.before.radius_ratio_min,
-        report.after.radius_ratio_min,
-        report.before.radius_ratio_p1,
-        report.after.radius_ratio_p1
-    );
-    Body::new(body.mesh, body.tags)
+/// Name of a mesh file, of one body of several if it has a name.
+#[must_use]
+pub fn mesh_file(what: &str, body: Option<&str>) -> String {
+    body.map_or_else(|| format!("{what}.msh"), |name| format!("{what}.{name}.msh"))
+}
+
+/// Improves the interior of the bodies that have moving facets; boundary vertices and
+/// tags stay as they are.
+fn remesh(body: &Body, moving: &[[usize; 3]]) -> Body {
+    let mut bodies = body.separate();
+    for (part, (_, mesh, _)) in body.parts.iter().zip(&mut bodies) {
+        if !moving.iter().any(|facet| part.vertices.contains(&facet[0])) {
+            continue;
+        }
+        let report = mesh::improve::improve_interior(mesh, REMESH_PASSES);
+        log::info!(
+            "re-meshed the interior: radius ratio min {:.3} -> {:.3}, first percentile {:.3} -> \
+             {:.3}",
+            report.before.radius_ratio_min,
+            report.after.radius_ratio_min,
+            report.before.radius_ratio_p1,
+            report.after.radius_ratio_p1
+        );
+    }
+    Body::join(bodies)
 }

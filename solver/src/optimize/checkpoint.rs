@@ -30,6 +30,12 @@ pub struct Checkpoint {
     pub terms: BTreeMap<String, f64>,
     /// Gradient at θ.
     pub gradient: Vec<f64>,
+    /// Norm of the gradient at the start of the level.
+    #[serde(default)]
+    pub first_gradient: f64,
+    /// Computing time of the level so far [s].
+    #[serde(default)]
+    pub spent_s: f64,
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,
     /// Lines that history.jsonl has at this point.

@@ -33,6 +33,8 @@ pub struct DesignMap {
 
 /// A pressure that the design sets.
 struct Control {
+    /// Tag of the wall.
+    on: String,
     /// Index among the energies.
     energy: usize,
     curve: PressureCurve,
@@ -76,7 +78,9 @@ impl DesignMap {
         self.shape_variables() + self.controls.iter().map(|c| c.curve.variables()).sum::<usize>()
     }
 
-    fn shape_variables(&self) -> usize {
+    /// Number of those of the shape, which come first.
+    #[must_use]
+    pub fn shape_variables(&self) -> usize {
         self.patches.iter().map(Patch::variables).sum()
     }
 
@@ -119,16 +123,25 @@ impl DesignMap {
         })
     }
 
+    /// Rest vertex positions with the moving surface at θ and all others at θ = 0 [m].
+    #[must_use]
+    pub fn surface(&self, theta: &[f64]) -> Vec<Vec3> {
+        let mut moved = self.rest.clone();
+        for (patch, own) in self.each_patch(theta) {
+            for (&v, x) in patch.vertices().iter().zip(patch.apply(own, &self.rest)) {
+                moved[v] = x;
+            }
+        }
+        moved
+    }
+
     /// Rest vertex positions X(θ) [m].
     #[must_use]
     pub fn shape(&self, theta: &[f64]) -> Vec<Vec3> {
         let Some(extension) = &self.extension else { return self.rest.clone() };
-        let mut displacement = vec![Vec3::zeros(); self.rest.len()];
-        for (patch, own) in self.each_patch(theta) {
-            for (&v, x) in patch.vertices().iter().zip(patch.apply(own, &self.rest)) {
-                displacement[v] = x - self.rest[v];
-            }
-        }
+        let moved = self.surface(theta);
+        let mut displacement: Vec<Vec3> =
+            moved.iter().zip(&self.rest).map(|(x, rest)| x - rest).collect();
         extension.apply(&mut displacement);
         self.rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
     }
@@ -145,10 +158,11 @@ impl DesignMap {
         }
     }
 
-    /// Pressures P_0, …, P_N of each control [Pa].
+    /// Tag and pressures P_0, …, P_N of each control [Pa].
     #[must_use]
-    pub fn pressures(&self, theta: &[f64]) -> Vec<Vec<f64>> {
-        self.each_control(theta).map(|(control, own)| control.curve.values(own)).collect()
+    pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
+        let one = |(c, own): (&Control, &[f64])| (c.on.clone(), c.curve.values(own));
+        self.each_control(theta).map(one).collect()
     }
 
     /// Largest motion of a vertex, or its equivalent in a variable of a pressure,
@@ -188,6 +202,17 @@ impl DesignMap {
             gradient.extend(control.curve.pull_back(&by));
         }
         gradient
+    }
+
+    /// dJ/dX of the boundary when the interior follows it, three components per
+    /// vertex, zero inside; as it is where nothing moves.
+    #[must_use]
+    pub fn on_boundary(&self, by_rest: &[f64]) -> Vec<f64> {
+        let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
+        if let Some(extension) = &self.extension {
+            extension.pull_back(&mut bar);
+        }
+        bar.iter().flat_map(|b| [b.x, b.y, b.z]).collect()
     }
 
     /// Smallest and largest value of each variable in an iteration from θ; none where
@@ -280,7 +305,8 @@ fn controls(
         let change = config.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
         let gas = GasLaw::Isobaric { pressure: pressure.clone() };
         let chamber = Chamber { wall: chamber.wall.clone(), gas };
-        controls.push(Control { energy, curve, times: times.clone(), chamber, change });
+        let on = config.on.clone();
+        controls.push(Control { on, energy, curve, times: times.clone(), chamber, change });
     }
     Ok(controls)
 }

@@ -8,6 +8,7 @@ use anyhow::Result;
 use mesh::Vec3;
 
 use super::design_map::DesignMap;
+use super::rest_path::RestPath;
 use super::validity;
 use crate::adjoint::{self, Gradient};
 use crate::body::Body;
@@ -19,7 +20,7 @@ use crate::forward::{
 };
 use crate::objective::Equilibrium;
 use crate::results::displacements;
-use crate::scene::{ObjectiveBuilder, Scene, Weighted};
+use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
@@ -52,6 +53,7 @@ pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
     map: DesignMap,
+    path: RestPath,
     system: System,
     stepping: Stepping,
     /// The state at t = 0 and how it goes on.
@@ -80,10 +82,13 @@ impl Level {
         let system = scene.system(&body)?;
         let terms = objectives.build(&body, &system.space)?;
         let map = DesignMap::new(scene, design, level, &body, &system)?;
+        let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
+        let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         Ok(Self {
             map,
+            path,
             stepping: scene.stepping(),
-            start: scene.integrator(&system),
+            start: scene.integrator(&body, &system),
             times: scene.times(),
             transient: scene.config.time.is_some(),
             terms,
@@ -228,6 +233,25 @@ impl Level {
         self.system.contact_forces(rest, &run.states[n].u, run.times[n])
     }
 
+    /// Indices of the energies with a name.
+    #[must_use]
+    pub fn energies_named(&self, name: &str) -> Vec<usize> {
+        let energies = self.system.energies.iter().enumerate();
+        energies.filter(|(_, e)| e.name() == name).map(|(i, _)| i).collect()
+    }
+
+    /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
+    #[must_use]
+    pub fn by_velocity(&self, part: usize, by_nodes: &[f64]) -> [f64; 3] {
+        let mut sum = Vec3::zeros();
+        for node in nodes_of(&self.body, part, &self.system.space) {
+            for k in (0..3).filter(|k| !self.system.fixed()[3 * node + k]) {
+                sum[k] += by_nodes[3 * node + k];
+            }
+        }
+        sum.into()
+    }
+
     /// Explains why the body at θ = 0 has no equilibrium, after
     /// [`Self::evaluate`] has sought it from rest in vain.
     pub fn diagnose(&mut self, scene: &Scene) -> Option<Diagnosis> {
@@ -325,6 +349,17 @@ impl Level {
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
+    }
+
+    /// The fraction of the way from θ to θ + d on which the boundary of the rest shape
+    /// does not meet itself.
+    #[must_use]
+    pub fn free_way(&self, theta: &[f64], d: &[f64]) -> f64 {
+        if self.map.moving().is_empty() {
+            return 1.0;
+        }
+        let at = |t: f64| -> Vec<f64> { theta.iter().zip(d).map(|(x, d)| x + t * d).collect() };
+        self.path.free(|t| self.map.surface(&at(t)))
     }
 
     /// Whether a rest shape is valid and every term admits it; cheap beside the

@@ -5,10 +5,13 @@ mod checkpoint;
 mod design_map;
 mod lbfgs;
 mod level;
+mod parameter;
+mod rest_path;
 pub mod validity;
 
-pub use cascade::{Cascade, Finished};
+pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;
 pub use design_map::DesignMap;
 pub use lbfgs::Lbfgs;
 pub use level::{Evaluation, Level, Rejected};
+pub use parameter::{Parameter, Perturbed};

@@ -111,7 +111,7 @@ impl Parameter {
                 let mu = scene.config.contact.as_ref().map_or(0.0, |c| c.friction);
                 vec![first("friction", 0).map_or(0.0, |e| sum(e)[0]) * mu]
             }
-            Self::Velocity(part) => level.by_velocity(scene, *part, &swept.start.v).to_vec(),
+            Self::Velocity(part) => level.by_velocity(*part, &swept.start.v).to_vec(),
         }
     }
 }

@@ -95,7 +95,7 @@ fn an_optimisation_becomes_a_design_problem() {
     for name in ["sim.toml", "design.toml", "block.msh", "targets/wall.obj", "import.report.json"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
-    let scene = crate::scene::Scene::read(&folder.path().join("sim.toml"), None).expect("ours");
+    let scene = crate::scene::Scene::read(&folder.path().join("sim.toml")).expect("ours");
     assert_eq!(scene.body.facets("s3").expect("there").len(), 16);
 }
 

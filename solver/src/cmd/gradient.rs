@@ -1,0 +1,72 @@
+//! `solver gradient`: what the objective would gain from where.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use mesh::cli::Unusable;
+use mesh::io::vtu;
+use serde_json::json;
+use solver::element::FunctionSpace;
+use solver::optimize::{Level, Parameter};
+use solver::results;
+use solver::scene::ObjectiveBuilder;
+
+use super::optimize::read;
+
+/// Write the gradient of a design problem for ParaView
+///
+/// Writes to the output folder: gradient.vtu, the body at rest with dJ/dX of each
+/// vertex [1/m of J] as it is and with the interior following the boundary, and
+/// gradient.json with the terms and dJ by pressures, materials, friction and what else
+/// the runs depend on.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The design problem
+    design: PathBuf,
+    /// Folder for the results; made if missing
+    #[arg(short, long)]
+    output: PathBuf,
+    /// At this tagged mesh, such as an optimised design.msh, in place of the scene's
+    #[arg(long, value_parser = super::other_mesh)]
+    mesh: Vec<super::OtherMesh>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let (design, scene) = read(&arguments.design, &arguments.mesh)?;
+    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
+    let settings = design.levels()[0].clone();
+    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
+    let theta = vec![0.0; level.variables()];
+    let at = level
+        .evaluate(&theta, None)
+        .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
+    let terms: Vec<usize> = (0..level.term_names().len()).collect();
+    let swept = level.sweep(&at, &terms, false)?;
+    let on_boundary = level.map().on_boundary(&swept.rest);
+    let field = |name: &str, values: Vec<f64>| vtu::Field {
+        name: name.to_owned(),
+        unit: "1/m".to_owned(),
+        components: 3,
+        values,
+    };
+    let mesh = &level.body.mesh;
+    let space = FunctionSpace::new(1, mesh.vertices.len(), mesh.tets.clone());
+    let mut grid = results::grid(&space, &mesh.vertices, &vec![0.0; 3 * mesh.vertices.len()]);
+    grid.point_fields =
+        vec![field("gradient", on_boundary), field("gradient_of_each_vertex", swept.rest.clone())];
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
+    let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level)
+        .iter()
+        .map(|p| (p.name(&scene), json!(p.gradient(&scene, &level, &swept))))
+        .collect();
+    let report = json!({
+        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "objective": at.objective,
+        "terms": at.terms,
+        "by": by,
+        "units": "J per metre for shape and pressures, per m/s for velocities, else per relative change",
+    });
+    results::write_json(&folder.join("gradient.json"), &report)
+}

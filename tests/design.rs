@@ -1,0 +1,9 @@
+//! Whole designs of small bodies, and their gradients checked by the programs.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+#[path = "design/bar.rs"]
+mod bar;
+#[path = "design/cavity.rs"]
+mod cavity;
+#[path = "design/grip.rs"]
+mod grip;

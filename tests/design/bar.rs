@@ -1,0 +1,135 @@
+//! A bar that is shaken by its chamber: the pressure of each of 20 time steps is
+//! designed.
+
+use serde_json::Value;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+/// The top should be at one height in the middle of the run and at another at its end.
+const DESIGN: &str = r#"
+scene = "moving.toml"
+
+[optimizer]
+iterations = 12
+first_step = 1.0
+
+[[pressure]]
+on = "cavity"
+slope = [-2e5, 2e5]
+change = 8e4
+
+[[objective]]
+kind = "displacement"
+name = "middle"
+weight = 1e9
+on = "top"
+displacement = [0.0, 0.0, 4e-4]
+components = "z"
+over = { steps = [9, 10, 11] }
+
+[[objective]]
+kind = "displacement"
+name = "end"
+weight = 1e9
+on = "top"
+displacement = [0.0, 0.0, 1e-4]
+components = "z"
+over = { steps = [18, 19, 20] }
+"#;
+
+/// The chamber with linear elements, in 20 steps.
+pub fn workdir() -> Workdir {
+    let dir = chamber::workdir();
+    let time = "[time]\nend = 0.2\nsteps = 20\n\n[material]\ndensity = 1000.0";
+    let scene = chamber::SIM.replace("degree = 2", "degree = 1").replace("[material]", time);
+    dir.write("moving.toml", &scene.replace("pressure = 8e3", "pressure = \"1e4*t\""));
+    dir.write("design.toml", DESIGN);
+    dir
+}
+
+#[test]
+fn a_pressure_over_time_is_found_within_its_bounds() {
+    let dir = workdir();
+    dir.solver("check design.toml --steps 5").assert_good();
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let of = |key: &str| report[key].as_f64().unwrap();
+    let left = of("objective_after") / of("objective_before");
+    assert!(left < 0.1, "{left}");
+    assert!(of("gradient_s") < 0.5 * of("forward_s"), "{report}");
+
+    let pressures: toml::Table = toml::from_str(&dir.text("out/pressures.toml")).unwrap();
+    let curve = &pressures["pressure"][0]["pressure"];
+    let numbers = |key: &str| -> Vec<f64> {
+        curve[key].as_array().unwrap().iter().map(|v| v.as_float().unwrap()).collect()
+    };
+    let (t, p) = (numbers("t"), numbers("value"));
+    assert_eq!(
+        (t.len(), p.len(), pressures["pressure"][0]["on"].as_str()),
+        (21, 21, Some("cavity"))
+    );
+    for n in 1..t.len() {
+        let slope = (p[n] - p[n - 1]) / (t[n] - t[n - 1]);
+        assert!(slope.abs() < 2e5 * (1.0 + 1e-9), "step {n}: {slope}");
+    }
+
+    // the table, put into the scene, gives what was promised
+    let scene = dir.text("moving.toml");
+    let without = &scene[..scene.find("[[pressure]]").unwrap()];
+    dir.write("moving.toml", &format!("{without}{}", dir.text("out/pressures.toml")));
+    let again = DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-2.1e5, 2.1e5]");
+    dir.write("design.toml", &again);
+    dir.solver("gradient design.toml -o gradient").assert_good();
+    let found = dir.json("gradient/gradient.json")["objective"].as_f64().unwrap();
+    assert!((found / of("objective_after") - 1.0).abs() < 1e-6, "{found}");
+}
+
+/// Killed after every checkpoint: the run through time is done again from θ.
+#[test]
+fn a_design_in_time_that_is_killed_ends_the_same() {
+    let design = |dir: &Workdir| {
+        let text = dir.text("design.toml").replace("iterations = 12", "iterations = 3");
+        dir.write("design.toml", &text);
+    };
+    let results = |dir: &Workdir| -> (String, Vec<Value>) {
+        let history = dir.text("out/history.jsonl");
+        let line = |line: &str| {
+            let mut line: Value = serde_json::from_str(line).unwrap();
+            for time in ["forward_s", "gradient_s"] {
+                line.as_object_mut().unwrap().remove(time);
+            }
+            line
+        };
+        (dir.text("out/pressures.toml"), history.lines().map(line).collect())
+    };
+    let command = "--threads 2 -q optimize design.toml -o out";
+    let undisturbed = workdir();
+    design(&undisturbed);
+    undisturbed.solver(command).assert_good();
+    let dir = workdir();
+    design(&dir);
+    let path = dir.path("out/checkpoint.json");
+    let mut kills = 0;
+    loop {
+        let before = std::fs::read(&path).ok();
+        let mut child = dir.command(command).spawn().unwrap();
+        let finished = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                assert!(status.success(), "{status}");
+                break true;
+            }
+            if std::fs::read(&path).ok() != before {
+                child.kill().unwrap();
+                break child.wait().unwrap().success();
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        };
+        if finished {
+            break;
+        }
+        kills += 1;
+        assert!(kills < 20, "no progress");
+    }
+    assert!(kills >= 3, "{kills}");
+    assert_eq!(results(&dir), results(&undisturbed));
+}
