@@ -4,11 +4,14 @@
 
 mod check;
 mod design;
+mod objective;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
+
+pub use objective::{ForceForm, Names, ObjectiveConfig, axes};
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
@@ -16,7 +19,7 @@ use crate::material::Specification;
 use crate::schedule::{Field, Schedule};
 use crate::silicone;
 pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, PressureDesign, ShapeConfig, Tags,
+    DesignConfig, Interior, LevelConfig, OptimizerConfig, PressureDesign, ShapeConfig,
 };
 
 /// Name of the body in a scene with one.
@@ -255,7 +258,7 @@ impl Fixed {
     /// Which of x, y, z are fixed.
     #[must_use]
     pub fn axes(&self) -> [bool; 3] {
-        ['x', 'y', 'z'].map(|axis| self.components.contains(axis))
+        axes(&self.components)
     }
 }
 
@@ -346,60 +349,6 @@ impl Default for SolverConfig {
             absolute_tolerance: 1e-10,
         }
     }
-}
-
-/// A weighted term of the objective.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum ObjectiveConfig {
-    /// Squared distance of a deformed tag to a target surface [m⁴].
-    Target {
-        /// The user's name for the term.
-        name: String,
-        /// Weight [1/m⁴].
-        weight: f64,
-        /// Tag that should reach the target.
-        on: String,
-        /// Target surface, a file in metres.
-        target: PathBuf,
-        /// Lattice spacing of the interpolated distance [m].
-        #[serde(default = "a_millimetre")]
-        spacing: f64,
-    },
-    /// Penalty on rest walls thinner than `minimum` + `activation` [m⁴];
-    /// infinite at `minimum`.
-    WallThickness {
-        /// The user's name for the term.
-        name: String,
-        /// Weight [1/m⁴].
-        weight: f64,
-        /// Tag on one side of the wall.
-        on: String,
-        /// Tags on the other side.
-        against: Vec<String>,
-        /// Thinnest admissible wall [m].
-        minimum: f64,
-        /// The penalty starts this far above the minimum [m].
-        activation: f64,
-    },
-    /// Scale-invariant Laplacian of the rest surface of a tag [1].
-    Smoothness {
-        /// The user's name for the term.
-        name: String,
-        /// Weight [1].
-        weight: f64,
-        /// Tag to smooth.
-        on: String,
-    },
-    /// Barrier between parts of the rest surface that are not adjacent [m⁴].
-    Clearance {
-        /// The user's name for the term.
-        name: String,
-        /// Weight [1/m⁴].
-        weight: f64,
-        /// Distance below which the barrier acts [m].
-        activation: f64,
-    },
 }
 
 fn a_millimetre() -> f64 {

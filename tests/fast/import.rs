@@ -190,7 +190,7 @@ fn the_optimisation_of_the_gripper() {
     assert_eq!(scene.config.contact.as_ref().unwrap().form, ContactForm::Convergent);
     let design = design(&dir);
     let shape = design.shape.expect("a shape");
-    assert_eq!(shape.on.names(), ["gripper_bellows_thick.s2"]);
+    assert_eq!(shape.on.all(), ["gripper_bellows_thick.s2"]);
     assert_eq!((shape.level[0].handles, shape.level[0].iterations), (Some(50), 100));
     let [ObjectiveConfig::Target { weight, target, on, .. }, ObjectiveConfig::Clearance { .. }] =
         &design.objective[..]
@@ -222,7 +222,7 @@ fn the_optimisations_of_worm_and_walker() {
     assert!(notes.contains("../state_worm.json") && notes.contains("is not there"), "{notes}");
     let design = design(&dir);
     let shape = design.shape.expect("a shape");
-    assert_eq!(shape.on.names(), ["worm_long_clean.s11"]);
+    assert_eq!(shape.on.all(), ["worm_long_clean.s11"]);
     assert_eq!(shape.level[0].handles, Some(20));
     // each of eleven parts against those after it
     assert_eq!(design.objective.len(), 10 + 1);

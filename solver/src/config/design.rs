@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::ObjectiveConfig;
+use super::{Names, ObjectiveConfig};
 
 /// A design problem: what may change in a scene, and what is wanted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -64,33 +64,12 @@ impl Default for OptimizerConfig {
 #[serde(deny_unknown_fields)]
 pub struct ShapeConfig {
     /// Tags whose vertices move; their rims stay.
-    pub on: Tags,
+    pub on: Names,
     /// What vertices inside the body do.
     #[serde(default)]
     pub interior: Interior,
     /// Levels from coarse to fine.
     pub level: Vec<LevelConfig>,
-}
-
-/// One tag or several.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(untagged, expecting = "needed is the name of a tag, or a list of names")]
-pub enum Tags {
-    /// One.
-    One(String),
-    /// Several.
-    Several(Vec<String>),
-}
-
-impl Tags {
-    /// The names.
-    #[must_use]
-    pub fn names(&self) -> &[String] {
-        match self {
-            Self::One(name) => std::slice::from_ref(name),
-            Self::Several(names) => names,
-        }
-    }
 }
 
 /// Vertices inside the body when its boundary moves.
@@ -193,7 +172,7 @@ impl DesignConfig {
             _ => {}
         }
         if let Some(shape) = &self.shape {
-            ensure!(!shape.on.names().is_empty(), "[shape] on = []: name a tag or more");
+            ensure!(!shape.on.all().is_empty(), "[shape] on = []: name a tag or more");
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
         }
         for level in self.levels() {

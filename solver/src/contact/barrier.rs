@@ -80,11 +80,11 @@ pub fn log_barrier(s: f64, activation: f64) -> [f64; 3] {
     }
 }
 
-/// q and ∂q/∂s.
+/// q, ∂q/∂s and ∂²q/∂s², which jumps at ŝ.
 #[must_use]
-pub fn quadratic(s: f64, activation: f64) -> (f64, f64) {
+pub fn quadratic(s: f64, activation: f64) -> [f64; 3] {
     let gap = (s - activation).min(0.0);
-    (gap * gap, 2.0 * gap)
+    [gap * gap, 2.0 * gap, if gap < 0.0 { 2.0 } else { 0.0 }]
 }
 
 #[cfg(test)]
@@ -112,11 +112,8 @@ mod tests {
 
     #[test]
     fn derivatives_belong_to_their_functions() {
-        let square = |s: f64| {
-            let (q, slope) = quadratic(s, 1.0);
-            [q, slope, 2.0]
-        };
-        for function in [(|s| log_barrier(s, 1.0)) as fn(f64) -> [f64; 3], square] {
+        let log = (|s| log_barrier(s, 1.0)) as fn(f64) -> [f64; 3];
+        for function in [log, |s| quadratic(s, 1.0)] {
             for s in [0.01, 0.3, 0.9, 0.999] {
                 let h = 1e-6 * s;
                 let (low, exact, high) = (function(s - h), function(s), function(s + h));
@@ -130,7 +127,7 @@ mod tests {
         }
         assert_eq!(log_barrier(1.0, 1.0), [0.0; 3]);
         assert!(log_barrier(1.0 - 1e-9, 1.0)[2].abs() < 1e-8, "the curvature is continuous");
-        assert_eq!(quadratic(1.0, 1.0), (0.0, 0.0));
+        assert_eq!(quadratic(1.0, 1.0), [0.0; 3]);
         assert_eq!(log_barrier(0.0, 1.0)[0], f64::INFINITY);
     }
 }

@@ -94,12 +94,24 @@ impl Local {
     /// The stencil at positions and rest positions of all collision vertices.
     #[must_use]
     pub fn new(stencil: &Stencil, x: &[Vec3], rest: &[Vec3], barrier: &Barrier) -> Self {
+        Self::with(stencil, x, rest, |d2| barrier.at(d2))
+    }
+
+    /// The same with another function of d² in place of b, given with its first two
+    /// derivatives.
+    #[must_use]
+    pub fn with(
+        stencil: &Stencil,
+        x: &[Vec3],
+        rest: &[Vec3],
+        density: impl Fn(f64) -> [f64; 3],
+    ) -> Self {
         let (x, region) = (stencil.gather(x), stencil.region);
         let rest = stencil.faded.then(|| stencil.gather(rest));
         let fade = |rest: &_| Mollifier::new(cross(&x), threshold(rest));
         let fade = rest.as_ref().map_or(Mollifier::ONE, fade);
         let closest = region.closest(&x);
-        Self { region, x, rest, closest, fade, barrier: barrier.at(closest.d2) }
+        Self { region, x, rest, closest, fade, barrier: density(closest.d2) }
     }
 
     /// e [m⁴].

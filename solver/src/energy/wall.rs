@@ -134,6 +134,23 @@ impl Wall {
         });
     }
 
+    /// Adds `scale` ∂V/∂x at the nodes, of wall and caps [m²].
+    pub fn add_gradient(&self, space: &FunctionSpace, x: &[Vec3], scale: f64, out: &mut [f64]) {
+        self.add_wall_gradient(space, x, scale, out);
+        let sixth = scale / 6.0;
+        self.for_each_rim_edge(x, |rim, [a, b], c| {
+            let inside = space.edge_nodes([a, b]);
+            let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
+            let nodes: Vec<Vec3> = edge.iter().map(|&n| x[n]).collect();
+            for (i, j, k) in swept_terms(nodes.len()) {
+                add_at(out, edge[i], &(sixth * k * nodes[j].cross(&c)));
+                add_at(out, edge[j], &(sixth * k * c.cross(&nodes[i])));
+            }
+            let by_middle = sixth / rim.len() as f64 * swept(&nodes);
+            rim.iter().for_each(|&v| add_at(out, v, &by_middle));
+        });
+    }
+
     /// Adds `scale` ∂V/∂X of wall and caps, three components per vertex, where
     /// `x` are positions whose rim has straight edges [m²].
     pub fn add_volume_gradient(
@@ -195,16 +212,20 @@ impl Wall {
     }
 }
 
-/// ∫ x × dx along an edge with equidistant nodes: Σ_{i<j} K_ij x_i × x_j with
-/// K_ij = ∫ φ_i φ_j′ − φ_j φ_i′.
+/// ∫ x × dx along an edge with equidistant nodes: Σ_{i<j} K_ij x_i × x_j.
 fn swept(nodes: &[Vec3]) -> Vec3 {
-    let weights: &[f64] = match nodes.len() {
+    swept_terms(nodes.len()).map(|(i, j, k)| k * nodes[i].cross(&nodes[j])).sum()
+}
+
+/// i < j and K_ij = ∫ φ_i φ_j′ − φ_j φ_i′ on an edge with a number of nodes.
+fn swept_terms(count: usize) -> impl Iterator<Item = (usize, usize, f64)> {
+    let weights: &[f64] = match count {
         2 => &[1.0],
         3 => &[4.0 / 3.0, -1.0 / 3.0, 4.0 / 3.0],
         _ => &[57.0 / 40.0, -0.6, 7.0 / 40.0, 81.0 / 40.0, -0.6, 57.0 / 40.0],
     };
-    let pairs = (0..nodes.len()).flat_map(|i| (i + 1..nodes.len()).map(move |j| (i, j)));
-    pairs.zip(weights).map(|((i, j), k)| *k * nodes[i].cross(&nodes[j])).sum()
+    let pairs = (0..count).flat_map(move |i| (i + 1..count).map(move |j| (i, j)));
+    pairs.zip(weights).map(|((i, j), k)| (i, j, *k))
 }
 
 /// Node positions x = ΠX + u.

@@ -1,22 +1,64 @@
 //! What to minimise, each term at one equilibrium.
 
+#[cfg(test)]
+mod check;
 mod clearance;
+mod contact_force;
+mod contact_proxy;
 mod distance_field;
 mod integral;
+mod kind;
+mod motion;
 mod smoothness;
+mod solid_integral;
+mod strain_limit;
+mod stress;
+mod surface_integral;
 mod target;
+mod volume;
 mod wall_thickness;
 
 use mesh::Vec3;
+use serde::{Deserialize, Serialize};
 
-use crate::element::FunctionSpace;
+use crate::element::{FunctionSpace, at};
 
 pub use clearance::Clearance;
+pub use contact_force::{ContactForce, Resultant};
+pub use contact_proxy::{ContactProxy, PartsTouch};
 pub use distance_field::{DistanceField, DistanceKind};
 pub use integral::TimeIntegral;
-pub use smoothness::Smoothness;
+pub use kind::{KINDS, Kind};
+pub use motion::{Motion, Quantity};
+pub use smoothness::{Smoothness, SmoothnessForm};
+pub use strain_limit::StrainLimit;
+pub use stress::Stress;
+pub use surface_integral::Patch;
 pub use target::Target;
-pub use wall_thickness::{SidesTouch, WallThickness};
+pub use volume::Volume;
+pub use wall_thickness::{Limits, SidesTouch, WallThickness};
+
+/// Which shape areas, volumes and distances are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// That at rest.
+    #[default]
+    Rest,
+    /// The deformed one.
+    Deformed,
+}
+
+/// A function of a squared distance that is zero from the activation distance on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Density {
+    /// A log barrier, infinite where surfaces touch or come closer than they may.
+    #[default]
+    Log,
+    /// (d² − d̂²)².
+    Quadratic,
+}
 
 /// Everything an objective may look at: a rest shape and its equilibrium.
 pub struct Equilibrium<'a> {
@@ -31,6 +73,18 @@ pub struct Equilibrium<'a> {
     /// Force of contact and friction on each node [N], three components per node;
     /// empty where no term needs it.
     pub contact: &'a [f64],
+}
+
+impl Equilibrium<'_> {
+    /// Positions of the nodes [m].
+    #[must_use]
+    pub fn nodes(&self, measure: Measure) -> Vec<Vec3> {
+        let mut nodes = self.space.node_positions(self.rest);
+        if measure == Measure::Deformed {
+            nodes.iter_mut().enumerate().for_each(|(n, x)| *x += at(self.u, n));
+        }
+        nodes
+    }
 }
 
 /// One term J(u, X, f) of the objective, with its partial derivatives.

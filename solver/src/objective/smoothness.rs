@@ -15,13 +15,16 @@
 //! problems with contact", arXiv:2205.13643, scale-invariant smoothing.
 
 use mesh::{Vec3, topology};
+use serde::{Deserialize, Serialize};
 
 use super::{Equilibrium, Objective};
 
 /// How the neighbour vector is normalised.
-#[derive(Clone, Copy)]
-enum Form {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SmoothnessForm {
     /// By the sum of the edge lengths.
+    #[default]
     ScaleInvariant,
     /// By the number of edges.
     Plain,
@@ -30,25 +33,15 @@ enum Form {
 /// Penalty on vertices away from the middle of their neighbours.
 pub struct Smoothness {
     name: String,
-    form: Form,
+    form: SmoothnessForm,
     /// Vertex ids with their neighbours, ascending.
     stars: Vec<(usize, Vec<usize>)>,
 }
 
 impl Smoothness {
-    /// The scale-invariant form on a set of facets.
+    /// The term on a set of facets.
     #[must_use]
-    pub fn scale_invariant(name: &str, facets: &[[usize; 3]]) -> Self {
-        Self::new(name, facets, Form::ScaleInvariant)
-    }
-
-    /// The plain form on a set of facets.
-    #[must_use]
-    pub fn plain(name: &str, facets: &[[usize; 3]]) -> Self {
-        Self::new(name, facets, Form::Plain)
-    }
-
-    fn new(name: &str, facets: &[[usize; 3]], form: Form) -> Self {
+    pub fn new(name: &str, facets: &[[usize; 3]], form: SmoothnessForm) -> Self {
         let mut sides: Vec<[usize; 2]> =
             topology::edge_facets(facets).into_keys().flat_map(|[a, b]| [[a, b], [b, a]]).collect();
         sides.sort_unstable();
@@ -77,8 +70,8 @@ impl Smoothness {
             for &w in star {
                 // ∂ℓ/∂X_v of one edge; the plain form divides by a constant
                 let unit = match self.form {
-                    Form::ScaleInvariant => unit(&(rest[*v] - rest[w])),
-                    Form::Plain => Vec3::zeros(),
+                    SmoothnessForm::ScaleInvariant => unit(&(rest[*v] - rest[w])),
+                    SmoothnessForm::Plain => Vec3::zeros(),
                 };
                 let g = (2.0 * weight / length) * (s - s.norm_squared() * unit);
                 for k in 0..3 {
@@ -93,11 +86,11 @@ impl Smoothness {
     fn neighbour_vector(&self, rest: &[Vec3], v: usize, star: &[usize]) -> (Vec3, f64) {
         let sum = star.iter().map(|&w| rest[v] - rest[w]).sum();
         let length = match self.form {
-            Form::ScaleInvariant => {
+            SmoothnessForm::ScaleInvariant => {
                 let total: f64 = star.iter().map(|&w| (rest[v] - rest[w]).norm()).sum();
                 total.max(f64::MIN_POSITIVE)
             }
-            Form::Plain => star.len() as f64,
+            SmoothnessForm::Plain => star.len() as f64,
         };
         (sum, length)
     }
@@ -129,7 +122,7 @@ mod tests {
     use super::*;
     use crate::testing::{check_gradient, flat, points, sphere, square};
 
-    const FORMS: [Form; 2] = [Form::ScaleInvariant, Form::Plain];
+    const FORMS: [SmoothnessForm; 2] = [SmoothnessForm::ScaleInvariant, SmoothnessForm::Plain];
 
     #[test]
     fn gradient_belongs_to_the_value() {
@@ -147,7 +140,7 @@ mod tests {
     fn a_regular_patch_is_smooth_inside_and_the_size_does_not_matter() {
         let surface = square(6, 0.0);
         let inner: Vec<[usize; 3]> = surface.triangles.clone();
-        let term = Smoothness::new("s", &inner, Form::ScaleInvariant);
+        let term = Smoothness::new("s", &inner, SmoothnessForm::ScaleInvariant);
         let mut gradient = vec![0.0; 3 * surface.vertices.len()];
         term.add_gradient_at(&surface.vertices, 1.0, &mut gradient);
         // a vertex two rings inside feels neither the rim nor its neighbours
@@ -155,7 +148,7 @@ mod tests {
         assert!(gradient[3 * middle..3 * middle + 3].iter().all(|g| g.abs() < 1e-13));
 
         let ball = sphere(2);
-        let term = Smoothness::new("s", &ball.triangles, Form::ScaleInvariant);
+        let term = Smoothness::new("s", &ball.triangles, SmoothnessForm::ScaleInvariant);
         let large: Vec<Vec3> = ball.vertices.iter().map(|v| v * 1e3).collect();
         let (a, b) = (term.value_at(&ball.vertices), term.value_at(&large));
         assert!(a > 0.0 && (a - b).abs() < 1e-12 * a);

@@ -1,64 +1,38 @@
-//! Minimum thickness of the wall between two parts of the rest surface.
+//! Minimum thickness of the wall between parts of the surface.
 //!
 //! quadratic   J = Σ_k m_k (d_k² − d̂²)²                            for d_k < d̂
 //! log         J = Σ_k m_k b(d_k² − d₀², d̂² + 2 d₀ d̂),  +∞ for d_k ≤ d₀,
 //!                                                     acts for d_k < d₀ + d̂
 //!
-//! d_k   distance of pair k: a vertex of one side and a triangle of the other,
+//! d_k   distance of pair k: a vertex of one part and a triangle of another,
 //!       or an edge of each [m]
 //! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
 //! d̂     activation distance [m];   d₀ minimum distance [m]
 //! b     log barrier of [`barrier`](crate::contact::barrier) [m⁴]
 //!
-//! J is in m⁴. Both forms are in *squared* distances and every pair counts once,
-//! as in the published scenes, so that their weights (10⁶ … 10⁷ m⁻⁴) carry over;
-//! near d̂ the quadratic form is 4 d̂² (d − d̂)². J grows with the number of
-//! facets of a thin region.
+//! J is in m⁴, of the flat triangles between vertices at rest or displaced. Both
+//! forms are in *squared* distances and every pair counts once, as in the
+//! published scenes, so that their weights (10⁶ … 10⁷ m⁻⁴) carry over; near d̂ the
+//! quadratic form is 4 d̂² (d − d̂)². J grows with the number of facets of a thin
+//! region.
 //!
-//! The two sides must not touch: next to a common rim every pair would be
-//! "thin", whatever the shape. An open cavity is therefore compared with the
-//! outer skin only, and the seat that holds its rim belongs to neither side.
+//! Parts must not touch: next to a common rim every pair would be "thin",
+//! whatever the shape. An open cavity is therefore compared with the outer skin
+//! only, and the seat that holds its rim belongs to neither side.
 //!
-//! Source: Gjoka et al. 2024, equations (14) and (15), on the rest shape.
+//! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
+//! the rest shape.
 
 use mesh::bvh::SurfaceBvh;
 use mesh::{Vec3, topology};
 
-use super::{Equilibrium, Objective};
+use super::{Density, Equilibrium, Measure, Objective};
 use crate::contact::barrier::{log_barrier, quadratic};
 use crate::contact::pairs::{Features, Pair, pairs_between};
 use crate::contact::potential;
+use crate::element::{add_at, at};
 
-/// The function of distance, with lengths in [m].
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Quadratic { activation: f64 },
-    Log { minimum: f64, activation: f64 },
-}
-
-impl Form {
-    /// Distance from which on the term is zero [m].
-    fn range(&self) -> f64 {
-        match self {
-            Self::Quadratic { activation } => *activation,
-            Self::Log { minimum, activation } => minimum + activation,
-        }
-    }
-
-    /// β and ∂β/∂d² at a squared distance.
-    fn density(&self, d2: f64) -> (f64, f64) {
-        match *self {
-            Self::Quadratic { activation } => quadratic(d2, activation * activation),
-            Self::Log { minimum, activation } => {
-                let range = activation * (activation + 2.0 * minimum);
-                let [b, slope, _] = log_barrier(d2 - minimum * minimum, range);
-                (b, slope)
-            }
-        }
-    }
-}
-
-/// The two sides of a wall have vertices in common.
+/// Two parts have vertices in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the two sides of the wall share {count} vertices, the first is {first}: no thickness is \
@@ -71,89 +45,136 @@ pub struct SidesTouch {
     pub first: usize,
 }
 
+/// How thin walls may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The function of distance.
+    pub density: Density,
+    /// d₀; zero for the quadratic form [m].
+    pub minimum: f64,
+    /// d̂ [m].
+    pub activation: f64,
+}
+
+impl Limits {
+    /// Distance from which on the term is zero [m].
+    fn range(&self) -> f64 {
+        self.minimum + self.activation
+    }
+
+    /// β and ∂β/∂d² at a squared distance.
+    fn at(&self, d2: f64) -> (f64, f64) {
+        let s = d2 - self.minimum * self.minimum;
+        let full = self.activation * (self.activation + 2.0 * self.minimum);
+        let [value, slope, _] = match self.density {
+            Density::Quadratic => quadratic(s, full),
+            Density::Log => log_barrier(s, full),
+        };
+        (value, slope)
+    }
+}
+
 /// Penalty on thin walls.
 pub struct WallThickness {
     name: String,
-    form: Form,
-    inner: Features,
-    outer: Features,
+    limits: Limits,
+    measure: Measure,
+    /// Parts, each with what it is compared with.
+    sides: Vec<[Features; 2]>,
 }
 
 impl WallThickness {
-    /// The quadratic form between two sets of facets, zero from `activation` on
-    /// [m].
+    /// The term between two sets of facets.
     ///
     /// # Errors
     /// [`SidesTouch`] if a vertex belongs to both sets.
-    pub fn quadratic(
+    pub fn between(
         name: &str,
         inner: &[[usize; 3]],
         outer: &[[usize; 3]],
-        activation: f64,
+        limits: Limits,
+        measure: Measure,
     ) -> Result<Self, SidesTouch> {
-        Self::new(name, inner, outer, Form::Quadratic { activation })
+        let sides = vec![apart(inner, outer)?];
+        Ok(Self { name: name.to_owned(), limits, measure, sides })
     }
 
-    /// The log form between two sets of facets: infinite up to `minimum`, zero
-    /// from `minimum + activation` on [m].
+    /// The term between each two of several sets of facets.
     ///
     /// # Errors
-    /// [`SidesTouch`] if a vertex belongs to both sets.
-    pub fn log(
+    /// [`SidesTouch`] if a vertex belongs to two sets.
+    pub fn among(
         name: &str,
-        inner: &[[usize; 3]],
-        outer: &[[usize; 3]],
-        minimum: f64,
-        activation: f64,
+        parts: &[Vec<[usize; 3]>],
+        limits: Limits,
+        measure: Measure,
     ) -> Result<Self, SidesTouch> {
-        Self::new(name, inner, outer, Form::Log { minimum, activation })
+        let later = |i: usize| parts[i + 1..].concat();
+        let sides = (0..parts.len().saturating_sub(1)).map(|i| apart(&parts[i], &later(i)));
+        let sides = sides.collect::<Result<_, _>>()?;
+        Ok(Self { name: name.to_owned(), limits, measure, sides })
     }
 
-    fn new(
-        name: &str,
-        inner: &[[usize; 3]],
-        outer: &[[usize; 3]],
-        form: Form,
-    ) -> Result<Self, SidesTouch> {
-        let (inner, outer) = (Features::new(inner), Features::new(outer));
-        let on_both = |v: &&usize| outer.vertices.binary_search(v).is_ok();
-        let shared: Vec<usize> = inner.vertices.iter().filter(on_both).copied().collect();
-        match shared.first() {
-            Some(&first) => Err(SidesTouch { count: shared.len(), first }),
-            None => Ok(Self { name: name.to_owned(), form, inner, outer }),
+    /// J at positions of the vertices.
+    #[must_use]
+    pub fn value_at(&self, x: &[Vec3]) -> f64 {
+        potential::value(&self.pairs(x), x, &|d2| self.limits.at(d2))
+    }
+
+    /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
+    pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
+        potential::add_gradient(&self.pairs(x), x, &|d2| self.limits.at(d2), weight, out);
+    }
+
+    /// Smallest distance between two parts [m]; infinite if there are none.
+    #[must_use]
+    pub fn min_distance(&self, x: &[Vec3]) -> f64 {
+        self.sides.iter().map(|sides| min_distance(sides, x)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
+        let between = |[a, b]: &[Features; 2]| pairs_between(a, b, x, self.limits.range());
+        self.sides.iter().flat_map(between).collect()
+    }
+
+    /// Positions of the vertices in the shape that is measured [m].
+    fn vertices(&self, at_: &Equilibrium) -> Vec<Vec3> {
+        match self.measure {
+            Measure::Rest => at_.rest.to_vec(),
+            Measure::Deformed => {
+                at_.rest.iter().enumerate().map(|(v, x)| x + at(at_.u, v)).collect()
+            }
         }
     }
 
-    /// J at rest positions.
-    #[must_use]
-    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
-        potential::value(&self.pairs(rest), rest, &|d2| self.form.density(d2))
+    fn gradient(&self, at_: &Equilibrium, weight: f64) -> Vec<f64> {
+        let mut gradient = vec![0.0; 3 * at_.rest.len()];
+        self.add_gradient_at(&self.vertices(at_), weight, &mut gradient);
+        gradient
     }
+}
 
-    /// Adds `weight` ∂J/∂X, three components per vertex; J must be finite.
-    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        let density = |d2| self.form.density(d2);
-        potential::add_gradient(&self.pairs(rest), rest, &density, weight, out);
+/// The features of two sets of facets without a common vertex.
+fn apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<[Features; 2], SidesTouch> {
+    let (inner, outer) = (Features::new(inner), Features::new(outer));
+    let on_both = |v: &&usize| outer.vertices.binary_search(v).is_ok();
+    let shared: Vec<usize> = inner.vertices.iter().filter(on_both).copied().collect();
+    match shared.first() {
+        Some(&first) => Err(SidesTouch { count: shared.len(), first }),
+        None => Ok([inner, outer]),
     }
+}
 
-    /// Smallest distance between the two sides [m]; infinite if one is empty.
-    #[must_use]
-    pub fn min_distance(&self, rest: &[Vec3]) -> f64 {
-        if self.outer.triangles.is_empty() {
-            return f64::INFINITY;
-        }
-        let outer = SurfaceBvh::new(&topology::submesh(rest, &self.outer.triangles).0);
-        let to_outer = |&v: &usize| outer.closest(&rest[v]).distance;
-        // no pair but the closest ones is nearer than any vertex is
-        let bound = self.inner.vertices.iter().map(to_outer).fold(f64::INFINITY, f64::min);
-        let pairs = pairs_between(&self.inner, &self.outer, rest, bound);
-        let distances = pairs.iter().map(|p| p.closest(&p.gather(rest)).d2.sqrt());
-        distances.fold(bound, f64::min)
+fn min_distance([inner, outer]: &[Features; 2], x: &[Vec3]) -> f64 {
+    if outer.triangles.is_empty() {
+        return f64::INFINITY;
     }
-
-    fn pairs(&self, rest: &[Vec3]) -> Vec<Pair> {
-        pairs_between(&self.inner, &self.outer, rest, self.form.range())
-    }
+    let surface = SurfaceBvh::new(&topology::submesh(x, &outer.triangles).0);
+    let to_outer = |&v: &usize| surface.closest(&x[v]).distance;
+    // no pair but the closest ones is nearer than any vertex is
+    let bound = inner.vertices.iter().map(to_outer).fold(f64::INFINITY, f64::min);
+    let pairs = pairs_between(inner, outer, x, bound);
+    pairs.iter().map(|p| p.closest(&p.gather(x)).d2.sqrt()).fold(bound, f64::min)
 }
 
 impl Objective for WallThickness {
@@ -162,8 +183,10 @@ impl Objective for WallThickness {
     }
 
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        let Form::Log { minimum, .. } = self.form else { return Ok(()) };
-        let found = self.min_distance(rest);
+        if self.limits.density == Density::Quadratic || self.measure == Measure::Deformed {
+            return Ok(());
+        }
+        let (found, minimum) = (self.min_distance(rest), self.limits.minimum);
         if found > minimum {
             return Ok(());
         }
@@ -171,13 +194,20 @@ impl Objective for WallThickness {
     }
 
     fn value(&self, at: &Equilibrium) -> f64 {
-        self.value_at(at.rest)
+        self.value_at(&self.vertices(at))
     }
 
-    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
+    fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        if self.measure == Measure::Deformed {
+            // the first nodes are the vertices
+            let by = self.gradient(at, weight);
+            out.iter_mut().zip(by).for_each(|(o, g)| *o += g);
+        }
+    }
 
     fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        self.add_gradient_at(at.rest, weight, out);
+        let by = self.gradient(at, weight);
+        out.iter_mut().zip(by).for_each(|(o, g)| *o += g);
     }
 }
 
@@ -185,6 +215,7 @@ impl Objective for WallThickness {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::objective::check::Case;
     use crate::testing::{check_gradient, flat, points, sphere, square};
 
     /// Two bumpy squares at a distance of about `gap`.
@@ -198,14 +229,23 @@ mod tests {
         (x, a.triangles, outer)
     }
 
-    const FORMS: [Form; 2] =
-        [Form::Quadratic { activation: 0.16 }, Form::Log { minimum: 0.04, activation: 0.12 }];
+    const QUADRATIC: Limits =
+        Limits { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
+    const LOG: Limits = Limits { density: Density::Log, minimum: 0.04, activation: 0.12 };
+
+    fn rest(
+        inner: &[[usize; 3]],
+        outer: &[[usize; 3]],
+        limits: Limits,
+    ) -> Result<WallThickness, SidesTouch> {
+        WallThickness::between("wall", inner, outer, limits, Measure::Rest)
+    }
 
     #[test]
     fn gradient_belongs_to_the_value() {
         let (x, inner, outer) = plates(0.15);
-        for form in FORMS {
-            let wall = WallThickness::new("wall", &inner, &outer, form).unwrap();
+        for limits in [QUADRATIC, LOG] {
+            let wall = rest(&inner, &outer, limits).unwrap();
             let mut gradient = vec![0.0; 3 * x.len()];
             wall.add_gradient_at(&x, 3.0, &mut gradient);
             let value = |y: &[f64]| 3.0 * wall.value_at(&points(y));
@@ -226,18 +266,18 @@ mod tests {
             [0.0, 9.0, 0.0],
         ]
         .map(Vec3::from);
-        let value = |form| {
-            let wall = WallThickness::new("wall", &[[0, 1, 2]], &[[3, 4, 5]], form);
-            wall.unwrap().value_at(&x)
+        let value = |density, minimum, activation| {
+            let limits = Limits { density, minimum, activation };
+            rest(&[[0, 1, 2]], &[[3, 4, 5]], limits).unwrap().value_at(&x)
         };
-        let quadratic = value(Form::Quadratic { activation: 0.12 });
+        let quadratic = value(Density::Quadratic, 0.0, 0.12);
         assert!((quadratic - (0.0144_f64 - 0.01).powi(2)).abs() < 1e-16);
         // s = 0.01 − 0.0064, ŝ = 0.0016 + 2 · 0.08 · 0.04
         let (s, activation) = (0.0036_f64, 0.008_f64);
         let expected = -(s - activation).powi(2) * (s / activation).ln();
-        let log = value(Form::Log { minimum: 0.08, activation: 0.04 });
+        let log = value(Density::Log, 0.08, 0.04);
         assert!((log - expected).abs() < 1e-16);
-        assert!(value(Form::Log { minimum: 0.11, activation: 0.04 }).is_infinite());
+        assert!(value(Density::Log, 0.11, 0.04).is_infinite());
     }
 
     #[test]
@@ -247,7 +287,7 @@ mod tests {
         let mut x: Vec<Vec3> = ball.vertices.iter().map(|v| v * 0.7).collect();
         x.extend(&ball.vertices);
         let outer: Vec<_> = ball.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
-        let wall = WallThickness::new("wall", &ball.triangles, &outer, FORMS[0]).unwrap();
+        let wall = rest(&ball.triangles, &outer, QUADRATIC).unwrap();
         // facets of the outer sphere sag by h²/8 at most, h < 0.22
         let gap = wall.min_distance(&x);
         assert!(gap < 0.3 && gap > 0.3 - 0.22_f64.powi(2) / 8.0 * 1.4, "{gap}");
@@ -257,7 +297,39 @@ mod tests {
     fn sides_that_touch_are_refused() {
         let surface = square(2, 0.0);
         let (inner, outer) = surface.triangles.split_at(2);
-        let error = WallThickness::new("wall", inner, outer, FORMS[0]).err().unwrap();
+        let error = rest(inner, outer, QUADRATIC).err().unwrap();
         assert_eq!(error, SidesTouch { count: 3, first: 1 });
+    }
+
+    /// Opposite sides of a cube are walls one edge thick.
+    #[test]
+    fn derivatives_by_displacement_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
+            let case = Case::cube(degree, scale);
+            let side = |z: f64| case.facets_where(|x| (x.z - z).abs() < 1e-9);
+            let (inner, outer) = (side(0.0), side(1.0));
+            for (density, minimum) in [(Density::Quadratic, 0.0), (Density::Log, 0.8)] {
+                let limits = Limits { density, minimum: minimum * scale, activation: 1.3 * scale };
+                for measure in [Measure::Rest, Measure::Deformed] {
+                    let (a, b) = (&inner, &outer);
+                    case.check(&WallThickness::between("w", a, b, limits, measure).unwrap());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn each_two_of_several_parts_are_compared() {
+        let (x, inner, outer) = plates(0.15);
+        let n = x.len();
+        let third: Vec<[usize; 3]> = outer.iter().map(|t| t.map(|v| v + n)).collect();
+        let mut all = x.clone();
+        all.extend(x.iter().map(|v| v + 0.12 * Vec3::z()));
+        let value = |wall: Result<WallThickness, _>| wall.unwrap().value_at(&all);
+        let parts = [inner.clone(), outer.clone(), third.clone()];
+        let among = value(WallThickness::among("w", &parts, QUADRATIC, Measure::Rest));
+        let pairs = [(&inner, &outer), (&inner, &third), (&outer, &third)];
+        let sum: f64 = pairs.map(|(a, b)| value(rest(a, b, QUADRATIC))).iter().sum();
+        assert!(among > 0.0 && (among - sum).abs() < 1e-12 * sum);
     }
 }

@@ -58,7 +58,7 @@ impl DesignMap {
     ) -> Result<Self> {
         let rest = body.mesh.vertices.clone();
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
-        for on in design.shape.iter().flat_map(|shape| shape.on.names()) {
+        for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
             patches.push(Patch::new(&rest, &facets, level.handles)?);
             moving.extend(facets);

@@ -109,6 +109,12 @@ impl Schedule {
         self.jet(Vec3::zeros(), load).value
     }
 
+    /// w and its gradient at a rest position [m] and a time [s].
+    #[must_use]
+    pub fn as_written(&self, position: Vec3, time: f64) -> Jet {
+        self.written.at(position, time)
+    }
+
     /// v and its gradient at a rest position [m] and a load.
     #[must_use]
     pub fn jet(&self, position: Vec3, load: f64) -> Jet {

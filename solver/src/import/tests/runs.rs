@@ -45,7 +45,7 @@ fn an_optimisation_becomes_a_design_problem() {
     let design = imported.design.as_ref().expect("a shape may change");
     let config: DesignConfig = toml::from_str(&design.text).expect("sound");
     let shape = config.shape.expect("a shape");
-    assert_eq!((shape.on.names(), shape.level[0].handles), (&["s3".to_owned()][..], Some(5)));
+    assert_eq!((shape.on.all(), shape.level[0].handles), (&["s3".to_owned()][..], Some(5)));
     assert_eq!(shape.level[0].iterations, 40);
     let short = |o: &ObjectiveConfig| match o {
         ObjectiveConfig::Target { name, weight, on, target, spacing } => {

@@ -1,0 +1,127 @@
+//! Volume of a body, or of the chamber behind a wall.
+//!
+//! J = V            [m³]
+//! J = (V − V*)²    [m⁶]
+//!
+//! with V as in [`Wall`](crate::energy::Wall): behind facets and the caps that
+//! close them, of the rest shape or the deformed one. The closed surface of a
+//! body seen from outside encloses −V.
+
+use super::{Equilibrium, Measure, Objective};
+use crate::element::FunctionSpace;
+use crate::energy::Wall;
+
+/// A volume, or its squared difference to a wanted one.
+pub struct Volume {
+    name: String,
+    wall: Wall,
+    /// 1 behind the facets, −1 within them.
+    sign: f64,
+    measure: Measure,
+    wanted: Option<f64>,
+}
+
+impl Volume {
+    /// The chamber behind boundary facets, oriented out of the solid.
+    #[must_use]
+    pub fn behind(
+        name: &str,
+        space: &FunctionSpace,
+        facets: &[[usize; 3]],
+        measure: Measure,
+        wanted: Option<f64>,
+    ) -> Self {
+        Self { name: name.to_owned(), wall: Wall::new(space, facets), sign: 1.0, measure, wanted }
+    }
+
+    /// The bodies of which these facets are the whole boundary.
+    #[must_use]
+    pub fn within(
+        name: &str,
+        space: &FunctionSpace,
+        facets: &[[usize; 3]],
+        measure: Measure,
+        wanted: Option<f64>,
+    ) -> Self {
+        Self { sign: -1.0, ..Self::behind(name, space, facets, measure, wanted) }
+    }
+
+    fn volume(&self, at: &Equilibrium) -> f64 {
+        self.sign * self.wall.volume(at.space, &at.nodes(self.measure))
+    }
+
+    /// `weight` ∂J/∂x at the nodes.
+    fn by_nodes(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        let by_volume = self.wanted.map_or(1.0, |wanted| 2.0 * (self.volume(at) - wanted));
+        let scale = weight * by_volume * self.sign;
+        self.wall.add_gradient(at.space, &at.nodes(self.measure), scale, out);
+    }
+}
+
+impl Objective for Volume {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let volume = self.volume(at);
+        self.wanted.map_or(volume, |wanted| (volume - wanted).powi(2))
+    }
+
+    fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        if self.measure == Measure::Deformed {
+            self.by_nodes(at, weight, out);
+        }
+    }
+
+    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        let mut nodal = vec![0.0; 3 * at.space.node_count()];
+        self.by_nodes(at, weight, &mut nodal);
+        at.space.add_to_vertices(&nodal, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objective::check::Case;
+
+    /// Of a whole body, and of an open wall, the rim of which moves.
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
+            let case = Case::cube(degree, scale);
+            let open = case.facets_where(|x| x.z < 0.99);
+            for measure in [Measure::Rest, Measure::Deformed] {
+                for wanted in [None, Some(0.3 * scale.powi(3))] {
+                    let (all, space) = (&case.facets, &case.space);
+                    case.check(&Volume::within("v", space, all, measure, wanted));
+                    case.check(&Volume::behind("v", space, &open, measure, wanted));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn volumes_are_of_the_shape_that_was_asked_for() {
+        for degree in 1..=3 {
+            let mut case = Case::cube(degree, 1.0);
+            let nodes = case.space.node_positions(&case.rest);
+            for (n, x) in nodes.iter().enumerate() {
+                case.u[3 * n..3 * n + 3].copy_from_slice(&[x.x, 2.0 * x.y, 4.0 * x.z]);
+            }
+            let value = |measure, wanted| {
+                let (all, space) = (&case.facets, &case.space);
+                Volume::within("v", space, all, measure, wanted).value(&case.at())
+            };
+            assert!((value(Measure::Rest, None) - 1.0).abs() < 1e-13);
+            assert!((value(Measure::Deformed, None) - 30.0).abs() < 1e-12);
+            assert!((value(Measure::Deformed, Some(32.0)) - 4.0).abs() < 1e-10);
+            // five sides of it, and the cap that closes them
+            let open = case.facets_where(|x| x.z < 0.99);
+            let space = &case.space;
+            let behind = Volume::behind("v", space, &open, Measure::Deformed, None);
+            assert!((behind.value(&case.at()) + 30.0).abs() < 1e-12);
+        }
+    }
+}
