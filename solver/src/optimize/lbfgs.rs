@@ -21,9 +21,11 @@ const CURVATURE: f64 = 1e-8;
 
 /// A step and the change of the gradient along it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Pair {
-    s: Vec<f64>,
-    y: Vec<f64>,
+pub(super) struct Pair {
+    /// θ₊ − θ.
+    pub s: Vec<f64>,
+    /// g₊ − g.
+    pub y: Vec<f64>,
 }
 
 /// The memory of the last steps, oldest first.
@@ -45,6 +47,11 @@ impl Lbfgs {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
+    }
+
+    /// The pairs, oldest first.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = &Pair> {
+        self.pairs.iter()
     }
 
     /// The descent direction −H g.
