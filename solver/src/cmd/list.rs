@@ -1,24 +1,29 @@
-//! `solver list`: what a scene may name.
+//! `solver list`: what a scene or a design problem may name.
 
 use std::io::Write;
 
 use anyhow::Result;
 use serde_json::{Value, json};
 use solver::material::{LAWS, Law};
+use solver::objective::{KINDS, Kind};
 use solver::silicone::{self, Fit, Silicone};
 
 /// Characters in a line.
 const WIDTH: usize = 96;
 
-/// List the material laws, or the silicones, that a scene may name
+/// List the material laws, or the silicones, that a scene may name, or objectives
 ///
 /// A law is the kind of a table [material]; a silicone is named by
-/// material = "its-name".
+/// material = "its-name"; an objective is the kind of an [[objective]] of a design
+/// problem.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The silicones in place of the laws
     #[arg(long)]
     silicones: bool,
+    /// The objectives of design problems in place of the laws
+    #[arg(long, conflicts_with = "silicones")]
+    objectives: bool,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -27,6 +32,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut out = std::io::stdout().lock();
     let text = match (arguments.silicones, arguments.json) {
+        (_, false) if arguments.objectives => {
+            KINDS.iter().map(kind_text).collect::<Vec<_>>().join("\n") + &common_keys()
+        }
+        (_, true) if arguments.objectives => pretty(KINDS.iter().map(kind_json).collect())?,
         (false, false) => LAWS.iter().map(law_text).collect::<Vec<_>>().join("\n"),
         (true, false) => silicone::all().iter().map(silicone_text).collect::<Vec<_>>().join("\n"),
         (false, true) => pretty(LAWS.iter().map(law_json).collect())?,
@@ -38,6 +47,44 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn pretty(rows: Vec<Value>) -> Result<String> {
     Ok(serde_json::to_string_pretty(&rows)? + "\n")
+}
+
+fn kind_text(kind: &Kind) -> String {
+    let sense = if kind.may_be_maximised { "; maximised by a negative weight" } else { "" };
+    let mut text = format!("{} [{}{sense}]\n", kind.key, kind.unit);
+    text += &wrapped("", kind.formula);
+    for (key, meaning) in kind.keys {
+        text += &wrapped(&format!("  {key:12} "), meaning);
+    }
+    text
+}
+
+/// Keys of every objective.
+fn common_keys() -> String {
+    let mut text = "\nall\n".to_owned();
+    for (key, meaning) in [
+        ("name", "as reports call it"),
+        ("weight", "of the value, in the inverse of its unit"),
+        (
+            "over",
+            "the time: \"final\" (default), { steps = [2, 5] } for their mean, or a sum [s]: \
+             \"uniform\", \"trapezoid\", \"simpson\"",
+        ),
+    ] {
+        text += &wrapped(&format!("  {key:12} "), meaning);
+    }
+    text
+}
+
+fn kind_json(kind: &Kind) -> Value {
+    let keys = kind.keys.iter().map(|(key, meaning)| json!({ "key": key, "meaning": meaning }));
+    json!({
+        "kind": kind.key,
+        "formula": kind.formula,
+        "unit": kind.unit,
+        "keys": keys.collect::<Vec<_>>(),
+        "may_be_maximised": kind.may_be_maximised,
+    })
 }
 
 fn law_text(law: &Law) -> String {

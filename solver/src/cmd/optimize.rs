@@ -53,11 +53,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write(folder, &scene, &finished)?;
     let report = report(folder, &finished, start)?;
     results::write_json(&folder.join("report.json"), &report)?;
-    let fall = 1.0
-        - report["objective_after"].as_f64().unwrap_or(f64::NAN)
-            / report["objective_before"].as_f64().unwrap_or(f64::NAN);
+    let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
+    let (before, after) = (objective("objective_before"), objective("objective_after"));
+    let fall = (before - after) / before.abs();
     log::info!("the objective fell by {:.1} %", 100.0 * fall);
-    if fall <= 0.0 {
+    if fall.is_nan() || fall <= 0.0 {
         return Err(Unusable(format!(
             "{}: no step lowered the objective; see the reasons in {}",
             arguments.design.display(),

@@ -1,8 +1,9 @@
 //! `[[objective]]`: what a design is wanted to do.
 
+mod check;
+
 use std::path::PathBuf;
 
-use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::objective::{Density, DistanceKind, KINDS, Kind, Measure, SmoothnessForm, TimeIntegral};
@@ -223,31 +224,21 @@ fn two() -> f64 {
     2.0
 }
 
-/// Name, weight, time integral and row of the table of a term.
-macro_rules! common {
-    ($self:ident, $($kind:ident),*) => {
-        match $self {
-            $(Self::$kind { name, weight, over, .. } => (name, *weight, over),)*
-        }
-    };
-}
-
 impl ObjectiveConfig {
     fn common(&self) -> (&str, f64, &TimeIntegral) {
-        common!(
-            self,
-            Target,
-            Displacement,
-            Position,
-            ContactForce,
-            ContactProxy,
-            WallThickness,
-            Smoothness,
-            Clearance,
-            Volume,
-            Stress,
-            StrainLimit
-        )
+        match self {
+            Self::Target { name, weight, over, .. }
+            | Self::Displacement { name, weight, over, .. }
+            | Self::Position { name, weight, over, .. }
+            | Self::ContactForce { name, weight, over, .. }
+            | Self::ContactProxy { name, weight, over, .. }
+            | Self::WallThickness { name, weight, over, .. }
+            | Self::Smoothness { name, weight, over, .. }
+            | Self::Clearance { name, weight, over, .. }
+            | Self::Volume { name, weight, over, .. }
+            | Self::Stress { name, weight, over, .. }
+            | Self::StrainLimit { name, weight, over, .. } => (name, *weight, over),
+        }
     }
 
     /// The user's name for the term.
@@ -285,96 +276,6 @@ impl ObjectiveConfig {
             Self::StrainLimit { .. } => 10,
         }]
     }
-
-    /// Whether a negative weight has a sense: the term is then maximised.
-    fn may_be_maximised(&self) -> bool {
-        self.kind().may_be_maximised && !matches!(self, Self::Volume { volume: Some(_), .. })
-    }
-
-    /// Checks what can be checked without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
-    pub fn check(&self) -> Result<()> {
-        let (name, weight, _) = self.common();
-        let own = format!("objective \"{name}\"");
-        ensure!(weight.is_finite(), "{own}: weight = {weight}: must be a finite number");
-        ensure!(
-            weight >= 0.0 || self.may_be_maximised(),
-            "{own}: weight = {weight}: a negative weight maximises a term, which makes sense for \
-             {} only",
-            maximised()
-        );
-        for (key, value) in self.lengths() {
-            ensure!(value.is_finite() && value > 0.0, "{own}: {key} = {value} m must be positive");
-        }
-        match self {
-            Self::Displacement { components, .. } | Self::Position { components, .. } => {
-                let axes = axes(components);
-                ensure!(
-                    components.len() == axes.iter().filter(|a| **a).count()
-                        && !components.is_empty(),
-                    "{own}: components = \"{components}\": must be some of x, y, z, each once"
-                );
-            }
-            Self::ContactForce { form, direction, .. } => match (form, direction) {
-                (ForceForm::Along, None) => {
-                    anyhow::bail!("{own}: form = \"along\" needs direction = [x, y, z]")
-                }
-                (ForceForm::Along, Some(d)) => ensure!(
-                    d.iter().all(|x| x.is_finite()) && d.iter().any(|x| *x != 0.0),
-                    "{own}: direction = {d:?}: must be finite, and not zero"
-                ),
-                (_, direction) => ensure!(
-                    direction.is_none(),
-                    "{own}: direction is for form = \"along\" only; remove one of them"
-                ),
-            },
-            Self::ContactProxy { on, .. } => ensure!(
-                on.all().len() > 1,
-                "{own}: on = {:?}: needed are two tags or more that should press on each other",
-                on.all()
-            ),
-            Self::WallThickness { on, against, density, minimum, .. } => {
-                ensure!(
-                    !against.is_empty() || on.all().len() > 1,
-                    "{own}: on = {:?}: one side of a wall; name the other by against = [...], or \
-                     two tags or more in on",
-                    on.all()
-                );
-                ensure!(
-                    minimum.is_some() == (*density == Density::Log),
-                    "{own}: density = \"log\" needs a minimum [m], \"quadratic\" has none"
-                );
-            }
-            Self::Stress { power, .. } => ensure!(
-                power.is_finite() && *power >= 2.0,
-                "{own}: power = {power}: must be 2 or more"
-            ),
-            Self::StrainLimit { largest, smallest, .. } => ensure!(
-                (0.0..1.0).contains(smallest) && largest.is_finite() && *largest > 1.0,
-                "{own}: largest = {largest}, smallest = {smallest}: stretches, the largest must be \
-                 above 1 and the smallest from 0 to 1"
-            ),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Lengths that must be positive, and a volume.
-    fn lengths(&self) -> Vec<(&'static str, f64)> {
-        match self {
-            Self::Target { spacing, .. } => vec![("spacing", *spacing)],
-            Self::ContactProxy { activation, .. } | Self::Clearance { activation, .. } => {
-                vec![("activation", *activation)]
-            }
-            Self::WallThickness { minimum, activation, .. } => {
-                let minimum = minimum.map(|minimum| ("minimum", minimum));
-                minimum.into_iter().chain([("activation", *activation)]).collect()
-            }
-            _ => Vec::new(),
-        }
-    }
 }
 
 /// Which of x, y, z are named.
@@ -383,93 +284,6 @@ pub fn axes(components: &str) -> [bool; 3] {
     ['x', 'y', 'z'].map(|axis| components.contains(axis))
 }
 
-/// Kinds whose weight may be negative, for messages.
-fn maximised() -> String {
-    let kinds = KINDS.iter().filter(|kind| kind.may_be_maximised).map(|kind| kind.key);
-    kinds.collect::<Vec<_>>().join(", ") + " (without a wanted one)"
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    /// A term of each kind with all that it needs.
-    const SOUND: [&str; 11] = [
-        "kind = 'target'\non = 'a'\ntarget = 'a.stl'\ndistance = 'signed'",
-        "kind = 'displacement'\non = ['a', 'b']\ndisplacement = [0.03, '0.1*t', 0]\nover = 'simpson'",
-        "kind = 'position'\non = 'a'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
-        "kind = 'contact-force'\non = 'a'\nform = 'along'\ndirection = [0, 0, 1]",
-        "kind = 'contact-proxy'\non = ['a', 'b']\nactivation = 1e-3\nover = { steps = [53, 54] }",
-        "kind = 'wall-thickness'\non = 'a'\nagainst = ['b']\nminimum = 1e-3\nactivation = 1e-3",
-        "kind = 'smoothness'\non = 'a'\nform = 'plain'",
-        "kind = 'clearance'\nactivation = 1e-4",
-        "kind = 'volume'\non = 'a'\nvolume = 1e-6",
-        "kind = 'stress'\npower = 8",
-        "kind = 'strain-limit'\nlargest = 3",
-    ];
-
-    fn read(text: &str, weight: &str) -> Result<ObjectiveConfig> {
-        let config: ObjectiveConfig =
-            toml::from_str(&format!("name = 'n'\nweight = {weight}\n{text}"))?;
-        config.check().map(|()| config)
-    }
-
-    #[test]
-    fn every_kind_is_read_and_has_its_row() {
-        assert_eq!(SOUND.len(), KINDS.len());
-        for (text, kind) in SOUND.iter().zip(KINDS) {
-            let config = read(text, "2").unwrap();
-            assert_eq!((config.kind().key, config.name(), config.weight()), (kind.key, "n", 2.0));
-            let written = toml::Table::try_from(&config).unwrap();
-            assert_eq!(written["kind"].as_str(), Some(kind.key));
-            // what may be written is what is listed
-            let mut keys: Vec<&str> = kind.keys.iter().map(|k| k.0).collect();
-            keys.extend(["kind", "name", "weight", "over"]);
-            let unknown = written.keys().find(|key| !keys.contains(&key.as_str()));
-            assert_eq!(unknown, None, "{}", kind.key);
-            let error = read(&format!("{text}\nodd = 1"), "1").unwrap_err().to_string();
-            let all = keys.iter().filter(|key| **key != "kind");
-            all.for_each(|key| assert!(error.contains(&format!("`{key}`")), "{key}: {error}"));
-        }
-        assert_eq!(*read(SOUND[1], "1").unwrap().over(), TimeIntegral::Simpson);
-        assert_eq!(*read(SOUND[4], "1").unwrap().over(), TimeIntegral::Steps(vec![53, 54]));
-        assert_eq!(*read(SOUND[0], "1").unwrap().over(), TimeIntegral::Final);
-    }
-
-    #[test]
-    fn only_what_can_be_maximised_may_weigh_less_than_nothing() {
-        let open = "kind = 'volume'\non = 'a'";
-        for text in SOUND.iter().chain([&open]) {
-            let may = text.contains("contact") || *text == open;
-            assert_eq!(read(text, "-1").is_ok(), may, "{text}");
-            assert!(read(text, "nan").unwrap_err().to_string().contains("NaN"));
-        }
-    }
-
-    #[test]
-    fn what_makes_no_sense_is_refused_with_what_is_needed() {
-        for (row, from, to, words) in [
-            (0, "distance = 'signed'", "spacing = 0", "spacing = 0 m must be positive"),
-            (2, "'zx'", "'zz'", "some of x, y, z"),
-            (2, "'zx'", "''", "some of x, y, z"),
-            (3, "direction = [0, 0, 1]", "", "needs direction"),
-            (3, "[0, 0, 1]", "[0, 0, 0]", "not zero"),
-            (3, "'along'", "'squared'", "for form = \"along\" only"),
-            (4, "['a', 'b']", "'a'", "two tags or more"),
-            (4, "1e-3", "inf", "activation = inf m"),
-            (5, "against = ['b']", "", "one side of a wall"),
-            (5, "minimum = 1e-3", "", "needs a minimum"),
-            (5, "minimum = 1e-3", "minimum = -1.0", "minimum = -1 m"),
-            (5, "minimum = 1e-3", "minimum = 1e-3\ndensity = 'quadratic'", "has none"),
-            (9, "8", "1.5", "2 or more"),
-            (10, "3", "0.9", "above 1"),
-            (10, "3", "3\nsmallest = 1.5", "from 0 to 1"),
-        ] {
-            let text = SOUND[row].replace(from, to);
-            assert_ne!(text, SOUND[row]);
-            let error = read(&text, "1").unwrap_err().to_string();
-            assert!(error.contains(words), "{text}: {error}");
-        }
-    }
-}
+mod tests;

@@ -67,6 +67,12 @@ impl Geodesics {
     /// components without a source.
     #[must_use]
     pub fn distances(&self, sources: &[usize]) -> Vec<f64> {
+        self.within(sources, f64::INFINITY)
+    }
+
+    /// The same for vertices up to a distance [m]; those beyond are infinitely far.
+    #[must_use]
+    pub fn within(&self, sources: &[usize], reach: f64) -> Vec<f64> {
         let mut distance = vec![f64::INFINITY; self.around.len()];
         let mut queue = BinaryHeap::new();
         for &vertex in sources {
@@ -80,6 +86,9 @@ impl Geodesics {
             for &s in &self.around[front.vertex] {
                 let sector = &self.sectors[s];
                 let through = sector.through(&distance);
+                if through > reach {
+                    continue;
+                }
                 if through < distance[sector.target] * (1.0 - GAIN)
                     || (through.is_finite() && distance[sector.target].is_infinite())
                 {

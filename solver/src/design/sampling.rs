@@ -1,22 +1,39 @@
 //! Points spread evenly over a triangle surface.
 //!
 //! Farthest-point sampling: each point is the vertex farthest, along the
-//! surface, from the rim and all points before it. Then every point in turn is
-//! taken out and placed again as the vertex farthest from all others, a few
-//! times over.
+//! surface, from the rim and all points before it. Sweeps then spread them more
+//! evenly, a few times over:
+//!
+//! re-pick   every point in turn is taken out and placed again as the vertex
+//!           farthest from all others, as in the published programs
+//! Lloyd     every point goes to the vertex c of its geodesic Voronoi cell that
+//!           lowers Σ A_v d(c, v)² over the cell's vertices v with areas A_v, as
+//!           in the paper; the rim has a cell, too, and stays
 //!
 //! Ties go to the smaller vertex id, so that the result depends on the mesh
 //! alone. A component that no source reaches is infinitely far and gets a point
 //! first.
 //!
-//! Source: Gjoka et al. 2024, section 4.5.
+//! Sources: Gjoka et al. 2024, section 4.5; Lloyd 1982, doi:10.1109/TIT.1982.1056489.
 
 use mesh::{SurfaceMesh, topology};
+use serde::{Deserialize, Serialize};
 
 use super::Geodesics;
 
-/// Times that every point is placed again.
+/// Times that every point is placed again, at most.
 const SWEEPS: usize = 5;
+
+/// How points are spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sweeps {
+    /// Each as far from the others as can be.
+    #[default]
+    RePick,
+    /// Each in the middle of its cell.
+    Lloyd,
+}
 
 /// More points were asked for than there are vertices off the rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -40,11 +57,23 @@ pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
     rim
 }
 
-/// `count` vertices of a surface, none on its rim.
+/// `count` vertices of a surface, none on its rim, spread by re-pick sweeps.
 ///
 /// # Errors
 /// [`TooManyHandles`] if there are not that many.
 pub fn farthest_points(surface: &SurfaceMesh, count: usize) -> Result<Vec<usize>, TooManyHandles> {
+    spread_points(surface, count, Sweeps::RePick)
+}
+
+/// `count` vertices of a surface, none on its rim.
+///
+/// # Errors
+/// [`TooManyHandles`] if there are not that many.
+pub fn spread_points(
+    surface: &SurfaceMesh,
+    count: usize,
+    sweeps: Sweeps,
+) -> Result<Vec<usize>, TooManyHandles> {
     let rim = rim(surface);
     let available = surface.vertices.len() - rim.len();
     if count > available {
@@ -55,11 +84,19 @@ pub fn farthest_points(surface: &SurfaceMesh, count: usize) -> Result<Vec<usize>
         let first = if i == 0 && rim.is_empty() { lowest(surface) } else { sampling.farthest() };
         sampling.add(i, first);
     }
-    if count + rim.len() > 1 {
-        for i in (0..SWEEPS).flat_map(|_| 0..count) {
-            sampling.remove(i);
-            let farthest = sampling.farthest();
-            sampling.add(i, farthest);
+    match sweeps {
+        Sweeps::RePick if count + rim.len() > 1 => {
+            for i in (0..SWEEPS).flat_map(|_| 0..count) {
+                sampling.remove(i);
+                let farthest = sampling.farthest();
+                sampling.add(i, farthest);
+            }
+        }
+        Sweeps::RePick => {}
+        Sweeps::Lloyd => {
+            let cells = Cells::new(surface, &rim);
+            let moves = |_: &usize| sampling.center_all(&cells);
+            let _ = (0..SWEEPS).take_while(moves).count();
         }
     }
     Ok(sampling.points)
@@ -80,6 +117,33 @@ fn lowest(surface: &SurfaceMesh) -> usize {
 enum Source {
     Rim,
     Point(usize),
+}
+
+/// What the middle of a cell depends on.
+struct Cells {
+    /// A third of the area of the triangles at each vertex [m²].
+    areas: Vec<f64>,
+    /// Vertices along edges, ascending.
+    neighbours: Vec<Vec<usize>>,
+    on_rim: Vec<bool>,
+}
+
+impl Cells {
+    fn new(surface: &SurfaceMesh, rim: &[usize]) -> Self {
+        let n = surface.vertices.len();
+        let (mut areas, mut on_rim) = (vec![0.0; n], vec![false; n]);
+        for &triangle in &surface.triangles {
+            let [a, b, c] = triangle.map(|v| surface.vertices[v]);
+            let third = mesh::measure::triangle_area(a, b, c) / 3.0;
+            triangle.iter().for_each(|&v| areas[v] += third);
+        }
+        rim.iter().for_each(|&v| on_rim[v] = true);
+        let edges: Vec<[usize; 2]> =
+            topology::edge_facets(&surface.triangles).into_keys().collect();
+        let mut neighbours = topology::vertex_neighbours(n, &edges);
+        neighbours.iter_mut().for_each(|list| list.sort_unstable());
+        Self { areas, neighbours, on_rim }
+    }
 }
 
 struct Sampling {
@@ -124,6 +188,53 @@ impl Sampling {
         } else {
             self.points[i] = vertex;
             self.from_point[i] = distances;
+        }
+    }
+
+    /// Moves every point to the middle of its cell; whether any has moved.
+    fn center_all(&mut self, cells: &Cells) -> bool {
+        let mut own = vec![Vec::new(); self.points.len()];
+        for (v, (_, source)) in self.nearest.iter().enumerate() {
+            if let Source::Point(i) = source {
+                own[*i].push(v);
+            }
+        }
+        let middle = |i: usize| self.center(i, &own[i], cells);
+        let middles: Vec<usize> = (0..own.len()).map(middle).collect();
+        let moved: Vec<usize> = (0..own.len()).filter(|&i| middles[i] != self.points[i]).collect();
+        for &i in &moved {
+            self.remove(i);
+            self.add(i, middles[i]);
+        }
+        !moved.is_empty()
+    }
+
+    /// The vertex of a cell from which no neighbour lowers Σ A d², on the way down
+    /// from its point.
+    fn center(&self, i: usize, cell: &[usize], cells: &Cells) -> usize {
+        let radius = cell.iter().map(|&v| self.nearest[v].0).fold(0.0, f64::max);
+        // no two vertices of a cell are farther apart
+        let reach = 2.0 * radius;
+        let spread = |center: usize| -> f64 {
+            let distances = self.geodesics.within(&[center], reach);
+            cell.iter().map(|&v| cells.areas[v] * distances[v].powi(2)).sum()
+        };
+        let mut tried = std::collections::BTreeSet::from([self.points[i]]);
+        let mut best = (spread(self.points[i]), self.points[i]);
+        loop {
+            let before = best.1;
+            for &v in &cells.neighbours[before] {
+                let inside = cell.binary_search(&v).is_ok() && !cells.on_rim[v];
+                if inside && tried.insert(v) {
+                    let here = spread(v);
+                    if here < best.0 {
+                        best = (here, v);
+                    }
+                }
+            }
+            if best.1 == before {
+                return before;
+            }
         }
     }
 
@@ -178,6 +289,43 @@ mod tests {
                 })
                 .fold(f64::INFINITY, f64::min);
             assert!(packing > 0.9 * covering, "{count}: {packing} {covering}");
+        }
+    }
+
+    /// The largest distance of a vertex to the nearest point or the rim.
+    fn gap(surface: &SurfaceMesh, points: &[usize]) -> f64 {
+        let sources = [points, &rim(surface)].concat();
+        Geodesics::new(surface).distances(&sources).into_iter().fold(0.0, f64::max)
+    }
+
+    /// Σ A d² of all vertices that are nearer to a point than to the rim.
+    fn spread(surface: &SurfaceMesh, points: &[usize]) -> f64 {
+        let cells = Cells::new(surface, &rim(surface));
+        let sources = [points, &rim(surface)].concat();
+        let distances = Geodesics::new(surface).distances(&sources);
+        distances.iter().zip(&cells.areas).map(|(d, a)| a * d * d).sum()
+    }
+
+    #[test]
+    fn sweeps_shrink_the_largest_gap() {
+        for (surface, count) in [(cap(4), 10), (sphere(4), 20), (square(30, 0.2), 12)] {
+            let mut greedy = Sampling::new(&surface, &rim(&surface));
+            for i in 0..count {
+                let lowest = lowest(&surface);
+                let first = i == 0 && greedy.nearest[0].0.is_infinite();
+                let next = if first { lowest } else { greedy.farthest() };
+                greedy.add(i, next);
+            }
+            let points = [Sweeps::RePick, Sweeps::Lloyd].map(|sweeps| {
+                let points = spread_points(&surface, count, sweeps).unwrap();
+                assert_eq!(points, spread_points(&surface, count, sweeps).unwrap());
+                points
+            });
+            let gaps = points.each_ref().map(|points| gap(&surface, points));
+            let before = gap(&surface, &greedy.points);
+            assert!(gaps.iter().all(|gap| *gap < before), "{gaps:?} {before}");
+            let even = spread(&surface, &points[1]);
+            assert!(even < spread(&surface, &greedy.points) && even < spread(&surface, &points[0]));
         }
     }
 

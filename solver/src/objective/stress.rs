@@ -79,7 +79,7 @@ mod tests {
     use crate::objective::check::Case;
 
     fn soft() -> Box<dyn Material> {
-        Box::new(NeoHookean(Lame { lambda: 3.0, mu: 1.0 }))
+        Box::new(NeoHookean(Lame::new(2.6, 0.3)))
     }
 
     fn silicone() -> Box<dyn Material> {

@@ -30,7 +30,7 @@ use super::{Density, Equilibrium, Measure, Objective};
 use crate::contact::barrier::{log_barrier, quadratic};
 use crate::contact::pairs::{Features, Pair, pairs_between};
 use crate::contact::potential;
-use crate::element::{add_at, at};
+use crate::element::at;
 
 /// Two parts have vertices in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -272,3 +272,6 @@ fn boundary_of(body: &Body, name: Option<&str>) -> Result<Vec<[usize; 3]>> {
         _ => Ok(body.boundary().to_vec()),
     }
 }
+
+#[cfg(test)]
+mod tests;

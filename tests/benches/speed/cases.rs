@@ -51,7 +51,7 @@ pub fn scene(name: &str) -> Result<Option<Scene>> {
     let folder = Workdir::new();
     write_tets(&folder.path("body.msh"), &body.mesh, &body.tags)?;
     folder.write("sim.toml", &text);
-    Scene::read(&folder.path("sim.toml"), None).map(Some)
+    Scene::read(&folder.path("sim.toml")).map(Some)
 }
 
 /// A scene file that reaches its full load in one step if it can, as the

@@ -24,7 +24,7 @@ pub fn run() -> Value {
               "integral_type": "steps", "steps": [2], "static_objective": {
                 "type": "mesh-target", "state": 0, "surface_selection": [1],
                 "mesh_path": "wall.obj", "delta": 0.001 } },
-            { "type": "transient_integral", "integral_type": "steps", "steps": [1],
+            { "type": "transient_integral", "integral_type": "steps", "steps": [9],
               "static_objective": { "type": "mesh-target" } },
             { "type": "layer_thickness_log", "weight": 3e6, "boundary_ids": [1, 2, 2147483647],
               "dhat": 0.002, "dmin": 0.001 },
@@ -35,6 +35,15 @@ pub fn run() -> Value {
             { "type": "boundary_smoothing", "weight": 0.7, "surface_selection": [3], "power": 3 },
             { "type": "contact_force", "weight": -1e4 },
             { "type": "stress" },
+            { "type": "transient_integral", "weight": 5e5, "integral_type": "final",
+              "static_objective": { "type": "displacement-target", "surface_selection": [1, 2],
+                "target_displacement": [0.03, 0, 0], "active_dimension": [true, false, false] } },
+            { "type": "transient_integral", "weight": -1e4, "integral_type": "steps",
+              "steps": [2, 3], "static_objective": {
+                "type": "log_contact_force_norm", "surface_selection": [1, 2], "dhat": 1e-3 } },
+            { "type": "transient_integral", "integral_type": "simpson", "print_energy": "far",
+              "static_objective": { "type": "quadratic_contact_force_norm",
+                "surface_selection": [2, 3], "dhat": 0.002 } },
         ],
     })
 }
@@ -47,45 +56,48 @@ fn an_optimisation_becomes_a_design_problem() {
     let shape = config.shape.expect("a shape");
     assert_eq!((shape.on.all(), shape.level[0].handles), (&["s3".to_owned()][..], Some(5)));
     assert_eq!(shape.level[0].iterations, 40);
-    let short = |o: &ObjectiveConfig| match o {
-        ObjectiveConfig::Target { name, weight, on, target, spacing } => {
-            format!("{name}: {weight} {on} {} {spacing}", target.display())
-        }
-        ObjectiveConfig::WallThickness { name, weight, on, against, minimum, activation } => {
-            format!("{name}: {weight} {on} {against:?} {minimum} {activation}")
-        }
-        ObjectiveConfig::Smoothness { name, weight, on } => format!("{name}: {weight} {on}"),
-        ObjectiveConfig::Clearance { name, weight, activation } => {
-            format!("{name}: {weight} {activation}")
-        }
+    let short = |o: &ObjectiveConfig| {
+        let written = toml::Table::try_from(o).expect("sound");
+        let rest = written.iter().filter(|(key, _)| !["name", "weight"].contains(&key.as_str()));
+        let rest: Vec<String> = rest.map(|(key, value)| format!("{key} {value}")).collect();
+        format!("{}: {} {}", o.name(), o.weight(), rest.join(", ")).replace('"', "")
     };
     let terms: Vec<String> = config.objective.iter().map(short).collect();
     assert_eq!(
         terms,
         [
-            "match: 100000000 s2 targets/wall.obj 0.002",
-            "match 2: 200000000 s1 targets/wall.obj 0.001",
-            "layer_thickness_log: 3000000 s1 [\"s2\", \"unselected\"] 0.001 0.002",
-            "layer_thickness_log 2: 3000000 s2 [\"unselected\"] 0.001 0.002",
-            "clear: 1 0.00005",
-            "boundary_smoothing: 0.7 s3",
+            "match: 100000000 distance unsigned, kind target, measure rest, on s2, over final, \
+             spacing 0.002, target targets/wall.obj",
+            "match 2: 200000000 distance unsigned, kind target, measure rest, on s1, \
+             over { steps = [2] }, spacing 0.001, target targets/wall.obj",
+            "layer_thickness_log: 3000000 activation 0.002, density log, kind wall-thickness, \
+             measure rest, minimum 0.001, on [s1, s2, unselected], over final",
+            "layer_thickness: 3000000 activation 0.002, density quadratic, kind wall-thickness, \
+             measure rest, on [s1, s2], over final",
+            "clear: 1 activation 0.00005, kind clearance, over final",
+            "boundary_smoothing: 0.7 form scale-invariant, kind smoothness, on s3, over final",
+            "displacement-target: 500000 components x, displacement [0.03, 0.0, 0.0], \
+             kind displacement, measure rest, on [s1, s2], over final",
+            "log_contact_force_norm: -10000 activation 0.001, density log, kind contact-proxy, \
+             on [s1, s2], over { steps = [2, 3] }",
+            "far: 1 activation 0.002, density quadratic, kind contact-proxy, on [s2, s3], \
+             over simpson",
         ]
     );
     let left = imported.left();
     let why = |words: &str| {
         left.iter().find(|(why, _)| why.contains(words)).map(|l| l.1.join(" ")).unwrap_or_default()
     };
-    assert_eq!(why("at the end of the scene only"), "/functionals/2");
-    assert_eq!(why("the form with a smallest thickness"), "/functionals/4");
+    assert_eq!(why("the scene has no step 9"), "/functionals/2");
     assert_eq!(why("scale-invariant and quadratic"), "/functionals/7");
     assert_eq!(why("not negative"), "/functionals/8");
     assert_eq!(why("no such objective"), "/functionals/9");
-    assert_eq!(why("only shapes are design variables"), "/variable_to_simulation/0");
+    assert_eq!(why("a table [[pressure]]"), "/variable_to_simulation/0");
     assert!(left.keys().all(|why| !why.contains("unknown key")), "{left:?}");
     let notes = imported.scene.notes.join("\n");
     for words in [
         "\"elsewhere/state.json\" is not there; taken is",
-        "step 3, in place of steps [2]",
+        "Simpson's rule",
         "17 vertices are said to move, 15 are",
     ] {
         assert!(notes.contains(words), "{words}: {notes}");
@@ -107,4 +119,25 @@ fn the_form_of_an_optimisation_is_convergent() {
     assert_eq!(config.contact.expect("on").form, ContactForm::Convergent);
     let notes = imported.scene.notes.join("\n");
     assert!(notes.contains("switches to it in an optimisation"), "{notes}");
+}
+
+#[test]
+fn several_tags_may_move() {
+    let mut run = run();
+    let mut second = run["variable_to_simulation"][1].clone();
+    second["surface_selection"] = json!([2]);
+    second["composition"][1]["num_control_vertices"] = json!(9);
+    run["variable_to_simulation"].as_array_mut().expect("a list").push(second);
+    let (imported, _) = sound(&run);
+    let design: toml::Table =
+        toml::from_str(&imported.design.as_ref().expect("shapes").text).expect("TOML");
+    let on: Vec<&str> = design["shape"]["on"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|v| v.as_str())
+        .collect();
+    assert_eq!(on, ["s3", "s2"]);
+    let notes = imported.scene.notes.join("\n");
+    assert!(notes.contains("5 handles on every tag that moves, as on s3, in place of 9 on s2"));
 }

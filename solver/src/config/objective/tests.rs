@@ -1,0 +1,82 @@
+use super::*;
+
+/// A term of each kind with all that it needs.
+const SOUND: [&str; 11] = [
+    "kind = 'target'\non = 'a'\ntarget = 'a.stl'\ndistance = 'signed'",
+    "kind = 'displacement'\non = ['a', 'b']\ndisplacement = [0.03, '0.1*t', 0]\nover = 'simpson'",
+    "kind = 'position'\non = 'a'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
+    "kind = 'contact-force'\non = 'a'\nform = 'along'\ndirection = [0, 0, 1]",
+    "kind = 'contact-proxy'\non = ['a', 'b']\nactivation = 1e-3\nover = { steps = [53, 54] }",
+    "kind = 'wall-thickness'\non = 'a'\nagainst = ['b']\nminimum = 1e-3\nactivation = 1e-3",
+    "kind = 'smoothness'\non = 'a'\nform = 'plain'",
+    "kind = 'clearance'\nactivation = 1e-4",
+    "kind = 'volume'\non = 'a'\nvolume = 1e-6",
+    "kind = 'stress'\npower = 8",
+    "kind = 'strain-limit'\nlargest = 3",
+];
+
+fn read(text: &str, weight: &str) -> anyhow::Result<ObjectiveConfig> {
+    let config: ObjectiveConfig =
+        toml::from_str(&format!("name = 'n'\nweight = {weight}\n{text}"))?;
+    config.check().map(|()| config)
+}
+
+#[test]
+fn every_kind_is_read_and_has_its_row() {
+    assert_eq!(SOUND.len(), KINDS.len());
+    for (text, kind) in SOUND.iter().zip(KINDS) {
+        let config = read(text, "2").unwrap();
+        assert_eq!((config.kind().key, config.name(), config.weight()), (kind.key, "n", 2.0));
+        let written = toml::Table::try_from(&config).unwrap();
+        assert_eq!(written["kind"].as_str(), Some(kind.key));
+        // what may be written is what is listed
+        let mut keys: Vec<&str> = kind.keys.iter().map(|k| k.0).collect();
+        keys.extend(["kind", "name", "weight", "over"]);
+        let unknown = written.keys().find(|key| !keys.contains(&key.as_str()));
+        assert_eq!(unknown, None, "{}", kind.key);
+        let error = read(&format!("{text}\nodd = 1"), "1").unwrap_err().to_string();
+        let all = keys.iter().filter(|key| **key != "kind");
+        all.for_each(|key| assert!(error.contains(&format!("`{key}`")), "{key}: {error}"));
+    }
+    assert_eq!(*read(SOUND[1], "1").unwrap().over(), TimeIntegral::Simpson);
+    assert_eq!(*read(SOUND[4], "1").unwrap().over(), TimeIntegral::Steps(vec![53, 54]));
+    assert_eq!(*read(SOUND[0], "1").unwrap().over(), TimeIntegral::Final);
+}
+
+#[test]
+fn only_what_can_be_maximised_may_weigh_less_than_nothing() {
+    let open = "kind = 'volume'\non = 'a'";
+    for text in SOUND.iter().chain([&open]) {
+        let may = text.contains("contact") || *text == open;
+        assert_eq!(read(text, "-1").is_ok(), may, "{text}");
+        assert!(read(text, "nan").unwrap_err().to_string().contains("NaN"));
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_what_is_needed() {
+    for (row, from, to, words) in [
+        (0, "distance = 'signed'", "spacing = 0", "spacing = 0 m must be positive"),
+        (2, "'zx'", "'zz'", "some of x, y, z"),
+        (2, "'zx'", "''", "some of x, y, z"),
+        (3, "direction = [0, 0, 1]", "", "needs direction"),
+        (3, "[0, 0, 1]", "[0, 0, 0]", "not zero"),
+        (3, "'along'", "'squared'", "for form = \"along\" only"),
+        (4, "['a', 'b']", "'a'", "two tags or more"),
+        (4, "1e-3", "inf", "activation = inf m"),
+        (5, "against = ['b']", "", "one side of a wall"),
+        (5, "minimum = 1e-3", "", "needs a minimum"),
+        (5, "minimum = 1e-3", "minimum = -1.0", "minimum = -1 m"),
+        (5, "minimum = 1e-3", "minimum = 1e-3\ndensity = 'quadratic'", "has none"),
+        (8, "1e-6", "0", "volume = 0 m³"),
+        (8, "1e-6", "0", "volume = 0 m³"),
+        (9, "8", "1.5", "2 or more"),
+        (10, "3", "0.9", "above 1"),
+        (10, "3", "3\nsmallest = 1.5", "from 0 to 1"),
+    ] {
+        let text = SOUND[row].replace(from, to);
+        assert_ne!(text, SOUND[row]);
+        let error = read(&text, "1").unwrap_err().to_string();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+}
