@@ -7,16 +7,16 @@ DefineConstant[ h = {4.5, Name "Longest edge"} ];       // --set h=3.5
 
 floor = 7;                  // thickness; the axis of the bellows is in its back
 outer_crest = 16;           // radii
-outer_valley = 11;
+outer_valley = 11.5;
 inner_crest = 10.5;
 inner_valley = 5.5;
-n = 6;                      // bellows
+n = 7;                      // bellows
 period = 12;
 flat = 1.2;                 // half width of outer crests and inner valleys
 edge = 1;                   // half width of outer valleys and inner crests
 base = 14;                  // height of the first valley
 tip = 6;                    // thickness of solid material at the tip
-bore = 2.2;                 // radius of the inlet
+bore = 1.8;                 // radius of the inlet
 ramp = period / 2 - flat - edge;
 end = base + n * period;    // height of the last valley
 
@@ -76,7 +76,7 @@ body() = BooleanUnion{ Volume{back[1]}; Delete; }{ Volume{right[1], left[0]}; De
 
 hollow[] = Extrude { {0, 0, 1}, {0, floor, 0}, Pi } { Surface{inside}; };
 inlet = newv;
-Cylinder(inlet) = {0, floor + 0.5 + bore, -1, 0, 0, base, bore};
+Cylinder(inlet) = {0, floor + 1 + bore, -1, 0, 0, base, bore};
 air() = BooleanUnion{ Volume{hollow[1]}; Delete; }{ Volume{inlet}; Delete; };
 gripper() = BooleanDifference{ Volume{body()}; Delete; }{ Volume{air()}; Delete; };
 Recursive Delete { Surface{outside, inside}; }

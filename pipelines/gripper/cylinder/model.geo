@@ -5,7 +5,7 @@ SetFactory("OpenCASCADE");
 DefineConstant[ h = {4.5, Name "Longest edge"} ];
 DefineConstant[ radius = {14, Name "Radius"} ];         // --set radius=11: the target
 
-place = 36;                 // height of its axis
+place = 32;                 // height of its axis
 axis = -15;                 // y of its axis: a gap of 1 mm before a cylinder of radius 14
 length = 44;
 
