@@ -107,6 +107,10 @@ build/compression/pictures/pressed.png: build/compression/vented/report.json bui
 build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
 	@touch $@
 
+build/worm-segment/done:
+	@touch $@
+	@echo "worm-segment: pictures in build/worm-segment/pictures"
+
 # The refinement study of the chamber, in folders study/<longest edge in mm>/P<degree>.
 STUDY := build/chamber/study
 LEVELS := 6 4.4 3.2 2.4
@@ -163,14 +167,16 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/done: build/chamber/pictures/study.png
 
-# What the finger's optimisation aims at, drawn over its optimised shape.
-build/finger/pictures/target.png: build/finger/model/model.json build/finger/optimized/report.json | setup
-	$(BIN)/cad2fem picture build/finger/model/bent/patches/skin.stl build/finger/model/bent/patches/tip.stl \
-		build/finger/optimized/result.vtu --together --deform displacement $(view.finger:%=--view %) \
-		--title "finger: target and optimised, inflated" -o $@
+build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
+	$(BIN)/cad2fem picture build/finger/baseline/result.vtu build/finger/optimized/result.vtu \
+		build/finger/model/bent/model.stl --color displacement --view $(view.finger) \
+		--captions "baseline,optimised,target" --title "finger at 120 kPa" -o $@
+
+build/finger/done: build/finger/pictures/target.png
 
 # The gripper needs a cylinder to grip, and a thinner one to aim at.
 build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
+build/gripper/done: build/gripper/target/model.json
 
 build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
@@ -179,7 +185,7 @@ VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
 view.finger := front
-view.gripper := 65,20
+view.gripper := -20,12
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
@@ -187,6 +193,7 @@ section.gripper := x=0 --view right
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(eval $(call simulate,compression,build/compression,))
+$(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(eval $(call simulate,gripper,build/gripper,))
 $(eval $(call cast,gripper,build/gripper,build/gripper/tagged.msh,build/gripper/tagged.msh))
