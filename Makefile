@@ -8,16 +8,19 @@ SHELL := /bin/bash
 
 PYTHON ?= python3
 BIN := target/release
-SCENES := frog beam chamber
+SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all bench lint docs clean compression $(SCENES)
+.PHONY: help setup test test-all bench lint docs clean compression gripper worm-segment $(SCENES)
 
 help:  ## list all targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
 
 frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
+finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)
+gripper: build/gripper/done  ## close a gripper of bellows around a cylinder, and make its molds
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
+worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs

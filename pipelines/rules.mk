@@ -13,13 +13,18 @@ build/%/model/model.json: pipelines/%/model.toml | setup
 build/%/model/model.json: pipelines/%/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
 
-# Scene $(1), its results in $(2), suffix of its settings $(3).
-define simulate
+# Body $(1), its mesh in $(2), suffix of its settings $(3).
+define mesh
 $(2)/volume.msh: build/$(1)/model/model.json pipelines/$(1)/cad2fem$(3).toml | setup
 	$(BIN)/cad2fem tetmesh build/$(1)/model/model.stl --config pipelines/$(1)/cad2fem$(3).toml -o $$@
 
 $(2)/tagged.msh: $(2)/volume.msh pipelines/$(1)/tags.toml | setup
 	$(BIN)/tagger tag $$< --config pipelines/$(1)/tags.toml --patches build/$(1)/model/patches -o $$@
+endef
+
+# Scene $(1), its results in $(2), suffix of its settings $(3).
+define simulate
+$(call mesh,$(1),$(2),$(3))
 
 $(2)/baseline/report.json: pipelines/$(1)/sim$(3).toml $(2)/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
@@ -28,7 +33,7 @@ $(2)/pictures/model.png: build/$(1)/model/model.json | setup
 	$(BIN)/cad2fem picture build/$(1)/model/patches/*.stl --together $(VIEW) --title "$(1): regions" -o $$@
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
-	$(BIN)/cad2fem picture $$< --cut y=0 --edges --view front --title "$(1): tetrahedra" -o $$@
+	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(1): tetrahedra" -o $$@
 
 $(2)/pictures/baseline.png: $(2)/baseline/report.json | setup
 	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(1), inflated" -o $$@
@@ -49,7 +54,7 @@ $(2)/pictures/optimized.png: $(2)/baseline/report.json $(2)/optimized/report.jso
 		$(VIEW) --captions "baseline,optimised" --title "$(1), inflated" -o $$@
 
 $(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
-	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh --cut y=0 --view front \
+	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh $(SECTION) \
 		--captions "baseline,optimised" --title "$(1), at rest" -o $$@
 
 $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
@@ -101,6 +106,10 @@ build/compression/pictures/pressed.png: build/compression/vented/report.json bui
 
 build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
 	@touch $@
+
+build/worm-segment/done:
+	@touch $@
+	@echo "worm-segment: pictures in build/worm-segment/pictures"
 
 # The refinement study of the chamber, in folders study/<longest edge in mm>/P<degree>.
 STUDY := build/chamber/study
@@ -158,10 +167,33 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/done: build/chamber/pictures/study.png
 
+build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
+	$(BIN)/cad2fem picture build/finger/baseline/result.vtu build/finger/optimized/result.vtu \
+		build/finger/model/bent/model.stl --color displacement --view $(view.finger) \
+		--captions "baseline,optimised,target" --title "finger at 120 kPa" -o $@
+
+build/finger/done: build/finger/pictures/target.png
+
+# The gripper needs a cylinder to grip, and a thinner one to aim at.
+build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
+build/gripper/done: build/gripper/target/model.json
+
+build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
+	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
+
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
+view.finger := front
+view.gripper := -20,12
+
+SECTION = --cut $(or $(section.$(1)),y=0 --view front)
+section.gripper := x=0 --view right
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
+$(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(eval $(call simulate,compression,build/compression,))
-$(eval $(call scene,frog,build/frog/paper,.paper))
+$(eval $(call simulate,worm-segment,build/worm-segment,))
+$(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
+$(eval $(call simulate,gripper,build/gripper,))
+$(eval $(call cast,gripper,build/gripper,build/gripper/tagged.msh,build/gripper/tagged.msh))
