@@ -71,6 +71,10 @@ impl Material for Guccione {
         tangent
     }
 
+    fn parameter_count(&self) -> usize {
+        0
+    }
+
     /// The law has no parameters that can be differentiated.
     fn add_parameter_vjp(&self, _: &Kinematics, _: &Mat3, _: &mut [f64]) {}
 }

@@ -18,7 +18,7 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 /// Energy, forces, tangent, and every objective with its derivatives at a state
 /// that is no equilibrium, as bits.
 fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
-    let scene = Scene::read(&dir.path(scene), None).unwrap();
+    let scene = Scene::read(&dir.path(scene)).unwrap();
     let mut system = scene.system(&scene.body).unwrap();
     let mut random = Random::new(5);
     let rest: Vec<Vec3> =

@@ -463,16 +463,20 @@ fn first_way(level: &Level, checkpoint: &Checkpoint, optimizer: &OptimizerConfig
     way
 }
 
-/// A step from θ that moves at most as far as `wanted` [m], or exactly as far.
+/// A step from θ that moves exactly as far as `wanted` [m], or its vertices at most as
+/// far: pressures have bounds of their own.
 fn capped(level: &Level, theta: &[f64], step: Vec<f64>, wanted: f64, exactly: bool) -> Vec<f64> {
-    let at =
-        |alpha: f64| -> Vec<f64> { theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect() };
+    let map = level.map();
+    let motion_of = |alpha: f64| {
+        let end: Vec<f64> = theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect();
+        if exactly { map.motion(theta, &end) } else { map.vertex_motion(theta, &end) }
+    };
     // motion is linear in small steps, so probe with one
     let mut alpha = 1.0;
-    let mut motion = level.map().motion(theta, &at(alpha));
+    let mut motion = motion_of(alpha);
     while motion > 0.1 * wanted {
         alpha *= 0.1;
-        motion = level.map().motion(theta, &at(alpha));
+        motion = motion_of(alpha);
     }
     let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
     let factor = if exactly { scaled } else { scaled.min(1.0) };

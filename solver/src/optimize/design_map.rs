@@ -165,15 +165,21 @@ impl DesignMap {
         self.each_control(theta).map(one).collect()
     }
 
-    /// Largest motion of a vertex, or its equivalent in a variable of a pressure,
-    /// from θ = a to θ = b [m].
+    /// Largest motion of a vertex from θ = a to θ = b [m].
     #[must_use]
-    pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
+    pub fn vertex_motion(&self, a: &[f64], b: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         for ((patch, a), (_, b)) in self.each_patch(a).zip(self.each_patch(b)) {
             let (a, b) = (patch.apply(a, &self.rest), patch.apply(b, &self.rest));
             largest = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(largest, f64::max);
         }
+        largest
+    }
+
+    /// The same, or the equivalent in a variable of a pressure if that is larger [m].
+    #[must_use]
+    pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
+        let largest = self.vertex_motion(a, b);
         let from = self.shape_variables();
         let pressures = a[from..].iter().zip(&b[from..]).map(|(a, b)| (a - b).abs());
         pressures.fold(largest, f64::max)
