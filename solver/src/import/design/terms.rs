@@ -17,7 +17,7 @@ struct Term<'a> {
 
 impl Writer<'_> {
     /// Writes a term of the objective if there is one like it here.
-    fn term(&mut self, term: &Key) -> Result<()> {
+    pub(super) fn term(&mut self, term: &Key) -> Result<()> {
         let weight = match term.get("weight") {
             Some(key) => key.becomes("weight").number()?,
             None => 1.0,

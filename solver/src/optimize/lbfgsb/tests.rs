@@ -148,9 +148,7 @@ fn rosenbrocks_valley_is_followed_within_bounds() {
         let mut x = vec![-1.2_f64.max(l[0]), 1.0];
         while projected_gradient_norm(&x, &rosenbrock(&x).1, &l, &u) > 1e-8 {
             x = iterate(&mut memory, &x, &l, &u, 0.5);
-            assert!(
-                x.iter().zip(&l).all(|(x, l)| x >= l) && x.iter().zip(&u).all(|(x, u)| x <= u)
-            );
+            assert!(x.iter().zip(&l).all(|(x, l)| x >= l) && x.iter().zip(&u).all(|(x, u)| x <= u));
             iterations += 1;
             assert!(iterations < 60, "{x:?}");
         }

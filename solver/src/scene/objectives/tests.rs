@@ -157,15 +157,12 @@ fn what_is_missing_is_named() {
     let error = |contact: &str, terms: &str| {
         format!("{:#}", values(contact, terms).err().expect("refused"))
     };
-    let (target, volume) = ("[[objective]]\nkind = 'target'\non = 'upper'", "[[objective]]\nkind = 'volume'\n");
+    let (target, volume) =
+        ("[[objective]]\nkind = 'target'\non = 'upper'", "[[objective]]\nkind = 'volume'\n");
     for (contact, terms, words) in [
         ("", TERMS.to_owned(), "contact-force: there are no forces"),
         ("", format!("{target}\ndistance = 'signed'\ntarget = 'open.stl'"), "4 edges on the rim"),
-        (
-            "",
-            format!("{target}\ndistance = 'signed'\ntarget = 'inside out.stl'"),
-            "face inwards",
-        ),
+        ("", format!("{target}\ndistance = 'signed'\ntarget = 'inside out.stl'"), "face inwards"),
         ("", format!("{target}\ntarget = 'none.stl'"), "none.stl"),
         ("", format!("{volume}on = 'chamber'"), "objective \"term 1\": unknown tag \"chamber\""),
         ("", format!("{volume}over = {{ steps = [5] }}"), "step 5: the scene has steps 1 to 4"),
@@ -173,8 +170,12 @@ fn what_is_missing_is_named() {
         ("", "[[objective]]\nkind = 'stress'\non = 'lower.top'".to_owned(), "lower, upper"),
         (
             "",
-            TERMS.replace("t = [0.5, 1.0]", "t = [0.6, 1.0]").split("[[objective]]\nkind = 'position'")
-                .next().unwrap_or_default().to_owned(),
+            TERMS
+                .replace("t = [0.5, 1.0]", "t = [0.6, 1.0]")
+                .split("[[objective]]\nkind = 'position'")
+                .next()
+                .unwrap_or_default()
+                .to_owned(),
             "displacement: ",
         ),
         (
