@@ -1,3 +1,5 @@
+use anyhow::Result;
+
 use super::*;
 
 /// A term of each kind with all that it needs.
