@@ -161,6 +161,8 @@ fn every_derivative_belongs_to_the_energy_at_any_scale() {
         (1, 1.0, Form::Convergent, 0.0),
         (2, 1e-3, Form::Convergent, 0.03),
         (1, 1e3, Form::Convergent, 0.03),
+        (3, 1.0, Form::Convergent, 0.0),
+        (3, 1e-3, Form::Plain, 0.03),
         (1, 1e-3, Form::Plain, 0.0),
     ] {
         let scene = blocks(degree, form, scale, thickness);
