@@ -67,7 +67,13 @@ pub(super) fn pull_supports(
         return None;
     }
     system.fix(&kept);
-    let springs = Springs::new(system, rest, (start, load), (0..fixed.len()).filter(|&d| released(d)), &places);
+    let springs = Springs::new(
+        system,
+        rest,
+        (start, load),
+        (0..fixed.len()).filter(|&d| released(d)),
+        &places,
+    );
     let found = approach(system, rest, start, load, newton, springs, residuals);
     system.fix(&fixed);
     found

@@ -178,8 +178,7 @@ pub(super) fn attempt(
     let free = system.max_step(rest, (&start, before), (&u, load));
     let (mut residuals, mut pulling) = (Vec::new(), 0);
     if free < 1.0 {
-        let around =
-            pull_supports(system, rest, (&start, before), load, newton, &mut residuals);
+        let around = pull_supports(system, rest, (&start, before), load, newton, &mut residuals);
         let Some(placed) = around else {
             return Err(Failed { failure: Failure::Blocked { free }, u: start, residuals });
         };
