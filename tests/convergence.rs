@@ -34,5 +34,7 @@ mod schedules;
 mod shell;
 #[path = "convergence/sphere_volume.rs"]
 mod sphere_volume;
+#[path = "convergence/supports.rs"]
+mod supports;
 #[path = "convergence/volumes.rs"]
 mod volumes;

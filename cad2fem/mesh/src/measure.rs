@@ -48,6 +48,16 @@ pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     Matrix3::from_columns(&[b - a, c - a, d - a]).determinant() / 6.0
 }
 
+/// Gradient of [`tet_volume`] by each corner [m²]: a sixth of the cross product of
+/// two edges of the opposite face; that of the first corner is minus the sum of
+/// the others.
+#[must_use]
+pub fn tet_volume_gradient(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [Vec3; 4] {
+    let (p, q, s) = (b - a, c - a, d - a);
+    let by = [q.cross(&s), s.cross(&p), p.cross(&q)].map(|n| n / 6.0);
+    [-(by[0] + by[1] + by[2]), by[0], by[1], by[2]]
+}
+
 /// Mean length of the edges of triangles [m]; NaN without any.
 #[must_use]
 pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
@@ -232,6 +242,21 @@ mod tests {
                 [3, 1, 5],
                 [0, 3, 5],
             ],
+        }
+    }
+
+    /// The volume is linear in the place of each corner.
+    #[test]
+    fn a_volume_grows_by_its_gradient() {
+        let corners = [[0.3, 0.1, -0.2], [1.1, 0.2, 0.1], [0.2, 0.9, 0.3], [0.1, -0.1, 1.2]];
+        let corners = corners.map(Vec3::from);
+        let volume = |[a, b, c, d]: [Vec3; 4]| tet_volume(a, b, c, d);
+        let [a, b, c, d] = corners;
+        let by = Vec3::new(0.4, -0.7, 0.5);
+        for (k, gradient) in tet_volume_gradient(a, b, c, d).iter().enumerate() {
+            let mut moved = corners;
+            moved[k] += by;
+            assert!((volume(moved) - volume(corners) - gradient.dot(&by)).abs() < ROUNDING);
         }
     }
 

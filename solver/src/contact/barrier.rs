@@ -22,8 +22,29 @@ pub enum Form {
     /// meshes are refined.
     #[default]
     Convergent,
+    /// By areas as well, but nearly all of it by vertices and triangles, so that it
+    /// does not depend on how meshes lie on each other: between flat surfaces each
+    /// edge meets several others, of which the convergent form counts all.
+    Even,
     /// Every pair alike, so that it grows with the number of facets.
     Plain,
+}
+
+/// What edges with edges have of the even form. It makes them a barrier still; an
+/// edge of one skin that crosses five of the other adds 0.8 % to what it should.
+const EDGES: f64 = 1e-3;
+
+impl Form {
+    /// What areas of vertices, and those of edges, count with their features. All
+    /// together count an area of two surfaces once where each edge of one crosses
+    /// one of the other.
+    #[must_use]
+    pub fn shares(self) -> [f64; 2] {
+        match self {
+            Self::Convergent | Self::Plain => [0.25, 0.25],
+            Self::Even => [0.5 - EDGES, EDGES],
+        }
+    }
 }
 
 /// The barrier κ σ b between surfaces.
@@ -46,13 +67,13 @@ impl Barrier {
         self.thickness + self.activation
     }
 
-    /// κ σ, with σ = 1 / (d̂ (d̂ + 2 d₀)²) in the convergent form, else one
+    /// κ σ, with σ = 1 / (d̂ (d̂ + 2 d₀)²) where areas weigh, else one
     /// [J/m⁶; J/m⁴].
     #[must_use]
     pub fn scale(&self) -> f64 {
         let full = self.activation + 2.0 * self.thickness;
         match self.form {
-            Form::Convergent => self.stiffness / (self.activation * full * full),
+            Form::Convergent | Form::Even => self.stiffness / (self.activation * full * full),
             Form::Plain => self.stiffness,
         }
     }

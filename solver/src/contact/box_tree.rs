@@ -74,14 +74,8 @@ impl BoxTree {
 
     /// Number of boxes.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.order.len()
-    }
-
-    /// Whether there is no box.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.order.is_empty()
     }
 
     /// The box at a place of the curve, and its index.
@@ -174,7 +168,7 @@ mod tests {
                 })
                 .collect();
             let tree = BoxTree::new(&boxes);
-            assert_eq!(tree.len(), count);
+            assert_eq!(tree.count(), count);
             let mut pairs = Vec::new();
             for place in 0..count {
                 let (i, query) = tree.at(place);
@@ -199,7 +193,7 @@ mod tests {
             }
             assert_eq!(pairs, expected);
         }
-        assert!(BoxTree::new(&[]).is_empty());
+        assert_eq!(BoxTree::new(&[]).count(), 0);
     }
 
     #[test]

@@ -155,7 +155,7 @@ impl Search<'_> {
             }
             keys
         };
-        map_merge(queries.len(), search, |_, mut part| keys.append(&mut part));
+        map_merge(queries.count(), search, |_, mut part| keys.append(&mut part));
         if self.seen.load(Ordering::Relaxed) > self.budget {
             return Err(TooMany { budget: self.budget });
         }

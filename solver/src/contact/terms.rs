@@ -16,7 +16,8 @@
 //!                             are not faded with it; for each of those that are,
 //!                             −¼ A_e times the faded pair at the distance of v
 //!
-//! Equal stencils are merged. Weights may be negative.
+//! Equal stencils are merged. Weights may be negative. In the even form the ¼ of
+//! vertices and of edges are replaced by [`Form::shares`].
 //!
 //! Source: Li et al. 2023, "Convergent Incremental Potential Contact",
 //! arXiv:2307.15908.
@@ -70,7 +71,10 @@ impl Terms {
         (x, rest): (&[Vec3], &[Vec3]),
         range: f64,
     ) -> Self {
+        let [by_vertex, by_edge] = form.shares();
         let mut collector = Collector {
+            by_vertex,
+            by_edge,
             surface,
             adjacency,
             x,
@@ -86,7 +90,7 @@ impl Terms {
                 let stencil = collector.stencil(pair, closest);
                 collector.shares.push(Share { stencil, area: None, factor: 1.0 });
             }),
-            Form::Convergent => collector.convergent(active),
+            Form::Convergent | Form::Even => collector.by_area(active),
         }
         Self::merge(collector.shares, &adjacency.areas(rest))
     }
@@ -118,6 +122,10 @@ impl Terms {
 }
 
 struct Collector<'a> {
+    /// What the area of a vertex counts with a triangle.
+    by_vertex: f64,
+    /// What the area of an edge counts with another.
+    by_edge: f64,
     surface: &'a Surface,
     adjacency: &'a Adjacency,
     x: &'a [Vec3],
@@ -133,18 +141,18 @@ struct Collector<'a> {
 }
 
 impl Collector<'_> {
-    fn convergent(&mut self, active: &[(Pair, Closest)]) {
+    fn by_area(&mut self, active: &[(Pair, Closest)]) {
         for (pair, closest) in active {
             let stencil = self.stencil(pair, closest);
             match *pair {
                 Pair::PointTriangle([p, a, b, c]) => {
-                    self.add(stencil, p, 0.25);
+                    self.add(stencil, p, self.by_vertex);
                     self.note_parts_of_triangle(p, [a, b, c]);
                 }
                 Pair::EdgeEdge([a, b, c, d]) => {
                     let edges = [[a, b], [c, d]].map(|edge| self.adjacency.edge(edge));
                     for edge in edges {
-                        self.add(stencil, self.adjacency.area_of_edge(edge), 0.25);
+                        self.add(stencil, self.adjacency.area_of_edge(edge), self.by_edge);
                     }
                     self.note_ends(edges[0], [c, d]);
                     self.note_ends(edges[1], [a, b]);
@@ -207,7 +215,7 @@ impl Collector<'_> {
         if others > 1 {
             let (corners, closest) = self.point_edge(p, self.adjacency.ends(edge));
             let stencil = Stencil::reduced(corners, Region::of(1, &closest));
-            self.add(stencil, p, 0.25 * (1.0 - others as f64));
+            self.add(stencil, p, self.by_vertex * (1.0 - others as f64));
         }
     }
 
@@ -215,7 +223,7 @@ impl Collector<'_> {
         let region = Region { first: 1, active: [true, true, false, false] };
         for (v, w) in [(p, q), (q, p)] {
             if !self.adjacency.on_rim(w) && !self.adjacency.neighbours(v, w) {
-                self.add(Stencil::reduced([v, w, v, v], region), v, 0.25);
+                self.add(Stencil::reduced([v, w, v, v], region), v, self.by_vertex);
             }
         }
     }
@@ -238,11 +246,11 @@ impl Collector<'_> {
             let point = (0..4).find(|&i| corners[i] == p).expect("an end of one edge");
             let edge = if point < 2 { [2, 3] } else { [0, 1] };
             let region = Region::of(2, &point_edge(&x, point, edge));
-            self.add(Stencil::faded(corners, region), area, -0.25);
+            self.add(Stencil::faded(corners, region), area, -self.by_edge);
         }
         let (corners, closest) = self.point_edge(p, ends);
         let stencil = Stencil::reduced(corners, Region::of(1, &closest));
-        self.add(stencil, area, -0.25 * (kept - 1.0));
+        self.add(stencil, area, -self.by_edge * (kept - 1.0));
     }
 
     /// Closest points of a vertex and an edge, with corners as of a vertex and a

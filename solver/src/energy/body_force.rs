@@ -10,6 +10,7 @@
 use std::ops::Range;
 
 use mesh::Vec3;
+use mesh::measure::{tet_volume, tet_volume_gradient};
 
 use super::{Energy, Hessian, Iterate};
 use crate::element::{add_at, at};
@@ -73,7 +74,7 @@ impl BodyForce {
         let all = at_.space.tets().iter().zip(nodes);
         for (&tet, nodes) in all.skip(elements.start).take(elements.len()) {
             let [a, b, c, d] = tet.map(|v| at_.rest[v]);
-            let volume = mesh::measure::tet_volume(a, b, c, d);
+            let volume = tet_volume(a, b, c, d);
             for (values, &weight) in table.values.iter().zip(&table.weights) {
                 let (mut place, mut force) = (Vec3::zeros(), uniform);
                 if varies {
@@ -117,12 +118,8 @@ impl Energy for BodyForce {
             let lambda = p.value_of(lambda);
             let density = -p.weight * p.force.dot(&lambda);
             let [a, b, c, d] = p.tet.map(|v| at_.rest[v]);
-            // gradient of the volume with respect to b, c, d; that of a is minus their sum
-            let by = [(c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
-            for (vertex, by) in p.tet[1..].iter().zip(by) {
-                let part = density / 6.0 * by;
-                add_at(out, *vertex, &part);
-                add_at(out, p.tet[0], &-part);
+            for (&vertex, by) in p.tet.iter().zip(tet_volume_gradient(a, b, c, d)) {
+                add_at(out, vertex, &(density * by));
             }
             if varies {
                 let by_place =

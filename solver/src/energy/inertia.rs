@@ -22,6 +22,7 @@
 use std::ops::Range;
 
 use mesh::Vec3;
+use mesh::measure::{tet_volume, tet_volume_gradient};
 
 use super::{Energy, Hessian, Iterate, PastCotangent};
 use crate::element::{FunctionSpace, add_at, at};
@@ -77,7 +78,7 @@ impl Inertia {
         let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
         let n = at_.space.nodes_per_element();
         let nodes = &at_.space.element_nodes()[n * e..n * (e + 1)];
-        (self.density * mesh::measure::tet_volume(a, b, c, d), nodes)
+        (self.density * tet_volume(a, b, c, d), nodes)
     }
 
     /// Σ_b m_ab w_b for all nodes a of an element.
@@ -191,18 +192,12 @@ impl Energy for Inertia {
                 let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
                 let md = self.times_reference(&deviation, nodes);
                 let along: f64 = md.iter().zip(nodes).map(|(m, &n)| m.dot(&at(lambda, n))).sum();
-                // ∂|T|/∂X of the last three corners; that of the first is minus their sum
-                let by =
-                    [(c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
-                let volume = mesh::measure::tet_volume(a, b, c, d);
-                by.map(|by| rate * mass / volume * along / 6.0 * by)
+                let volume = tet_volume(a, b, c, d);
+                tet_volume_gradient(a, b, c, d).map(|by| rate * mass / volume * along * by)
             },
             |e, parts| {
                 let tet = at_.space.tets()[e];
-                for (vertex, part) in tet[1..].iter().zip(parts) {
-                    add_at(out, *vertex, &part);
-                    add_at(out, tet[0], &-part);
-                }
+                tet.iter().zip(parts).for_each(|(&vertex, part)| add_at(out, vertex, &part));
             },
         );
     }

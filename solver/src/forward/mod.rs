@@ -1,5 +1,6 @@
 //! From energies to an equilibrium.
 
+mod augmented;
 mod certificate;
 mod integrator;
 mod ladder;

@@ -9,6 +9,7 @@ use std::time::Instant;
 use mesh::Vec3;
 use serde::Serialize;
 
+use super::augmented::pull_supports;
 use super::volumes::balance;
 use super::{Converged, Failure, Integrator, March, Method, Newton, State, System, certificate};
 use crate::energy::Multiplier;
@@ -163,8 +164,8 @@ pub(super) struct Failed {
 }
 
 /// One load step from a state that surfaces can reach at an earlier load: the
-/// supports are moved, the forces balanced, prescribed volumes reached and the
-/// state certified.
+/// supports are moved, or pulled where their straight way is blocked, the forces
+/// balanced, prescribed volumes reached and the state certified.
 pub(super) fn attempt(
     system: &mut System,
     rest: &[Vec3],
@@ -175,10 +176,14 @@ pub(super) fn attempt(
     let mut u = start.clone();
     system.move_supports(rest, &mut u, load);
     let free = system.max_step(rest, (&start, before), (&u, load));
+    let (mut residuals, mut pulling) = (Vec::new(), 0);
     if free < 1.0 {
-        return Err(Failed { failure: Failure::Blocked { free }, u: start, residuals: Vec::new() });
+        let around = pull_supports(system, rest, (&start, before), load, newton, &mut residuals);
+        let Some(placed) = around else {
+            return Err(Failed { failure: Failure::Blocked { free }, u: start, residuals });
+        };
+        (u, pulling) = (placed.u, placed.iterations);
     }
-    let mut residuals = Vec::new();
     let converged = match balance(system, rest, &mut u, load, newton, &mut residuals) {
         Ok(converged) => converged,
         Err(failure) => return Err(Failed { failure, u, residuals }),
@@ -193,7 +198,7 @@ pub(super) fn attempt(
     match certify(system, rest, &u, load) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
             load,
-            newton_iterations: iterations,
+            newton_iterations: pulling + iterations,
             residual,
             residual_wanted: wanted,
             rounding_floor: floor,

@@ -193,11 +193,27 @@ impl System {
         self.with_motion(Box::new(move |load| full.iter().map(|u| load * u).collect()))
     }
 
+    /// Displacement of the fixed degrees of freedom at a load [m]; entries of the
+    /// others mean nothing.
+    #[must_use]
+    pub fn displacement_of_supports(&self, load: f64) -> Vec<f64> {
+        self.motion.as_ref().map_or_else(|| vec![0.0; self.len()], |at| at(load))
+    }
+
+    /// Fixes other degrees of freedom. The factor is forgotten.
+    pub fn fix(&mut self, fixed: &[bool]) {
+        let start = Instant::now();
+        (self.pattern, self.free, self.linear) = symbolic(&self.space, fixed, &self.couplings);
+        self.supports = (0..fixed.len()).filter(|&d| fixed[d]).collect();
+        self.fixed = fixed.to_vec();
+        self.timings.symbolic_s += start.elapsed().as_secs_f64();
+    }
+
     /// Sets the fixed degrees of freedom of `u` to their displacement at a load,
     /// and moves the others as the tangent at `u` says, so that elements at the
     /// supports are not crushed. Nothing happens where they are already there.
     pub fn move_supports(&mut self, rest: &[Vec3], u: &mut [f64], load: f64) {
-        let wanted = self.motion.as_ref().map_or_else(|| vec![0.0; u.len()], |at| at(load));
+        let wanted = self.displacement_of_supports(load);
         let mut motion = vec![0.0; u.len()];
         for &dof in &self.supports {
             motion[dof] = wanted[dof] - u[dof];

@@ -1,0 +1,142 @@
+use std::sync::Arc;
+
+use mesh::SurfaceMesh;
+
+use super::*;
+use crate::contact::barrier::{Barrier, Form};
+use crate::contact::surface::{Obstacle, Surface};
+use crate::element::FunctionSpace;
+use crate::energy::{Contact, Elastic, Inertia, TimeStep};
+use crate::forward::Failure;
+use crate::forward::stepping::{Failed, attempt};
+use crate::material::{Lame, NeoHookean};
+use crate::math::linear::norm;
+use crate::testing::{check_gradient, cube, square};
+
+const EDGE: f64 = 0.01;
+/// Between the two cubes [m].
+const GAP: f64 = 1e-3;
+const NEWTON: Newton = Newton { iterations: 100, relative: 1e-10, absolute: 0.0 };
+
+/// A cube whose skin is moved up by `way` [m], and a free one a millimetre above
+/// it, with inertia in a step of h [s], or held by a tiny mass; and a ceiling.
+fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> (System, Vec<Vec3>) {
+    let unit = cube(2, 0.1);
+    let lift = Vec3::new(0.3 * GAP, 0.2 * GAP, EDGE + GAP);
+    let upper = unit.vertices.iter().map(|v| EDGE * v + lift);
+    let rest: Vec<Vec3> = unit.vertices.iter().map(|v| EDGE * v).chain(upper).collect();
+    let count = unit.vertices.len();
+    let mut tets = unit.tets.clone();
+    tets.extend(unit.tets.iter().map(|t| t.map(|v| v + count)));
+    let own = mesh::topology::boundary(&unit).facets;
+    let mut facets = own.clone();
+    facets.extend(own.iter().map(|f| f.map(|v| v + count)));
+    let bodies: Vec<usize> = (0..facets.len()).map(|f| f / own.len()).collect();
+
+    let space = FunctionSpace::new(degree, rest.len(), tets);
+    let mut fixed = vec![false; 3 * space.node_count()];
+    for node in own.iter().flat_map(|&f| space.facet_nodes(f)) {
+        fixed[3 * node..3 * node + 3].fill(true);
+    }
+    let plate = |v: &Vec3| Vec3::new(0.1 * (v.x - 0.5), 0.1 * (v.y - 0.5), 2.0 * EDGE + ceiling);
+    let surface = square(1, 0.0);
+    let vertices = surface.vertices.iter().map(plate).collect();
+    let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
+    let surface = Surface::new(&space, (&facets, &bodies), vec![obstacle], degree, &fixed);
+    let (form, activation, stiffness) = (Form::Convergent, 2e-4, 1e5);
+    let barrier = Barrier { form, activation, stiffness, thickness: 0.0 };
+    let elements = 0..space.tets().len();
+    let mass = if h.is_some() { Inertia::new } else { Inertia::tiny };
+    let energies: Vec<Box<dyn Energy>> = vec![
+        Box::new(Elastic::whole(Box::new(NeoHookean(Lame::new(1e5, 0.35))))),
+        Box::new(mass(&space, 1e3, elements)),
+        Box::new(Contact::new(Arc::new(surface), barrier).certified()),
+    ];
+    let still = vec![0.0; fixed.len()];
+    let free_flight = h.map(|_| still.clone());
+    let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, sliding: Vec::new() };
+    let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { way } else { 0.0 }).collect();
+    let mut system = System::new(space, energies, &fixed).with_displacement(&up);
+    system.step = Some(step);
+    (system, rest)
+}
+
+/// How much of the straight way to the supports' places at a load is free.
+fn straight(system: &mut System, rest: &[Vec3], (start, before): (&[f64], f64), load: f64) -> f64 {
+    let mut u = start.to_vec();
+    system.move_supports(rest, &mut u, load);
+    system.max_step(rest, (start, before), (&u, load))
+}
+
+#[test]
+fn what_blocks_a_support_is_pushed_along_in_one_step() {
+    for (degree, h) in [(1, None), (1, Some(0.1)), (1, Some(0.01)), (2, Some(0.1))] {
+        let (mut system, rest) = pusher(degree, 3.0 * GAP, h, 1.0);
+        let zero = vec![0.0; system.len()];
+        let free = straight(&mut system, &rest, (&zero, 0.0), 1.0);
+        assert!(free < 0.35, "{free}");
+        let one = attempt(&mut system, &rest, (zero.clone(), 0.0), 1.0, &NEWTON);
+        let one = one.unwrap_or_else(|f| panic!("P{degree}, h {h:?}: {}", f.failure));
+
+        let (mut u, mut load, steps) = (zero, 0.0, 60);
+        let mut iterations = 0;
+        for k in 1..=steps {
+            let next = f64::from(k) / f64::from(steps);
+            assert_eq!(straight(&mut system, &rest, (&u, load), next), 1.0, "step {k}");
+            let step = attempt(&mut system, &rest, (u, load), next, &NEWTON);
+            let step = step.unwrap_or_else(|f| panic!("step {k}: {}", f.failure));
+            iterations += step.newton_iterations;
+            (u, load) = (step.u, next);
+        }
+        let off: Vec<f64> = one.u.iter().zip(&u).map(|(a, b)| a - b).collect();
+        let off = norm(&off) / norm(&u);
+        eprintln!(
+            "P{degree}, h {h:?}: {free:.2} of the way is free; {} iterations in one step, \
+             {iterations} in {steps}; {off:.1e} apart",
+            one.newton_iterations
+        );
+        assert!(off < 1e-7, "P{degree}, h {h:?}: {off:e}");
+    }
+}
+
+/// The ceiling leaves no room for both cubes.
+#[test]
+fn places_out_of_reach_are_given_up_with_everything_as_before() {
+    let (mut system, rest) = pusher(1, 2.0 * EDGE, Some(0.1), 2.0 * GAP);
+    let (fixed, count) = (system.fixed().to_vec(), system.energies.len());
+    let zero = vec![0.0; system.len()];
+    let failed = attempt(&mut system, &rest, (zero.clone(), 0.0), 1.0, &NEWTON).err();
+    let Some(Failed { failure: Failure::Blocked { free }, u, .. }) = failed else {
+        panic!("it was not blocked");
+    };
+    assert!(free < 0.1 && u == zero, "{free}");
+    assert!(system.fixed() == fixed && system.energies.len() == count);
+}
+
+#[test]
+fn springs_have_their_derivatives() {
+    let (mut system, rest) = pusher(2, GAP, Some(0.1), 1.0);
+    let u: Vec<f64> = (0..system.len()).map(|d| 1e-4 * (d as f64).sin()).collect();
+    let places = system.displacement_of_supports(1.0);
+    system.fix(&vec![false; u.len()]);
+    let dofs = (0..u.len()).step_by(7);
+    let mut springs = Springs::new(&mut system, &rest, (&u, 1.0), dofs, &places);
+    assert!(springs.0.iter().all(|s| s.stiffness > 0.0));
+    springs.renew(&u, 2.0);
+    let value = |u: &[f64]| springs.value(&system.iterate(&rest, u, 1.0));
+    let gradient = |u: &[f64]| {
+        let mut gradient = vec![0.0; u.len()];
+        springs.add_gradient(&system.iterate(&rest, u, 1.0), &mut gradient);
+        gradient
+    };
+    check_gradient(&u, &gradient(&u), 1e-3, value);
+    let nodes: Vec<usize> = (0..u.len() / 3).collect();
+    let dense = crate::math::sparse::Pattern::new(nodes.len(), &nodes, nodes.len(), &[]);
+    let mut matrix = BlockMatrix::zeros(&dense);
+    springs.add_hessian(&system.iterate(&rest, &u, 1.0), Hessian::Exact, &mut matrix);
+    // it is quadratic
+    let by: Vec<f64> = gradient(&places).iter().zip(gradient(&u)).map(|(a, b)| a - b).collect();
+    let way: Vec<f64> = places.iter().zip(&u).map(|(a, b)| a - b).collect();
+    let off: Vec<f64> = matrix.multiply(&way).iter().zip(&by).map(|(a, b)| a - b).collect();
+    assert!(norm(&off) < 1e-12 * norm(&by));
+}

@@ -1,0 +1,135 @@
+//! Supports that move into something within one time step: the straight way is
+//! blocked, so they are pulled, and what they meet is pushed along.
+
+use mesh::{SurfaceMesh, Vec3};
+use solver::body::Body;
+use solver::element::at;
+use tests::motion::{Motion, SILICONE, begin};
+use tests::{block, tag};
+
+const EDGE: f64 = 0.02;
+/// d̂ [m].
+const ACTIVATION: f64 = 1e-4;
+
+/// A cube with its lower and its upper end.
+fn cube(cells: usize) -> Body {
+    let mesh = block([cells; 3], EDGE / cells as f64, |_| false, |p| p);
+    let (low, high) = (1e-6, EDGE - 1e-6);
+    tag(
+        mesh,
+        &[("low", &|p: Vec3| p.z < low), ("high", &|p: Vec3| p.z > high), ("sides", &|_| true)],
+    )
+}
+
+/// A square in the plane x = `x`, none of whose edges meets the cube.
+fn wall(x: f64) -> SurfaceMesh {
+    let corner = |y: f64, z: f64| Vec3::new(x, 0.01 + 0.1 * y, 0.06 + 0.1 * z);
+    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
+    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+/// Goes to the end; how much of the straight way there is free, and the number of
+/// load steps.
+fn go(motion: &mut Motion) -> (f64, usize) {
+    let rest = motion.scene.body.mesh.vertices.clone();
+    let (still, end) = (vec![0.0; motion.system.len()], *motion.scene.times().last().unwrap());
+    let mut straight = still.clone();
+    motion.system.move_supports(&rest, &mut straight, end);
+    let free = motion.system.max_step(&rest, (&still, 0.0), (&straight, end));
+    let mut load_steps = 0;
+    for end in motion.scene.times() {
+        motion
+            .march
+            .advance(&mut motion.system, &rest, end, |step| {
+                load_steps += 1;
+                motion.last = Some(step.clone());
+            })
+            .unwrap_or_else(|e| panic!("t = {end}: {e}"));
+    }
+    (free, load_steps)
+}
+
+/// Largest difference of two displacements over the largest of the first.
+fn apart(a: &Motion, b: &Motion) -> f64 {
+    let largest = |w: &[f64]| (0..w.len() / 3).map(|n| at(w, n).norm()).fold(0.0, f64::max);
+    let off: Vec<f64> = a.u().iter().zip(b.u()).map(|(a, b)| a - b).collect();
+    largest(&off) / largest(a.u())
+}
+
+/// Its ends come nearer by a quarter, and its sides swell until walls hold them,
+/// half a millimetre away at rest.
+#[test]
+fn a_cube_pressed_at_its_ends_until_its_sides_touch() {
+    let run = |degree: usize, cells: usize, steps: usize| {
+        let half = EDGE / 8.0;
+        let text = format!(
+            "degree = {degree}\n[[body]]\nname = \"cube\"\nmesh = \"cube.msh\"\n{SILICONE}\
+             [[fixed]]\non = \"cube.low\"\ndisplacement = [0, 0, \"{half:e}*t\"]\n\
+             [[fixed]]\non = \"cube.high\"\ndisplacement = [0, 0, \"-{half:e}*t\"]\n\
+             [[obstacle]]\nname = \"left\"\nsurface = \"left.stl\"\n\
+             [[obstacle]]\nname = \"right\"\nsurface = \"right.stl\"\n\
+             [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\n\
+             [time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = {steps}\n\
+             [solver]\nfirst_load_step = 1.0\n"
+        );
+        let walls = [("left", &wall(-5e-4)), ("right", &wall(EDGE + 5e-4))];
+        let mut motion = begin(&[("cube", &cube(cells))], &walls, &text);
+        let (free, load_steps) = go(&mut motion);
+        (motion, free, load_steps)
+    };
+    for (degree, cells) in [(1, 4), (2, 2)] {
+        let (mut one, free, load_steps) = run(degree, cells, 1);
+        let (many, ..) = run(degree, cells, 40);
+        let forces = one.report()["collisions"]["contact"].clone();
+        let touching =
+            forces.as_array().unwrap().iter().filter(|f| f["magnitude"].as_f64() > Some(1e-3));
+        assert_eq!(touching.count(), 2, "{forces}");
+        let apart = apart(&one, &many);
+        eprintln!(
+            "cube pressed at its ends, P{degree}: {free:.2} is free; {load_steps} load step, {} Newton iterations; \
+             in 40: {}; {apart:.1e} apart",
+            one.march.progress.newton_iterations, many.march.progress.newton_iterations
+        );
+        assert!(free < 0.9 && load_steps == 1, "{free} {load_steps}");
+        assert!(apart < 1e-6, "{apart:e}");
+    }
+}
+
+/// A body that is moved as a whole meets a softer one that stands.
+#[test]
+fn a_block_moved_onto_a_body_by_more_than_the_gap() {
+    let run = |end: f64, time: &str| {
+        let text = format!(
+            "degree = 1\n[[body]]\nname = \"lower\"\nmesh = \"cube.msh\"\n{SILICONE}\
+             [[body]]\nname = \"block\"\nmesh = \"cube.msh\"\n\
+             translate = [3e-4, 2e-4, {:e}]\n{SILICONE}\
+             [[fixed]]\non = \"lower.low\"\n\
+             [[fixed]]\non = \"block\"\ndisplacement = [0, 0, \"-{:e}*t\"]\n\
+             [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\n\
+             [time]\nend = {end:e}\n{time}\n[solver]\nfirst_load_step = 1.0\n",
+            EDGE + 1e-3,
+            3e-3 / end
+        );
+        let mut motion = begin(&[("cube", &cube(4))], &[], &text);
+        let (free, load_steps) = go(&mut motion);
+        assert!(free < 0.35, "{free}");
+        (motion, load_steps)
+    };
+    let quasistatic =
+        |steps: usize| run(1.0, &format!("method = \"quasistatic\"\nsteps = {steps}"));
+    let (one, load_steps) = quasistatic(1);
+    let (many, _) = quasistatic(60);
+    let apart = apart(&one, &many);
+    eprintln!(
+        "block moved onto a body: {load_steps} load step, {} Newton iterations; in 60: {}; \
+         {apart:.1e} apart",
+        one.march.progress.newton_iterations, many.march.progress.newton_iterations
+    );
+    assert_eq!(load_steps, 1);
+    assert!(apart < 1e-6, "{apart:e}");
+
+    let (mut fast, load_steps) = run(0.05, "steps = 1");
+    let gap = fast.report()["collisions"]["smallest_gap"].as_f64().unwrap();
+    eprintln!("the same in a step of 50 ms with inertia: {load_steps} load step, gap {gap:.3}");
+    assert!(load_steps == 1 && gap > 0.0 && gap < 1.0, "{load_steps} {gap}");
+}
