@@ -17,7 +17,7 @@ help:  ## list all targets
 
 frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
 finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)
-gripper: build/gripper/done  ## close a gripper of bellows around a cylinder, and make its molds
+gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed

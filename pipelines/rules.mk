@@ -174,9 +174,32 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/done: build/finger/pictures/target.png
 
-# The gripper needs a cylinder to grip, and a thinner one to aim at.
+# The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
+# the force on the cylinder (optimize) and by shape alone (shape).
 build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
-build/gripper/done: build/gripper/target/model.json
+
+# Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
+define grip
+build/gripper/$(1)/report.json: pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml \
+		build/gripper/tagged.msh build/gripper/cylinder/tagged.msh build/gripper/target/model.json | setup
+	$(BIN)/solver optimize $$< -o $$(@D)
+
+build/gripper/$(2)/report.json: build/gripper/$(1)/report.json | setup
+	$(BIN)/solver simulate pipelines/gripper/sim.toml \
+		--mesh gripper=build/gripper/$(1)/design.gripper.msh -o $$(@D)
+endef
+$(eval $(call grip,optimize,optimized,))
+$(eval $(call grip,shape,shaped,.shape))
+
+build/gripper/pictures/gripping.png: $(patsubst %,build/gripper/%/report.json,baseline shaped optimized) | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view $(view.gripper) \
+		--captions "baseline,by shape,by force" --title "gripper at 60 kPa" -o $@
+
+build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
+	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
+		--x-title "accepted shapes" -o $@
+
+build/gripper/done: $(addprefix build/gripper/pictures/,gripping.png objective.svg)
 
 build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
@@ -196,4 +219,4 @@ $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(eval $(call simulate,gripper,build/gripper,))
-$(eval $(call cast,gripper,build/gripper,build/gripper/tagged.msh,build/gripper/tagged.msh))
+$(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))

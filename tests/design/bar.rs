@@ -10,7 +10,7 @@ const DESIGN: &str = r#"
 scene = "moving.toml"
 
 [optimizer]
-iterations = 12
+iterations = 30
 first_step = 1.0
 
 [[pressure]]
@@ -88,7 +88,7 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
 #[test]
 fn a_design_in_time_that_is_killed_ends_the_same() {
     let design = |dir: &Workdir| {
-        let text = dir.text("design.toml").replace("iterations = 12", "iterations = 3");
+        let text = dir.text("design.toml").replace("iterations = 30", "iterations = 3");
         dir.write("design.toml", &text);
     };
     let results = |dir: &Workdir| -> (String, Vec<Value>) {

@@ -10,7 +10,7 @@ use solver::config::LevelConfig;
 use solver::math::linear::dot;
 use solver::math::random::Random;
 use solver::math::taylor::log_slope;
-use solver::optimize::{Evaluation, Level, Parameter, Perturbed};
+use solver::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
 use solver::scene::ObjectiveBuilder;
 
 use super::optimize::read;
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
     let theta = vec![0.0; level.variables()];
     level.admit(&level.body.mesh.vertices).context("the starting shape")?;
-    let start = level.evaluate(&theta, None).map_err(|e| {
+    let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;
     log::info!("{} variables, J {:.8e}", theta.len(), start.objective);

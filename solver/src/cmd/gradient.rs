@@ -7,7 +7,7 @@ use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::json;
 use solver::element::FunctionSpace;
-use solver::optimize::{Level, Parameter};
+use solver::optimize::{Level, Parameter, Start};
 use solver::results;
 use solver::scene::ObjectiveBuilder;
 
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
     let theta = vec![0.0; level.variables()];
     let at = level
-        .evaluate(&theta, None)
+        .evaluate(&theta, Start::Rest)
         .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
     let terms: Vec<usize> = (0..level.term_names().len()).collect();
     let swept = level.sweep(&at, &terms, false)?;

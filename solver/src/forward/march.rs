@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::stepping::{
     Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
-use super::{Failure, Integrator, System};
+use super::{Failure, Integrator, System, Trajectory};
 use crate::energy::{Multiplier, TimeStep};
 
 /// Of the way that supports and obstacles can go in a step, what the next try goes.
@@ -69,6 +69,9 @@ pub struct March {
     pub stepping: Stepping,
     /// How far it is.
     pub progress: Progress,
+    /// A run like this one, whose motion in each time step is where this one looks
+    /// first.
+    guide: Option<Trajectory>,
 }
 
 impl March {
@@ -77,7 +80,13 @@ impl March {
     pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
         let (time, increment, last) = (0.0, stepping.first, Vec::new());
         let progress = Progress { integrator, time, increment, last, newton_iterations: 0 };
-        Self { stepping, progress }
+        Self { stepping, progress, guide: None }
+    }
+
+    /// The same, next to a run through the same time steps.
+    #[must_use]
+    pub fn guided(self, guide: Option<Trajectory>) -> Self {
+        Self { guide, ..self }
     }
 
     /// Goes to the end of the next time step. `observe` is called after every
@@ -150,8 +159,8 @@ impl March {
         if self.progress.time == 0.0 {
             system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
         }
-        if self.progress.integrator.method.has_inertia() {
-            // inertia keeps what comes near what was
+        if self.progress.integrator.method.has_inertia() || self.guide.is_some() {
+            // inertia keeps what comes near what was, and a guide near what it did
             self.progress.increment = 1.0;
         }
         let sliding = system.sliding(rest, self.progress.reached(), self.progress.load());
@@ -159,8 +168,8 @@ impl March {
         system.step = Some(TimeStep { sliding, ..step });
     }
 
-    /// A state near the next one, that surfaces can reach, and its load: where
-    /// inertia carries the bodies, or by linear extrapolation in the load,
+    /// A state near the next one, that surfaces can reach, and its load: where a guide
+    /// went, or inertia carries the bodies, or by linear extrapolation in the load,
     /// pressures that hold volumes included. Loads may bend where time steps meet
     /// and surfaces are hit, so the last state itself is taken if it is nearer to
     /// balance.
@@ -172,15 +181,19 @@ impl March {
         begins: bool,
     ) -> (Vec<f64>, f64) {
         let (from, before) = (self.progress.reached(), self.progress.load());
+        let moved = |by: Vec<f64>| from.iter().zip(by).map(|(u, d)| u + d).collect();
+        let guided = self.guide.as_ref().filter(|_| begins).and_then(|g| g.motion_to(load));
         let flight = system.step.as_ref().and_then(|step| step.free_flight.clone());
-        let inertial = flight.is_some() && begins;
-        let (further, fraction) = match (flight, &self.progress.last[..]) {
-            (Some(flight), _) if begins => (flight, 0.0),
-            (_, [a, b]) => {
+        let has_inertia = flight.is_some();
+        let known = guided.map(moved).or(flight.filter(|_| begins));
+        let inertial = known.is_some();
+        let (further, fraction) = match (known, &self.progress.last[..]) {
+            (Some(known), _) => (known, 0.0),
+            (None, [a, b]) => {
                 let t = (load - b.load) / (b.load - a.load);
                 (b.u.iter().zip(&a.u).map(|(b, a)| b + t * (b - a)).collect(), t)
             }
-            (None, [b]) => {
+            (None, [b]) if !has_inertia => {
                 let t = (load - b.load) / b.load;
                 (b.u.iter().map(|b| b + t * b).collect(), t)
             }

@@ -30,6 +30,26 @@ impl Trajectory {
         self.states.push(state);
     }
 
+    /// The run from a start through displacements [m] at the ends of time steps [s].
+    #[must_use]
+    pub fn through(start: &Integrator, ends: &[f64], displacements: &[Vec<f64>]) -> Self {
+        let (mut run, mut integrator) = (Self::begin(start), start.clone());
+        for (&end, u) in ends.iter().zip(displacements) {
+            let step = integrator.step(end - run.times[run.steps()]);
+            integrator.accept(&step, u);
+            run.push(end, integrator.last().clone());
+        }
+        run
+    }
+
+    /// Motion during the time step that ends at a time [m], if there is one.
+    #[must_use]
+    pub fn motion_to(&self, end: f64) -> Option<Vec<f64>> {
+        let n = self.times.iter().position(|&t| t == end).filter(|&n| n > 0)?;
+        let (a, b) = (&self.states[n - 1].u, &self.states[n].u);
+        Some(b.iter().zip(a).map(|(b, a)| b - a).collect())
+    }
+
     /// Number of time steps.
     #[must_use]
     pub fn steps(&self) -> usize {

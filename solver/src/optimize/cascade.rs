@@ -12,7 +12,7 @@ use mesh::cli::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
-use super::{Evaluation, Lbfgs, Level, Rejected};
+use super::{Evaluation, Lbfgs, Level, Rejected, Start};
 use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
@@ -141,7 +141,7 @@ impl Cascade<'_> {
             level,
             iteration: 0,
             theta: Vec::new(),
-            u: start,
+            start,
             objective: f64::MAX,
             terms: std::collections::BTreeMap::new(),
             gradient: Vec::new(),
@@ -183,18 +183,19 @@ impl Cascade<'_> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
-            checkpoint.check_sizes(&self.folder, level.variables(), level.dofs())?;
-            let recalled = level.recall(&checkpoint.theta, &checkpoint.u);
-            let evaluation = recalled.with_context(|| format!("level {}", checkpoint.level + 1))?;
+            checkpoint.check_sizes(&self.folder, level.variables())?;
+            let steps = self.scene.times().len();
+            let run = checkpoint.read_run(&self.folder, steps, level.dofs())?;
+            let evaluation = level.recall(&checkpoint.theta, &run);
             level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
         let theta = vec![0.0; level.variables()];
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let mut evaluation = match self.solve_near(level, &theta, &checkpoint.u) {
+        let mut evaluation = match self.solve_near(level, &theta, &checkpoint.start) {
             Some(evaluation) => evaluation,
-            None => match level.evaluate(&theta, None) {
+            None => match level.evaluate(&theta, Start::Rest) {
                 Ok(evaluation) => evaluation,
                 Err(rejected) => return Err(self.no_start(level, checkpoint.level, &rejected)),
             },
@@ -236,10 +237,10 @@ impl Cascade<'_> {
 
     /// The evaluation next to a start that was carried over; none without one.
     fn solve_near(&self, level: &mut Level, theta: &[f64], start: &[f64]) -> Option<Evaluation> {
-        if start.is_empty() {
+        if start.is_empty() || level.is_transient() {
             return None;
         }
-        let outcome = level.evaluate(theta, Some(start));
+        let outcome = level.evaluate(theta, Start::Next(start));
         if let Err(Rejected(reason)) = &outcome {
             log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
         }
@@ -277,7 +278,7 @@ impl Cascade<'_> {
             let start = ahead(current.run.last(), predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
-            let outcome = lower(level, &theta, &start, wanted);
+            let outcome = lower(level, &theta, (current, &start), wanted);
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
             let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
@@ -378,14 +379,15 @@ impl Cascade<'_> {
             checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
         }
         checkpoint.objective = evaluation.objective;
-        checkpoint.terms = step.evaluation.terms;
+        let Evaluation { run, terms, .. } = step.evaluation;
+        checkpoint.terms = terms;
         checkpoint.theta = step.theta;
-        checkpoint.u = step.evaluation.run.last().to_vec();
+        checkpoint.start.clear();
         checkpoint.gradient = step.gradient;
         // history first: a kill in between leaves one line too many, which the
         // next start removes
         self.append_history(&line)?;
-        checkpoint.write(&self.folder)
+        checkpoint.write_with_run(&self.folder, &run)
     }
 
     /// What the iterations that are left may take, if they go on as in this level.
@@ -493,15 +495,15 @@ fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
     norm(&free)
 }
 
-/// The evaluation at θ if its objective is at most `wanted`, with the level
+/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the level
 /// linearised there.
 fn lower(
     level: &mut Level,
     theta: &[f64],
-    start: &[f64],
+    (current, predicted): (&Evaluation, &[f64]),
     wanted: f64,
 ) -> Result<Evaluation, Rejected> {
-    let evaluation = level.evaluate(theta, Some(start))?;
+    let evaluation = level.evaluate(theta, level.near(current, predicted))?;
     if evaluation.objective > wanted {
         let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
         return Err(Rejected(reason));

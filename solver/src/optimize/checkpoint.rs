@@ -8,6 +8,7 @@ use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::Lbfgs;
+use crate::forward::Trajectory;
 
 /// The state after an accepted iteration. Numbers are written so that they are
 /// read back bit for bit.
@@ -21,9 +22,9 @@ pub struct Checkpoint {
     pub iteration: usize,
     /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
-    /// Displacement at equilibrium [m]; before the level's first solve, one near
-    /// it or none.
-    pub u: Vec<f64>,
+    /// Before the level's first solve a displacement near its equilibrium [m], or
+    /// none.
+    pub start: Vec<f64>,
     /// Objective at θ.
     pub objective: f64,
     /// Weighted terms at θ.
@@ -73,15 +74,57 @@ impl Checkpoint {
     ///
     /// # Errors
     /// When they have not.
-    pub fn check_sizes(&self, folder: &Path, variables: usize, dofs: usize) -> Result<()> {
-        let found = [self.theta.len(), self.gradient.len(), self.u.len()];
+    pub fn check_sizes(&self, folder: &Path, variables: usize) -> Result<()> {
+        let found = [self.theta.len(), self.gradient.len()];
         ensure!(
-            found == [variables, variables, dofs],
-            "{}: theta, gradient and u have {found:?} numbers, needed are {:?}; begin anew: \
+            found == [variables, variables],
+            "{}: theta and gradient have {found:?} numbers, needed are {:?}; begin anew: \
              --restart",
             Self::path(folder).display(),
-            [variables, variables, dofs]
+            [variables, variables]
         );
+        Ok(())
+    }
+
+    fn run_path(&self, folder: &Path) -> PathBuf {
+        folder.join(format!("run-{}-{}.npy", self.level + 1, self.iteration))
+    }
+
+    /// Displacements at the ends of the time steps of the accepted run [m].
+    ///
+    /// # Errors
+    /// When they cannot be read or are not those of a run with `steps` steps and
+    /// `dofs` degrees of freedom.
+    pub fn read_run(&self, folder: &Path, steps: usize, dofs: usize) -> Result<Vec<Vec<f64>>> {
+        let path = self.run_path(folder);
+        let (values, shape) = mesh::io::npy::read_f64(&path)?;
+        ensure!(
+            shape == [steps, dofs],
+            "{}: an array of shape {shape:?}, needed is {:?}; begin anew: --restart",
+            path.display(),
+            [steps, dofs]
+        );
+        Ok(values.chunks_exact(dofs).map(<[f64]>::to_vec).collect())
+    }
+
+    /// Writes the checkpoint of a folder with the run that it belongs to, and then
+    /// removes the run of the one before.
+    ///
+    /// # Errors
+    /// When it cannot be written; the one before then still stands.
+    pub fn write_with_run(&self, folder: &Path, run: &Trajectory) -> Result<()> {
+        let values: Vec<f64> = run.states[1..].iter().flat_map(|s| s.u.iter().copied()).collect();
+        let path = self.run_path(folder);
+        mesh::io::npy::write_f64(&path, &values, &[run.steps(), run.last().len()])?;
+        self.write(folder)?;
+        for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+            let other = entry?.path();
+            let name = other.file_name().map(|n| n.to_string_lossy().into_owned());
+            let old = name.is_some_and(|n| n.starts_with("run-") && n.ends_with(".npy"));
+            if old && other != path {
+                std::fs::remove_file(&other).with_context(|| other.display().to_string())?;
+            }
+        }
         Ok(())
     }
 

@@ -48,6 +48,18 @@ pub struct Evaluation {
     pub forward_s: f64,
 }
 
+/// Where a run is looked for.
+#[derive(Clone, Copy)]
+pub enum Start<'a> {
+    /// From rest.
+    Rest,
+    /// Of a scene without time the one equilibrium, next to a displacement [m]: keeps a
+    /// search on one branch of equilibria, and is several times cheaper.
+    Next(&'a [f64]),
+    /// From rest through time, next to the states of another run.
+    Guided(&'a Trajectory),
+}
+
 /// A design problem with a fixed mesh topology and fixed variables.
 pub struct Level {
     /// The body at θ = 0.
@@ -128,26 +140,20 @@ impl Level {
         self.terms.iter().map(|t| t.objective.name().to_owned()).collect()
     }
 
-    /// Shape, run and objective at θ. Of a scene without time the equilibrium is
-    /// sought next to `start` if given, else from rest: the first keeps a search on
-    /// one branch of equilibria, and is several times cheaper. A run through time
-    /// begins at its beginning.
+    /// Shape, run and objective at θ.
     ///
     /// # Errors
     /// [`Rejected`] when the shape is invalid, a term is infinite or there is
     /// no equilibrium.
-    pub fn evaluate(
-        &mut self,
-        theta: &[f64],
-        start: Option<&[f64]>,
-    ) -> Result<Evaluation, Rejected> {
+    pub fn evaluate(&mut self, theta: &[f64], start: Start) -> Result<Evaluation, Rejected> {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
         self.map.set_pressures(theta, &mut self.system);
         let (run, newton_iterations) = match start {
-            Some(u) if !self.transient => self.run_next_to(&rest, u)?,
-            _ => self.run(&rest)?,
+            Start::Next(u) => self.run_next_to(&rest, u)?,
+            Start::Guided(guide) => self.run(&rest, Some(guide.clone()))?,
+            Start::Rest => self.run(&rest, None)?,
         };
         let terms = self.terms_of(&rest, &run);
         let objective: f64 = terms.values().sum();
@@ -156,8 +162,12 @@ impl Level {
     }
 
     /// The run from rest.
-    fn run(&mut self, rest: &[Vec3]) -> Result<(Trajectory, usize), Rejected> {
-        let mut march = March::new(self.stepping, self.start.clone());
+    fn run(
+        &mut self,
+        rest: &[Vec3],
+        guide: Option<Trajectory>,
+    ) -> Result<(Trajectory, usize), Rejected> {
+        let mut march = March::new(self.stepping, self.start.clone()).guided(guide);
         let mut run = Trajectory::begin(&self.start);
         for &end in &self.times {
             if let Err(unreached) = march.advance(&mut self.system, rest, end, |_| ()) {
@@ -179,29 +189,27 @@ impl Level {
         Ok((self.one_step(rest, &solution.u), solution.newton_iterations))
     }
 
-    /// An evaluation as it was, of a scene without time from its displacement alone.
-    ///
-    /// # Errors
-    /// As [`Self::evaluate`].
-    pub fn recall(&mut self, theta: &[f64], u: &[f64]) -> Result<Evaluation, Rejected> {
-        if self.transient {
-            return self.evaluate(theta, None);
-        }
+    /// An evaluation as it was, from its displacements at the ends of time steps [m].
+    #[must_use]
+    pub fn recall(&mut self, theta: &[f64], displacements: &[Vec<f64>]) -> Evaluation {
         self.map.set_pressures(theta, &mut self.system);
         let rest = self.map.shape(theta);
-        let run = self.one_step(&rest, u);
+        let run = Trajectory::through(&self.start, &self.times, displacements);
         let terms = self.terms_of(&rest, &run);
         let objective: f64 = terms.values().sum();
-        Ok(Evaluation { rest, run, objective, terms, newton_iterations: 0, forward_s: 0.0 })
+        Evaluation { rest, run, objective, terms, newton_iterations: 0, forward_s: 0.0 }
+    }
+
+    /// What a trial looks for next to an evaluation: the displacement that was
+    /// predicted for the equilibrium of a scene without time, else the whole run.
+    #[must_use]
+    pub fn near<'a>(&self, at: &'a Evaluation, predicted: &'a [f64]) -> Start<'a> {
+        if self.transient { Start::Guided(&at.run) } else { Start::Next(predicted) }
     }
 
     /// The run to a displacement in one step, which the system is told of.
     fn one_step(&mut self, rest: &[Vec3], u: &[f64]) -> Trajectory {
-        let mut run = Trajectory::begin(&self.start);
-        let mut integrator = self.start.clone();
-        let step = integrator.step(self.times[0]);
-        integrator.accept(&step, u);
-        run.push(self.times[0], integrator.last().clone());
+        let run = Trajectory::through(&self.start, &self.times, &[u.to_vec()]);
         self.system.step = Some(run.step(&self.system, rest, 1));
         run
     }

@@ -15,5 +15,5 @@ pub use checkpoint::Checkpoint;
 pub use design_map::DesignMap;
 pub use lbfgs::Lbfgs;
 pub use lbfgsb::projected_gradient_norm;
-pub use level::{Evaluation, Level, Rejected};
+pub use level::{Evaluation, Level, Rejected, Start};
 pub use parameter::{Parameter, Perturbed};

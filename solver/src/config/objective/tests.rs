@@ -1,4 +1,3 @@
-
 use super::*;
 
 /// A term of each kind with all that it needs.
