@@ -12,6 +12,7 @@ use mesh::cli::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
+use super::way::{first_way, projected_norm};
 use super::{Evaluation, Lbfgs, Level, Rejected, Start};
 use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
@@ -25,12 +26,8 @@ const MEMORY: usize = 6;
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.
 const HALVINGS: usize = 10;
-/// Of the way that the rest shape can go, what the first trial goes.
-const NEARLY: f64 = 0.9;
 /// Passes of the interior re-meshing between levels.
 const REMESH_PASSES: usize = 10;
-/// Largest vertex motion of one iteration in mean edges of the moving surface.
-const LARGEST_MOTION: f64 = 3.0;
 
 /// An optimisation in a folder.
 pub struct Cascade<'a> {
@@ -435,64 +432,6 @@ impl Cascade<'_> {
         mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
         Ok(())
     }
-}
-
-/// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
-/// far as vertices may move at once and the rest shape does not meet itself.
-fn first_way(level: &Level, checkpoint: &Checkpoint, optimizer: &OptimizerConfig) -> Vec<f64> {
-    let (theta, gradient) = (&checkpoint.theta, &checkpoint.gradient);
-    let fresh = checkpoint.lbfgs.is_empty();
-    let edges = if fresh { optimizer.first_step } else { LARGEST_MOTION };
-    let wanted = edges * level.map().mean_edge();
-    let mut way = match level.map().bounds(theta) {
-        None => capped(level, theta, checkpoint.lbfgs.direction(gradient), wanted, fresh),
-        Some((lower, upper)) if fresh => {
-            let down = gradient.iter().map(|g| -g).collect();
-            let down = capped(level, theta, down, wanted, true);
-            let end = |i: usize| (theta[i] + down[i]).clamp(lower[i], upper[i]);
-            (0..theta.len()).map(|i| end(i) - theta[i]).collect()
-        }
-        Some((lower, upper)) => {
-            let end = checkpoint.lbfgs.step(theta, gradient, &lower, &upper);
-            let way = end.iter().zip(theta).map(|(e, t)| e - t).collect();
-            capped(level, theta, way, wanted, false)
-        }
-    };
-    let free = level.free_way(theta, &way);
-    if free < 1.0 {
-        way.iter_mut().for_each(|d| *d *= NEARLY * free);
-    }
-    way
-}
-
-/// A step from θ that moves exactly as far as `wanted` [m], or its vertices at most as
-/// far: pressures have bounds of their own.
-fn capped(level: &Level, theta: &[f64], step: Vec<f64>, wanted: f64, exactly: bool) -> Vec<f64> {
-    let map = level.map();
-    let motion_of = |alpha: f64| {
-        let end: Vec<f64> = theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect();
-        if exactly { map.motion(theta, &end) } else { map.vertex_motion(theta, &end) }
-    };
-    // motion is linear in small steps, so probe with one
-    let mut alpha = 1.0;
-    let mut motion = motion_of(alpha);
-    while motion > 0.1 * wanted {
-        alpha *= 0.1;
-        motion = motion_of(alpha);
-    }
-    let scaled = alpha * wanted / motion.max(f64::MIN_POSITIVE);
-    let factor = if exactly { scaled } else { scaled.min(1.0) };
-    step.into_iter().map(|d| factor * d).collect()
-}
-
-/// Norm of the gradient along which θ can go down.
-fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
-    let Some((lower, upper)) = level.map().bounds(theta) else { return norm(gradient) };
-    let held = |i: usize| {
-        (gradient[i] > 0.0 && theta[i] <= lower[i]) || (gradient[i] < 0.0 && theta[i] >= upper[i])
-    };
-    let free: Vec<f64> = (0..theta.len()).filter(|&i| !held(i)).map(|i| gradient[i]).collect();
-    norm(&free)
 }
 
 /// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the level

@@ -9,6 +9,7 @@ mod level;
 mod parameter;
 mod rest_path;
 pub mod validity;
+mod way;
 
 pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;

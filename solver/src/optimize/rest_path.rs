@@ -14,6 +14,8 @@ use crate::contact::pairs::Features;
 /// Distance of a middle from its chord, in mean edges, up to which a piece counts as
 /// straight [1].
 const STRAIGHT: f64 = 0.02;
+/// Longest piece: a way that comes back must not look straight [1].
+const LONGEST: f64 = 0.25;
 /// Pieces are not cut further than to this part of the way.
 const SHORTEST: f64 = 1.0 / 64.0;
 
@@ -38,7 +40,7 @@ impl RestPath {
     #[must_use]
     pub fn free(&self, at: impl Fn(f64) -> Vec<Vec3>) -> f64 {
         let (mut begin, mut from) = (0.0, at(0.0));
-        let mut length = 1.0;
+        let mut length = LONGEST;
         while begin < 1.0 {
             let end = f64::min(begin + length, 1.0);
             let to = at(end);
