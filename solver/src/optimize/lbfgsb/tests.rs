@@ -148,7 +148,7 @@ fn rosenbrocks_valley_is_followed_within_bounds() {
         ([1.5, -2.0], [3.0, 1.0], [1.5, 1.0]),
     ] {
         let (mut memory, mut iterations) = (Lbfgs::new(6), 0);
-        let mut x = vec![l[0].max(-1.2), 1.0];
+        let mut x = vec![f64::max(l[0], -1.2), -0.5];
         while projected_gradient_norm(&x, &rosenbrock(&x).1, &l, &u) > 1e-8 {
             x = iterate(&mut memory, &x, &l, &u, 0.5);
             assert!(x.iter().zip(&l).all(|(x, l)| x >= l) && x.iter().zip(&u).all(|(x, u)| x <= u));
