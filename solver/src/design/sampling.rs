@@ -307,26 +307,41 @@ mod tests {
     }
 
     #[test]
-    fn sweeps_shrink_the_largest_gap() {
+    fn sweeps_of_lloyd_even_out_what_is_farthest() {
         for (surface, count) in [(cap(4), 10), (sphere(4), 20), (square(30, 0.2), 12)] {
             let mut greedy = Sampling::new(&surface, &rim(&surface));
             for i in 0..count {
-                let lowest = lowest(&surface);
-                let first = i == 0 && greedy.nearest[0].0.is_infinite();
-                let next = if first { lowest } else { greedy.farthest() };
+                let anywhere = i == 0 && greedy.nearest[0].0.is_infinite();
+                let next = if anywhere { lowest(&surface) } else { greedy.farthest() };
                 greedy.add(i, next);
             }
-            let points = [Sweeps::RePick, Sweeps::Lloyd].map(|sweeps| {
-                let points = spread_points(&surface, count, sweeps).unwrap();
-                assert_eq!(points, spread_points(&surface, count, sweeps).unwrap());
-                points
-            });
-            let gaps = points.each_ref().map(|points| gap(&surface, points));
-            let before = gap(&surface, &greedy.points);
-            assert!(gaps.iter().all(|gap| *gap < before), "{gaps:?} {before}");
-            let even = spread(&surface, &points[1]);
-            assert!(even < spread(&surface, &greedy.points) && even < spread(&surface, &points[0]));
+            let points = spread_points(&surface, count, Sweeps::Lloyd).unwrap();
+            assert_eq!(points, spread_points(&surface, count, Sweeps::Lloyd).unwrap());
+            let (before, after) = (spread(&surface, &greedy.points), spread(&surface, &points));
+            assert!(after < 0.95 * before, "{after} {before}");
+            let gaps = (gap(&surface, &points), gap(&surface, &greedy.points));
+            assert!(gaps.0 < 1.05 * gaps.1, "{gaps:?}");
         }
+    }
+
+    /// From points that lie side by side in a corner.
+    #[test]
+    fn sweeps_of_lloyd_shrink_the_largest_gap() {
+        let surface = square(20, 0.2);
+        let rim = rim(&surface);
+        let cells = Cells::new(&surface, &rim);
+        let mut sampling = Sampling::new(&surface, &rim);
+        let inside = (0..surface.vertices.len()).filter(|v| !cells.on_rim[*v]);
+        inside.take(8).enumerate().for_each(|(i, v)| sampling.add(i, v));
+        let start = gap(&surface, &sampling.points);
+        let mut last = spread(&surface, &sampling.points);
+        while sampling.center_all(&cells) {
+            let now = spread(&surface, &sampling.points);
+            assert!(now < last, "{now} {last}");
+            last = now;
+        }
+        let end = gap(&surface, &sampling.points);
+        assert!(end < 0.6 * start, "{end} {start}");
     }
 
     #[test]

@@ -135,8 +135,20 @@ impl Wall {
     }
 
     /// Adds `scale` ∂V/∂x at the nodes, of wall and caps [m²].
+    ///
+    /// Rims may move as they like, so the whole derivative of x · (g₁ × g₂) counts:
+    /// inside a wall, and in all of a closed one, its three parts are the same.
     pub fn add_gradient(&self, space: &FunctionSpace, x: &[Vec3], scale: f64, out: &mut [f64]) {
-        self.add_wall_gradient(space, x, scale, out);
+        self.for_each_point(space, x, |nodes, x, p| {
+            let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
+            let (by1, by2) = (p.g2.cross(&position), position.cross(&p.g1));
+            let (normal, weight) = (p.g1.cross(&p.g2), -scale * p.weight / 3.0);
+            for (b, node) in nodes.iter().enumerate() {
+                let [d1, d2, _] = p.gradients[b];
+                let by = p.values[b] * normal + d1 * by1 + d2 * by2;
+                add_at(out, *node, &(weight * by));
+            }
+        });
         let sixth = scale / 6.0;
         self.for_each_rim_edge(x, |rim, [a, b], c| {
             let inside = space.edge_nodes([a, b]);

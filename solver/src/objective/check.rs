@@ -58,6 +58,11 @@ impl Case {
     /// Taylor tests of all derivatives; those that vanish must do so exactly, and
     /// the value must not change there.
     pub fn check(&self, objective: &dyn Objective) {
+        self.check_near(objective, 1e-4);
+    }
+
+    /// The same within a distance `near` of the state, in sizes of the body.
+    pub fn check_near(&self, objective: &dyn Objective, near: f64) {
         let at = self.at();
         let (mut by_u, mut by_rest) = (vec![0.0; self.u.len()], vec![0.0; 3 * self.rest.len()]);
         let mut by_contact = vec![0.0; self.u.len()];
@@ -67,7 +72,7 @@ impl Case {
         let value = |rest: &[Vec3], u: &[f64], contact: &[f64]| {
             1.5 * objective.value(&self.with(rest, u, contact))
         };
-        let size = 1e-3 * self.scale;
+        let size = near * self.scale;
         along(&self.u, &by_u, size, |u| value(&self.rest, u, &self.contact));
         along(&flat(&self.rest), &by_rest, size, |x| value(&points(x), &self.u, &self.contact));
         along(&self.contact, &by_contact, 1e-2, |f| value(&self.rest, &self.u, f));

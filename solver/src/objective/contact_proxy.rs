@@ -276,7 +276,8 @@ mod tests {
                         "{faded} pairs of parallel edges of {}",
                         terms.len()
                     );
-                    case.check(&term);
+                    // the barrier bends within a hundredth of the gap
+                    case.check_near(&term, 2e-5);
                 }
             }
         }

@@ -154,7 +154,7 @@ impl Bounds<'_> {
             let bent = model.times(&direction);
             let (descent, curvature) = (slope.dot(&direction), direction.dot(&bent));
             let minimum = if curvature > 0.0 { -descent / curvature } else { f64::INFINITY };
-            let until = next.peek().map_or(f64::INFINITY, |b| b.0) - gone;
+            let until = next.peek().map_or(f64::INFINITY, |b| b.0 - gone).max(0.0);
             if descent >= 0.0 || (minimum.is_infinite() && until.is_infinite()) {
                 return;
             }

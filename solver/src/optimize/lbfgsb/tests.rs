@@ -49,8 +49,11 @@ fn brute_force(b: &DMatrix<f64>, x: &[f64], g: &[f64], l: &[f64], u: &[f64]) -> 
         };
         let start = gradient(&z);
         let right = DVector::from_fn(free.len(), |k, _| -start[free[k]]);
-        let step = b.select_rows(&free).select_columns(&free).lu().solve(&right).unwrap();
-        free.iter().enumerate().for_each(|(k, &i)| z[i] += step[k]);
+        if !free.is_empty() {
+            let own = b.select_rows(&free).select_columns(&free);
+            let step = own.lu().solve(&right).unwrap();
+            free.iter().enumerate().for_each(|(k, &i)| z[i] += step[k]);
+        }
         let slope = gradient(&z);
         let right = |i: usize| match state[i] {
             0 => slope[i] >= 0.0,
@@ -145,7 +148,7 @@ fn rosenbrocks_valley_is_followed_within_bounds() {
         ([1.5, -2.0], [3.0, 1.0], [1.5, 1.0]),
     ] {
         let (mut memory, mut iterations) = (Lbfgs::new(6), 0);
-        let mut x = vec![-1.2_f64.max(l[0]), 1.0];
+        let mut x = vec![f64::max(l[0], -1.2), -0.5];
         while projected_gradient_norm(&x, &rosenbrock(&x).1, &l, &u) > 1e-8 {
             x = iterate(&mut memory, &x, &l, &u, 0.5);
             assert!(x.iter().zip(&l).all(|(x, l)| x >= l) && x.iter().zip(&u).all(|(x, u)| x <= u));
