@@ -83,7 +83,9 @@ mod tests {
         for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
             let case = Case::cube(degree, scale);
             for limits in [[0.9, 1.1], [0.0, 1.02], [0.98, 1e3]] {
-                case.check(&StrainLimit::new("s", vec![0..20, 20..48], limits));
+                let term = StrainLimit::new("s", vec![0..20, 20..48], limits);
+                // where a stretch passes its limit, curvature jumps
+                case.check_near(&term, 1e-5);
             }
         }
     }

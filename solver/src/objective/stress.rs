@@ -89,7 +89,9 @@ mod tests {
     #[test]
     fn derivatives_belong_to_the_value() {
         for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
-            let case = Case::cube(degree, scale);
+            let mut case = Case::cube(degree, scale);
+            // no element is turned inside out
+            case.u.iter_mut().for_each(|u| *u *= 0.2);
             for power in [2.0, 5.0] {
                 let parts = vec![(soft(), 0..20), (silicone(), 20..48)];
                 case.check(&Stress::new("s", parts, power));
