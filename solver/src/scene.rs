@@ -181,15 +181,12 @@ impl Scene {
     /// # Errors
     /// With the table that has none.
     pub fn check_differentiable(&self) -> Result<()> {
-        let config = &self.config;
-        for (found, table) in [(!config.volume.is_empty(), "[[volume]]")] {
-            ensure!(
-                !found,
-                "{}: {table}: there is no gradient with it; it is for solver simulate only\n  \
-                 remove it from the scene of a design problem",
-                self.path.display()
-            );
-        }
+        ensure!(
+            self.config.volume.is_empty(),
+            "{}: [[volume]]: there is no gradient with it; it is for solver simulate only\n  \
+             remove it from the scene of a design problem",
+            self.path.display()
+        );
         Ok(())
     }
 

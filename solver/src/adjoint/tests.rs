@@ -65,13 +65,13 @@ fn hollow() -> (TetMesh, Vec<[usize; 3]>) {
 }
 
 impl Case {
-    /// Rest vertices [m], tetrahedra, those of the second body, and a wall.
-    fn bodies(&self) -> (Vec<Vec3>, Vec<[usize; 4]>, usize, Vec<[usize; 3]>) {
+    /// Mesh [m], first tetrahedron of the second body, and a wall.
+    fn bodies(&self) -> (TetMesh, usize, Vec<[usize; 3]>) {
         let size = 0.02;
         if !self.contact {
             let (mesh, wall) = hollow();
-            let rest = mesh.vertices.iter().map(|v| size * v).collect();
-            return (rest, mesh.tets, 0, wall);
+            let vertices = mesh.vertices.iter().map(|v| size * v).collect();
+            return (TetMesh { vertices, ..mesh }, 0, wall);
         }
         let lower = cube(1, 0.0);
         let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
@@ -81,7 +81,7 @@ impl Case {
             lower.vertices.iter().copied().chain(upper).map(|v| size * v).collect();
         let shifted = lower.tets.iter().map(|t| t.map(|v| v + 8));
         let tets: Vec<[usize; 4]> = lower.tets.iter().copied().chain(shifted).collect();
-        (rest, tets, 6, Vec::new())
+        (TetMesh { vertices: rest, tets }, 6, Vec::new())
     }
 
     /// What acts in full at the end of each step.
@@ -92,9 +92,10 @@ impl Case {
     }
 
     fn system(&self, numbers: &Numbers) -> (System, Vec<Vec3>) {
-        let (rest, tets, upper, wall) = self.bodies();
+        let (mesh, upper, wall) = self.bodies();
+        let TetMesh { vertices: rest, tets } = mesh.clone();
         let count = tets.len();
-        let space = FunctionSpace::new(self.degree, rest.len(), tets.clone());
+        let space = FunctionSpace::new(self.degree, rest.len(), tets);
         let nodes = space.node_positions(&rest);
         let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
         let [c1, c2, c3, d1] = numbers.law;
@@ -117,7 +118,6 @@ impl Case {
             energies.push(Box::new(Chamber { wall: Wall::new(&space, &wall), gas }));
         }
         if self.contact {
-            let mesh = TetMesh { vertices: rest.clone(), tets };
             let facets = topology::boundary(&mesh).facets;
             let bodies: Vec<usize> = facets.iter().map(|f| usize::from(f[0] >= 8)).collect();
             let on = (&facets[..], &bodies[..]);

@@ -64,7 +64,7 @@ impl TimeIntegral {
                 if count % 2 == 1 || !(1..=count).all(equal) {
                     return Err(format!(
                         "simpson needs an even number of equal time steps, the scene has {count}{}",
-                        if count % 2 == 0 { " that are not equal" } else { "" }
+                        if count.is_multiple_of(2) { " that are not equal" } else { "" }
                     ));
                 }
                 for (n, factor) in factors.iter_mut().enumerate() {

@@ -268,9 +268,8 @@ fn controls(
     if configs.is_empty() {
         return Ok(Vec::new());
     }
-    let named =
-        |(i, e): (usize, &Box<dyn crate::energy::Energy>)| (e.name() == "pressure").then_some(i);
-    let energies: Vec<usize> = system.energies.iter().enumerate().filter_map(named).collect();
+    let named = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "pressure");
+    let energies: Vec<usize> = named.map(|(i, _)| i).collect();
     let chambers = scene.chambers(body, &system.space)?;
     let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
     let mut controls: Vec<Control> = Vec::new();
