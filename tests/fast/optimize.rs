@@ -75,34 +75,40 @@ fn the_design_moves_the_cavity_and_nothing_else() {
     }
 }
 
-/// The slopes that `solver check` prints, two per direction.
-fn slopes(stdout: &str) -> Vec<[f64; 2]> {
-    let line = |l: &str| {
-        let mut words = l.strip_prefix("  slope ")?.split_whitespace();
-        let with = words.next()?.parse().ok()?;
-        let without = words.skip_while(|w| *w != "gradient").nth(1)?.parse().ok()?;
-        Some([with, without])
-    };
-    stdout.lines().filter_map(line).collect()
+/// The slopes that `solver check` prints, and the tests that it made.
+fn slopes(stdout: &str) -> (Vec<f64>, Vec<&str>) {
+    let slope = |l: &str| l.strip_prefix("  slope ")?.split(' ').next()?.parse().ok();
+    let named = |l: &&str| l.starts_with('"');
+    (stdout.lines().filter_map(slope).collect(), stdout.lines().filter(named).collect())
+}
+
+/// Terms that depend on the displacement, or on the shape alone.
+fn assert_tested(stdout: &str, directions: &[&str]) {
+    let (slopes, names) = slopes(stdout);
+    assert!(slopes.iter().all(|s| (s - 2.0).abs() < 0.1), "{stdout}");
+    for direction in directions {
+        for test in ["\"top\" by shape", "\"wall\" by shape", "\"top\" by material of body"] {
+            let test = format!("{test}, {direction}");
+            assert!(names.contains(&test.as_str()), "{test}: {stdout}");
+        }
+    }
+    // three terms depend on the shape, one on the material
+    assert!(slopes.len() >= 3 * directions.len(), "{stdout}");
 }
 
 #[test]
 fn gradients_are_exact_at_the_start_and_at_the_design() {
     let (dir, _) = optimized();
+    let three = ["gradient", "random 1", "random 2"];
     for (arguments, directions) in [
-        ("check design.toml", 2),
+        ("check design.toml", &three[..2]),
         // three handles bend the objective more: steps shorter than a tenth of an edge
-        ("check design.toml --handles 3 --random 2 --motion 3e-4", 3),
-        ("check design.toml --handles 3 --mesh out/design.msh --random 2 --motion 3e-4", 3),
+        ("check design.toml --handles 3 --random 2 --motion 3e-4", &three),
+        ("check design.toml --handles 3 --mesh out/design.msh --random 2 --motion 3e-4", &three),
     ] {
         let run = dir.solver(arguments);
         run.assert_good();
-        let slopes = slopes(&run.stdout);
-        assert_eq!(slopes.len(), directions, "{}", run.stdout);
-        // the slope without the gradient is 1 along it, and means little where the
-        // directional derivative is small
-        assert!((slopes[0][1] - 1.0).abs() < 0.1, "{}", run.stdout);
-        assert!(slopes.iter().all(|s| (s[0] - 2.0).abs() < 0.1), "{}", run.stdout);
+        assert_tested(&run.stdout, directions);
     }
 }
 
@@ -120,7 +126,7 @@ fn gradients_are_exact_with_quadratic_elements() {
     dir.write("design.toml", &dir.text("design.toml").replace("p1.toml", "sim.toml"));
     let run = dir.solver("check design.toml --steps 4");
     run.assert_good();
-    assert_eq!(slopes(&run.stdout).len(), 2);
+    assert_tested(&run.stdout, &["gradient", "random 1"]);
 }
 
 /// Forces that depend on the rest position change with the shape.
@@ -132,7 +138,7 @@ fn gradients_are_exact_with_forces_from_expressions() {
     dir.write("p1.toml", &(dir.text("p1.toml") + loads));
     let run = dir.solver("check design.toml --motion 3e-4");
     run.assert_good();
-    assert_eq!(slopes(&run.stdout).len(), 2);
+    assert_tested(&run.stdout, &["gradient", "random 1"]);
 }
 
 #[test]

@@ -92,7 +92,7 @@ impl Objective for ContactForce {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     #[test]
     fn derivatives_belong_to_the_value() {

@@ -230,7 +230,7 @@ mod tests {
 
     use super::*;
     use crate::math::random::Random;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
     use crate::testing::cube;
 
     /// Two cubes of 48 tetrahedra with a gap between the top of one and the bottom

@@ -1,7 +1,7 @@
 //! What to minimise, each term at one equilibrium.
 
 #[cfg(test)]
-mod check;
+mod tests;
 mod clearance;
 mod contact_force;
 mod contact_proxy;

@@ -87,7 +87,7 @@ impl Objective for Motion {
 mod tests {
     use super::*;
     use crate::objective::Measure;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     const AXES: [bool; 3] = [true, false, true];
 

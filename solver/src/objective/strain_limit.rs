@@ -76,7 +76,7 @@ mod tests {
     use mesh::Vec3;
 
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     #[test]
     fn derivatives_belong_to_the_value() {

@@ -76,7 +76,7 @@ mod tests {
 
     use super::*;
     use crate::material::{Lame, MooneyRivlin, NeoHookean};
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     fn soft() -> Box<dyn Material> {
         Box::new(NeoHookean(Lame::new(2.6, 0.3)))

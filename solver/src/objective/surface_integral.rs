@@ -154,7 +154,7 @@ impl Patch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     /// The area of the cube's boundary, at rest and stretched by 2, 3 and 5.
     #[test]

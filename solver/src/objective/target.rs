@@ -60,7 +60,7 @@ impl Objective for Target {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
     use crate::objective::{DistanceKind, Measure};
     use crate::testing::sphere;
 

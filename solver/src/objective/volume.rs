@@ -84,7 +84,7 @@ impl Objective for Volume {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
 
     /// Of a whole body, and of an open wall, the rim of which moves.
     #[test]

@@ -215,7 +215,7 @@ impl Objective for WallThickness {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::objective::check::Case;
+    use crate::objective::tests::Case;
     use crate::testing::{check_gradient, flat, points, sphere, square};
 
     /// Two bumpy squares at a distance of about `gap`.

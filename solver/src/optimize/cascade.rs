@@ -443,7 +443,8 @@ fn lower(
     wanted: f64,
 ) -> Result<Evaluation, Rejected> {
     let evaluation = level.evaluate(theta, level.near(current, predicted))?;
-    if evaluation.objective > wanted {
+    // a barrier with a negative weight may be −∞
+    if !(evaluation.objective.is_finite() && evaluation.objective <= wanted) {
         let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
         return Err(Rejected(reason));
     }
