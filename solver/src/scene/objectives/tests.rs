@@ -155,9 +155,8 @@ fn every_kind_is_built_on_what_it_names() {
 
 #[test]
 fn what_is_missing_is_named() {
-    let error = |contact: &str, terms: &str| {
-        format!("{:#}", values(contact, terms).err().expect("refused"))
-    };
+    let error =
+        |contact: &str, terms: &str| format!("{:#}", values(contact, terms).expect_err("refused"));
     let (target, volume) =
         ("[[objective]]\nkind = 'target'\non = 'upper'", "[[objective]]\nkind = 'volume'\n");
     for (contact, terms, words) in [
