@@ -1,5 +1,6 @@
 //! A run file: what may change, and what is wanted.
 
+mod pressures;
 mod terms;
 
 use std::path::PathBuf;
@@ -52,10 +53,6 @@ pub struct TargetFile {
     pub bytes: Vec<u8>,
 }
 
-/// Why pressures are left.
-const PRESSURES: &str = "pressures that may change are a table [[pressure]] of design.toml, which \
-     has to be written by hand";
-
 /// A tag that moves.
 struct Moving {
     on: String,
@@ -71,7 +68,7 @@ struct Writer<'a> {
     notes: Vec<String>,
 }
 
-/// Reads a run file; nothing where no shape may change. Adds to the notes of
+/// Reads a run file; nothing where neither a shape nor a pressure may change. Adds to the notes of
 /// its scene.
 ///
 /// # Errors
@@ -87,16 +84,21 @@ pub fn read(document: &Document, scene: &mut Translated) -> Result<Option<Design
     };
     writer.text.name("scene", "sim.toml");
     let functionals = root.get("functionals").map(|key| key.items()).unwrap_or_default();
-    let design = if writer.shape(&root)? {
+    let shape = writer.shape(&root)?;
+    let design = if writer.pressures(&root, !shape)? || shape {
         for term in &functionals {
             writer.term(term)?;
         }
         Some(Design { text: writer.text.0, targets: writer.targets })
     } else {
         for term in &functionals {
-            term.leave("without a shape that may change there is no design problem here");
+            term.leave(
+                "without a shape or a pressure that may change there is no design problem here",
+            );
         }
-        writer.notes.push("no design.toml: no shape may change in this problem".to_owned());
+        writer.notes.push(
+            "no design.toml: neither a shape nor a pressure may change in this problem".to_owned(),
+        );
         None
     };
     let notes = writer.notes;
@@ -113,12 +115,9 @@ impl Writer<'_> {
             let kind = variable.need("type", "the kind of variable")?;
             match kind.text()? {
                 "shape" => {}
-                "pressure" => {
-                    variable.leave(PRESSURES);
-                    continue;
-                }
+                "pressure" => continue,
                 _ => {
-                    variable.leave("only shapes are design variables here");
+                    variable.leave("only shapes and pressures are design variables here");
                     continue;
                 }
             }
@@ -148,10 +147,7 @@ impl Writer<'_> {
                 others.join(", ")
             ));
         }
-        let nonlinear = root.get("solver").and_then(|s| s.get("nonlinear"));
-        let iterations = nonlinear.and_then(|n| n.get("max_iterations"));
-        let iterations = iterations.map(|k| k.becomes("[[shape.level]] iterations").count());
-        let iterations = iterations.transpose()?.unwrap_or(ITERATIONS);
+        let iterations = iterations(root, "[[shape.level]] iterations")?.unwrap_or(ITERATIONS);
         let on: Vec<String> = moving.into_iter().map(|m| m.on).collect();
         self.text.table("[shape]").key("on", &names(&on)).table("[[shape.level]]");
         self.text.key("handles", &handles.to_string()).key("iterations", &iterations.to_string());
@@ -203,6 +199,13 @@ impl Writer<'_> {
         let owners = self.scene.geometry.solids.iter().filter(|s| s.ids.contains_key(&id));
         owners.map(|solid| self.on(solid, id)).collect()
     }
+}
+
+/// Iterations of the optimiser.
+fn iterations(root: &Key, becomes: &str) -> Result<Option<usize>> {
+    let nonlinear = root.get("solver").and_then(|s| s.get("nonlinear"));
+    let iterations = nonlinear.and_then(|n| n.get("max_iterations"));
+    iterations.map(|k| k.becomes(becomes).count()).transpose()
 }
 
 /// A name in quotes, or a list of names.

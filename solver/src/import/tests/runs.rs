@@ -141,3 +141,28 @@ fn several_tags_may_move() {
     let notes = imported.scene.notes.join("\n");
     assert!(notes.contains("5 handles on every tag that moves, as on s3, in place of 9 on s2"));
 }
+
+#[test]
+fn pressures_change_by_bounded_slopes() {
+    let mut run = run();
+    let composition = json!([
+        { "type": "slice", "parameter_index": 0 },
+        { "type": "scale", "value": 1000.0 },
+        { "type": "scalar-velocity-parametrization", "start_val": 0.0, "dt": 0.1 },
+    ]);
+    run["variable_to_simulation"] = json!([{ "type": "pressure", "surface_selection": [3],
+        "composite_map_type": "time_step_indexing", "composition": composition }]);
+    run["solver"]["nonlinear"]["box_constraints"] = json!({ "bounds": [-5, 4], "max_change": 1 });
+    let (imported, _) = sound(&run);
+    let design = imported.design.as_ref().expect("a pressure may change");
+    let config: DesignConfig = toml::from_str(&design.text).expect("sound");
+    assert!(config.shape.is_none());
+    assert_eq!(config.optimizer.iterations, Some(40));
+    let pressure = &config.pressure[0];
+    assert_eq!((pressure.on.as_str(), pressure.slope), ("s3", [-4000.0, 5000.0]));
+    assert_eq!((pressure.change, config.objective.len()), (Some(1000.0), 9));
+    let left = imported.left();
+    let of_variables: Vec<&String> =
+        left.values().flatten().filter(|key| key.starts_with("/variable")).collect();
+    assert_eq!(of_variables, ["/variable_to_simulation/0/composition/0/parameter_index"]);
+}
