@@ -57,7 +57,6 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
     let left = of("objective_after") / of("objective_before");
     // the top bulges, so that not all of it can be at the height that is wanted
     assert!(left < 0.35, "{left}\n{}", dir.text("out/history.jsonl"));
-    assert!(of("gradient_s") < 0.5 * of("forward_s"), "{report}");
 
     let pressures: toml::Table = toml::from_str(&dir.text("out/pressures.toml")).unwrap();
     let curve = &pressures["pressure"][0]["pressure"];

@@ -232,7 +232,11 @@ fn the_optimisations_of_worm_and_walker() {
     assert_eq!((shape.on.all().len(), &shape.on.all()[0][..]), (11, "worm_long_clean.s11"));
     assert_eq!(shape.level[0].handles, Some(20));
     let Some((dir, _)) = imported("walker/run_walker.json", &Options::default()) else { return };
-    assert!(!dir.files("").contains(&"design.toml".to_owned()));
+    let design: DesignConfig = toml::from_str(&dir.text("design.toml")).unwrap();
+    let slopes: Vec<(&str, [f64; 2])> =
+        design.pressure.iter().map(|p| (p.on.as_str(), p.slope)).collect();
+    assert!(design.shape.is_none() && slopes.len() == 2, "{slopes:?}");
+    assert!(slopes.iter().all(|s| s.1 == [-5e3, 5e3]), "{slopes:?}");
 }
 
 #[test]
