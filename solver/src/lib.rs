@@ -19,7 +19,7 @@ pub mod energy; // terms of the potential energy
 pub mod forward; // from energies to an equilibrium
 pub mod objective; // what to minimise
 pub mod design; // design variables to rest shape, with transpose
-pub mod adjoint; // gradient of an objective at an equilibrium
+pub mod adjoint; // gradient of an objective over a run
 pub mod config; // what people write
 pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects

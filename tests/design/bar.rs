@@ -58,6 +58,9 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
     // the top bulges, so that not all of it can be at the height that is wanted
     assert!(left < 0.35, "{left}\n{}", dir.text("out/history.jsonl"));
 
+    let mean = report["mean_displacement_after"]["top"].as_f64().unwrap();
+    assert!((mean / 1e-4 - 1.0).abs() < 0.05, "{mean}");
+
     let pressures: toml::Table = toml::from_str(&dir.text("out/pressures.toml")).unwrap();
     let curve = &pressures["pressure"][0]["pressure"];
     let numbers = |key: &str| -> Vec<f64> {

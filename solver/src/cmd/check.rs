@@ -258,7 +258,6 @@ impl Case<'_> {
                 motion.unwrap_or(0.1 * map.mean_edge()) / per_unit
             }
             Parameter::Pressures => motion.unwrap_or(0.1 * map.mean_edge()) / largest,
-            Parameter::Velocity(_) => 1e-2 / largest,
             _ => 1e-2 / largest,
         }
     }

@@ -164,7 +164,7 @@ impl Wall {
     }
 
     /// Adds `scale` ∂V/∂X of wall and caps, three components per vertex, where
-    /// `x` are positions whose rim has straight edges [m²].
+    /// nodes at `x` move with the rest vertices [m²].
     pub fn add_volume_gradient(
         &self,
         space: &FunctionSpace,
@@ -173,16 +173,7 @@ impl Wall {
         out: &mut [f64],
     ) {
         let mut nodal = vec![0.0; 3 * space.node_count()];
-        self.add_wall_gradient(space, x, scale, &mut nodal);
-        self.for_each_rim_edge(x, |rim, [a, b], c| {
-            // the cap's facet is (b, a, c), and moving c moves the loop's mean
-            let third = scale / 6.0 * (x[b] - x[a]).cross(&(c - x[a]));
-            add_at(&mut nodal, a, &third);
-            add_at(&mut nodal, b, &third);
-            for &v in rim {
-                add_at(&mut nodal, v, &(third / rim.len() as f64));
-            }
-        });
+        self.add_gradient(space, x, scale, &mut nodal);
         space.add_to_vertices(&nodal, out);
     }
 
