@@ -12,7 +12,12 @@
 //! H λ = −(ū_n + v̄_n / h)      X̄ += λᵀ ∂²E/∂u∂X      p̄ += λᵀ ∂²E/∂u∂p
 //! past̄ = λᵀ ∂²E/∂u∂past,  of the history also − v̄_n / h,  on to the states before
 //!
-//! with the exact Hessian H = ∂²E/∂u². An objective may also look at the forces
+//! with the exact Hessian H = ∂²E/∂u². A prescribed volume V(u, X) = V* is held by a
+//! pressure, which is unknown, too; with G = ∂V/∂u and a number μ for each of them
+//!
+//! H λ + G μ = −(ū_n + v̄_n / h)      Gᵀ λ = 0      X̄ += μ ∂(V − V*)/∂X
+//!
+//! An objective may also look at the forces
 //! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms.
 //!
 //! It is the chain rule for any formula and start; for implicit Euler it is the
@@ -21,11 +26,12 @@
 use std::time::Instant;
 
 use mesh::Vec3;
+use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
-use crate::energy::PastCotangent;
+use crate::energy::{Constraint, PastCotangent};
 use crate::forward::{State, System, Trajectory, is_contact};
-use crate::math::linear::norm;
+use crate::math::linear::{dot, norm};
 
 /// Relative residual of the adjoint system.
 const TOLERANCE: f64 = 1e-9;
@@ -81,10 +87,11 @@ pub fn sweep(
         partials(&system.space, n, &mut own);
         let at = Moment { rest, u: &run.states[n].u, load: run.times[n] };
         system.step = Some(run.step(system, rest, n));
+        system.hold_volumes(rest, at.u, at.load);
         let sweep = Step { by_velocity: v, partials: own };
         let factored = linearized && n == steps;
-        let lambda = sweep.solve(system, &at, factored)?;
-        let past = sweep.pull_back(system, &at, lambda, &mut rest_bar, &mut parameters[n - 1]);
+        let solution = sweep.solve(system, &at, factored)?;
+        let past = sweep.pull_back(system, &at, &solution, &mut rest_bar, &mut parameters[n - 1]);
         hand_on(system, rest, run, n, &past, &mut states, &mut rest_bar);
     }
     let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
@@ -104,6 +111,14 @@ struct Moment<'a> {
     load: f64,
 }
 
+/// Of the adjoint system of a step.
+struct Solution {
+    /// λ, zero on the fixed degrees of freedom.
+    lambda: Vec<f64>,
+    /// μ of each prescribed volume.
+    mu: Vec<f64>,
+}
+
 /// What is known at a step before its adjoint system is solved.
 struct Step {
     by_velocity: Vec<f64>,
@@ -111,13 +126,12 @@ struct Step {
 }
 
 impl Step {
-    /// λ, zero on the fixed degrees of freedom.
     fn solve(
         &self,
         system: &mut System,
         at: &Moment,
         factored: bool,
-    ) -> Result<Vec<f64>, Singular> {
+    ) -> Result<Solution, Singular> {
         let h = system.step.as_ref().expect("set by the sweep").h;
         let by_contact = &self.partials.by_contact;
         let through = system.contact_hessian_times(at.rest, at.u, at.load, by_contact);
@@ -126,24 +140,19 @@ impl Step {
             -(own - through.as_ref().map_or(0.0, |t| t[d]))
         };
         let rhs = system.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
+        let constraints = system.constraints(at.rest, at.u, at.load);
         if norm(&rhs) == 0.0 {
-            return Ok(vec![0.0; at.u.len()]);
+            return Ok(Solution {
+                lambda: vec![0.0; at.u.len()],
+                mu: vec![0.0; constraints.len()],
+            });
         }
         if !factored {
             system.linearize(at.rest, at.u, at.load);
         }
-        let start = Instant::now();
-        let mut lambda = rhs.clone();
-        let mut residual = system.linear.solve(&mut lambda);
-        if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
-            lambda = rhs;
-            residual = system.linear.solve(&mut lambda);
-        }
-        system.timings.solve_s += start.elapsed().as_secs_f64();
-        if residual.is_nan() || residual > TOLERANCE {
-            return Err(Singular { residual });
-        }
-        Ok(system.prolong(&lambda))
+        let mut lambda = solve(system, rhs)?;
+        let mu = hold(system, &constraints, &mut lambda)?;
+        Ok(Solution { lambda: system.prolong(&lambda), mu })
     }
 
     /// The cotangent of the past; adds those of the rest shape and parameters.
@@ -151,7 +160,7 @@ impl Step {
         &self,
         system: &System,
         at: &Moment,
-        lambda: Vec<f64>,
+        Solution { lambda, mu }: &Solution,
         rest_bar: &mut [f64],
         parameters: &mut Vec<Vec<f64>>,
     ) -> PastCotangent {
@@ -160,15 +169,58 @@ impl Step {
         let by_contact = &self.partials.by_contact;
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
         for energy in &system.energies {
-            let lambda = if is_contact(&**energy) { &in_contact } else { &lambda };
+            let lambda = if is_contact(&**energy) { &in_contact } else { lambda };
             energy.add_mixed_vjp(&iterate, lambda, rest_bar);
             energy.add_past_vjp(&iterate, lambda, &mut past);
-            parameters.push(energy.parameter_vjp(&iterate, lambda));
+            let mut by = energy.parameter_vjp(&iterate, lambda);
+            by.extend(energy.constraint_vjp(&iterate, mu, rest_bar));
+            parameters.push(by);
         }
         let h = system.step.as_ref().expect("set by the sweep").h;
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
         past
     }
+}
+
+/// H⁻¹ of a vector over the free degrees of freedom.
+fn solve(system: &mut System, rhs: Vec<f64>) -> Result<Vec<f64>, Singular> {
+    let start = Instant::now();
+    let mut x = rhs.clone();
+    let mut residual = system.linear.solve(&mut x);
+    if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
+        x = rhs;
+        residual = system.linear.solve(&mut x);
+    }
+    system.timings.solve_s += start.elapsed().as_secs_f64();
+    if residual.is_nan() || residual > TOLERANCE {
+        return Err(Singular { residual });
+    }
+    Ok(x)
+}
+
+/// Takes G μ out of the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0. The penalty
+/// in H does not matter, for it acts along G only.
+fn hold(
+    system: &mut System,
+    constraints: &[Constraint],
+    lambda: &mut [f64],
+) -> Result<Vec<f64>, Singular> {
+    let count = constraints.len();
+    let mut mu = vec![0.0; count];
+    if count == 0 {
+        return Ok(mu);
+    }
+    let across: Vec<Vec<f64>> = constraints.iter().map(|c| system.restrict(&c.gradient)).collect();
+    let solved = across.iter().map(|g| solve(system, g.clone()));
+    let solved: Vec<Vec<f64>> = solved.collect::<Result<_, _>>()?;
+    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
+    let side = DVector::from_fn(count, |i, _| dot(&across[i], lambda));
+    let by_constraint = matrix.lu().solve(&side).ok_or(Singular { residual: f64::INFINITY })?;
+    for ((constraint, z), by) in constraints.iter().zip(&solved).zip(by_constraint.iter()) {
+        lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= by * z);
+        mu[constraint.multiplier] = *by;
+    }
+    Ok(mu)
 }
 
 /// Hands the cotangent of the past of step n on to the states before it.

@@ -176,20 +176,6 @@ impl Scene {
         format!("{:.1} % of the load", 100.0 * load)
     }
 
-    /// Whether the equilibrium under the full load has a gradient by shape.
-    ///
-    /// # Errors
-    /// With the table that has none.
-    pub fn check_differentiable(&self) -> Result<()> {
-        ensure!(
-            self.config.volume.is_empty(),
-            "{}: [[volume]]: there is no gradient with it; it is for solver simulate only\n  \
-             remove it from the scene of a design problem",
-            self.path.display()
-        );
-        Ok(())
-    }
-
     /// The fixed degrees of freedom on a body with this scene's tags.
     ///
     /// # Errors

@@ -159,24 +159,6 @@ fn times_and_volumes() {
     }
 }
 
-/// There is no gradient over time or with a prescribed volume; a wrong one must
-/// not be used in silence.
-#[test]
-fn designs_without_a_gradient() {
-    let dir = chamber::workdir();
-    let sound = dir.text("p1.toml");
-    let pressure = "[[pressure]]\non = \"cavity\"\npressure = 8e3";
-    let volume = sound.replace(pressure, "[[volume]]\non = \"cavity\"\nfactor = 1.1");
-    dir.write("p1.toml", &volume);
-    dir.solver("simulate p1.toml -o simulated").assert_good();
-    for verb in ["optimize design.toml -o out", "check design.toml", "gradient design.toml -o out"]
-    {
-        let words = ["p1.toml", "[[volume]]", "no gradient", "simulate only"];
-        dir.solver(verb).assert_refused(2, &words);
-    }
-    assert!(!dir.path("out").exists());
-}
-
 #[test]
 fn a_time_without_equilibrium() {
     let dir = chamber::workdir();

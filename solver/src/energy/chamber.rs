@@ -17,9 +17,9 @@
 //!
 //! P, P₀ and V* follow their schedules; P > 0 inflates. P̂ and k belong to the
 //! iterate: `forward` finds the P̂ for which V = V*, and P is then the pressure
-//! that holds it, whatever k. The one parameter is P, or of an ideal gas P₀, at the
-//! iterate's load; of a prescribed volume there is none. The dense second term is never assembled, see
-//! [`Energy::rank_one`].
+//! that holds it, whatever k. The one parameter is P, of an ideal gas P₀, of a prescribed
+//! volume its change or factor, at the iterate's load. The dense second term is never
+//! assembled, see [`Energy::rank_one`].
 
 use mesh::Vec3;
 
@@ -93,6 +93,29 @@ pub struct Potential {
 }
 
 impl GasLaw {
+    /// What it is prescribed by: pressure, fill, change or factor of the volume.
+    #[must_use]
+    pub fn schedule(&self) -> &Schedule {
+        match self {
+            Self::Isobaric { pressure: by }
+            | Self::Ideal { fill: by, .. }
+            | Self::Volume {
+                prescribed: Prescribed::Change(by) | Prescribed::Factor(by), ..
+            } => by,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn schedule_mut(&mut self) -> &mut Schedule {
+        match self {
+            Self::Isobaric { pressure: by }
+            | Self::Ideal { fill: by, .. }
+            | Self::Volume {
+                prescribed: Prescribed::Change(by) | Prescribed::Factor(by), ..
+            } => by,
+        }
+    }
+
     /// At volume `v` of a chamber with rest volume `rest`, at a load.
     #[must_use]
     pub fn at(&self, v: f64, rest: f64, load: f64, multipliers: &[Multiplier]) -> Potential {
@@ -148,6 +171,7 @@ impl GasLaw {
 }
 
 /// A chamber with gas.
+#[derive(Clone)]
 pub struct Chamber {
     /// Its wall.
     pub wall: Wall,
@@ -234,6 +258,20 @@ impl Energy for Chamber {
         self.wall.add_volume_gradient(at_.space, &x, gas.stiffness * along, out);
         let rest = at_.space.node_positions(at_.rest);
         self.wall.add_volume_gradient(at_.space, &rest, -gas.pressure_by_rest * along, out);
+    }
+
+    fn constraint_vjp(&self, at_: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
+        let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
+        let mu = mu[*multiplier];
+        let rest_volume = self.rest_volume(at_);
+        let (_, by_rest) = prescribed.at(rest_volume, at_.load);
+        self.wall.add_volume_gradient(at_.space, &positions(at_), mu, out);
+        let rest = at_.space.node_positions(at_.rest);
+        self.wall.add_volume_gradient(at_.space, &rest, -mu * by_rest, out);
+        Some(match prescribed {
+            Prescribed::Change(_) => -mu,
+            Prescribed::Factor(_) => -mu * rest_volume,
+        })
     }
 
     fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {

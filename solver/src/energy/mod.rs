@@ -168,6 +168,11 @@ pub trait Energy: Send + Sync {
         _by_rest: &mut [f64],
     ) {
     }
+    /// Adds μ_i ∂(V − V*)/∂X of the volume i that it prescribes, three components per
+    /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
+    fn constraint_vjp(&self, _at: &Iterate, _mu: &[f64], _out: &mut [f64]) -> Option<f64> {
+        None
+    }
     /// λᵀ ∂²E/∂u∂p for the numbers p that the term was made with, in the order that
     /// its type documents.
     fn parameter_vjp(&self, _at: &Iterate, _lambda: &[f64]) -> Vec<f64> {

@@ -157,7 +157,7 @@ impl March {
     /// Tells the system of the time step that follows.
     fn begin(&mut self, system: &mut System, rest: &[Vec3], end: f64) {
         if self.progress.time == 0.0 {
-            system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
+            system.release_volumes();
         }
         if self.progress.integrator.method.has_inertia() || self.guide.is_some() {
             // inertia keeps what comes near what was, and a guide near what it did

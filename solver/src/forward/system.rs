@@ -67,6 +67,8 @@ pub struct System {
     pub timings: Timings,
     /// Of the chambers with a prescribed volume.
     pub multipliers: Vec<Multiplier>,
+    /// The same before the first step.
+    pub(super) multipliers_at_rest: Vec<Multiplier>,
     /// The step in time, if there is one.
     pub step: Option<TimeStep>,
     pattern: Pattern,
@@ -93,6 +95,7 @@ impl System {
             linear,
             timings: Timings::default(),
             multipliers: Vec::new(),
+            multipliers_at_rest: Vec::new(),
             step: None,
             pattern,
             couplings: Vec::new(),
@@ -172,6 +175,7 @@ impl System {
     /// Starts the multipliers of prescribed volumes, as the energies number them.
     #[must_use]
     pub fn with_multipliers(mut self, multipliers: Vec<Multiplier>) -> Self {
+        self.multipliers_at_rest.clone_from(&multipliers);
         self.multipliers = multipliers;
         self
     }

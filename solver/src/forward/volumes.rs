@@ -96,6 +96,34 @@ pub fn balance(
     unreachable!("the loop ends by returning")
 }
 
+impl System {
+    /// Starts the multipliers anew, as before the first step.
+    pub fn release_volumes(&mut self) {
+        self.multipliers.clone_from(&self.multipliers_at_rest);
+    }
+
+    /// Sets the multipliers from a state alone: the pressures P̂ that minimise |∂L/∂u|,
+    /// which at an equilibrium are those that hold the prescribed volumes.
+    pub fn hold_volumes(&mut self, rest: &[Vec3], u: &[f64], load: f64) {
+        if self.multipliers.is_empty() {
+            return;
+        }
+        self.release_volumes();
+        let (gradient, _) = self.gradient(rest, u, load);
+        let force = self.restrict(&gradient);
+        let constraints = self.constraints(rest, u, load);
+        let across: Vec<Vec<f64>> =
+            constraints.iter().map(|c| self.restrict(&c.gradient)).collect();
+        let count = across.len();
+        let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &across[j]));
+        let side = DVector::from_fn(count, |i, _| dot(&across[i], &force));
+        let Some(pressures) = matrix.lu().solve(&side) else { return };
+        for (constraint, pressure) in constraints.iter().zip(pressures.iter()) {
+            self.multipliers[constraint.multiplier].pressure += pressure;
+        }
+    }
+}
+
 /// How far a state is from an equilibrium with the prescribed volumes.
 struct Distance {
     /// ∂L/∂u over all degrees of freedom [N].

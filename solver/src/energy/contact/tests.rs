@@ -143,17 +143,24 @@ fn blocks(degree: usize, form: Form, scale: f64, thickness: f64) -> Scene {
     scene
 }
 
+impl Contact {
+    /// Number of pairs of nearly parallel edges that repel each other.
+    pub(crate) fn fading(&self, at: &Iterate) -> usize {
+        let state = self.state(at);
+        let matters =
+            |t: &&Term| t.weight != 0.0 && t.stencil.faded && self.local(&state, t).value() > 0.0;
+        state.terms.terms.iter().filter(matters).count()
+    }
+}
+
 /// Numbers of faded terms that matter, of terms with negative weight, and of all.
 fn census(scene: &Scene) -> [usize; 3] {
     let state = scene.contact.state(&scene.here());
     let count = |wanted: &dyn Fn(&Term) -> bool| {
         state.terms.terms.iter().filter(|t| t.weight != 0.0 && wanted(t)).count()
     };
-    let fading = |t: &Term| {
-        let value = scene.contact.local(&state, t).value();
-        t.stencil.faded && value > 0.0
-    };
-    [count(&fading), count(&|t| t.weight < 0.0), count(&|_| true)]
+    let fading = scene.contact.fading(&scene.here());
+    [fading, count(&|t| t.weight < 0.0), count(&|_| true)]
 }
 
 #[test]
