@@ -7,3 +7,5 @@ mod bar;
 mod cavity;
 #[path = "design/grip.rs"]
 mod grip;
+#[path = "design/together.rs"]
+mod together;

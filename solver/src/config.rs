@@ -6,6 +6,7 @@ mod check;
 mod design;
 mod objective;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -19,7 +20,8 @@ use crate::material::Specification;
 use crate::schedule::{Field, Schedule};
 use crate::silicone;
 pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, PressureDesign, ShapeConfig,
+    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, PressureDesign,
+    ShapeConfig,
 };
 
 /// Name of the body in a scene with one.
@@ -70,6 +72,9 @@ pub struct SimConfig {
     /// Forces on parts of the boundary.
     #[serde(default)]
     pub traction: Vec<TractionConfig>,
+    /// Numbers that expressions may name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
     /// Time steps; without them the loads grow together from nothing.
     pub time: Option<TimeConfig>,
     /// Numerical settings.

@@ -27,7 +27,7 @@ const NOISE: f64 = 1e-9;
 
 /// Check the gradients of a design problem against its objective
 ///
-/// For each term of the objective and each group of parameters (shape, pressures,
+/// For each term of the objective and each group of parameters (shape, loads,
 /// materials, densities, friction, velocities at the start) prints the remainders
 /// |J(θ + εq) − J(θ) − ε g·q| along the gradient of the whole objective and along
 /// random directions; their slope against ε is 2 when the gradient is exact. Exit
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let perturbed =
         Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };
     let mut parameters = Parameter::of(&scene, &level);
-    let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Pressures);
+    let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
     let mut table = Table::default();
@@ -257,7 +257,7 @@ impl Case<'_> {
                 let per_unit = map.motion(&zero, &moved) / small;
                 motion.unwrap_or(0.1 * map.mean_edge()) / per_unit
             }
-            Parameter::Pressures => motion.unwrap_or(0.1 * map.mean_edge()) / largest,
+            Parameter::Loads => motion.unwrap_or(0.1 * map.mean_edge()) / largest,
             _ => 1e-2 / largest,
         }
     }

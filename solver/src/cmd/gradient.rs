@@ -17,7 +17,7 @@ use super::optimize::read;
 ///
 /// Writes to the output folder: gradient.vtu, the body at rest with dJ/dX of each
 /// vertex [1/m of J] as it is and with the interior following the boundary, and
-/// gradient.json with the terms and dJ by pressures, materials, friction and what else
+/// gradient.json with the terms and dJ by loads, materials, friction and what else
 /// the runs depend on.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "objective": at.objective,
         "terms": at.terms,
         "by": by,
-        "units": "J per metre for shape and pressures, per m/s for velocities, else per relative change",
+        "units": "J per metre for shape and loads, per m/s for velocities, else per relative change",
     });
     results::write_json(&folder.join("gradient.json"), &report)
 }

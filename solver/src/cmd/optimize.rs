@@ -1,5 +1,6 @@
 //! `solver optimize`: a design problem to a better body.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -16,7 +17,7 @@ use solver::scene::{ObjectiveBuilder, Scene};
 /// Optimise shapes of cavities and pressures over time
 ///
 /// Writes to the output folder: design.msh (tagged; design.NAME.msh for each of
-/// several bodies), pressures.toml (designed pressures, as tables of a scene),
+/// several bodies), pressures.toml and parameters.toml (designed loads, as tables of a scene),
 /// history.jsonl (one line per accepted iteration), report.json, and result.vtu (the
 /// design at the end). Killed at any moment, the same command continues where it was.
 #[derive(clap::Args)]
@@ -72,7 +73,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 pub fn read(path: &Path, others: &[super::OtherMesh]) -> Result<(DesignConfig, Scene)> {
     let design = DesignConfig::read(path)?;
     let scene = Scene::read_with(&beside(path, &design.scene), others)?;
-    scene.check_differentiable()?;
     Ok((design, scene))
 }
 
@@ -104,7 +104,14 @@ fn forget_failure(folder: &Path) -> Result<()> {
 }
 
 fn forget(folder: &Path) -> Result<()> {
-    let names = ["checkpoint.json", "history.jsonl", "report.json", "result.vtu", "pressures.toml"];
+    let names = [
+        "checkpoint.json",
+        "history.jsonl",
+        "report.json",
+        "result.vtu",
+        "pressures.toml",
+        "parameters.toml",
+    ];
     remove(folder, &names)?;
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let name = entry?.file_name().to_string_lossy().into_owned();
@@ -149,7 +156,19 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
     }
     let (level, evaluation) = &finished.last;
     vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;
-    write_pressures(folder, finished)
+    write_pressures(folder, finished)?;
+    write_parameters(folder, finished)
+}
+
+/// The designed parameters as the table that a scene would have.
+fn write_parameters(folder: &Path, finished: &Finished) -> Result<()> {
+    let parameters = finished.last.0.map().parameters(&finished.theta);
+    if parameters.is_empty() {
+        return Ok(());
+    }
+    let text = toml::to_string(&BTreeMap::from([("parameters", parameters)]))?;
+    mesh::io::write_atomic(&folder.join("parameters.toml"), |out| out.write_all(text.as_bytes()))?;
+    Ok(())
 }
 
 /// The designed pressures as the tables that a scene would have.

@@ -1,10 +1,10 @@
 //! Settings that no type can rule out.
 
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 
 use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
-use crate::schedule::Schedule;
+use crate::schedule::{Schedule, is_free_name};
 
 /// Moments at which schedules are looked at in each time step, for load steps
 /// may end in between.
@@ -39,8 +39,18 @@ impl SimConfig {
         if let Some(contact) = &self.contact {
             contact.check()?;
         }
+        for (name, value) in &self.parameters {
+            ensure!(
+                is_free_name(name),
+                "[parameters]: \"{name}\" cannot be a name; needed are letters, digits and _, and \
+                 no name that expressions know"
+            );
+            ensure!(value.is_finite(), "[parameters]: {name} = {value} must be finite");
+        }
         let (first, moments) = (self.times()[0], self.moments());
+        let parameters = self.parameters.clone();
         for (name, may_use_position, schedule) in self.schedules() {
+            schedule.bind(&parameters).with_context(|| name.clone())?;
             schedule.begin(first);
             if schedule.uses_position() {
                 ensure!(may_use_position, "{name} = {schedule}: must depend on t alone");
@@ -107,8 +117,8 @@ impl SimConfig {
     }
 
     /// All values that may change with time: what they are called in messages,
-    /// and whether they may change with the position.
-    fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
+    /// and whether they may change with the position; those of chambers come first.
+    pub fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
         let mut all = Vec::new();
         for c in &mut self.pressure {
             all.push((format!("pressure on \"{}\"", c.on), false, &mut c.pressure));

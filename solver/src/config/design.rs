@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::{Names, ObjectiveConfig};
+use crate::design::Sweeps;
 
 /// A design problem: what may change in a scene, and what is wanted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -19,6 +20,9 @@ pub struct DesignConfig {
     /// Pressures that may change over time, together with the shape or alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pressure: Vec<PressureDesign>,
+    /// Numbers in the scene's `[parameters]` that may change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameter: Vec<ParameterDesign>,
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
@@ -68,6 +72,9 @@ pub struct ShapeConfig {
     /// What vertices inside the body do.
     #[serde(default)]
     pub interior: Interior,
+    /// How handles are spread over a tag.
+    #[serde(default)]
+    pub spread: Sweeps,
     /// Levels from coarse to fine.
     pub level: Vec<LevelConfig>,
 }
@@ -123,6 +130,19 @@ pub struct PressureDesign {
     pub change: Option<f64>,
 }
 
+/// A number of the scene that may change, such as a peak pressure or a delay.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterDesign {
+    /// Its name in the scene's `[parameters]`.
+    pub name: String,
+    /// Smallest and largest value.
+    pub bounds: [f64; 2],
+    /// Largest change in one iteration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
 impl DesignConfig {
     /// Reads and checks a design file.
     ///
@@ -160,8 +180,8 @@ impl DesignConfig {
     fn check(&self) -> Result<()> {
         ensure!(!self.objective.is_empty(), "no [[objective]]: needed is what to minimise");
         match (&self.shape, self.optimizer.iterations) {
-            (None, _) if self.pressure.is_empty() => {
-                bail!("neither [shape] nor [[pressure]]: needed is what may change")
+            (None, _) if self.pressure.is_empty() && self.parameter.is_empty() => {
+                bail!("no [shape], [[pressure]] or [[parameter]]: needed is what may change")
             }
             (None, None) => {
                 bail!("no iterations in [optimizer]: a design without [shape] needs their number")
@@ -199,6 +219,19 @@ impl DesignConfig {
                 "[[pressure]] on \"{}\": change = {:?} Pa/s must be positive",
                 pressure.on,
                 pressure.change.unwrap_or(f64::NAN)
+            );
+        }
+        for parameter in &self.parameter {
+            let ParameterDesign { name, bounds: [low, high], change } = parameter;
+            ensure!(
+                low < high && low.is_finite() && high.is_finite(),
+                "[[parameter]] \"{name}\": bounds = [{low}, {high}]; needed are two numbers, the \
+                 smaller first"
+            );
+            ensure!(
+                change.is_none_or(|c| c.is_finite() && c > 0.0),
+                "[[parameter]] \"{name}\": change = {:?} must be positive",
+                change.unwrap_or(f64::NAN)
             );
         }
         Ok(())

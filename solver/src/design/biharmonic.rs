@@ -236,7 +236,7 @@ fn reached_from(adjacency: &Rows, sources: &[usize]) -> Vec<bool> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::design::sampling::{farthest_points, rim};
+    use crate::design::sampling::{Sweeps, rim, spread_points};
     use crate::testing::{cap, sphere, square};
     use mesh::Vec3;
 
@@ -244,7 +244,7 @@ mod tests {
     fn weights_are_bounded_add_up_and_vanish_on_the_rim() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = farthest_points(&surface, 6).unwrap();
+        let handles = spread_points(&surface, 6, Sweeps::RePick).unwrap();
         let weights = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         for v in 0..surface.vertices.len() {
             let sum: f64 = weights.iter().map(|w| w[v]).sum();
@@ -264,7 +264,7 @@ mod tests {
     fn weights_are_the_minimum_under_bounds() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = farthest_points(&surface, 6).unwrap();
+        let handles = spread_points(&surface, 6, Sweeps::RePick).unwrap();
         let problem = Problem::new(&surface, &rim, &handles);
         let targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
         let mut active = 0;
@@ -309,7 +309,7 @@ mod tests {
         let mut small = surface.clone();
         small.vertices.iter_mut().for_each(|v| *v *= 1e-3);
         let rim = rim(&surface);
-        let handles = farthest_points(&surface, 3).unwrap();
+        let handles = spread_points(&surface, 3, Sweeps::RePick).unwrap();
         let a = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         let b = bounded_biharmonic(&small, &rim, &handles).unwrap();
         let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());

@@ -22,7 +22,7 @@ use mesh::measure::mean_edge;
 use mesh::{Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::sampling::{TooManyHandles, farthest_points, rim};
+use super::sampling::{Sweeps, TooManyHandles, rim, spread_points};
 
 type Mat3 = nalgebra::Matrix3<f64>;
 
@@ -51,8 +51,8 @@ pub struct Handles {
     weights: Vec<Vec<f64>>,
 }
 
-/// Spreads `count` handles evenly over a patch of a mesh at rest positions
-/// `rest` and computes their weights.
+/// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
+/// `sweeps`, and computes their weights.
 ///
 /// # Errors
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
@@ -60,9 +60,10 @@ pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
     count: usize,
+    sweeps: Sweeps,
 ) -> Result<Handles, HandleError> {
     let (surface, vertices) = topology::submesh(rest, patch);
-    let points = farthest_points(&surface, count)?;
+    let points = spread_points(&surface, count, sweeps)?;
     let weights = bounded_biharmonic(&surface, &rim(&surface), &points)?;
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
@@ -194,7 +195,8 @@ mod tests {
     #[test]
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
-        let handles = sample_handles(&surface.vertices, &surface.triangles, 5).unwrap();
+        let handles =
+            sample_handles(&surface.vertices, &surface.triangles, 5, Sweeps::RePick).unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -206,7 +208,7 @@ mod tests {
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles = sample_handles(&ball.vertices, &ball.triangles, 1).unwrap();
+        let handles = sample_handles(&ball.vertices, &ball.triangles, 1, Sweeps::RePick).unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -227,7 +229,7 @@ mod tests {
     fn pull_back_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles = sample_handles(x, &surface.triangles, 3).unwrap();
+        let handles = sample_handles(x, &surface.triangles, 3, Sweeps::RePick).unwrap();
         let theta: Vec<f64> =
             Random::new(32).numbers(handles.variables()).iter().map(|t| 0.4 * t).collect();
         // J = Σ (aᵥ·v' + ½ |v'|²)

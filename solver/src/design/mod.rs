@@ -8,9 +8,12 @@ mod laplacian;
 mod patch;
 mod pressure_curve;
 pub mod sampling;
+mod scalar;
 
 pub use extension::Extension;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
 pub use patch::{FreeVertices, Patch};
 pub use pressure_curve::PressureCurve;
+pub use sampling::Sweeps;
+pub use scalar::Scalar;

@@ -3,7 +3,7 @@
 use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
-use super::sampling::rim;
+use super::sampling::{Sweeps, rim};
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -30,9 +30,10 @@ impl Patch {
         rest: &[Vec3],
         facets: &[[usize; 3]],
         handles: Option<usize>,
+        sweeps: Sweeps,
     ) -> Result<Self, HandleError> {
         if let Some(count) = handles {
-            return Ok(Self::Handles(sample_handles(rest, facets, count)?));
+            return Ok(Self::Handles(sample_handles(rest, facets, count, sweeps)?));
         }
         let (surface, ids) = topology::submesh(rest, facets);
         let held = rim(&surface);
@@ -93,7 +94,7 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(x, &surface.triangles, None).unwrap();
+        let patch = Patch::new(x, &surface.triangles, None, Sweeps::RePick).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));

@@ -57,14 +57,6 @@ pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
     rim
 }
 
-/// `count` vertices of a surface, none on its rim, spread by re-pick sweeps.
-///
-/// # Errors
-/// [`TooManyHandles`] if there are not that many.
-pub fn farthest_points(surface: &SurfaceMesh, count: usize) -> Result<Vec<usize>, TooManyHandles> {
-    spread_points(surface, count, Sweeps::RePick)
-}
-
 /// `count` vertices of a surface, none on its rim.
 ///
 /// # Errors
@@ -265,7 +257,7 @@ mod tests {
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {
         let plane = square(20, 0.0);
-        let points = farthest_points(&plane, 1).unwrap();
+        let points = spread_points(&plane, 1, Sweeps::RePick).unwrap();
         assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
     }
 
@@ -275,7 +267,7 @@ mod tests {
     fn points_are_spread_evenly_off_the_rim() {
         let surface = cap(4);
         for count in [4, 16, 50] {
-            let points = farthest_points(&surface, count).unwrap();
+            let points = spread_points(&surface, count, Sweeps::RePick).unwrap();
             let rim = rim(&surface);
             assert!(points.iter().all(|p| !rim.contains(p)));
             let geodesics = Geodesics::new(&surface);
@@ -349,16 +341,16 @@ mod tests {
         let mut two = ball.clone();
         two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
         two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
-        let points = farthest_points(&two, 2).unwrap();
+        let points = spread_points(&two, 2, Sweeps::RePick).unwrap();
         assert!((points[0] < n) != (points[1] < n));
-        assert_eq!(farthest_points(&ball, 1).unwrap(), vec![lowest(&ball)]);
+        assert_eq!(spread_points(&ball, 1, Sweeps::RePick).unwrap(), vec![lowest(&ball)]);
     }
 
     #[test]
     fn more_points_than_vertices_are_refused() {
         let plane = square(3, 0.0);
-        assert_eq!(farthest_points(&plane, 4).unwrap().len(), 4);
-        let error = farthest_points(&plane, 5).unwrap_err();
+        assert_eq!(spread_points(&plane, 4, Sweeps::RePick).unwrap().len(), 4);
+        let error = spread_points(&plane, 5, Sweeps::RePick).unwrap_err();
         assert_eq!(error, TooManyHandles { wanted: 5, available: 4 });
     }
 }

@@ -352,6 +352,7 @@ impl Cascade<'_> {
             "forward_s": step.forward_s,
             "gradient_s": step.gradient_s,
             "dofs": level.dofs(),
+            "parameters": level.map().parameters(&step.theta),
             "mean_displacement": level.mean_displacements(evaluation)?,
         });
         log::info!(
@@ -458,7 +459,7 @@ fn variables(level: &Level, settings: &LevelConfig) -> String {
         (Some(1), _) => "1 handle".to_owned(),
         (Some(count), _) => format!("{count} handles"),
         (None, true) => "free vertices".to_owned(),
-        (None, false) => format!("{} pressures", level.variables()),
+        (None, false) => format!("{} variables of loads", level.variables()),
     }
 }
 

@@ -1,21 +1,21 @@
-//! From design variables to what is simulated: rest shape and pressures.
+//! From design variables to what is simulated: rest shape and loads.
 //!
 //! X(θ) = X₀ + 𝓔 (patches(θ) − X₀ on the moving surface), with 𝓔 the extension into
 //! the interior, so that the gradient is that of what is simulated. The variables of
-//! the patches come first, one after the other, then those of the pressures; all are
-//! metres.
+//! the patches come first, one after the other, then those of the loads; all are metres.
+
+use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
 
+use super::load_map::LoadMap;
 use crate::body::Body;
-use crate::config::{DesignConfig, Interior, LevelConfig, PressureDesign};
-use crate::design::{Extension, Patch, PressureCurve};
+use crate::config::{DesignConfig, Interior, LevelConfig};
+use crate::design::{Extension, Patch, Sweeps};
 use crate::element::at;
-use crate::energy::{Chamber, GasLaw};
 use crate::forward::System;
 use crate::scene::Scene;
-use crate::schedule::Schedule;
 
 /// The map of one level.
 pub struct DesignMap {
@@ -25,23 +25,10 @@ pub struct DesignMap {
     /// None where nothing moves.
     extension: Option<Extension>,
     interior: Interior,
-    controls: Vec<Control>,
+    loads: LoadMap,
     /// All facets that move.
     moving: Vec<[usize; 3]>,
     mean_edge: f64,
-}
-
-/// A pressure that the design sets.
-struct Control {
-    /// Tag of the wall.
-    on: String,
-    /// Index among the energies.
-    energy: usize,
-    curve: PressureCurve,
-    times: Vec<f64>,
-    chamber: Chamber,
-    /// Largest change of a variable in one iteration.
-    change: f64,
 }
 
 impl DesignMap {
@@ -60,7 +47,8 @@ impl DesignMap {
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
         for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
-            patches.push(Patch::new(&rest, &facets, level.handles)?);
+            let sweeps = design.shape.as_ref().map_or(Sweeps::default(), |shape| shape.spread);
+            patches.push(Patch::new(&rest, &facets, level.handles, sweeps)?);
             moving.extend(facets);
         }
         check_apart(&patches)?;
@@ -68,14 +56,15 @@ impl DesignMap {
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(&body.mesh)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
-        let controls = controls(scene, &design.pressure, body, system, mean_edge)?;
-        Ok(Self { rest, patches, extension, interior, controls, moving, mean_edge })
+        let (pressures, parameters) = (&design.pressure, &design.parameter);
+        let loads = LoadMap::new(scene, pressures, parameters, (body, system), mean_edge)?;
+        Ok(Self { rest, patches, extension, interior, loads, moving, mean_edge })
     }
 
     /// Number of design variables.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.shape_variables() + self.controls.iter().map(|c| c.curve.variables()).sum::<usize>()
+        self.shape_variables() + self.loads.variables()
     }
 
     /// Number of those of the shape, which come first.
@@ -110,19 +99,6 @@ impl DesignMap {
         })
     }
 
-    /// Each pressure with its variables.
-    fn each_control<'a>(
-        &'a self,
-        theta: &'a [f64],
-    ) -> impl Iterator<Item = (&'a Control, &'a [f64])> + 'a {
-        let mut rest = &theta[self.shape_variables()..];
-        self.controls.iter().map(move |control| {
-            let (own, others) = rest.split_at(control.curve.variables());
-            rest = others;
-            (control, own)
-        })
-    }
-
     /// Rest vertex positions with the moving surface at θ and all others at θ = 0 [m].
     #[must_use]
     pub fn surface(&self, theta: &[f64]) -> Vec<Vec3> {
@@ -146,23 +122,21 @@ impl DesignMap {
         self.rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
     }
 
-    /// Gives the system the pressures of θ.
-    pub fn set_pressures(&self, theta: &[f64], system: &mut System) {
-        for (control, own) in self.each_control(theta) {
-            let values = control.curve.values(own);
-            let pressure = Schedule::table(&control.times, &values)
-                .expect("times of the scene, and finite values");
-            let wall = control.chamber.wall.clone();
-            let gas = GasLaw::Isobaric { pressure };
-            system.energies[control.energy] = Box::new(Chamber { wall, gas });
-        }
+    /// Gives the system the loads of θ.
+    pub fn set_loads(&self, theta: &[f64], system: &mut System) {
+        self.loads.apply(&theta[self.shape_variables()..], system);
     }
 
-    /// Tag and pressures P_0, …, P_N of each control [Pa].
+    /// Tag and pressures P_0, …, P_N of each designed pressure [Pa].
     #[must_use]
     pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
-        let one = |(c, own): (&Control, &[f64])| (c.on.clone(), c.curve.values(own));
-        self.each_control(theta).map(one).collect()
+        self.loads.pressures(&theta[self.shape_variables()..])
+    }
+
+    /// Designed parameters of the scene by name.
+    #[must_use]
+    pub fn parameters(&self, theta: &[f64]) -> BTreeMap<String, f64> {
+        self.loads.numbers(&theta[self.shape_variables()..])
     }
 
     /// Largest motion of a vertex from θ = a to θ = b [m].
@@ -176,13 +150,13 @@ impl DesignMap {
         largest
     }
 
-    /// The same, or the equivalent in a variable of a pressure if that is larger [m].
+    /// The same, or the equivalent in a variable of a load if that is larger [m].
     #[must_use]
     pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
         let largest = self.vertex_motion(a, b);
         let from = self.shape_variables();
-        let pressures = a[from..].iter().zip(&b[from..]).map(|(a, b)| (a - b).abs());
-        pressures.fold(largest, f64::max)
+        let loads = a[from..].iter().zip(&b[from..]).map(|(a, b)| (a - b).abs());
+        loads.fold(largest, f64::max)
     }
 
     /// dJ/dθ from dJ/dX, three components per vertex, and dJ/dp, for each step and
@@ -203,10 +177,8 @@ impl DesignMap {
             let on_patch: Vec<Vec3> = patch.vertices().iter().map(|&v| bar[v]).collect();
             gradient.extend(patch.pull_back(own, &self.rest, &on_patch));
         }
-        for control in &self.controls {
-            let by: Vec<f64> = by_parameters.iter().map(|step| step[control.energy][0]).collect();
-            gradient.extend(control.curve.pull_back(&by));
-        }
+        let of_loads = &theta[self.shape_variables()..];
+        gradient.extend(self.loads.pull_back(of_loads, by_parameters));
         gradient
     }
 
@@ -225,17 +197,15 @@ impl DesignMap {
     /// nothing is bounded.
     #[must_use]
     pub fn bounds(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        if self.controls.is_empty() {
+        if self.loads.variables() == 0 {
             return None;
         }
         let free = self.shape_variables();
         let mut lower = vec![f64::NEG_INFINITY; free];
         let mut upper = vec![f64::INFINITY; free];
-        for (control, own) in self.each_control(theta) {
-            for ([low, high], y) in control.curve.bounds().into_iter().zip(own) {
-                lower.push(low.max(y - control.change));
-                upper.push(high.min(y + control.change));
-            }
+        for [low, high] in self.loads.bounds(&theta[free..]) {
+            lower.push(low);
+            upper.push(high);
         }
         Some((lower, upper))
     }
@@ -256,62 +226,4 @@ fn check_apart(patches: &[Patch]) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn controls(
-    scene: &Scene,
-    configs: &[PressureDesign],
-    body: &Body,
-    system: &System,
-    edge: f64,
-) -> Result<Vec<Control>> {
-    if configs.is_empty() {
-        return Ok(Vec::new());
-    }
-    let named = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "pressure");
-    let energies: Vec<usize> = named.map(|(i, _)| i).collect();
-    let chambers = scene.chambers(body, &system.space)?;
-    let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
-    let mut controls: Vec<Control> = Vec::new();
-    for config in configs {
-        let found = chambers.iter().zip(&energies).find(|((on, _), _)| *on == config.on);
-        let Some(((_, chamber), &energy)) = found else {
-            anyhow::bail!("[[pressure]] on \"{}\": the scene has no [[pressure]] there", config.on);
-        };
-        let GasLaw::Isobaric { pressure } = &chamber.gas else {
-            anyhow::bail!(
-                "[[pressure]] on \"{}\": the scene has a closed chamber there; needed is a \
-                 [[pressure]]",
-                config.on
-            );
-        };
-        ensure!(
-            controls.iter().all(|c| c.energy != energy),
-            "[[pressure]] on \"{}\" is there twice",
-            config.on
-        );
-        let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
-        let [low, high] = config.slope;
-        let reach = low.abs().max(high.abs()) * times[times.len() - 1];
-        let scale = values.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-        let scale = if scale > 0.0 { scale } else { reach };
-        let curve = PressureCurve::new(&times, &values, config.slope, scale, edge);
-        for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
-            ensure!(
-                low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
-                "[[pressure]] on \"{}\": in time step {} the scene's pressure has a slope of \
-                 {:.4e} Pa/s, which slope = {:?} Pa/s does not allow",
-                config.on,
-                n + 1,
-                (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
-                config.slope
-            );
-        }
-        let change = config.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
-        let gas = GasLaw::Isobaric { pressure: pressure.clone() };
-        let chamber = Chamber { wall: chamber.wall.clone(), gas };
-        let on = config.on.clone();
-        controls.push(Control { on, energy, curve, times: times.clone(), chamber, change });
-    }
-    Ok(controls)
 }

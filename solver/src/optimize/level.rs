@@ -1,4 +1,4 @@
-//! One level of the cascade: variables θ → rest shape and pressures → run through
+//! One level of the cascade: variables θ → rest shape and loads → run through
 //! time → objective, and the gradient of that whole map.
 
 use std::collections::BTreeMap;
@@ -116,7 +116,7 @@ impl Level {
         self.map.variables()
     }
 
-    /// From variables to rest shape and pressures.
+    /// From variables to rest shape and loads.
     #[must_use]
     pub fn map(&self) -> &DesignMap {
         &self.map
@@ -149,7 +149,7 @@ impl Level {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        self.map.set_pressures(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system);
         let (run, newton_iterations) = match start {
             Start::Next(u) => self.run_next_to(&rest, u)?,
             Start::Guided(guide) => self.run(&rest, Some(guide.clone()))?,
@@ -192,7 +192,7 @@ impl Level {
     /// An evaluation as it was, from its displacements at the ends of time steps [m].
     #[must_use]
     pub fn recall(&mut self, theta: &[f64], displacements: &[Vec<f64>]) -> Evaluation {
-        self.map.set_pressures(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system);
         let rest = self.map.shape(theta);
         let run = Trajectory::through(&self.start, &self.times, displacements);
         let terms = self.terms_of(&rest, &run);
@@ -211,6 +211,7 @@ impl Level {
     fn one_step(&mut self, rest: &[Vec3], u: &[f64]) -> Trajectory {
         let run = Trajectory::through(&self.start, &self.times, &[u.to_vec()]);
         self.system.step = Some(run.step(&self.system, rest, 1));
+        self.system.hold_volumes(rest, u, self.times[0]);
         run
     }
 
@@ -272,9 +273,10 @@ impl Level {
     /// evaluation alone, not on how it was reached: an interrupted search goes on with
     /// the same bits.
     pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
-        self.map.set_pressures(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system);
         if !self.transient {
             self.system.step = Some(at.run.step(&self.system, &at.rest, 1));
+            self.system.hold_volumes(&at.rest, at.run.last(), 1.0);
             self.system.linearize(&at.rest, at.run.last(), 1.0);
         }
     }

@@ -6,6 +6,7 @@ mod design_map;
 mod lbfgs;
 mod lbfgsb;
 mod level;
+mod load_map;
 mod parameter;
 mod rest_path;
 pub mod validity;

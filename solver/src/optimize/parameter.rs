@@ -13,8 +13,8 @@ use crate::scene::{ObjectiveBuilder, Scene};
 pub enum Parameter {
     /// Design variables of the shape [m].
     Shape,
-    /// Design variables of the pressures [m].
-    Pressures,
+    /// Design variables of the loads [m].
+    Loads,
     /// Parameters of a body's law, each relative to itself.
     Material(usize),
     /// Density of a body, relative to itself.
@@ -32,7 +32,7 @@ impl Parameter {
         let mut all = Vec::new();
         let shape = level.map().shape_variables();
         all.extend((shape > 0).then_some(Self::Shape));
-        all.extend((level.variables() > shape).then_some(Self::Pressures));
+        all.extend((level.variables() > shape).then_some(Self::Loads));
         for part in 0..scene.parts.len() {
             all.push(Self::Material(part));
             if scene.weighs(part) {
@@ -53,7 +53,7 @@ impl Parameter {
         let body = |part: usize| &scene.parts[part].config.name;
         match self {
             Self::Shape => "shape".to_owned(),
-            Self::Pressures => "pressures".to_owned(),
+            Self::Loads => "loads".to_owned(),
             Self::Material(part) => format!("material of {}", body(*part)),
             Self::Density(part) => format!("density of {}", body(*part)),
             Self::Friction => "friction".to_owned(),
@@ -67,7 +67,7 @@ impl Parameter {
         let shape = level.map().shape_variables();
         match self {
             Self::Shape => shape,
-            Self::Pressures => level.variables() - shape,
+            Self::Loads => level.variables() - shape,
             Self::Material(part) => scene.parts[*part].material.values.len(),
             Self::Density(_) | Self::Friction => 1,
             Self::Velocity(_) => 3,
@@ -93,7 +93,7 @@ impl Parameter {
                 all.truncate(shape);
                 all
             }
-            Self::Pressures => {
+            Self::Loads => {
                 level.map().pull_back(&zero(), &swept.rest, &swept.parameters)[shape..].to_vec()
             }
             Self::Material(part) => {
@@ -148,7 +148,7 @@ impl Perturbed<'_> {
                 theta[..by.len()].copy_from_slice(by);
                 return Ok(level.evaluate(&theta, near)?);
             }
-            Parameter::Pressures => {
+            Parameter::Loads => {
                 let shape = theta.len() - by.len();
                 theta[shape..].copy_from_slice(by);
                 return Ok(level.evaluate(&theta, near)?);

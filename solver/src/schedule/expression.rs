@@ -1,5 +1,5 @@
-//! Expressions in t [s] and the rest position x, y, z [m], with their
-//! derivative by position.
+//! Expressions in t [s], the rest position x, y, z [m] and named parameters, with
+//! their derivatives by position and parameters.
 //!
 //! Operators + − * / ^ with the usual precedence (−x^2 is −(x^2), ^ groups from
 //! the right), parentheses, numbers, `pi`, and the functions of [`FUNCTIONS`](super::FUNCTIONS).
@@ -8,6 +8,8 @@
 //! Of the parsers among the libraries, those with functions of three arguments
 //! have no derivatives, which the adjoint needs, and exmex, which has them, no
 //! such functions.
+
+use std::collections::BTreeMap;
 
 use mesh::Vec3;
 
@@ -20,6 +22,12 @@ pub(super) enum Node {
     Number(f64),
     Time,
     Position(usize),
+    /// A name, the character of the text where it stands, and its value.
+    Parameter {
+        name: String,
+        at: usize,
+        value: f64,
+    },
     Minus(Box<Node>),
     Binary(u8, Box<Node>, Box<Node>),
     Call(&'static str, Vec<Node>),
@@ -33,12 +41,47 @@ pub struct Expression {
 }
 
 impl Expression {
-    /// Reads an expression.
+    /// Reads an expression without parameters.
     ///
     /// # Errors
     /// [`Malformed`] with what was found and what is known.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
+        let mut expression = Self::parse_unbound(text)?;
+        expression.bind(&BTreeMap::new())?;
+        Ok(expression)
+    }
+
+    /// Reads an expression with parameters, whose values are NaN until
+    /// [`Self::bind`] sets them.
+    ///
+    /// # Errors
+    /// [`Malformed`] with what was found and what is known.
+    pub fn parse_unbound(text: &str) -> Result<Self, Malformed> {
         parse(text).map(|root| Self { text: text.to_owned(), root })
+    }
+
+    /// Gives all parameters their values.
+    ///
+    /// # Errors
+    /// [`Malformed`] with the name that has none.
+    pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
+        self.root.bind(parameters).map_err(|(name, at)| {
+            let known = ["t", "x", "y", "z", "pi"].into_iter();
+            let known: Vec<&str> = known.chain(parameters.keys().map(String::as_str)).collect();
+            Malformed::unknown_name(&self.text, &name, at, &known.join(", "))
+        })
+    }
+
+    /// Whether a parameter occurs.
+    #[must_use]
+    pub fn uses(&self, parameter: &str) -> bool {
+        self.root.any(&|node| matches!(node, Node::Parameter { name, .. } if name == parameter))
+    }
+
+    /// Derivative by a parameter at a time [s], where the position does not matter.
+    #[must_use]
+    pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
+        self.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
     }
 
     /// As it was written.
@@ -57,7 +100,7 @@ impl Expression {
     /// is not defined.
     #[must_use]
     pub fn at(&self, position: Vec3, time: f64) -> Jet {
-        self.root.at(position, time)
+        self.root.at(position, time, None)
     }
 }
 
@@ -68,18 +111,40 @@ impl Node {
                 Self::Minus(a) => a.any(holds),
                 Self::Binary(_, a, b) => a.any(holds) || b.any(holds),
                 Self::Call(_, arguments) => arguments.iter().any(|a| a.any(holds)),
-                Self::Number(_) | Self::Time | Self::Position(_) => false,
+                Self::Number(_) | Self::Time | Self::Position(_) | Self::Parameter { .. } => false,
             }
     }
 
-    fn at(&self, x: Vec3, t: f64) -> Jet {
+    /// Sets the values of parameters; the error is one without a value, and where.
+    fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), (String, usize)> {
+        match self {
+            Self::Parameter { name, at, value } => {
+                let known = parameters.get(name).ok_or_else(|| (name.clone(), *at))?;
+                *value = *known;
+                Ok(())
+            }
+            Self::Minus(a) => a.bind(parameters),
+            Self::Binary(_, a, b) => a.bind(parameters).and_then(|()| b.bind(parameters)),
+            Self::Call(_, arguments) => arguments.iter_mut().try_for_each(|a| a.bind(parameters)),
+            Self::Number(_) | Self::Time | Self::Position(_) => Ok(()),
+        }
+    }
+
+    /// The value and its gradient by position, or in the first component by a
+    /// parameter.
+    fn at(&self, x: Vec3, t: f64, by: Option<&str>) -> Jet {
         match self {
             Self::Number(value) => Jet::constant(*value),
             Self::Time => Jet::constant(t),
-            Self::Position(k) => Jet::coordinate(x, *k),
-            Self::Minus(a) => -a.at(x, t),
+            Self::Position(k) if by.is_none() => Jet::coordinate(x, *k),
+            Self::Position(k) => Jet::constant(x[*k]),
+            Self::Parameter { name, value, .. } if by == Some(name) => {
+                Jet { value: *value, gradient: Vec3::x() }
+            }
+            Self::Parameter { value, .. } => Jet::constant(*value),
+            Self::Minus(a) => -a.at(x, t, by),
             Self::Binary(operator, a, b) => {
-                let (a, b) = (a.at(x, t), b.at(x, t));
+                let (a, b) = (a.at(x, t, by), b.at(x, t, by));
                 match operator {
                     b'+' => a + b,
                     b'-' => a - b,
@@ -89,7 +154,7 @@ impl Node {
                 }
             }
             Self::Call(name, arguments) => {
-                let a = arguments[0].at(x, t);
+                let a = arguments[0].at(x, t, by);
                 match *name {
                     "sin" => a.sin(),
                     "cos" => a.cos(),
@@ -98,11 +163,11 @@ impl Node {
                     "sqrt" => a.sqrt(),
                     "abs" => a.abs(),
                     "half_smoothstep" => a.half_smoothstep(),
-                    "min" => a.smaller(arguments[1].at(x, t)),
-                    "max" => -(-a).smaller(-arguments[1].at(x, t)),
+                    "min" => a.smaller(arguments[1].at(x, t, by)),
+                    "max" => -(-a).smaller(-arguments[1].at(x, t, by)),
                     // NaN must not choose a branch
                     _ if a.value.is_nan() => a,
-                    _ => arguments[if a.value >= 0.0 { 1 } else { 2 }].at(x, t),
+                    _ => arguments[if a.value >= 0.0 { 1 } else { 2 }].at(x, t, by),
                 }
             }
         }
@@ -178,6 +243,29 @@ mod tests {
         // zero to a power has a gradient, too
         let square = Expression::parse("x^2").expect("sound").at(Vec3::zeros(), 0.0);
         assert_eq!((square.value, square.gradient), (0.0, Vec3::zeros()));
+    }
+
+    #[test]
+    fn parameters_have_values_and_slopes() {
+        let text = "peak*half_smoothstep((t - delay)/0.5) + peak^2/(1 + delay)";
+        let mut expression = Expression::parse_unbound(text).expect("sound");
+        assert!(expression.at(Vec3::zeros(), 0.4).value.is_nan(), "never a silent zero");
+        let mut at = |peak: f64, delay: f64| {
+            let values = [("peak".to_owned(), peak), ("delay".to_owned(), delay)];
+            expression.bind(&values.into()).expect("both are known");
+            let slopes = ["peak", "delay"].map(|p| expression.by_parameter(p, 0.4));
+            (expression.at(Vec3::zeros(), 0.4).value, slopes)
+        };
+        let (_, [by_peak, by_delay]) = at(3.0, 0.1);
+        let h = 1e-5;
+        let peak = (at(3.0 + h, 0.1).0 - at(3.0 - h, 0.1).0) / (2.0 * h);
+        let delay = (at(3.0, 0.1 + h).0 - at(3.0, 0.1 - h).0) / (2.0 * h);
+        assert!((by_peak - peak).abs() < 1e-8 * peak.abs(), "{by_peak} {peak}");
+        assert!((by_delay - delay).abs() < 1e-8 * delay.abs(), "{by_delay} {delay}");
+        assert!(expression.uses("peak") && !expression.uses("pea"));
+        let message = expression.bind(&[("peak".to_owned(), 1.0)].into()).expect_err("no delay");
+        let wanted = "unknown name \"delay\" (known: t, x, y, z, pi, peak), at character 27";
+        assert!(message.to_string().ends_with(wanted), "{message}");
     }
 
     #[test]

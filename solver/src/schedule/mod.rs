@@ -16,9 +16,10 @@ mod table;
 
 pub use expression::Expression;
 pub use jet::Jet;
-pub use parser::{FUNCTIONS, Malformed};
+pub use parser::{FUNCTIONS, Malformed, is_free_name};
 pub use table::Table;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -82,6 +83,34 @@ impl Schedule {
     /// Sets the end of the first time step, t₁ > 0 [s]; it is 1 if not set.
     pub fn begin(&mut self, first: f64) {
         self.first = first;
+    }
+
+    /// Gives the parameters of an expression their values.
+    ///
+    /// # Errors
+    /// [`Malformed`] with the name that has none.
+    pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
+        match &mut self.written {
+            Written::Expression(expression) => Arc::make_mut(expression).bind(parameters),
+            Written::Number(_) | Written::Table(_) => Ok(()),
+        }
+    }
+
+    /// Whether a parameter occurs in it.
+    #[must_use]
+    pub fn uses(&self, parameter: &str) -> bool {
+        matches!(&self.written, Written::Expression(e) if e.uses(parameter))
+    }
+
+    /// ∂v/∂p by a parameter at a load, where v does not depend on the position.
+    #[must_use]
+    pub fn by_parameter(&self, parameter: &str, load: f64) -> f64 {
+        let Written::Expression(expression) = &self.written else { return 0.0 };
+        let now = expression.by_parameter(parameter, load);
+        match self.to_come(load) {
+            0.0 => now,
+            to_come => now - to_come * expression.by_parameter(parameter, 0.0),
+        }
     }
 
     /// Whether it was written as the number zero.
@@ -218,7 +247,8 @@ impl<'de> Visitor<'de> for Reader {
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
-        text.parse().map(|schedule: Schedule| schedule.written).map_err(E::custom)
+        let expression = Expression::parse_unbound(text).map_err(E::custom)?;
+        Ok(Written::Expression(Arc::new(expression)))
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Written, A::Error> {

@@ -61,6 +61,36 @@ struct Parser<'a> {
     depth: usize,
 }
 
+impl Malformed {
+    /// A name that nothing explains, at a character from 0.
+    pub(super) fn unknown_name(text: &str, name: &str, at: usize, known: &str) -> Self {
+        let what = format!("unknown name \"{name}\" (known: {known})");
+        Self { text: text.to_owned(), what, position: at + 1 }
+    }
+}
+
+/// What a name means by itself, if anything.
+fn constant(name: &str) -> Option<Node> {
+    Some(match name {
+        "t" => Node::Time,
+        "x" => Node::Position(0),
+        "y" => Node::Position(1),
+        "z" => Node::Position(2),
+        "pi" => Node::Number(std::f64::consts::PI),
+        _ => return None,
+    })
+}
+
+/// Whether a name may be given to a parameter.
+#[must_use]
+pub fn is_free_name(name: &str) -> bool {
+    let letter = |c: char| c.is_alphabetic() || c == '_';
+    name.starts_with(letter)
+        && name.chars().all(|c| letter(c) || c.is_numeric())
+        && constant(name).is_none()
+        && FUNCTIONS.iter().all(|f| f.0 != name)
+}
+
 impl Parser<'_> {
     fn malformed(&self, what: String) -> Malformed {
         Malformed { text: self.text.to_owned(), what, position: self.next + 1 }
@@ -180,21 +210,14 @@ impl Parser<'_> {
                 self.malformed(format!("{name} has {} arguments, needs {count}", arguments.len()))
             );
         }
-        match (call, name.as_str()) {
-            (false, "t") => return Ok(Node::Time),
-            (false, "x") => return Ok(Node::Position(0)),
-            (false, "y") => return Ok(Node::Position(1)),
-            (false, "z") => return Ok(Node::Position(2)),
-            (false, "pi") => return Ok(Node::Number(std::f64::consts::PI)),
-            _ => self.next = start,
+        if !call {
+            let parameter = || Node::Parameter { name: name.clone(), at: start, value: f64::NAN };
+            return Ok(constant(&name).unwrap_or_else(parameter));
         }
-        let functions: Vec<&str> = FUNCTIONS.iter().map(|f| f.0).collect();
-        let (kind, known) = if call {
-            ("function", functions.join(", "))
-        } else {
-            ("name", "t, x, y, z, pi".to_owned())
-        };
-        Err(self.malformed(format!("unknown {kind} \"{name}\" (known: {known})")))
+        self.next = start;
+        let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.0).collect();
+        let known = known.join(", ");
+        Err(self.malformed(format!("unknown function \"{name}\" (known: {known})")))
     }
 
     fn arguments(&mut self) -> Result<Vec<Node>, Malformed> {

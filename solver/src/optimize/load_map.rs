@@ -1,0 +1,283 @@
+//! From design variables to loads: pressures over time by their slopes, and numbers
+//! that expressions of the scene have in common.
+//!
+//! Variables of the curves come first, one curve after the other, then one for each
+//! number; all are metres.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, bail, ensure};
+
+use crate::body::Body;
+use crate::config::{ParameterDesign, PressureDesign};
+use crate::design::{PressureCurve, Scalar};
+use crate::energy::{Chamber, GasLaw};
+use crate::forward::System;
+use crate::scene::Scene;
+use crate::schedule::Schedule;
+
+/// What a design does to the loads.
+pub struct LoadMap {
+    /// t_0 = 0, t_1, …, t_N [s].
+    times: Vec<f64>,
+    curves: Vec<Curve>,
+    numbers: Vec<Number>,
+    /// Chambers in whose schedules such numbers occur.
+    named: Vec<(usize, Chamber)>,
+    /// All parameters of the scene.
+    parameters: BTreeMap<String, f64>,
+}
+
+/// A pressure that the design sets.
+struct Curve {
+    /// Tag of the wall.
+    on: String,
+    /// Index among the energies.
+    energy: usize,
+    curve: PressureCurve,
+    chamber: Chamber,
+    /// Largest change of a variable in one iteration.
+    change: f64,
+}
+
+/// A number that the design sets.
+struct Number {
+    name: String,
+    scalar: Scalar,
+    /// Largest change of its variable in one iteration.
+    change: f64,
+}
+
+impl LoadMap {
+    /// The map on a body whose moving surface has edges of about `edge` [m].
+    ///
+    /// # Errors
+    /// When the scene has no such pressure or parameter, or one outside its bounds.
+    pub fn new(
+        scene: &Scene,
+        pressures: &[PressureDesign],
+        parameters: &[ParameterDesign],
+        (body, system): (&Body, &System),
+        edge: f64,
+    ) -> Result<Self> {
+        let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
+        let mut map = Self {
+            times,
+            curves: Vec::new(),
+            numbers: Vec::new(),
+            named: Vec::new(),
+            parameters: scene.config.parameters.clone(),
+        };
+        if pressures.is_empty() && parameters.is_empty() {
+            return Ok(map);
+        }
+        let energies = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "pressure");
+        let energies = energies.map(|(i, _)| i);
+        let chambers = scene.chambers(body, &system.space)?.into_iter();
+        let chambers: Vec<(usize, (String, Chamber))> = energies.zip(chambers).collect();
+        for design in pressures {
+            map.add_curve(design, &chambers, edge)?;
+        }
+        for design in parameters {
+            map.add_number(design, scene, edge)?;
+        }
+        for (energy, (on, chamber)) in chambers {
+            let schedule = chamber.gas.schedule();
+            if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
+                continue;
+            }
+            ensure!(
+                map.curves.iter().all(|c| c.energy != energy),
+                "[[pressure]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
+            );
+            map.named.push((energy, chamber));
+        }
+        Ok(map)
+    }
+
+    fn add_curve(
+        &mut self,
+        design: &PressureDesign,
+        chambers: &[(usize, (String, Chamber))],
+        edge: f64,
+    ) -> Result<()> {
+        let on = design.on.clone();
+        let Some((energy, (_, chamber))) = chambers.iter().find(|(_, (name, _))| *name == on)
+        else {
+            bail!("[[pressure]] on \"{on}\": the scene has no [[pressure]] there");
+        };
+        let GasLaw::Isobaric { pressure } = &chamber.gas else {
+            bail!(
+                "[[pressure]] on \"{on}\": the scene has a closed chamber there; needed is a \
+                 [[pressure]]"
+            );
+        };
+        ensure!(
+            self.curves.iter().all(|c| c.energy != *energy),
+            "[[pressure]] on \"{on}\" is there twice"
+        );
+        let times = &self.times;
+        let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
+        let [low, high] = design.slope;
+        let reach = low.abs().max(high.abs()) * times[times.len() - 1];
+        let scale = values.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+        let scale = if scale > 0.0 { scale } else { reach };
+        let curve = PressureCurve::new(times, &values, design.slope, scale, edge);
+        for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
+            ensure!(
+                low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
+                "[[pressure]] on \"{on}\": in time step {} the scene's pressure has a slope of \
+                 {:.4e} Pa/s, which slope = {:?} Pa/s does not allow",
+                n + 1,
+                (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
+                design.slope
+            );
+        }
+        let change = design.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
+        self.curves.push(Curve { on, energy: *energy, curve, chamber: chamber.clone(), change });
+        Ok(())
+    }
+
+    fn add_number(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
+        let ParameterDesign { name, bounds, change } = design;
+        let Some(&start) = self.parameters.get(name) else {
+            bail!(
+                "[[parameter]] \"{name}\": {} has none of this name in [parameters]",
+                scene.path.display()
+            );
+        };
+        ensure!(
+            bounds[0] <= start && start <= bounds[1],
+            "[[parameter]] \"{name}\": the scene's value {start} is not within bounds = {bounds:?}"
+        );
+        ensure!(
+            self.numbers.iter().all(|n| n.name != *name),
+            "[[parameter]] \"{name}\" is there twice"
+        );
+        let mut config = scene.config.clone();
+        let chambers = config.pressure.len() + config.gas.len() + config.volume.len();
+        let (mut found, mut elsewhere) = (false, None);
+        for (i, (what, _, schedule)) in config.schedules().into_iter().enumerate() {
+            if schedule.uses(name) {
+                found = true;
+                elsewhere = elsewhere.or((i >= chambers).then_some(what));
+            }
+        }
+        if let Some(what) = elsewhere {
+            bail!(
+                "[[parameter]] \"{name}\" occurs in {what}, by which there is no gradient; it may \
+                 occur in [[pressure]], [[gas]] and [[volume]]"
+            );
+        }
+        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[pressure]], [[gas]] or [[volume]]");
+        let scalar = Scalar::new(start, *bounds, edge);
+        let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
+        self.numbers.push(Number { name: name.clone(), scalar, change });
+        Ok(())
+    }
+
+    /// Number of design variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.curve_variables() + self.numbers.len()
+    }
+
+    fn curve_variables(&self) -> usize {
+        self.curves.iter().map(|c| c.curve.variables()).sum()
+    }
+
+    /// Each curve with its variables.
+    fn each_curve<'a>(
+        &'a self,
+        theta: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Curve, &'a [f64])> + 'a {
+        let mut rest = theta;
+        self.curves.iter().map(move |curve| {
+            let (own, others) = rest.split_at(curve.curve.variables());
+            rest = others;
+            (curve, own)
+        })
+    }
+
+    /// Each number with its variable.
+    fn each_number<'a>(&'a self, theta: &'a [f64]) -> impl Iterator<Item = (&'a Number, f64)> + 'a {
+        self.numbers.iter().zip(theta[self.curve_variables()..].iter().copied())
+    }
+
+    /// Tag and pressures P_0, …, P_N of each curve [Pa].
+    #[must_use]
+    pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
+        self.each_curve(theta).map(|(c, own)| (c.on.clone(), c.curve.values(own))).collect()
+    }
+
+    /// Designed numbers by name.
+    #[must_use]
+    pub fn numbers(&self, theta: &[f64]) -> BTreeMap<String, f64> {
+        self.each_number(theta).map(|(n, y)| (n.name.clone(), n.scalar.value(y))).collect()
+    }
+
+    /// The chambers with the numbers of θ in their schedules.
+    fn bound(&self, theta: &[f64]) -> Vec<(usize, Chamber)> {
+        let mut parameters = self.parameters.clone();
+        parameters.extend(self.numbers(theta));
+        let bind = |(energy, chamber): &(usize, Chamber)| {
+            let mut chamber = chamber.clone();
+            let bound = chamber.gas.schedule_mut().bind(&parameters);
+            bound.expect("the scene's own names");
+            (*energy, chamber)
+        };
+        self.named.iter().map(bind).collect()
+    }
+
+    /// Gives the system the loads of θ.
+    pub fn apply(&self, theta: &[f64], system: &mut System) {
+        for (Curve { curve, chamber, energy, .. }, own) in self.each_curve(theta) {
+            let pressure = Schedule::table(&self.times, &curve.values(own))
+                .expect("times of the scene, and finite values");
+            let (wall, gas) = (chamber.wall.clone(), GasLaw::Isobaric { pressure });
+            system.energies[*energy] = Box::new(Chamber { wall, gas });
+        }
+        for (energy, chamber) in self.bound(theta) {
+            system.energies[energy] = Box::new(chamber);
+        }
+    }
+
+    /// dJ/dθ from dJ/dp, for each step and energy.
+    #[must_use]
+    pub fn pull_back(&self, theta: &[f64], by_parameters: &[Vec<Vec<f64>>]) -> Vec<f64> {
+        let mut gradient = Vec::with_capacity(self.variables());
+        for curve in &self.curves {
+            let by: Vec<f64> = by_parameters.iter().map(|step| step[curve.energy][0]).collect();
+            gradient.extend(curve.curve.pull_back(&by));
+        }
+        let bound = self.bound(theta);
+        for Number { name, scalar, .. } in &self.numbers {
+            let in_step = |(step, &t): (&Vec<Vec<f64>>, &f64)| -> f64 {
+                let by = |(energy, chamber): &(usize, Chamber)| {
+                    step[*energy][0] * chamber.gas.schedule().by_parameter(name, t)
+                };
+                bound.iter().map(by).sum()
+            };
+            let bar: f64 = by_parameters.iter().zip(&self.times[1..]).map(in_step).sum();
+            gradient.push(scalar.pull_back(bar));
+        }
+        gradient
+    }
+
+    /// Smallest and largest value of each variable in an iteration from θ.
+    #[must_use]
+    pub fn bounds(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        let around = |[low, high]: [f64; 2], y: f64, change: f64| {
+            [low.max(y - change), high.min(y + change)]
+        };
+        let mut bounds = Vec::with_capacity(self.variables());
+        for (curve, own) in self.each_curve(theta) {
+            let each = curve.curve.bounds().into_iter().zip(own);
+            bounds.extend(each.map(|(b, &y)| around(b, y, curve.change)));
+        }
+        for (number, y) in self.each_number(theta) {
+            bounds.push(around(number.scalar.bounds(), y, number.change));
+        }
+        bounds
+    }
+}

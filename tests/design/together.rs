@@ -1,0 +1,127 @@
+//! Numbers of a scene as design variables, alone and together with the shape.
+
+use serde_json::Value;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+const STEPS: usize = 5;
+
+/// The chamber with linear elements, blown up and let down after a while.
+fn scene(peak: f64, delay: f64) -> String {
+    let pulse = "\"if(t - delay, peak*sin(5*(t - delay)), 0)\"";
+    let parameters = format!("[parameters]\npeak = {peak}\ndelay = {delay}\n");
+    let time = format!("[time]\nmethod = \"quasistatic\"\nend = 0.5\nsteps = {STEPS}\n");
+    let sim = chamber::SIM.replace("degree = 2", "degree = 1");
+    sim.replace("pressure = 8e3", &format!("pressure = {pulse}")) + &parameters + &time
+}
+
+/// Mean height of the top after each step [m].
+fn heights(dir: &Workdir) -> Vec<f64> {
+    let height = |line: &str| {
+        let line: Value = serde_json::from_str(line).unwrap();
+        line["mean_displacement"]["top"][2].as_f64().unwrap()
+    };
+    dir.text("out/steps.jsonl").lines().map(height).collect()
+}
+
+#[test]
+fn a_peak_and_a_delay_are_found_again() {
+    let dir = chamber::workdir();
+    dir.write("wanted.toml", &scene(9e3, 0.06));
+    dir.solver("-q simulate wanted.toml -o out").assert_good();
+    let mut design = String::from(
+        "scene = \"begin.toml\"\n\
+         [optimizer]\niterations = 15\nfirst_step = 1.0\n\
+         [[parameter]]\nname = \"peak\"\nbounds = [0, 12e3]\nchange = 3e3\n\
+         [[parameter]]\nname = \"delay\"\nbounds = [0, 0.09]\n",
+    );
+    for (n, height) in heights(&dir).iter().enumerate() {
+        design += &format!(
+            "[[objective]]\nkind = \"displacement\"\nname = \"step {n}\"\nweight = 1e9\non = \"top\"\n\
+             displacement = [0.0, 0.0, {height}]\ncomponents = \"z\"\nover = {{ steps = [{}] }}\n",
+            n + 1
+        );
+    }
+    dir.write("design.toml", &design);
+    dir.write("begin.toml", &scene(5e3, 0.01));
+    dir.solver("check design.toml --steps 5").assert_good();
+    dir.solver("-q optimize design.toml -o designed").assert_good();
+    let found: toml::Table = toml::from_str(&dir.text("designed/parameters.toml")).unwrap();
+    let of = |name: &str| found["parameters"][name].as_float().unwrap();
+    // the top is not flat: its mean alone does not tell the pressure to all digits
+    assert!((of("peak") / 9e3 - 1.0).abs() < 0.03, "{found}");
+    assert!((of("delay") - 0.06).abs() < 2e-3, "{found}");
+    let line: Value =
+        serde_json::from_str(dir.text("designed/history.jsonl").lines().last().unwrap()).unwrap();
+    assert_eq!(line["parameters"]["peak"].as_f64(), Some(of("peak")));
+}
+
+/// A shape and the volume that is pumped into it.
+#[test]
+fn shape_and_volume_are_designed_together() {
+    let dir = chamber::workdir();
+    let sim = chamber::SIM.replace("degree = 2", "degree = 1");
+    let pumped = sim.replace(
+        "[[pressure]]\non = \"cavity\"\npressure = 8e3",
+        "[parameters]\nmore = 0.1\n[[volume]]\non = \"cavity\"\nfactor = \"1 + more*t\"",
+    );
+    dir.write("sim.toml", &pumped);
+    let parameter = "[[parameter]]\nname = \"more\"\nbounds = [0.0, 0.5]\n";
+    dir.write("design.toml", &(chamber::DESIGN.to_owned() + parameter));
+    dir.solver("check design.toml --steps 5").assert_good();
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let of = |key: &str| report[key].as_f64().unwrap();
+    assert!(of("objective_after") < 0.8 * of("objective_before"), "{report}");
+
+    let found: toml::Table = toml::from_str(&dir.text("out/parameters.toml")).unwrap();
+    let more = found["parameters"]["more"].as_float().unwrap();
+    assert!((more - 0.1).abs() > 1e-3, "the volume has not changed: {more}");
+    dir.write("sim.toml", &pumped.replace("more = 0.1", &format!("more = {more:?}")));
+    dir.solver("-q simulate sim.toml --mesh out/design.msh -o again").assert_good();
+    let again = dir.json("again/report.json");
+    let factor = again["walls"]["cavity"]["volume"].as_f64().unwrap()
+        / again["walls"]["cavity"]["rest_volume"].as_f64().unwrap();
+    assert!((factor - 1.0 - more).abs() < 1e-6, "{factor} and {more}");
+}
+
+#[test]
+fn parameters_that_cannot_be_designed_are_refused() {
+    let dir = chamber::workdir();
+    let objective = chamber::DESIGN.split("[[objective]]").nth(1).unwrap();
+    let design = |name: &str, bounds: &str| {
+        format!(
+            "scene = \"sim.toml\"\n[optimizer]\niterations = 3\n[[parameter]]\nname = \"{name}\"\n\
+             bounds = {bounds}\n[[objective]]{objective}"
+        )
+    };
+    let sound = scene(5e3, 0.01);
+    let bent = sound.replace(
+        "[[fixed]]\non = \"seat\"",
+        "[[fixed]]\non = \"seat\"\ndisplacement = [\"1e-5*delay\", 0, 0]",
+    );
+    for (sim, name, bounds, words) in [
+        (&sound, "pek", "[0, 1e4]", &["\"pek\"", "[parameters]"][..]),
+        (&sound, "peak", "[6e3, 1e4]", &["\"peak\"", "5000", "[6000.0, 10000.0]"]),
+        (&sound, "peak", "[1e4, 0]", &["\"peak\"", "the smaller first"]),
+        (&bent, "delay", "[0, 1]", &["\"delay\"", "[[fixed]] on \"seat\": displacement along x"]),
+        (
+            &sound.replace("delay = ", "dealy = "),
+            "peak",
+            "[0, 1e4]",
+            &["unknown name \"delay\"", "dealy, peak"],
+        ),
+        (
+            &sound.replace("delay", "t"),
+            "peak",
+            "[0, 1e4]",
+            &["[parameters]: \"t\" cannot be a name"],
+        ),
+    ] {
+        dir.write("sim.toml", sim);
+        dir.write("design.toml", &design(name, bounds));
+        let run = dir.solver("optimize design.toml -o out");
+        run.assert_refused(2, words);
+        assert!(!dir.path("out/design.msh").exists());
+    }
+}
