@@ -44,18 +44,6 @@ pub enum WeightError {
     /// The energy has no unique minimum.
     #[error("biharmonic energy: {0}; the surface has degenerate triangles, re-mesh it")]
     Singular(#[from] NotPositive),
-    /// A quadratic program was not solved.
-    #[error(
-        "weights of handle {handle} at vertex {vertex}: the quadratic program ended as {status}"
-    )]
-    Unsolved {
-        /// Index of the handle.
-        handle: usize,
-        /// Its vertex.
-        vertex: usize,
-        /// The solver's word for it.
-        status: String,
-    },
 }
 
 /// Weights of all handles, `[handle][vertex]`, for handles at vertices off the
@@ -75,13 +63,8 @@ pub fn bounded_biharmonic(
     }
     let start = problem.unbounded(&targets)?;
     // results come in the order of the handles, whatever the order of solving
-    let solved: Vec<_> =
+    let mut weights: Vec<Vec<f64>> =
         targets.par_iter().zip(start).map(|(ones, w)| problem.bounded(ones, w)).collect();
-    let mut weights = Vec::new();
-    for (handle, result) in solved.into_iter().enumerate() {
-        let vertex = targets[handle][0];
-        weights.push(result.map_err(|status| WeightError::Unsolved { handle, vertex, status })?);
-    }
     normalise(&mut weights);
     weights.truncate(handles.len());
     Ok(weights)
@@ -178,28 +161,41 @@ impl Problem {
         Ok(targets.iter().map(solve).collect())
     }
 
-    /// Weights of all vertices from the minimiser without bounds, which is kept
-    /// where it is within them.
-    fn bounded(&self, ones: &[usize], mut w: Vec<f64>) -> Result<Vec<f64>, String> {
+    /// Weights of all vertices from the minimiser without bounds, which is kept where it
+    /// is within them. It is cut off at them where the quadratic program, on a surface with
+    /// slivers, has no accurate solution: not the smoothest weights, but weights.
+    fn bounded(&self, ones: &[usize], mut w: Vec<f64>) -> Vec<f64> {
         if w.iter().any(|x| !(-ROUNDING..=1.0 + ROUNDING).contains(x)) {
-            w = self.quadratic_program(ones)?;
+            match self.quadratic_program(ones) {
+                Ok(within) => w = within,
+                Err(status) => log::warn!(
+                    "weights of the handle at vertex {} of its surface are cut off at their \
+                     bounds, for their quadratic program ended as {status}",
+                    ones[0]
+                ),
+            }
         }
         let mut weights = vec![0.0; self.energy.len()];
         ones.iter().for_each(|&v| weights[v] = 1.0);
         for (&v, x) in self.free.iter().zip(w) {
             weights[v] = x.clamp(0.0, 1.0);
         }
-        Ok(weights)
+        weights
     }
 
     fn quadratic_program(&self, ones: &[usize]) -> Result<Vec<f64>, String> {
         let n = self.free.len();
         let (start, rows, values) = self.triangle(|row, column| row <= column);
-        let energy = CscMatrix::new(n, n, start, rows, values);
+        // in unknowns y = w / d for which the diagonal is one: a sliver makes its own large
+        let d: Vec<f64> = self.free.iter().map(|v| self.energy[*v][v].sqrt().recip()).collect();
+        let columns = (0..n).flat_map(|column| vec![column; start[column + 1] - start[column]]);
+        let scaled = rows.iter().zip(columns).zip(values).map(|((&i, j), v)| d[i] * v * d[j]);
+        let energy = CscMatrix::new(n, n, start.clone(), rows.clone(), scaled.collect());
         // −w + s = 0 and w + s = 1 with slacks s ≥ 0
         let column_start = (0..=n).map(|i| 2 * i).collect();
         let sides = (0..n).flat_map(|i| [i, n + i]).collect();
-        let bounds = CscMatrix::new(2 * n, n, column_start, sides, [-1.0, 1.0].repeat(n));
+        let unit = d.iter().flat_map(|d| [-d, *d]).collect();
+        let bounds = CscMatrix::new(2 * n, n, column_start, sides, unit);
         let limits = [vec![0.0; n], vec![1.0; n]].concat();
         let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(2 * n)];
         let settings = DefaultSettings {
@@ -209,12 +205,14 @@ impl Problem {
             tol_feas: ACCURACY,
             ..DefaultSettings::default()
         };
-        let q = self.linear_term(ones);
+        let q: Vec<f64> = self.linear_term(ones).iter().zip(&d).map(|(q, d)| d * q).collect();
         let mut solver = DefaultSolver::new(&energy, &q, &bounds, &limits, &cones, settings)
             .map_err(|e| e.to_string())?;
         solver.solve();
         match solver.solution.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(solver.solution.x),
+            SolverStatus::Solved | SolverStatus::AlmostSolved => {
+                Ok(solver.solution.x.iter().zip(&d).map(|(y, d)| d * y).collect())
+            }
             status => Err(format!("{status:?}")),
         }
     }
