@@ -167,6 +167,17 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/done: build/chamber/pictures/study.png
 
+# The frog without a cascade, for comparison.
+build/frog/paper/vertices/report.json: pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml \
+		build/frog/paper/tagged.msh | setup
+	$(BIN)/solver optimize $< -o $(@D)
+
+build/frog/paper/pictures/cascade.svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
+	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "cascade,all vertices" \
+		--x-title "accepted shapes" --log -o $@
+
+build/frog/paper/done: build/frog/paper/pictures/cascade.svg
+
 build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
 	$(BIN)/cad2fem picture build/finger/baseline/result.vtu build/finger/optimized/result.vtu \
 		build/finger/model/bent/model.stl --color displacement --view $(view.finger) \
