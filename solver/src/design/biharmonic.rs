@@ -267,7 +267,7 @@ mod tests {
         let targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
         let mut active = 0;
         for (ones, start) in targets.iter().zip(problem.unbounded(&targets).unwrap()) {
-            let w = problem.bounded(ones, start).unwrap();
+            let w = problem.bounded(ones, start);
             for &v in &problem.free {
                 let slope: f64 = problem.energy[v].iter().map(|(&j, q)| q * w[j]).sum();
                 let scale = 1e-6 * problem.energy[v][&v];
