@@ -17,6 +17,7 @@ pub mod maxima;
 pub mod mold;
 pub mod parting;
 pub mod parts;
+pub mod plan;
 pub mod report;
 pub mod skin;
 pub mod split;
