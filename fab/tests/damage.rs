@@ -32,7 +32,14 @@ fn after(damage: impl FnOnce(&Path)) -> Vec<Line> {
     let mold = folder.path().join("mold");
     std::fs::create_dir_all(mold.join("reference")).unwrap();
     std::fs::copy(sound().path("design.msh"), folder.path().join("design.msh")).unwrap();
-    for file in ["mold.json", "upper.stl", "lower.stl", "core.stl", "reference/cast.stl", "reference/outside.stl"] {
+    for file in [
+        "mold.json",
+        "upper.stl",
+        "lower.stl",
+        "core.stl",
+        "reference/cast.stl",
+        "reference/outside.stl",
+    ] {
         std::fs::copy(from.join(file), mold.join(file)).unwrap();
     }
     damage(&mold);
