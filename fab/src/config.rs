@@ -7,7 +7,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mesh::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+
+use crate::{printer, silicone};
 
 /// Everything `fab mold` can be told.
 #[derive(Clone, Debug, Deserialize)]
@@ -29,6 +31,8 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
+    /// What is cast, and what the mold is printed on.
+    pub casting: Casting,
 }
 
 impl Default for Config {
@@ -42,6 +46,7 @@ impl Default for Config {
             sprue: Sprue::default(),
             vents: Vents::default(),
             core: Core::default(),
+            casting: Casting::default(),
         }
     }
 }
@@ -156,6 +161,51 @@ impl Default for Core {
     }
 }
 
+/// What is cast, and what the mold is printed on.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Casting {
+    /// A silicone of `solver/silicones.toml`. Unset: volumes only.
+    pub silicone: Option<String>,
+    /// A printer of `printers.toml`. Unset: no build volume is checked.
+    pub printer: Option<String>,
+    /// Silicone that stays in the cup, as a share of what fills the mold [1].
+    pub waste: f64,
+    /// Gauge pressure of the leak test [Pa]. Unset: that at which the body works.
+    pub leak_test: Option<f64>,
+}
+
+impl Default for Casting {
+    fn default() -> Self {
+        Self { silicone: None, printer: None, waste: 0.2, leak_test: None }
+    }
+}
+
+impl Casting {
+    /// Whether the names are known and the numbers can be.
+    ///
+    /// # Errors
+    /// The key, what it is, and what it may be.
+    pub fn check(&self) -> Result<(), String> {
+        let name = |key: &str, message| format!("casting.{key}: {message}");
+        if let Some(key) = &self.silicone {
+            silicone::find(key).map_err(|message| name("silicone", message))?;
+        }
+        if let Some(key) = &self.printer {
+            printer::find(key).map_err(|message| name("printer", message))?;
+        }
+        if !(0.0..=10.0).contains(&self.waste) {
+            return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
+        }
+        match self.leak_test {
+            Some(pressure) if !(pressure > 0.0 && pressure <= 1e6) => Err(format!(
+                "casting.leak_test is {pressure} Pa, must be above 0 and at most 1e6 Pa"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Config {
     /// Reads and checks a file.
     ///
@@ -177,6 +227,7 @@ impl Config {
     }
 
     fn check(&self) -> Result<()> {
+        self.casting.check().map_err(anyhow::Error::msg)?;
         let mut lengths = vec![
             ("wall", self.wall),
             ("keys.radius", self.keys.radius),
@@ -257,6 +308,10 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
+            ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
+            ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
+            ("[casting]\nwaste = -1", "casting.waste is -1"),
+            ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
         ] {
             let message = format!("{:#}", Config::parse(text).unwrap_err());
             assert!(message.contains(key), "{message}");

@@ -11,6 +11,7 @@ use crate::config::Config;
 use crate::export::printable;
 use crate::frame::Turn;
 use crate::mold::{Mold, Piece};
+use crate::output;
 use crate::report::{CAST, FILE, Input, Report, Role};
 use crate::skin::Skin;
 
@@ -91,6 +92,7 @@ impl Set {
             .files()
             .zip(&self.surfaces)
             .try_for_each(|(file, surface)| write_surface(&folder.join(file), surface))
+            .and_then(|()| output::write(folder, &self.report, &self.surfaces))
             .and_then(|()| self.report.write(folder));
         if let Err(error) = written {
             // The first error is the one to tell.
@@ -103,7 +105,9 @@ impl Set {
 
 /// Removes the files of a mold.
 fn remove(folder: &Path, report: &Report) -> Result<()> {
-    for file in [FILE].into_iter().chain(report.files()) {
+    let others = output::files(report);
+    let others = others.iter().map(String::as_str);
+    for file in [FILE].into_iter().chain(report.files()).chain(others) {
         let path = folder.join(file);
         match std::fs::remove_file(&path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
