@@ -21,6 +21,7 @@ pub mod output;
 pub mod parting;
 pub mod parts;
 pub mod picture;
+pub mod plan;
 pub mod printer;
 pub mod report;
 pub mod silicone;

@@ -52,6 +52,16 @@ pub enum Purpose {
     Key,
     /// Hole for a core's stub.
     Socket,
+    /// Hole for a bolt through a flange.
+    Bolt,
+    /// Slot for a screwdriver between two shells.
+    Pry,
+    /// Bore in a soluble core, for water.
+    Drain,
+    /// Hole in the silicone that a core's second support leaves, to be plugged.
+    Pin,
+    /// Collar for a tube, which is cast and not part of the design.
+    Boss,
 }
 
 /// A channel or gap in the mold.
@@ -68,8 +78,10 @@ pub struct Feature {
 pub struct Mold {
     /// From the design to the mold.
     pub frame: Frame,
-    /// The outside of the closed mold.
+    /// Bounds of the closed mold.
     pub block: Block,
+    /// Outside of the closed mold.
+    pub outside: Solid,
     /// Shells, and the base if there is one.
     pub shells: Vec<Piece>,
     /// One per connected cavity.
@@ -143,6 +155,7 @@ impl Mold {
         let mut mold = Self {
             cast: Solid::from_surface(&placed(&skin.cast, &frame))?,
             frame,
+            outside: block.solid(),
             block,
             shells: Vec::new(),
             cores: Vec::new(),

@@ -19,6 +19,9 @@ pub const FILE: &str = "mold.json";
 /// Name of the file with the body that is cast.
 pub const CAST: &str = "reference/cast.stl";
 
+/// Name of the file with the outside of the closed mold.
+pub const OUTSIDE: &str = "reference/outside.stl";
+
 /// A point or direction.
 pub type Triple = [f64; 3];
 
@@ -34,8 +37,12 @@ pub struct Report {
     pub input: Input,
     /// From the design [m] to the mold [mm]: three rows of (R | t).
     pub design_to_mold: [[f64; 4]; 3],
-    /// The outside of the closed mold.
+    /// Bounds of the closed mold.
     pub block: Bounds,
+    /// File with the outside of the closed mold as a solid: parts, cast, channels and gaps fill it.
+    pub outside: String,
+    /// Whether it is cast open: the top of the cast is at the top of the mold, without sprue.
+    pub open: bool,
     /// Least thickness of the mold around the part [mm].
     pub wall: f64,
     /// Printed parts; taken apart in reverse order.
@@ -60,6 +67,23 @@ pub struct Input {
     pub sha256: String,
     /// Tag of the cavity's wall.
     pub cavity: String,
+    /// Which part of it is cast.
+    pub part: CastPart,
+}
+
+/// What of the input is cast.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum CastPart {
+    /// All of it.
+    Whole,
+    /// What is above a height in the mold's coordinates [mm].
+    Above(f64),
+    /// What is below a height in the mold's coordinates [mm].
+    Below(f64),
+    /// The input is no mesh in metres but the surface of a core, in the millimetres
+    /// of the mold that holds it.
+    Core,
 }
 
 /// An axis-aligned box.
@@ -149,7 +173,7 @@ impl Report {
     #[must_use]
     pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
         let volume = enclosed_volume(cast);
-        let outside = mold.block.solid().difference(&mold.cast);
+        let outside = mold.outside.difference(&mold.cast);
         let channels: f64 = mold
             .features
             .iter()
@@ -162,6 +186,8 @@ impl Report {
             input,
             design_to_mold: in_millimetres(&mold.frame),
             block: Bounds { min: millimetres(&mold.block.min), max: millimetres(&mold.block.max) },
+            outside: OUTSIDE.into(),
+            open: false,
             wall: config.wall * MM,
             parts: Vec::new(),
             cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
@@ -247,9 +273,11 @@ impl Report {
         })
     }
 
-    /// Files other than the report, relative to its folder.
+    /// Files other than the report, relative to its folder: those of the parts, the cast
+    /// and the outside.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        self.parts.iter().map(|p| p.file.as_str()).chain([self.cast.file.as_str()])
+        let references = [self.cast.file.as_str(), self.outside.as_str()];
+        self.parts.iter().map(|p| p.file.as_str()).chain(references)
     }
 }
 
@@ -259,7 +287,9 @@ impl Input {
     /// # Errors
     /// If the mesh cannot be read.
     pub fn new(path: &Path, folder: &Path, cavity: &str) -> Result<Self, IoError> {
-        Ok(Self { path: relative(path, folder), sha256: sha256_file(path)?, cavity: cavity.into() })
+        let sha256 = sha256_file(path)?;
+        let part = CastPart::Whole;
+        Ok(Self { path: relative(path, folder), sha256, cavity: cavity.into(), part })
     }
 }
 

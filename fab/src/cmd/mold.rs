@@ -12,7 +12,7 @@ use crate::export::printable;
 use crate::frame::Turn;
 use crate::mold::{Mold, Piece};
 use crate::output;
-use crate::report::{CAST, FILE, Input, Report, Role};
+use crate::report::{CAST, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
 
 /// Arguments of `fab mold`.
@@ -79,6 +79,7 @@ impl Set {
         mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
         mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
         surfaces.push(cast);
+        surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })
     }
 

@@ -24,6 +24,7 @@ pub fn checks(set: &Set) -> Vec<Line> {
                 Purpose::Sprue | Purpose::Vent => lines.extend(open(set, &name, outline)),
                 Purpose::Key => lines.push(engaged(set, &name, outline)),
                 Purpose::Socket => lines.extend(seated(set, &name, outline)),
+                Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Pin | Purpose::Boss => {}
             }
         }
         if purpose == Purpose::Sprue && lines.is_empty() {
@@ -43,6 +44,11 @@ impl Purpose {
             Self::Vent => "vent",
             Self::Key => "key",
             Self::Socket => "socket",
+            Self::Bolt => "bolt",
+            Self::Pry => "pry",
+            Self::Drain => "drain",
+            Self::Pin => "pin",
+            Self::Boss => "boss",
         }
     }
 }

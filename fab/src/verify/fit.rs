@@ -57,14 +57,14 @@ fn overlaps(set: &Set) -> Vec<Line> {
     lines
 }
 
-/// Block − parts − voids = cast, in volumes of the written surfaces.
+/// Outside − parts − voids = cast, in volumes of the written surfaces.
 fn balance(set: &Set, voids: &Solid) -> Line {
-    let size = set.bounds.1 - set.bounds.0;
     let parts: f64 = set.parts().map(|body| body.volume).sum();
-    let rest = size.x * size.y * size.z - parts - voids.volume();
+    let rest = set.outside.volume - parts - voids.volume();
     let area: f64 = set.parts().map(|body| body.area).sum::<f64>() + set.cast.area + voids.area();
+    let area = area + set.outside.area;
     let limit = set.volume_rounding(area);
-    let name = "balance: block-parts-voids-cast";
+    let name = "balance: outside-parts-voids-cast";
     Line::at_most(name, (rest - set.cast.volume).abs(), limit, "mm³")
 }
 

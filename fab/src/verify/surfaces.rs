@@ -9,11 +9,11 @@ use crate::report::Report;
 
 /// The rules of [`mesh::check`], the number of pieces and the numbers of the report.
 pub fn checks(files: &Files) -> Vec<Line> {
-    let Files { report, parts, cast } = files;
+    let Files { report, parts, cast, outside } = files;
     let names = report.parts.iter().map(|part| part.name.as_str());
     let mut lines: Vec<Line> = names
         .zip(parts)
-        .chain([("cast", cast)])
+        .chain([("cast", cast), ("outside", outside)])
         .flat_map(|(name, surface)| valid(name, surface))
         .collect();
     lines.extend(as_reported(report, parts, cast));
