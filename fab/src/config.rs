@@ -7,9 +7,15 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mesh::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::method::Method;
+use crate::printer;
+use crate::silicone::{self, Chemistry};
+
+/// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
+/// are usual [m].
+const CLEARANCE: f64 = 2e-4;
 
 /// Everything `fab mold` can be told.
 #[derive(Clone, Debug, Deserialize)]
@@ -22,10 +28,9 @@ pub struct Config {
     pub method: Option<Method>,
     /// What decides between methods and partings.
     pub limits: Limits,
-    /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by 1/(1 − s) [1].
-    pub shrinkage: f64,
-    /// Gap around keys and stubs, of the printer that makes the mold.
-    pub printer: Printer,
+    /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
+    /// 1/(1 − s). Unset: that of the silicone that is named, if it cures with tin [1].
+    pub shrinkage: Option<f64>,
     /// Whether pieces carry their names.
     pub labels: bool,
     /// Direction that points up while casting; the inlet must face down. Unset: away from the inlet [1].
@@ -48,6 +53,8 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
+    /// What is cast, and what the mold is printed on.
+    pub casting: Casting,
 }
 
 impl Default for Config {
@@ -56,8 +63,7 @@ impl Default for Config {
             cavity: "cavity".into(),
             method: None,
             limits: Limits::default(),
-            shrinkage: 0.0,
-            printer: Printer::Filament,
+            shrinkage: None,
             labels: true,
             up: None,
             wall: 5e-3,
@@ -69,6 +75,7 @@ impl Default for Config {
             sprue: Sprue::default(),
             vents: Vents::default(),
             core: Core::default(),
+            casting: Casting::default(),
         }
     }
 }
@@ -98,31 +105,6 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self { girth: 2.5, peel: 0.5, flat: 0.8 }
-    }
-}
-
-/// What prints the mold.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Printer {
-    /// Molten filament from a nozzle of 0.4 mm.
-    Filament,
-    /// The same, tuned on a test piece.
-    FineFilament,
-    /// Resin hardened by light.
-    Resin,
-}
-
-impl Printer {
-    /// Gap around a part that must slide into another [m]: 0.2 to 0.4 mm for filament
-    /// and 0.1 mm for resin are usual.
-    #[must_use]
-    pub fn clearance(self) -> f64 {
-        match self {
-            Self::Filament => 2e-4,
-            Self::FineFilament => 1.5e-4,
-            Self::Resin => 1e-4,
-        }
     }
 }
 
@@ -288,6 +270,51 @@ impl Default for Core {
     }
 }
 
+/// What is cast, and what the mold is printed on.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Casting {
+    /// A silicone of `solver/silicones.toml`. Unset: volumes only.
+    pub silicone: Option<String>,
+    /// A printer of `printers.toml`. Unset: no build volume is checked.
+    pub printer: Option<String>,
+    /// Silicone that stays in the cup, as a share of what fills the mold [1].
+    pub waste: f64,
+    /// Gauge pressure of the leak test [Pa]. Unset: that at which the body works.
+    pub leak_test: Option<f64>,
+}
+
+impl Default for Casting {
+    fn default() -> Self {
+        Self { silicone: None, printer: None, waste: 0.2, leak_test: None }
+    }
+}
+
+impl Casting {
+    /// Whether the names are known and the numbers can be.
+    ///
+    /// # Errors
+    /// The key, what it is, and what it may be.
+    pub fn check(&self) -> Result<(), String> {
+        let name = |key: &str, message| format!("casting.{key}: {message}");
+        if let Some(key) = &self.silicone {
+            silicone::find(key).map_err(|message| name("silicone", message))?;
+        }
+        if let Some(key) = &self.printer {
+            printer::find(key).map_err(|message| name("printer", message))?;
+        }
+        if !(0.0..=10.0).contains(&self.waste) {
+            return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
+        }
+        match self.leak_test {
+            Some(pressure) if !(pressure > 0.0 && pressure <= 1e6) => Err(format!(
+                "casting.leak_test is {pressure} Pa, must be above 0 and at most 1e6 Pa"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Config {
     /// Reads and checks a file.
     ///
@@ -308,19 +335,38 @@ impl Config {
         Ok(config)
     }
 
+    /// Part of its lengths by which the silicone shrinks [1]. Platinum silicones shrink by
+    /// less than a printer resolves.
+    #[must_use]
+    pub fn shrinkage(&self) -> f64 {
+        let of_silicone = || {
+            let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
+            let facts = silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
+            facts.shrinkage.map(|percent| percent / 100.0)
+        };
+        self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
+    }
+
     /// Gap around keys [m].
     #[must_use]
     pub fn key_clearance(&self) -> f64 {
-        self.keys.clearance.unwrap_or_else(|| self.printer.clearance())
+        self.keys.clearance.unwrap_or_else(|| self.printer_clearance())
     }
 
     /// Gap around stubs of cores [m].
     #[must_use]
     pub fn stub_clearance(&self) -> f64 {
-        self.core.clearance.unwrap_or_else(|| self.printer.clearance())
+        self.core.clearance.unwrap_or_else(|| self.printer_clearance())
+    }
+
+    /// Gap around a part that slides into another: that of the printer, if one is named [m].
+    fn printer_clearance(&self) -> f64 {
+        let named = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
     }
 
     fn check(&self) -> Result<()> {
+        self.casting.check().map_err(anyhow::Error::msg)?;
         let mut lengths = vec![
             ("wall", self.wall),
             ("keys.radius", self.keys.radius),
@@ -347,10 +393,10 @@ impl Config {
                 "limits.{key} is {limit}, must be a ratio above 0"
             );
         }
+        let shrinkage = self.shrinkage();
         ensure!(
-            (0.0..0.2).contains(&self.shrinkage),
-            "shrinkage is {}, must be at least 0 and below 0.2: a part of lengths, not percent",
-            self.shrinkage
+            (0.0..0.2).contains(&shrinkage),
+            "shrinkage is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
         );
         ensure!(
             self.keys.height + self.key_clearance() < self.flange.thickness,
@@ -425,6 +471,10 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
+            ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
+            ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
+            ("[casting]\nwaste = -1", "casting.waste is -1"),
+            ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
         ] {
             let message = format!("{:#}", Config::parse(text).unwrap_err());
             assert!(message.contains(key), "{message}");

@@ -148,7 +148,7 @@ impl Mold {
         method: Method,
         config: &Config,
     ) -> Result<Self, MoldError> {
-        let (frame, pull) = frame(&skin.filled, stance, config.shrinkage)?;
+        let (frame, pull) = frame(&skin.filled, stance, config.shrinkage())?;
         let part = Part::new(skin, &frame, stance.portion)?;
         let bounds = measure::bounds(&part.surface.vertices);
         let mut mold = Self {

@@ -8,7 +8,7 @@ use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use crate::config::Config;
+use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
 use crate::mold::{Feature, Mold, Piece, Purpose};
@@ -52,6 +52,8 @@ pub struct Report {
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
+    /// What is cast, and what the mold is printed on.
+    pub casting: Casting,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -193,6 +195,7 @@ impl Report {
             wall: config.wall * MM,
             parts: Vec::new(),
             cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
+            casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings
@@ -239,6 +242,7 @@ impl Report {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
+        self.casting.check()?;
         for Part { name, leaves, to_mold, .. } in &self.parts {
             let direction = Vec3::from(*leaves);
             if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {

@@ -13,6 +13,7 @@ use crate::export::{MM, printable};
 use crate::frame::Turn;
 use crate::method::Method;
 use crate::mold::{Mold, Piece};
+use crate::output;
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting, Plan};
 use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
@@ -108,7 +109,7 @@ fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> 
     let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };
     let skin = Skin::of_surface(surface)?;
     let config = Config {
-        shrinkage: 0.0,
+        shrinkage: Some(0.0),
         parting: Config::default().parting,
         sprue: Sprue { at: None, ..config.sprue.clone() },
         ..config.clone()
@@ -181,6 +182,7 @@ impl Set {
             .files()
             .zip(&self.surfaces)
             .try_for_each(|(file, surface)| write_surface(&folder.join(file), surface))
+            .and_then(|()| output::write(folder, &self.report, &self.surfaces))
             .and_then(|()| self.report.write(folder));
         if let Err(error) = written {
             // The first error is the one to tell.
@@ -193,7 +195,10 @@ impl Set {
 
 /// Removes the files of a mold.
 fn remove(folder: &Path, report: &Report) -> Result<()> {
-    [FILE].into_iter().chain(report.files()).try_for_each(|file| remove_file(&folder.join(file)))
+    let others = output::files(report);
+    let others = others.iter().map(String::as_str);
+    let mut all = [FILE].into_iter().chain(report.files()).chain(others);
+    all.try_for_each(|file| remove_file(&folder.join(file)))
 }
 
 fn remove_file(path: &Path) -> Result<()> {

@@ -1,0 +1,83 @@
+//! What is written beside the STL files: the same parts with unit, names and places,
+//! and views of the whole.
+
+use std::path::Path;
+
+use mesh::io::IoError;
+use mesh::{SurfaceMesh, Vec3};
+use nalgebra::Matrix3;
+
+use crate::assembly::assembly;
+use crate::cast::{self, Sheet};
+use crate::mold::Purpose;
+use crate::picture;
+use crate::report::{Part, Report};
+use crate::threemf::{self, Place, Shape};
+
+/// All parts where they are in the closed mold.
+pub const ASSEMBLY: &str = "assembly.3mf";
+
+/// The same with the cast, for ParaView.
+pub const GRID: &str = "reference/assembly.vtu";
+
+/// Picture of the closed mold, cut open.
+pub const ASSEMBLED: &str = "assembled.png";
+
+/// Picture of the parts and the cast taken apart.
+pub const EXPLODED: &str = "exploded.png";
+
+/// The 3MF file of a part, beside its STL file.
+#[must_use]
+pub fn threemf_file(part: &Part) -> String {
+    format!("{}.3mf", part.name)
+}
+
+/// The files that [`write`] makes, relative to the folder of the report.
+#[must_use]
+pub fn files(report: &Report) -> Vec<String> {
+    let parts = report.parts.iter().map(threemf_file);
+    let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, cast::JSON, cast::MARKDOWN];
+    parts.chain(others.map(str::to_owned)).collect()
+}
+
+/// Writes the parts and their assembly as 3MF, the assembly for ParaView, and
+/// pictures of the mold closed and taken apart, and the sheet for casting. `surfaces` are those of the STL
+/// files, the cast last.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
+    let shape = |(part, surface): (&Part, &SurfaceMesh), place| Shape {
+        name: part.name.clone(),
+        surface: surface.clone(),
+        place,
+    };
+    let shapes = report.parts.iter().zip(surfaces);
+    for (part, surface) in shapes.clone() {
+        let alone = shape((part, surface), Place::at(Vec3::zeros()));
+        threemf::write(&folder.join(threemf_file(part)), &part.name, &[alone])?;
+    }
+    let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
+    threemf::write(&folder.join(ASSEMBLY), "closed mold", &closed)?;
+    let members = assembly(report, surfaces);
+    picture::grid(&folder.join(GRID), &members)?;
+    picture::assembled(&folder.join(ASSEMBLED), "closed, cut open", &members, &middle(report))?;
+    picture::exploded(&folder.join(EXPLODED), "taken apart", &members)?;
+    let sheet = Sheet::new(report);
+    sheet.map_err(|message| IoError::content(folder, message))?.write(folder)
+}
+
+/// Where a part stands in the closed mold.
+#[must_use]
+pub fn to_mold(part: &Part) -> Place {
+    Place { turn: Matrix3::from_fn(|i, j| part.to_mold[i][j]), shift: Vec3::zeros() }
+}
+
+/// The axis of the first core's socket, or else of the mold [mm].
+fn middle(report: &Report) -> Vec3 {
+    let socket = report.features.iter().find(|f| f.purpose == Purpose::Socket);
+    socket.map_or_else(
+        || (Vec3::from(report.block.min) + Vec3::from(report.block.max)) / 2.0,
+        |socket| Vec3::from(socket.base),
+    )
+}
