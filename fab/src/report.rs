@@ -176,6 +176,7 @@ impl Report {
     #[must_use]
     pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
         let volume = enclosed_volume(cast);
+        let (low, high) = mold.outside.bounds();
         let outside = mold.outside.difference(&mold.cast);
         let channels: f64 = mold
             .features
@@ -188,7 +189,7 @@ impl Report {
             units: "mm".into(),
             input,
             design_to_mold: in_millimetres(&mold.frame),
-            block: Bounds { min: millimetres(&mold.block.min), max: millimetres(&mold.block.max) },
+            block: Bounds { min: millimetres(&low), max: millimetres(&high) },
             outside: OUTSIDE.into(),
             open: mold.open,
             plastic_saved: mold.saved() * MM.powi(3),

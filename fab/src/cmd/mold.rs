@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<()> {
     let name = || args.mesh.display().to_string();
     let skin = Skin::new(&msh, &config.cavity).with_context(name)?;
     let plan = Plan::new(&skin, &config).with_context(name)?;
-    log::info!("{}: {}", plan.method, plan.reason);
+    log::info!("{}", plan.reason);
     let input = |folder: &Path, part| Input::new(&args.mesh, folder, &config.cavity, part);
     let molds = entries(&plan, skin.cores.len());
     let told = plan::report::Report::new(&plan, input(&args.output, CastPart::Whole)?, molds);

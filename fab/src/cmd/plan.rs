@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> Result<()> {
     let cores = skin.cores.len();
     let report = Report::new(&plan, input, entries(&plan, cores));
     report.write(&args.output)?;
-    log::info!("{}: {}", plan.method, plan.reason);
+    log::info!("{}", plan.reason);
     Ok(())
 }
 
