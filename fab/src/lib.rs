@@ -28,5 +28,6 @@ pub mod silicone;
 pub mod skin;
 pub mod split;
 pub mod threemf;
+pub mod tolerance;
 pub mod venting;
 pub mod verify;

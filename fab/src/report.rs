@@ -116,6 +116,8 @@ pub struct Part {
     pub area: f64,
     /// Triangles of the written surface.
     pub triangles: usize,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
 }
 
 /// What a part does.
@@ -136,6 +138,8 @@ pub struct Cast {
     pub file: String,
     /// Volume of the body [mm³].
     pub volume: f64,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
     /// Silicone to fill the mold with its sprue and vents, without waste [mL].
     pub silicone_ml: f64,
 }
@@ -190,7 +194,12 @@ impl Report {
             open: false,
             wall: config.wall * MM,
             parts: Vec::new(),
-            cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
+            cast: Cast {
+                file: CAST.into(),
+                volume,
+                genus: mold.cast.genus(),
+                silicone_ml: (volume + channels) / 1e3,
+            },
             casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
@@ -212,6 +221,7 @@ impl Report {
             volume: enclosed_volume(surface),
             area: area(surface),
             triangles: surface.triangles.len(),
+            genus: piece.solid.genus(),
         });
     }
 

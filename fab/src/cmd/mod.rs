@@ -1,6 +1,7 @@
 //! The verbs, one per file.
 
 pub mod mold;
+pub mod tolerance;
 pub mod verify;
 
 use anyhow::Result;
@@ -13,6 +14,8 @@ pub enum Verb {
     Mold(mold::Args),
     /// Read a mold back from its files and prove it right
     Verify(verify::Args),
+    /// Simulate a body with walls off by the print tolerance: spread of its response
+    Tolerance(tolerance::Args),
 }
 
 impl Verb {
@@ -24,6 +27,7 @@ impl Verb {
         match self {
             Self::Mold(args) => mold::run(args),
             Self::Verify(args) => verify::run(args),
+            Self::Tolerance(args) => tolerance::run(args),
         }
     }
 }
