@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh::SurfaceMesh;
+use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 
 use super::Line;
@@ -68,11 +68,24 @@ fn same(shape: &Shape, part: &Part, surface: &SurfaceMesh) -> Result<usize, Stri
         return Err(format!("{count} triangles, the STL file has {}", surface.triangles.len()));
     }
     let turn = Files::turn(part);
-    let other = |t: usize| shape.surface.corners(t).map(|p| turn * p) != surface.corners(t);
+    let ours = |t: usize| from_the_least(surface.corners(t));
+    let other = |t: usize| from_the_least(shape.surface.corners(t).map(|p| turn * p)) != ours(t);
     match (0..count).filter(|&t| other(t)).count() {
         0 => Ok(count),
         n => Err(format!("{n} of {count} triangles differ")),
     }
+}
+
+/// A triangle from its least corner on: STL files may begin with another one.
+fn from_the_least(corners: [Vec3; 3]) -> [Vec3; 3] {
+    // Adding zero turns -0 into +0.
+    let mut corners = corners.map(|p| p.add_scalar(0.0));
+    let least = (0..3).min_by(|&i, &j| {
+        let order = corners[i].iter().zip(&corners[j]).map(|(a, b)| a.total_cmp(b));
+        order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+    });
+    corners.rotate_left(least.unwrap_or_default());
+    corners
 }
 
 /// The sheet is that of the report.
