@@ -7,9 +7,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mesh::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::{printer, silicone};
+use crate::method::Method;
+use crate::printer::{self, Printer};
+use crate::silicone;
 
 /// Everything `fab mold` can be told.
 #[derive(Clone, Debug, Deserialize)]
@@ -17,12 +19,29 @@ use crate::{printer, silicone};
 pub struct Config {
     /// Tag of the wall of the air cavity.
     pub cavity: String,
+    /// How the cavity comes into the body. `"auto"`: what the measures allow.
+    #[serde(deserialize_with = "method_or_auto")]
+    pub method: Option<Method>,
+    /// What decides between methods and partings.
+    pub limits: Limits,
+    /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by 1/(1 − s) [1].
+    pub shrinkage: f64,
+    /// What prints the mold: a printer of `printers.toml`.
+    pub printer: String,
+    /// Whether pieces carry their names.
+    pub labels: bool,
     /// Direction that points up while casting; the inlet must face down. Unset: away from the inlet [1].
     pub up: Option<[f64; 3]>,
     /// Least thickness of the mold around the part [m].
     pub wall: f64,
+    /// Outside of the mold.
+    pub outside: OutsideShape,
     /// Where the shells separate.
     pub parting: Parting,
+    /// Where halves are glued.
+    pub gluing: Gluing,
+    /// Rim on which the shells are bolted to each other.
+    pub flange: Flange,
     /// Cones that register one piece on another.
     pub keys: Keys,
     /// Funnel through which the silicone enters.
@@ -31,7 +50,7 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
-    /// What is cast, and what the mold is printed on.
+    /// What is cast.
     pub casting: Casting,
 }
 
@@ -39,9 +58,17 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             cavity: "cavity".into(),
+            method: None,
+            limits: Limits::default(),
+            shrinkage: 0.0,
+            printer: "filament".into(),
+            labels: true,
             up: None,
             wall: 5e-3,
-            parting: Parting::HeightField(HeightField::default()),
+            outside: OutsideShape::Hull,
+            parting: Parting::Auto(Auto::default()),
+            gluing: Gluing::default(),
+            flange: Flange::default(),
             keys: Keys::default(),
             sprue: Sprue::default(),
             vents: Vents::default(),
@@ -51,10 +78,86 @@ impl Default for Config {
     }
 }
 
+fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {
+    let name = String::deserialize(input)?;
+    let found = Method::ALL.into_iter().find(|method| method.name() == name);
+    if found.is_some() || name == "auto" {
+        return Ok(found);
+    }
+    let names = Method::ALL.map(|method| format!("{:?}", method.name())).join(", ");
+    Err(serde::de::Error::custom(format!("method is {name:?}, must be \"auto\" or one of {names}")))
+}
+
+/// Limits on measures. All are judgements from practice, not measurements.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Largest girth of a rigid core over that of its inlet: how far the inlet must stretch [1].
+    pub girth: f64,
+    /// Largest depth of an undercut over the width of the silicone that must give way [1].
+    pub peel: f64,
+    /// Least part of the cavity's outline that must lie flat on a plane for an open-top mold [1].
+    pub flat: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { girth: 2.5, peel: 0.5, flat: 0.8 }
+    }
+}
+
+/// What the outside of the mold looks like.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutsideShape {
+    /// Planes around the part in 26 directions, with flanges.
+    Hull,
+    /// A box.
+    Box,
+}
+
+/// Where halves are glued.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gluing {
+    /// Normal of the plane. Unset: searched [1].
+    pub normal: Option<[f64; 3]>,
+    /// Position of the plane along its normal, in the design's coordinates. Unset: searched [m].
+    pub offset: Option<f64>,
+}
+
+/// The rim on which shells are bolted.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Flange {
+    /// Thickness on each side of the parting [m].
+    pub thickness: f64,
+    /// Radius of the bolt holes: 1.7 mm for M3 [m].
+    pub bolt: f64,
+    /// Radius of the half-round slots for a screwdriver [m].
+    pub pry: f64,
+}
+
+impl Default for Flange {
+    fn default() -> Self {
+        Self { thickness: 6e-3, bolt: 1.7e-3, pry: 2e-3 }
+    }
+}
+
+/// Settings of a parting that is chosen by what is measured.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Auto {
+    /// Direction in which the shells separate. Unset: where least is hidden [1].
+    pub pull: Option<[f64; 3]>,
+}
+
 /// The surface between the two shells.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Parting {
+    /// Chosen by what is measured.
+    Auto(Auto),
     /// A plane across the pull direction.
     Plane(Plane),
     /// A height over the plane across the pull direction.
@@ -99,13 +202,13 @@ pub struct Keys {
     pub radius: f64,
     /// Height of a key [m].
     pub height: f64,
-    /// Gap between a key and its seat [m].
-    pub clearance: f64,
+    /// Gap between a key and its seat. Unset: the printer's [m].
+    pub clearance: Option<f64>,
 }
 
 impl Default for Keys {
     fn default() -> Self {
-        Self { radius: 3e-3, height: 3e-3, clearance: 2e-4 }
+        Self { radius: 3e-3, height: 3e-3, clearance: None }
     }
 }
 
@@ -149,26 +252,28 @@ impl Default for Vents {
 pub struct Core {
     /// Length of the stub, and thickness of the mold below the part [m].
     pub length: f64,
-    /// Gap between stub and socket [m].
-    pub clearance: f64,
+    /// Gap between stub and socket. Unset: the printer's [m].
+    pub clearance: Option<f64>,
     /// Width of the shoulder around the socket on which the core rests [m].
     pub shoulder: f64,
+    /// Radius of the bore for water in a soluble core [m].
+    pub drain: f64,
+    /// Least thickness of a soluble core around its bore [m].
+    pub skin: f64,
 }
 
 impl Default for Core {
     fn default() -> Self {
-        Self { length: 8e-3, clearance: 2e-4, shoulder: 1e-4 }
+        Self { length: 8e-3, clearance: None, shoulder: 1e-4, drain: 8e-4, skin: 8e-4 }
     }
 }
 
-/// What is cast, and what the mold is printed on.
+/// What is cast.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Casting {
     /// A silicone of `solver/silicones.toml`. Unset: volumes only.
     pub silicone: Option<String>,
-    /// A printer of `printers.toml`. Unset: no build volume is checked.
-    pub printer: Option<String>,
     /// Silicone that stays in the cup, as a share of what fills the mold [1].
     pub waste: f64,
     /// Least thickness of the silicone at rest [m].
@@ -179,7 +284,7 @@ pub struct Casting {
 
 impl Default for Casting {
     fn default() -> Self {
-        Self { silicone: None, printer: None, waste: 0.2, least_wall: 1e-3, leak_test: None }
+        Self { silicone: None, waste: 0.2, least_wall: 1e-3, leak_test: None }
     }
 }
 
@@ -189,12 +294,8 @@ impl Casting {
     /// # Errors
     /// The key, what it is, and what it may be.
     pub fn check(&self) -> Result<(), String> {
-        let name = |key: &str, message| format!("casting.{key}: {message}");
         if let Some(key) = &self.silicone {
-            silicone::find(key).map_err(|message| name("silicone", message))?;
-        }
-        if let Some(key) = &self.printer {
-            printer::find(key).map_err(|message| name("printer", message))?;
+            silicone::find(key).map_err(|message| format!("casting.silicone: {message}"))?;
         }
         if !(0.0..=10.0).contains(&self.waste) {
             return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
@@ -232,23 +333,69 @@ impl Config {
         Ok(config)
     }
 
+    /// The printer.
+    ///
+    /// # Panics
+    /// If the configuration was not checked.
+    #[must_use]
+    pub fn printer(&self) -> &'static Printer {
+        printer::find(&self.printer).expect("the configuration was checked")
+    }
+
+    /// Gap around keys [m].
+    #[must_use]
+    pub fn key_clearance(&self) -> f64 {
+        self.keys.clearance.unwrap_or_else(|| self.printer().clearance * 1e-3)
+    }
+
+    /// Gap around stubs of cores [m].
+    #[must_use]
+    pub fn stub_clearance(&self) -> f64 {
+        self.core.clearance.unwrap_or_else(|| self.printer().clearance * 1e-3)
+    }
+
     fn check(&self) -> Result<()> {
+        printer::find(&self.printer).map_err(|e| anyhow::anyhow!("printer: {e}"))?;
         self.casting.check().map_err(anyhow::Error::msg)?;
         let mut lengths = vec![
             ("wall", self.wall),
             ("keys.radius", self.keys.radius),
             ("keys.height", self.keys.height),
-            ("keys.clearance", self.keys.clearance),
+            ("keys.clearance", self.key_clearance()),
+            ("flange.thickness", self.flange.thickness),
+            ("flange.bolt", self.flange.bolt),
+            ("flange.pry", self.flange.pry),
             ("sprue.radius", self.sprue.radius),
             ("sprue.top_radius", self.sprue.top_radius),
             ("vents.radius", self.vents.radius),
             ("vents.persistence", self.vents.persistence),
             ("core.length", self.core.length),
-            ("core.clearance", self.core.clearance),
+            ("core.clearance", self.stub_clearance()),
             ("core.shoulder", self.core.shoulder),
+            ("core.drain", self.core.drain),
+            ("core.skin", self.core.skin),
         ];
-        let mut directions = vec![("up", self.up)];
+        let mut directions = vec![("up", self.up), ("gluing.normal", self.gluing.normal)];
+        let Limits { girth, peel, flat } = self.limits;
+        for (key, limit) in [("girth", girth), ("peel", peel), ("flat", flat)] {
+            ensure!(
+                limit > 0.0 && limit.is_finite(),
+                "limits.{key} is {limit}, must be a ratio above 0"
+            );
+        }
+        ensure!(
+            (0.0..0.2).contains(&self.shrinkage),
+            "shrinkage is {}, must be at least 0 and below 0.2: a part of lengths, not percent",
+            self.shrinkage
+        );
+        ensure!(
+            self.keys.height + self.key_clearance() < self.flange.thickness,
+            "flange.thickness is {}, must exceed keys.height and clearance, {}: the keys would pierce it",
+            self.flange.thickness,
+            self.keys.height + self.key_clearance()
+        );
         match &self.parting {
+            Parting::Auto(auto) => directions.push(("parting.pull", auto.pull)),
             Parting::Plane(plane) => directions.push(("parting.pull", plane.pull)),
             Parting::HeightField(field) => {
                 directions.push(("parting.pull", field.pull));
@@ -315,7 +462,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
-            ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
+            ("printer = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),
             ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
         ] {

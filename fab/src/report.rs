@@ -12,6 +12,8 @@ use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
 use crate::mold::{Feature, Mold, Piece, Purpose};
+use crate::printer;
+use crate::stance::Portion;
 
 /// Name of the report in the folder of a mold.
 pub const FILE: &str = "mold.json";
@@ -41,6 +43,8 @@ pub struct Report {
     pub block: Bounds,
     /// File with the outside of the closed mold as a solid: parts, cast, channels and gaps fill it.
     pub outside: String,
+    /// Volume of the box that the outside replaces, less the outside [mm³].
+    pub plastic_saved: f64,
     /// Whether it is cast open: the top of the cast is at the top of the mold, without sprue.
     pub open: bool,
     /// Least thickness of the mold around the part [mm].
@@ -49,7 +53,9 @@ pub struct Report {
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
-    /// What is cast, and what the mold is printed on.
+    /// The printer, one of `printers.toml`.
+    pub printer: String,
+    /// The silicone, and how it is cast.
     pub casting: Casting,
     /// Channels and gaps.
     pub features: Vec<Outline>,
@@ -191,7 +197,8 @@ impl Report {
             design_to_mold: in_millimetres(&mold.frame),
             block: Bounds { min: millimetres(&mold.block.min), max: millimetres(&mold.block.max) },
             outside: OUTSIDE.into(),
-            open: false,
+            open: mold.open,
+            plastic_saved: mold.saved() * MM.powi(3),
             wall: config.wall * MM,
             parts: Vec::new(),
             cast: Cast {
@@ -200,6 +207,7 @@ impl Report {
                 genus: mold.cast.genus(),
                 silicone_ml: (volume + channels) / 1e3,
             },
+            printer: config.printer.clone(),
             casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
@@ -248,6 +256,7 @@ impl Report {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
+        printer::find(&self.printer).map_err(|message| format!("printer: {message}"))?;
         self.casting.check()?;
         for Part { name, leaves, to_mold, .. } in &self.parts {
             let direction = Vec3::from(*leaves);
@@ -259,13 +268,17 @@ impl Report {
                 return Err(format!("{name} is turned by {to_mold:?}, must be {expected:?}"));
             }
         }
-        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j] / MM);
-        let off = (map * map.transpose() - Matrix3::identity()).amax();
+        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        let scale = map.row(0).norm();
+        let off = ((map / scale) * (map / scale).transpose() - Matrix3::identity()).amax();
+        let least = if self.input.part == CastPart::Core { 1.0 } else { MM };
+        let plausible = (least..1.3 * least).contains(&(scale * (1.0 + 1e-12)));
         let shift = self.design_to_mold.iter().fold(0.0, |m: f64, row| m.max(row[3].abs()));
         // A million kilometres is beyond any design.
-        if off > 1e-9 || shift > 1e15 {
+        if !plausible || off > 1e-9 || shift > 1e15 {
             return Err(format!(
-                "design_to_mold is {:?}, must be 1000 times a rotation and a shift",
+                "design_to_mold is {:?}, must be {least} times a rotation, up to 1.3 times that for what shrinks, \
+                 and a shift",
                 self.design_to_mold
             ));
         }
@@ -291,14 +304,26 @@ impl Report {
     }
 }
 
+impl CastPart {
+    /// What a mold casts of a design.
+    #[must_use]
+    pub fn of(mold: &Mold) -> Self {
+        // The frame puts the cut at height 0.
+        match mold.portion {
+            Portion::Whole => Self::Whole,
+            Portion::Above(_) => Self::Above(0.0),
+            Portion::Below(_) => Self::Below(0.0),
+        }
+    }
+}
+
 impl Input {
     /// Names and hashes the mesh at `path` for a report in `folder`.
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn new(path: &Path, folder: &Path, cavity: &str) -> Result<Self, IoError> {
+    pub fn new(path: &Path, folder: &Path, cavity: &str, part: CastPart) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
-        let part = CastPart::Whole;
         Ok(Self { path: relative(path, folder), sha256, cavity: cavity.into(), part })
     }
 }
@@ -324,9 +349,12 @@ fn outline(feature: &Feature) -> Outline {
 }
 
 fn in_millimetres(frame: &Frame) -> [[f64; 4]; 3] {
-    let shift = -(frame.rotation * frame.origin) * MM;
+    let shift = -(frame.rotation * frame.origin) * frame.scale * MM;
     std::array::from_fn(|i| {
-        std::array::from_fn(|j| if j < 3 { frame.rotation[(i, j)] * MM } else { shift[i] })
+        std::array::from_fn(|j| match j {
+            0..3 => frame.rotation[(i, j)] * frame.scale * MM,
+            _ => shift[i],
+        })
     })
 }
 

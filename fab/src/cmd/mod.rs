@@ -1,6 +1,7 @@
 //! The verbs, one per file.
 
 pub mod mold;
+pub mod plan;
 pub mod tolerance;
 pub mod verify;
 
@@ -12,6 +13,8 @@ use clap::Subcommand;
 pub enum Verb {
     /// Tagged volume mesh → printable mold parts and mold.json
     Mold(mold::Args),
+    /// Tagged volume mesh → how it is to be molded, and why (plan.json)
+    Plan(plan::Args),
     /// Read a mold back from its files and prove it right
     Verify(verify::Args),
     /// Simulate a body with walls off by the print tolerance: spread of its response
@@ -26,6 +29,7 @@ impl Verb {
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Mold(args) => mold::run(args),
+            Self::Plan(args) => plan::run(args),
             Self::Verify(args) => verify::run(args),
             Self::Tolerance(args) => tolerance::run(args),
         }

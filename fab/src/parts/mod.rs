@@ -2,7 +2,10 @@
 
 pub mod block;
 pub mod core;
+pub mod flange;
 pub mod key;
+pub mod label;
+pub mod outside;
 
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;

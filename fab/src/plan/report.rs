@@ -5,44 +5,14 @@ use std::path::Path;
 use mesh::io::{IoError, write_atomic};
 use serde::{Deserialize, Serialize};
 
+use super::Plan;
+use super::pull::Look;
+use crate::export::MM;
+use crate::method::Method;
 use crate::report::{Input, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";
-
-/// How the cavity comes into the body.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// A rigid core, pulled out through the inlet.
-    PullOut,
-    /// A core printed of what water dissolves.
-    Soluble,
-    /// A core cast of wax in a mold of its own, and molten out.
-    Wax,
-    /// Two halves, each cast on a half core, and glued.
-    Halves,
-    /// As halves, but all of the cavity lies in one of them: the other is a sheet.
-    OpenTop,
-}
-
-impl Method {
-    /// All methods, those that need the fewest castings first.
-    pub const ALL: [Self; 5] =
-        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Wax, Self::Halves];
-
-    /// Its name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PullOut => "pull-out",
-            Self::Soluble => "soluble",
-            Self::Wax => "wax",
-            Self::Halves => "halves",
-            Self::OpenTop => "open-top",
-        }
-    }
-}
 
 /// Everything `fab plan` tells. Lengths are millimetres, directions those of the design.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -147,6 +117,24 @@ pub enum Material {
 }
 
 impl Report {
+    /// What a plan tells about a body and the molds made of it.
+    #[must_use]
+    pub fn new(plan: &Plan, input: Input, molds: Vec<Entry>) -> Self {
+        Self {
+            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
+            units: "mm".into(),
+            input,
+            method: plan.method,
+            chosen_by: plan.chosen_by,
+            reason: plan.reason.clone(),
+            measures: plan.measures.clone(),
+            methods: plan.verdicts.clone(),
+            directions: plan.looks.iter().map(direction).collect(),
+            molds,
+            steps: plan.steps(),
+        }
+    }
+
     /// Reads the plan in `folder`.
     ///
     /// # Errors
@@ -166,5 +154,14 @@ impl Report {
             serde_json::to_writer_pretty(&mut *out, self)?;
             out.write_all(b"\n")
         })
+    }
+}
+
+fn direction(look: &Look) -> Direction {
+    Direction {
+        pull: look.pull.into(),
+        usable: look.usable,
+        undercut: 100.0 * look.share,
+        depth: look.depth * MM,
     }
 }
