@@ -316,7 +316,7 @@ fn trapped_air() {
 
 #[test]
 fn printing() {
-    let config = "[casting]\nprinter = \"prusa-mini\"";
+    let config = "printer = \"prusa-mini\"";
     let scene = Scene::new(&CHAMBER, config);
     assert!(scene.mold().status.success());
     let lines = verify(&scene.path("mold"), Against::default()).unwrap();

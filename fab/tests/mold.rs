@@ -82,7 +82,7 @@ fn two_cavities_have_two_cores() {
 #[test]
 fn the_sheet_adds_up() {
     let config = "[casting]\nsilicone = \"elastosil-m4601\"\nwaste = 0.1\nleak_test = 2e4\n";
-    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"form-4\""));
+    let scene = Scene::new(&CHAMBER, &format!("printer = \"form-4\"\n{config}"));
     let report = mold_and_verify(&scene);
     let text = std::fs::read_to_string(scene.path("mold/cast.json")).unwrap();
     let sheet: serde_json::Value = serde_json::from_str(&text).unwrap();
@@ -103,7 +103,7 @@ fn the_sheet_adds_up() {
         assert!(sheet.contains(words), "{words}: {sheet}");
     }
     // A filament printer inhibits nothing.
-    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"prusa-mk4\""));
+    let scene = Scene::new(&CHAMBER, &format!("printer = \"prusa-mk4\"\n{config}"));
     mold_and_verify(&scene);
     let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
     assert!(!sheet.contains("Uncured resin"), "{sheet}");

@@ -11,6 +11,7 @@ mod filling;
 mod fit;
 mod printing;
 mod pull;
+mod release;
 mod set;
 mod surfaces;
 mod walls;
@@ -109,7 +110,7 @@ pub struct Against<'a> {
 /// If there is no readable report in the folder.
 pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     if !folder.join(plan::FILE).exists() {
-        return verify_mold(folder, against);
+        return verify_mold(folder, against, None);
     }
     let plan = plan::Report::read(folder)?;
     let mut lines = Vec::new();
@@ -117,7 +118,7 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
         let below = folder.join(&entry.folder);
         // What is inflated is the body, not one of its halves.
         let simulation = against.simulation.filter(|_| plan.molds.len() == 1);
-        let found = verify_mold(&below, Against { simulation, ..against })?;
+        let found = verify_mold(&below, Against { simulation, ..against }, Some(&plan))?;
         let named = |line: Line| match plan.molds.len() {
             1 => line,
             _ => Line { name: format!("{}: {}", entry.name, line.name), ..line },
@@ -134,7 +135,11 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
 }
 
 /// All checks of one mold. Checks that need sound parts are left out if a part is not.
-fn verify_mold(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
+fn verify_mold(
+    folder: &Path,
+    against: Against,
+    plan: Option<&plan::Report>,
+) -> Result<Vec<Line>, IoError> {
     let report = Report::read(folder)?;
     let (mut lines, files) = set::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
@@ -156,6 +161,7 @@ fn verify_mold(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     lines.extend(filling::checks(&set));
     lines.extend(walls::checks(&set));
     lines.extend(pull::checks(&set));
+    lines.extend(release::checks(&set, plan));
     lines.extend(printing::checks(&set, &parts));
     if let Some(simulation) = against.simulation {
         lines.extend(walls::inflated(&set, simulation));

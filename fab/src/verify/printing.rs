@@ -15,13 +15,7 @@ const AT_BODY: f64 = 0.01;
 
 /// All checks of printing; `parts` are in the closed mold and are turned back.
 pub fn checks(set: &Set, parts: &[SurfaceMesh]) -> Vec<Line> {
-    let Some(key) = &set.report.casting.printer else {
-        let needed = "casting.printer in mold.toml, for build volume and overhangs";
-        let mut line = Line::new("printer", true, "none named".into(), needed);
-        line.status = Status::Warn;
-        return vec![line];
-    };
-    let printer = match printer::find(key) {
+    let printer = match printer::find(&set.report.printer) {
         Ok(printer) => printer,
         Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
     };
@@ -42,8 +36,10 @@ fn fits(printer: &Printer, name: &str, printed: &SurfaceMesh) -> Line {
     let (low, high) = measure::bounds(&printed.vertices);
     let size: [f64; 3] = (high - low).into();
     let found = format!("{:.1} × {:.1} × {:.1} mm", size[0], size[1], size[2]);
-    let [x, y, z] = printer.volume;
-    let needed = format!("within {x} × {y} × {z} mm of the {}", printer.name);
+    let needed = match printer.volume {
+        Some([x, y, z]) => format!("within {x} × {y} × {z} mm of the {}", printer.name),
+        None => format!("no limit known of {}", printer.name),
+    };
     Line::new(format!("{name}: build volume"), printer.holds(size), found, &needed)
 }
 

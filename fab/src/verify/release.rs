@@ -4,12 +4,11 @@
 //! of the core just inside, and the largest girth of the core across the pull is what has to
 //! pass. Soluble and molten cores need no way out.
 
-use mesh::Vec3;
-
 use super::set::{Body, Set};
 use super::{Line, Status};
+use crate::method::Method;
 use crate::plan::girth;
-use crate::plan::report::{Method, Report};
+use crate::plan::report::Report;
 use crate::silicone;
 
 /// Where the girth of an inlet is measured, above the lowest point of the body [mm].
@@ -52,7 +51,12 @@ fn stretched(set: &Set, name: String, ratio: f64, found: String) -> Line {
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => {
             let limit = 1.0 + SAFE * elongation / 100.0;
-            Line::new(name, ratio <= limit, found, &format!("at most {limit:.2}, half the elongation at break"))
+            Line::new(
+                name,
+                ratio <= limit,
+                found,
+                &format!("at most {limit:.2}, half the elongation at break"),
+            )
         }
         None => {
             let needed = "little; name a silicone whose elongation at break is known";
