@@ -102,8 +102,8 @@ impl Sheet {
     pub fn new(report: &Report) -> Result<Self, String> {
         let casting = &report.casting;
         let silicone = casting.silicone.as_deref().map(silicone::find).transpose()?;
-        let printer = printer::find(&report.printer)?;
-        let (plastic, density) = printer.kind.plastic();
+        let printer = casting.printer.as_deref().map(printer::find).transpose()?;
+        let (plastic, density) = printer.map_or(Kind::Filament, |p| p.kind).plastic();
         let mold_ml = report.cast.silicone_ml;
         let mix_ml = mold_ml * (1.0 + casting.waste);
         let printed: Vec<Printed> = report
@@ -130,7 +130,7 @@ impl Sheet {
             leak_test_kpa: casting.leak_test.map(|pressure| pressure * 1e-3),
             warnings: warnings(report, silicone, printer),
             steps: Vec::new(),
-            sources: silicone_sources.into_iter().chain([printer.citation().into()]).collect(),
+            sources: silicone_sources.into_iter().chain(printer.map(|p| p.citation().into())).collect(),
         };
         sheet.materials = sheet.bill(report, plastic);
         sheet.steps = sheet.instructions(report);
@@ -305,7 +305,7 @@ impl Pour {
     }
 }
 
-fn warnings(report: &Report, silicone: Option<&Silicone>, printer: &Printer) -> Vec<String> {
+fn warnings(report: &Report, silicone: Option<&Silicone>, printer: Option<&Printer>) -> Vec<String> {
     let mut warnings: Vec<String> =
         report.findings.iter().map(|note| format!("{}: {}", note.rule, note.message)).collect();
     match silicone {
@@ -322,7 +322,7 @@ fn warnings(report: &Report, silicone: Option<&Silicone>, printer: &Printer) -> 
     let platinum = silicone
         .and_then(|s| s.casting.as_ref())
         .is_none_or(|facts| facts.chemistry == Chemistry::Platinum);
-    if platinum && printer.kind == Kind::Resin {
+    if platinum && printer.is_some_and(|p| p.kind == Kind::Resin) {
         warnings.push(
             "Uncured resin inhibits platinum-cured silicone: it stays sticky on the mold. Wash \
              the parts twice, cure them fully with light and warmth, seal them with clear acrylic \

@@ -10,8 +10,12 @@ use mesh::Vec3;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::method::Method;
-use crate::printer::{self, Printer};
-use crate::silicone;
+use crate::printer;
+use crate::silicone::{self, Chemistry};
+
+/// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
+/// are usual [m].
+const CLEARANCE: f64 = 2e-4;
 
 /// Everything `fab mold` can be told.
 #[derive(Clone, Debug, Deserialize)]
@@ -24,10 +28,9 @@ pub struct Config {
     pub method: Option<Method>,
     /// What decides between methods and partings.
     pub limits: Limits,
-    /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by 1/(1 − s) [1].
-    pub shrinkage: f64,
-    /// What prints the mold: a printer of `printers.toml`.
-    pub printer: String,
+    /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
+    /// 1/(1 − s). Unset: that of the silicone that is named, if it cures with tin [1].
+    pub shrinkage: Option<f64>,
     /// Whether pieces carry their names.
     pub labels: bool,
     /// Direction that points up while casting; the inlet must face down. Unset: away from the inlet [1].
@@ -50,7 +53,7 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
-    /// What is cast.
+    /// What is cast, and what the mold is printed on.
     pub casting: Casting,
 }
 
@@ -60,8 +63,7 @@ impl Default for Config {
             cavity: "cavity".into(),
             method: None,
             limits: Limits::default(),
-            shrinkage: 0.0,
-            printer: "filament".into(),
+            shrinkage: None,
             labels: true,
             up: None,
             wall: 5e-3,
@@ -268,12 +270,14 @@ impl Default for Core {
     }
 }
 
-/// What is cast.
+/// What is cast, and what the mold is printed on.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Casting {
     /// A silicone of `solver/silicones.toml`. Unset: volumes only.
     pub silicone: Option<String>,
+    /// A printer of `printers.toml`. Unset: no build volume is checked.
+    pub printer: Option<String>,
     /// Silicone that stays in the cup, as a share of what fills the mold [1].
     pub waste: f64,
     /// Least thickness of the silicone at rest [m].
@@ -284,7 +288,7 @@ pub struct Casting {
 
 impl Default for Casting {
     fn default() -> Self {
-        Self { silicone: None, waste: 0.2, least_wall: 1e-3, leak_test: None }
+        Self { silicone: None, printer: None, waste: 0.2, least_wall: 1e-3, leak_test: None }
     }
 }
 
@@ -294,8 +298,12 @@ impl Casting {
     /// # Errors
     /// The key, what it is, and what it may be.
     pub fn check(&self) -> Result<(), String> {
+        let name = |key: &str, message| format!("casting.{key}: {message}");
         if let Some(key) = &self.silicone {
-            silicone::find(key).map_err(|message| format!("casting.silicone: {message}"))?;
+            silicone::find(key).map_err(|message| name("silicone", message))?;
+        }
+        if let Some(key) = &self.printer {
+            printer::find(key).map_err(|message| name("printer", message))?;
         }
         if !(0.0..=10.0).contains(&self.waste) {
             return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
@@ -333,29 +341,37 @@ impl Config {
         Ok(config)
     }
 
-    /// The printer.
-    ///
-    /// # Panics
-    /// If the configuration was not checked.
+    /// Part of its lengths by which the silicone shrinks [1]. Platinum silicones shrink by
+    /// less than a printer resolves.
     #[must_use]
-    pub fn printer(&self) -> &'static Printer {
-        printer::find(&self.printer).expect("the configuration was checked")
+    pub fn shrinkage(&self) -> f64 {
+        let of_silicone = || {
+            let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
+            let facts = silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
+            facts.shrinkage.map(|percent| percent / 100.0)
+        };
+        self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
     }
 
     /// Gap around keys [m].
     #[must_use]
     pub fn key_clearance(&self) -> f64 {
-        self.keys.clearance.unwrap_or_else(|| self.printer().clearance * 1e-3)
+        self.keys.clearance.unwrap_or_else(|| self.printer_clearance())
     }
 
     /// Gap around stubs of cores [m].
     #[must_use]
     pub fn stub_clearance(&self) -> f64 {
-        self.core.clearance.unwrap_or_else(|| self.printer().clearance * 1e-3)
+        self.core.clearance.unwrap_or_else(|| self.printer_clearance())
+    }
+
+    /// Gap around a part that slides into another: that of the printer, if one is named [m].
+    fn printer_clearance(&self) -> f64 {
+        let named = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
     }
 
     fn check(&self) -> Result<()> {
-        printer::find(&self.printer).map_err(|e| anyhow::anyhow!("printer: {e}"))?;
         self.casting.check().map_err(anyhow::Error::msg)?;
         let mut lengths = vec![
             ("wall", self.wall),
@@ -383,10 +399,10 @@ impl Config {
                 "limits.{key} is {limit}, must be a ratio above 0"
             );
         }
+        let shrinkage = self.shrinkage();
         ensure!(
-            (0.0..0.2).contains(&self.shrinkage),
-            "shrinkage is {}, must be at least 0 and below 0.2: a part of lengths, not percent",
-            self.shrinkage
+            (0.0..0.2).contains(&shrinkage),
+            "shrinkage is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
         );
         ensure!(
             self.keys.height + self.key_clearance() < self.flange.thickness,
@@ -462,7 +478,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
-            ("printer = \"pen\"", "known are bambu-p1s"),
+            ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),
             ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
         ] {

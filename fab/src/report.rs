@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
+use crate::method::Method;
 use crate::mold::{Feature, Mold, Piece, Purpose};
-use crate::printer;
 use crate::stance::Portion;
 
 /// Name of the report in the folder of a mold.
@@ -49,12 +49,12 @@ pub struct Report {
     pub open: bool,
     /// Least thickness of the mold around the part [mm].
     pub wall: f64,
+    /// How the cavity comes into the body.
+    pub method: Method,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
-    /// The printer, one of `printers.toml`.
-    pub printer: String,
     /// The silicone, and how it is cast.
     pub casting: Casting,
     /// Channels and gaps.
@@ -200,6 +200,7 @@ impl Report {
             open: mold.open,
             plastic_saved: mold.saved() * MM.powi(3),
             wall: config.wall * MM,
+            method: mold.method,
             parts: Vec::new(),
             cast: Cast {
                 file: CAST.into(),
@@ -207,7 +208,6 @@ impl Report {
                 genus: mold.cast.genus(),
                 silicone_ml: (volume + channels) / 1e3,
             },
-            printer: config.printer.clone(),
             casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
@@ -256,7 +256,6 @@ impl Report {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
-        printer::find(&self.printer).map_err(|message| format!("printer: {message}"))?;
         self.casting.check()?;
         for Part { name, leaves, to_mold, .. } in &self.parts {
             let direction = Vec3::from(*leaves);

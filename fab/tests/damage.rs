@@ -200,7 +200,7 @@ fn fit() {
     assert_fails(&lines, "surface: mold to design");
     assert_fails(&lines, "surface: design to mold");
     let lines = after(|mold| change(mold, "upper", |s| moved(s, Vec3::new(0.0, 0.0, -1.0))));
-    assert_fails(&lines, "block: size");
+    assert_fails(&lines, "outside: size");
     // A hole in the lower shell, far from the body.
     let hole = cube([-20.0, -20.0, -6.0], [-18.0, -18.0, -4.0]);
     let lines = after(|mold| {
@@ -316,7 +316,7 @@ fn trapped_air() {
 
 #[test]
 fn printing() {
-    let config = "printer = \"prusa-mini\"";
+    let config = "[casting]\nprinter = \"prusa-mini\"";
     let scene = Scene::new(&CHAMBER, config);
     assert!(scene.mold().status.success());
     let lines = verify(&scene.path("mold"), Against::default()).unwrap();

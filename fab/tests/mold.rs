@@ -11,7 +11,7 @@ use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, fab, stderr, stdou
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 
-const PLANE: &str = "[parting]\nkind = \"plane\"\n";
+const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 
 fn mold_and_verify(scene: &Scene) -> Report {
     let molded = scene.mold();
@@ -63,7 +63,7 @@ fn every_top_gets_a_channel() {
     let report = mold_and_verify(&scene);
     assert_eq!((count(&report, "sprue"), count(&report, "vent")), (1, 1));
     // Parts of an earlier mold do not stay beside those of a new one.
-    std::fs::write(scene.path("mold.toml"), PLANE).unwrap();
+    scene.configure(&format!("method = \"soluble\"\n{PLANE}"));
     assert_eq!(names(&mold_and_verify(&scene)), ["left", "right", "base", "core"]);
     assert!(!scene.path("mold/upper.stl").exists());
     assert!(!scene.path("mold/upper.3mf").exists());
@@ -82,7 +82,7 @@ fn two_cavities_have_two_cores() {
 #[test]
 fn the_sheet_adds_up() {
     let config = "[casting]\nsilicone = \"elastosil-m4601\"\nwaste = 0.1\nleak_test = 2e4\n";
-    let scene = Scene::new(&CHAMBER, &format!("printer = \"form-4\"\n{config}"));
+    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"form-4\""));
     let report = mold_and_verify(&scene);
     let text = std::fs::read_to_string(scene.path("mold/cast.json")).unwrap();
     let sheet: serde_json::Value = serde_json::from_str(&text).unwrap();
@@ -103,7 +103,7 @@ fn the_sheet_adds_up() {
         assert!(sheet.contains(words), "{words}: {sheet}");
     }
     // A filament printer inhibits nothing.
-    let scene = Scene::new(&CHAMBER, &format!("printer = \"prusa-mk4\"\n{config}"));
+    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"prusa-mk4\""));
     mold_and_verify(&scene);
     let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
     assert!(!sheet.contains("Uncured resin"), "{sheet}");
@@ -178,7 +178,7 @@ fn bad_configurations() {
 
 #[test]
 fn bad_bodies() {
-    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³");
+    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³ is closed");
     assert_refused(&Scene::new(&CLOSED, "cavity = \"skin\"").mold(), "separate pieces");
     let spoil = |f: fn(&mut Vec3) -> bool| {
         let scene = Scene::new(&CHAMBER, "");

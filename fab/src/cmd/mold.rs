@@ -109,7 +109,7 @@ fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> 
     let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };
     let skin = Skin::of_surface(surface)?;
     let config = Config {
-        shrinkage: 0.0,
+        shrinkage: Some(0.0),
         parting: Config::default().parting,
         sprue: Sprue { at: None, ..config.sprue.clone() },
         ..config.clone()
@@ -197,8 +197,8 @@ impl Set {
 fn remove(folder: &Path, report: &Report) -> Result<()> {
     let others = output::files(report);
     let others = others.iter().map(String::as_str);
-    let all = [FILE].into_iter().chain(report.files()).chain(others);
-    all.map(|file| folder.join(file)).try_for_each(|path| remove_file(&path))
+    let mut all = [FILE].into_iter().chain(report.files()).chain(others);
+    all.try_for_each(|file| remove_file(&folder.join(file)))
 }
 
 fn remove_file(path: &Path) -> Result<()> {

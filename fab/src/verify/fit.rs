@@ -33,12 +33,12 @@ pub fn checks(set: &Set, folder: &Path, design: Option<&Path>) -> Vec<Line> {
     lines
 }
 
-/// The shells fill the block of the report.
+/// The shells together reach as far as the outside of the mold.
 fn block(set: &Set) -> Line {
     let (min, max) = set.bounds;
-    let [told_min, told_max] = [set.report.block.min, set.report.block.max].map(Vec3::from);
-    let off = (min - told_min).amax().max((max - told_max).amax());
-    Line::at_most("block: size", off, set.rounding, "mm off")
+    let (low, high) = set.outside.solid.bounds();
+    let off = (min - low).amax().max((max - high).amax());
+    Line::at_most("outside: size", off, 2.0 * set.rounding, "mm off")
 }
 
 /// No two bodies share a volume.

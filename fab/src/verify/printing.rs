@@ -15,7 +15,13 @@ const AT_BODY: f64 = 0.01;
 
 /// All checks of printing; `parts` are in the closed mold and are turned back.
 pub fn checks(set: &Set, parts: &[SurfaceMesh]) -> Vec<Line> {
-    let printer = match printer::find(&set.report.printer) {
+    let Some(key) = &set.report.casting.printer else {
+        let needed = "casting.printer in mold.toml, for build volume and overhangs";
+        let mut line = Line::new("printer", true, "none named".into(), needed);
+        line.status = Status::Warn;
+        return vec![line];
+    };
+    let printer = match printer::find(key) {
         Ok(printer) => printer,
         Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
     };
