@@ -347,7 +347,8 @@ impl Config {
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
             let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
-            let facts = silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
+            let facts =
+                silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
             facts.shrinkage.map(|percent| percent / 100.0)
         };
         self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
