@@ -280,13 +280,15 @@ pub struct Casting {
     pub printer: Option<String>,
     /// Silicone that stays in the cup, as a share of what fills the mold [1].
     pub waste: f64,
+    /// Least thickness of the silicone at rest [m].
+    pub least_wall: f64,
     /// Gauge pressure of the leak test [Pa]. Unset: that at which the body works.
     pub leak_test: Option<f64>,
 }
 
 impl Default for Casting {
     fn default() -> Self {
-        Self { silicone: None, printer: None, waste: 0.2, leak_test: None }
+        Self { silicone: None, printer: None, waste: 0.2, least_wall: 1e-3, leak_test: None }
     }
 }
 
@@ -305,6 +307,10 @@ impl Casting {
         }
         if !(0.0..=10.0).contains(&self.waste) {
             return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
+        }
+        if !(self.least_wall > 0.0 && self.least_wall < 1.0) {
+            let least = self.least_wall;
+            return Err(format!("casting.least_wall is {least}, must be above 0 and below 1 m"));
         }
         match self.leak_test {
             Some(pressure) if !(pressure > 0.0 && pressure <= 1e6) => Err(format!(
@@ -341,7 +347,8 @@ impl Config {
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
             let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
-            let facts = silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
+            let facts =
+                silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
             facts.shrinkage.map(|percent| percent / 100.0)
         };
         self.shrinkage.or_else(of_silicone).unwrap_or(0.0)

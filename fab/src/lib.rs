@@ -30,5 +30,6 @@ pub mod skin;
 pub mod split;
 pub mod stance;
 pub mod threemf;
+pub mod tolerance;
 pub mod venting;
 pub mod verify;

@@ -75,6 +75,8 @@ pub struct Feature {
 pub struct Mold {
     /// From the design to the mold.
     pub frame: Frame,
+    /// How the cavity comes into the body.
+    pub method: Method,
     /// What is cast of the design.
     pub portion: Portion,
     /// Whether it is cast open.
@@ -156,6 +158,7 @@ impl Mold {
             outside: Solid::cube(&Vec3::zeros(), &Vec3::zeros()),
             cast: part.cast.clone(),
             frame,
+            method,
             portion: stance.portion,
             open: matches!(stance.parting, Parting::Open),
             shells: Vec::new(),

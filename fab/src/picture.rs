@@ -18,13 +18,16 @@ use render::view::View;
 use crate::assembly::Member;
 
 /// Width and height of a picture [px].
-const SIZE: [usize; 2] = [1600, 1100];
+const SIZE: [usize; 2] = [1200, 840];
 
 /// From where molds are seen, so that the cut through a closed one faces the camera.
 const VIEW: View = View { azimuth: -58.0, elevation: 24.0 };
 
+/// Colour of the cast: silicone without pigment, unlike any part.
+const CAST: u32 = 0x00f3_ead6;
+
 /// Draws the closed mold, cut open by the upright plane through `centre`, a point in
-/// the mold [mm], that lies along the longer side of the mold.
+/// the mold [mm]: across shells that come off sideways, or else along the longer side.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -37,10 +40,11 @@ pub fn assembled(
     let points: Vec<Vec3> =
         members.iter().flat_map(|m| m.surface.vertices.iter().copied()).collect();
     let (low, high) = measure::bounds(&points);
-    let long = if high.x - low.x >= high.y - low.y { 1 } else { 0 };
+    let sideways = members.iter().any(|m| m.printed && m.apart.y != 0.0);
+    let across = usize::from(!sideways && high.x - low.x >= high.y - low.y);
     let mut normal = Vec3::zeros();
     // Towards the camera: what lies before the plane goes.
-    normal[long] = VIEW.frame()[2][long].signum();
+    normal[across] = VIEW.frame()[2][across].signum();
     let plane = Plane { normal, offset: normal.dot(centre) };
     draw(path, title, members, Some(plane), |_| Vec3::zeros())
 }
@@ -88,7 +92,7 @@ fn draw(
 }
 
 fn paint(i: usize, member: &Member) -> Rgb {
-    if member.printed { color::palette(i) } else { color::material() }
+    if member.printed { color::palette(i) } else { color::from_hex(CAST) }
 }
 
 fn shape(surface: &SurfaceMesh, color: Rgb) -> Shape {

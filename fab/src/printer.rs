@@ -13,8 +13,8 @@ pub struct Printer {
     pub name: String,
     /// What it prints.
     pub kind: Kind,
-    /// The largest part it prints [mm].
-    pub volume: [f64; 3],
+    /// The largest part it prints [mm]; none for a kind of printers.
+    pub volume: Option<[f64; 3]>,
     /// Width of a line, or of a pixel [mm].
     pub nozzle: f64,
     /// Smallest and largest height of a layer [mm].
@@ -88,7 +88,7 @@ impl Printer {
     /// Whether a part of this size fits when turned about the vertical by quarters [mm].
     #[must_use]
     pub fn holds(&self, size: [f64; 3]) -> bool {
-        let [x, y, z] = self.volume;
+        let Some([x, y, z]) = self.volume else { return true };
         let flat = |a: f64, b: f64| size[0] <= a && size[1] <= b;
         size[2] <= z && (flat(x, y) || flat(y, x))
     }

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
+use crate::method::Method;
 use crate::mold::{Feature, Mold, Piece, Purpose};
 use crate::stance::Portion;
 
@@ -48,11 +49,13 @@ pub struct Report {
     pub open: bool,
     /// Least thickness of the mold around the part [mm].
     pub wall: f64,
+    /// How the cavity comes into the body.
+    pub method: Method,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
-    /// What is cast, and what the mold is printed on.
+    /// The silicone, and how it is cast.
     pub casting: Casting,
     /// Channels and gaps.
     pub features: Vec<Outline>,
@@ -119,6 +122,8 @@ pub struct Part {
     pub area: f64,
     /// Triangles of the written surface.
     pub triangles: usize,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
 }
 
 /// What a part does.
@@ -139,6 +144,8 @@ pub struct Cast {
     pub file: String,
     /// Volume of the body [mm³].
     pub volume: f64,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
     /// Silicone to fill the mold with its sprue and vents, without waste [mL].
     pub silicone_ml: f64,
 }
@@ -194,8 +201,14 @@ impl Report {
             open: mold.open,
             plastic_saved: mold.saved() * MM.powi(3),
             wall: config.wall * MM,
+            method: mold.method,
             parts: Vec::new(),
-            cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
+            cast: Cast {
+                file: CAST.into(),
+                volume,
+                genus: mold.cast.genus(),
+                silicone_ml: (volume + channels) / 1e3,
+            },
             casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
@@ -217,6 +230,7 @@ impl Report {
             volume: enclosed_volume(surface),
             area: area(surface),
             triangles: surface.triangles.len(),
+            genus: piece.solid.genus(),
         });
     }
 

@@ -12,7 +12,7 @@ use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 
 use mesh::io::{IoError, write_atomic};
-use mesh::{SurfaceMesh, Vec3, measure};
+use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use roxmltree::{Document, Node};
 use zip::write::SimpleFileOptions;

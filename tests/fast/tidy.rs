@@ -204,7 +204,8 @@ fn outside_programs_and_libraries_are_called_in_one_place() {
     assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
     let programs = naming("Command::new", &sources);
     assert!(!programs.is_empty());
-    assert!(programs.iter().all(|p| p.starts_with("cad2fem/src/mesher/")), "{programs:?}");
+    let ours = |p: &str| p.starts_with("cad2fem/src/mesher/") || p == "fab/src/tolerance/run.rs";
+    assert!(programs.iter().all(|p| ours(p)), "{programs:?}");
 }
 
 /// Goals are named by one word; files that rules make are not goals.

@@ -2,6 +2,7 @@
 
 pub mod mold;
 pub mod plan;
+pub mod tolerance;
 pub mod verify;
 
 use anyhow::Result;
@@ -16,6 +17,8 @@ pub enum Verb {
     Plan(plan::Args),
     /// Read a mold back from its files and prove it right
     Verify(verify::Args),
+    /// Simulate a body with walls off by the print tolerance: spread of its response
+    Tolerance(tolerance::Args),
 }
 
 impl Verb {
@@ -28,6 +31,7 @@ impl Verb {
             Self::Mold(args) => mold::run(args),
             Self::Plan(args) => plan::run(args),
             Self::Verify(args) => verify::run(args),
+            Self::Tolerance(args) => tolerance::run(args),
         }
     }
 }

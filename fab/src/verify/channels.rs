@@ -1,7 +1,6 @@
-//! Silicone gets in, air gets out, the core is held, keys engage, walls are thick enough.
+//! Silicone gets in, air gets out, the core is held, keys engage.
 
 use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::Line;
@@ -31,7 +30,6 @@ pub fn checks(set: &Set) -> Vec<Line> {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
-    lines.push(wall(set));
     lines
 }
 
@@ -104,20 +102,6 @@ fn seated(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
         Line::at_least(format!("{name}: stub length"), length, FILLED * depth, "mm"),
         Line::at_least(format!("{name}: stub fills"), 100.0 * part, 100.0 * FILLED, "%"),
     ]
-}
-
-/// Least distance of the body and of the keys' seats from the outside, and of
-/// the seats from the body.
-fn wall(set: &Set) -> Line {
-    let surface = set.cast.solid.to_surface();
-    let (low, high) = set.bounds;
-    let inset = |p: &Vec3| (p - low).min().min((high - p).min());
-    let body = surface.vertices.iter().map(inset).fold(f64::INFINITY, f64::min);
-    let bvh = SurfaceBvh::new(&surface);
-    let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
-    let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
-    let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
-    Line::at_least("wall: least", body.min(beside), set.report.wall - set.rounding, "mm")
 }
 
 impl Outline {

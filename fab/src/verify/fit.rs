@@ -4,16 +4,19 @@ use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{read_tets, sha256_file};
+use mesh::io::{read_surface, read_tets, sha256_file};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
 
 use super::set::{Body, Set};
 use super::{Line, Status};
-use crate::report::Report;
+use crate::report::{CastPart, Report};
 
 /// Largest distance between the cast and the designed surface, besides rounding [mm].
 const SURFACE: f64 = 5e-3;
+
+/// Error of the balance as a part of the outside's volume.
+const BALANCE: f64 = 1e-6;
 
 /// Points per surface at which that distance is measured, besides its vertices.
 const SAMPLES: usize = 20_000;
@@ -30,12 +33,12 @@ pub fn checks(set: &Set, folder: &Path, design: Option<&Path>) -> Vec<Line> {
     lines
 }
 
-/// The shells fill the block of the report.
+/// The shells together reach as far as the outside of the mold.
 fn block(set: &Set) -> Line {
     let (min, max) = set.bounds;
-    let [told_min, told_max] = [set.report.block.min, set.report.block.max].map(Vec3::from);
-    let off = (min - told_min).amax().max((max - told_max).amax());
-    Line::at_most("block: size", off, set.rounding, "mm off")
+    let (low, high) = set.outside.solid.bounds();
+    let off = (min - low).amax().max((max - high).amax());
+    Line::at_most("outside: size", off, 2.0 * set.rounding, "mm off")
 }
 
 /// No two bodies share a volume.
@@ -61,9 +64,7 @@ fn overlaps(set: &Set) -> Vec<Line> {
 fn balance(set: &Set, voids: &Solid) -> Line {
     let parts: f64 = set.parts().map(|body| body.volume).sum();
     let rest = set.outside.volume - parts - voids.volume();
-    let area: f64 = set.parts().map(|body| body.area).sum::<f64>() + set.cast.area + voids.area();
-    let area = area + set.outside.area;
-    let limit = set.volume_rounding(area);
+    let limit = BALANCE * set.outside.volume;
     let name = "balance: outside-parts-voids-cast";
     Line::at_most(name, (rest - set.cast.volume).abs(), limit, "mm³")
 }
@@ -95,16 +96,29 @@ fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Ve
     if !same {
         return lines;
     }
-    match read_tets(&path) {
-        Ok(msh) => {
-            let boundary = topology::boundary(&msh.mesh).surface(&msh.mesh).0;
-            lines.extend(distances(set, voids, &placed(boundary, &set.report)));
-        }
-        Err(error) => {
-            lines.push(Line::new("design: readable", false, error.to_string(), "a mesh"));
-        }
+    match designed(&path, &set.report) {
+        Ok(design) => lines.extend(distances(set, voids, &design)),
+        Err(error) => lines.push(Line::new("design: readable", false, error, "a valid mesh")),
     }
     lines
+}
+
+/// The surface that is to be cast, in the mold's millimetres.
+fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
+    if report.input.part == CastPart::Core {
+        return read_surface(path).map_err(|e| e.to_string());
+    }
+    let msh = read_tets(path).map_err(|e| e.to_string())?;
+    let whole = placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report);
+    let cut = |up: f64, height: f64| {
+        let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
+        Ok(solid.trim_by_plane(&(Vec3::z() * up), up * height).to_surface())
+    };
+    match report.input.part {
+        CastPart::Above(height) => cut(1.0, height),
+        CastPart::Below(height) => cut(-1.0, height),
+        _ => Ok(whole),
+    }
 }
 
 /// The design in the mold's millimetres.

@@ -8,7 +8,7 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
 use super::Line;
-use crate::report::{Outline, Report, Role};
+use crate::report::{Outline, Part, Report, Role};
 
 /// Surfaces of a mold in the closed mold's coordinates [mm].
 pub struct Files {
@@ -58,6 +58,14 @@ pub struct Set {
     pub channels: Solid,
 }
 
+impl Files {
+    /// The rotation of a part from its file to the closed mold.
+    #[must_use]
+    pub fn turn(part: &Part) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| part.to_mold[i][j])
+    }
+}
+
 /// Reads the files of a report; none of them if one is missing.
 pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
     let mut lines = vec![only_listed(folder, &report)];
@@ -79,7 +87,7 @@ pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
     let outside = surfaces.pop().expect("a report lists the outside");
     let cast = surfaces.pop().expect("a report lists the cast");
     for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
-        let turn = Matrix3::from_fn(|i, j| part.to_mold[i][j]);
+        let turn = Files::turn(part);
         surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
     }
     (lines, Some(Files { report, parts: surfaces, cast, outside }))

@@ -16,6 +16,13 @@ pub fn checks(files: &Files) -> Vec<Line> {
         .chain([("cast", cast), ("outside", outside)])
         .flat_map(|(name, surface)| valid(name, surface))
         .collect();
+    let genera = report.parts.iter().map(|part| (part.name.as_str(), part.genus));
+    lines.extend(
+        genera
+            .chain([("cast", report.cast.genus)])
+            .zip(parts.iter().chain([cast]))
+            .map(|((name, told), surface)| handles(name, surface, told)),
+    );
     lines.extend(as_reported(report, parts, cast));
     lines
 }
@@ -45,6 +52,19 @@ fn valid(name: &str, surface: &SurfaceMesh) -> Vec<Line> {
         "1 connected piece, no crumbs",
     ));
     lines
+}
+
+/// Handles of a closed surface in one piece: V − E + F = 2 − 2 g, with E = 3 F / 2.
+fn genus(surface: &SurfaceMesh) -> f64 {
+    let [v, f] = [surface.vertices.len(), surface.triangles.len()].map(|n| n as f64);
+    1.0 - (v - f / 2.0) / 2.0
+}
+
+/// No hole was opened or closed when the solid was rounded.
+fn handles(name: &str, surface: &SurfaceMesh, told: i32) -> Line {
+    let found = genus(surface);
+    let needed = format!("genus {told}, as before rounding");
+    Line::new(format!("{name}: genus"), found == f64::from(told), format!("genus {found}"), &needed)
 }
 
 /// The surfaces have the volumes that were reported when they were written.

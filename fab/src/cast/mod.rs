@@ -3,12 +3,13 @@
 //! A mold of volume V is filled with V (1 + w) of silicone, w the share that stays in
 //! the cup; its mass is that times the density, and is divided by the mix ratio.
 
+mod steps;
+
 use std::path::Path;
 
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
-use crate::mold::Purpose;
 use crate::printer::{self, Kind, Printer};
 use crate::report::Report;
 use crate::silicone::{self, Chemistry, Silicone};
@@ -101,7 +102,9 @@ impl Sheet {
     /// If its silicone or its printer is none that is known.
     pub fn new(report: &Report) -> Result<Self, String> {
         let casting = &report.casting;
-        let silicone = casting.silicone.as_deref().map(silicone::find).transpose()?;
+        // Wax is poured into the mold of a core.
+        let named = casting.silicone.as_deref().filter(|_| !steps::is_wax(report));
+        let silicone = named.map(silicone::find).transpose()?;
         let printer = casting.printer.as_deref().map(printer::find).transpose()?;
         let (plastic, density) = printer.map_or(Kind::Filament, |p| p.kind).plastic();
         let mold_ml = report.cast.silicone_ml;
@@ -135,99 +138,9 @@ impl Sheet {
                 .chain(printer.map(|p| p.citation().into()))
                 .collect(),
         };
-        sheet.materials = sheet.bill(report, plastic);
-        sheet.steps = sheet.instructions(report);
+        sheet.materials = steps::materials(&sheet, report, plastic);
+        sheet.steps = steps::steps(&sheet, report);
         Ok(sheet)
-    }
-
-    fn bill(&self, report: &Report, plastic: &str) -> Vec<Item> {
-        let mut items: Vec<Item> = Vec::new();
-        let mut add = |count, what: String| items.push(Item { count, what });
-        add(1, format!("{:.0} g of {plastic}, if printed solid", self.plastic_g));
-        match &self.silicone {
-            Some(Pour { name, mass_g: Some(mass), .. }) => add(1, format!("{mass:.0} g of {name}")),
-            Some(Pour { name, .. }) => add(1, format!("{:.0} mL of {name}", self.mix_ml)),
-            None => add(1, format!("{:.0} mL of silicone", self.mix_ml)),
-        }
-        add(1, "spray of release agent for silicone".into());
-        add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
-        add(2, "clamps that span the closed mold, or strong rubber bands".into());
-        let inlets = count(report, Purpose::Socket);
-        add(inlets, "tube that fits the inlet, and silicone glue".into());
-        items
-    }
-
-    fn instructions(&self, report: &Report) -> Vec<String> {
-        let [shells, cores] = [crate::report::Role::Shell, crate::report::Role::Core].map(|role| {
-            let same = report.parts.iter().filter(|part| part.role == role);
-            same.map(|part| part.name.as_str()).collect::<Vec<_>>()
-        });
-        let (holder, others) = shells.split_last().map_or(("", &[][..]), |(h, o)| (*h, o));
-        let vents = count(report, Purpose::Vent);
-        let taken: Vec<&str> = shells.iter().rev().copied().collect();
-        let mut steps = vec![
-            "Print the parts as they lie in their files. Sand what touches the silicone, or lay \
-             the layers along the way in which the part comes off."
-                .into(),
-            "Put the mold together once without silicone; it fits one way only.".into(),
-            format!(
-                "Spray {} and {} with release agent; let it dry.",
-                shells.join(", "),
-                cores.join(", ")
-            ),
-            format!(
-                "Stand {holder} on the table, put {} into its socket, then add {}, and clamp. \
-                 The sprue, the wide hole, is on top.",
-                cores.join(" and "),
-                others.join(" and ")
-            ),
-        ];
-        steps.push(self.mixing());
-        steps.push(
-            "Degas the mix in a cup three times as high as the liquid, until it has risen, \
-             fallen back and only few bubbles come."
-                .into(),
-        );
-        steps.push(match vents {
-            0 => "Pour a thin stream into the sprue, slowly, until it stays full.".into(),
-            n => format!(
-                "Pour a thin stream into the sprue, slowly, until silicone stands in the sprue \
-                 and in {n} vent{}.",
-                if n == 1 { "" } else { "s" }
-            ),
-        });
-        steps.push(match self.silicone.as_ref().and_then(|s| s.cure_h) {
-            Some(hours) => format!("Let it cure for {hours} h at 23 °C, longer when colder."),
-            None => "Let it cure as long as its bulletin says.".into(),
-        });
-        steps.push(format!(
-            "Take off {}, in this order. Blow soapy water or air between {} and the silicone, \
-             and pull it out through the inlet.",
-            taken.join(", "),
-            cores.join(" and ")
-        ));
-        steps.push("Cut off what stood in the sprue and the vents.".into());
-        steps.push("Glue the tube into the inlet.".into());
-        steps.push(match self.leak_test_kpa {
-            Some(pressure) => format!(
-                "Hold it under water at {pressure:.1} kPa for a minute: no bubble may rise."
-            ),
-            None => "Hold it under water at its working pressure for a minute: no bubble may rise."
-                .into(),
-        });
-        steps
-    }
-
-    fn mixing(&self) -> String {
-        let haste = |minutes: f64| format!(" It must be in the mold within {minutes} min.");
-        match &self.silicone {
-            Some(Pour { parts_g: Some([a, b]), pot_life_min, .. }) => format!(
-                "Weigh {a:.1} g of part A and {b:.1} g of part B into one cup and stir for three \
-                 minutes; scrape walls and bottom.{}",
-                pot_life_min.map(haste).unwrap_or_default()
-            ),
-            _ => format!("Mix {:.1} mL of silicone as its bulletin says.", self.mix_ml),
-        }
     }
 
     /// The sheet in Markdown.
@@ -237,7 +150,7 @@ impl Sheet {
         if !self.warnings.is_empty() {
             text += &list(self.warnings.iter().map(|w| format!("- **{w}**")));
         }
-        text += "## Silicone\n\n| | |\n|-|-|\n";
+        text += "## What to pour\n\n| | |\n|-|-|\n";
         text += &list(self.silicone_rows().into_iter().map(|(a, b)| format!("| {a} | {b} |")));
         text += "## Parts to print\n\n| part | file | volume | mass, if solid |\n|-|-|-|-|\n";
         text += &list(self.printed.iter().map(|part| {
@@ -316,6 +229,7 @@ fn warnings(
     let mut warnings: Vec<String> =
         report.findings.iter().map(|note| format!("{}: {}", note.rule, note.message)).collect();
     match silicone {
+        None if steps::is_wax(report) => return warnings,
         None => warnings.push(
             "No silicone is named: no masses and times. Set `casting.silicone` in mold.toml."
                 .into(),
@@ -341,10 +255,6 @@ fn warnings(
         warnings.push("No latex gloves, sulphur or tin near platinum-cured silicone.".into());
     }
     warnings
-}
-
-fn count(report: &Report, purpose: Purpose) -> usize {
-    report.features.iter().filter(|f| f.purpose == purpose).count()
 }
 
 /// Lines and an empty one.
