@@ -234,7 +234,7 @@ mod tests {
         // With a vent on the other tower, none.
         let vent = cube([1.0, 1.0, 10.0], [3.0, 3.0, 20.0]);
         let (trapped, _) = air(&trough.union(&tower).union(&open).union(&vent), 20.0);
-        assert_eq!(trapped, 0.0);
+        assert!(trapped < 1e-9, "{trapped}");
         // A roof that rises towards the vent traps none although no column is flat.
         let wedge = cube([0.0; 3], [20.0, 4.0, 10.0])
             .trim_by_plane(&Vec3::new(1.0, 0.0, -2.0).normalize(), 0.0);
