@@ -1,6 +1,7 @@
 //! Silicone gets in, air gets out, the core is held, keys engage.
 
 use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::Line;
@@ -55,8 +56,11 @@ impl Purpose {
 fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
     let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
-    let top = set.bounds.1.z;
-    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
+    // Where the axis leaves the mold; an oblique outside cuts the mouth higher on one side.
+    let (base, axis) = (Vec3::from(outline.base), Vec3::from(outline.axis));
+    let outside = SurfaceBvh::new(&set.outside.solid.to_surface());
+    let top = outside.ray(&base, &axis).last().map_or(f64::INFINITY, |hit| base.z + hit.0 * axis.z);
+    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - 2.0 * set.rounding;
     let through = channel.intersection(&set.cavity).decompose().into_iter().find(reaches_top);
     let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
     vec![
