@@ -131,7 +131,7 @@ fn a_scan_with_noise() {
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
     let mut random = noise();
     let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
-    match outcome(&bent(&CHAMBER, "", shake)) {
+    match outcome(&bent(&CHAMBER, soft, shake)) {
         Outcome::Refused(message) => assert!(message.contains("leaves its plane by"), "{message}"),
         other => panic!("{other:?}"),
     }

@@ -19,6 +19,9 @@ use crate::stance::{Parting, Portion, Stance};
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;
 
+/// Bodies smaller than this are films: a hundredth of a drop of molten plastic [m³].
+const FILM: f64 = 1e-13;
+
 impl Mold {
     /// Makes the outside and the shells.
     pub(super) fn divide(
@@ -162,7 +165,7 @@ impl Mold {
                 region.difference(&part.filled)
             }
             Portion::Above(_) | Portion::Below(_) => {
-                self.outside.difference(&part.cast).difference(&above)
+                without_films(&self.outside.difference(&part.cast).difference(&above))
             }
         };
         (above, below)
@@ -243,6 +246,13 @@ impl Mold {
             Parting::Seat | Parting::Open => Ok(Split::plane(&site, part.seat)),
         }
     }
+}
+
+/// A solid without the films of rounding that are left where cut surfaces should coincide.
+fn without_films(solid: &Solid) -> Solid {
+    let bodies = solid.decompose();
+    let thick = bodies.iter().filter(|body| body.volume() > FILM);
+    thick.fold(Solid::cube(&Vec3::zeros(), &Vec3::zeros()), |all, body| all.union(body))
 }
 
 /// The face of a block that looks along −y, between two heights.

@@ -19,9 +19,15 @@ use crate::skin::Skin;
 /// along which the body is thinnest is taken [1].
 const AS_GOOD: f64 = 5e-3;
 
-/// A wall is flat where it keeps to a plane this closely: what is cast may differ
-/// from the design by as much [m].
-const FLAT: f64 = 5e-6;
+/// A body counts as thin along a normal up to this many times its least thickness.
+const AS_THIN: f64 = 1.1;
+
+/// A wall is flat where it keeps to a plane this closely [m].
+const FLAT: f64 = 2e-6;
+
+/// The chamber is cut this far inside its flat wall, the sheet begins as far outside of
+/// it: what is missing between is much thinner than the glue [m].
+const ASIDE: f64 = 3e-6;
 
 /// Cosine of the angle up to which facets count as parallel to a plane (2°).
 const PARALLEL: f64 = 0.9994;
@@ -81,8 +87,10 @@ pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
     let least = cuts.iter().map(hidden).fold(f64::INFINITY, f64::min);
     cuts.retain(|cut| hidden(cut) <= least + AS_GOOD);
     let thinnest = cuts.iter().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
-    let mut cut =
-        cuts.into_iter().find(|cut| cut.thickness <= 1.001 * thinnest).expect("there is a normal");
+    let mut cut = cuts
+        .into_iter()
+        .find(|cut| cut.thickness <= AS_THIN * thinnest)
+        .expect("there is a normal");
     complete(skin, &mut cut);
     cut
 }
@@ -90,8 +98,10 @@ pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
 /// A flat wall of the cavity: all of it lies on one side of the wall's plane.
 #[derive(Clone, Debug)]
 pub struct Flat {
-    /// The plane; the cavity is on the side away from its normal.
+    /// The plane that opens the cavity, which is on the side away from its normal.
     pub cut: Cut,
+    /// Position of the plane that leaves it closed [m].
+    pub beyond: f64,
     /// Area of the wall over the area of the cavity as seen along the normal [1].
     pub share: f64,
 }
@@ -117,9 +127,9 @@ pub fn flattest(skin: &Skin) -> Option<Flat> {
         (normal, offset, wall / outline)
     });
     let (normal, offset, share) = flats.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let mut cut = measured(skin, normal, offset);
+    let mut cut = measured(skin, normal, offset - ASIDE);
     complete(skin, &mut cut);
-    Some(Flat { cut, share })
+    Some(Flat { cut, beyond: offset + ASIDE, share })
 }
 
 /// Normals of the largest flat walls of the cavity, without its inlets.

@@ -15,6 +15,7 @@ use crate::layout::{self, LayoutError};
 use crate::method::Method;
 use crate::skin::Skin;
 use crate::stance::{Parting, Portion, Stance};
+use gluing::Flat;
 use pull::{Choice, Look};
 use report::{ChosenBy, Measure, Verdict};
 use undercut::Worst;
@@ -115,8 +116,7 @@ impl Plan {
                 halves(skin, &cut.normal, cut.offset, config)?
             }
             Method::OpenTop => {
-                let flat = judge.flat().expect("it was judged possible").cut.clone();
-                chamber_and_sheet(skin, &flat.normal, flat.offset, config)?
+                chamber_and_sheet(skin, judge.flat().expect("it was judged possible"), config)?
             }
         };
         let looks = pull::looks(&skin.filled, &up);
@@ -144,7 +144,8 @@ impl Casting {
         portion: Portion,
         config: &Config,
     ) -> Result<Self, PlanError> {
-        let Choice { pull, parting, undercut, worst, reason } = pull::choose(filled, &up, config);
+        let Choice { pull, parting, undercut, worst, reason } =
+            pull::choose(filled, &up, portion, config);
         log::info!("{name}: {reason}");
         let limit = config.limits.peel;
         if let Some(worst) = worst.filter(|worst| worst.ratio > limit) {
@@ -178,27 +179,23 @@ fn halves(
 }
 
 /// The chamber, cut face down on a plate that carries the core, and the sheet in a tray.
-fn chamber_and_sheet(
-    skin: &Skin,
-    normal: &Vec3,
-    offset: f64,
-    config: &Config,
-) -> Result<Vec<Casting>, PlanError> {
+fn chamber_and_sheet(skin: &Skin, flat: &Flat, config: &Config) -> Result<Vec<Casting>, PlanError> {
     let config = Config { parting: Config::default().parting, ..config.clone() };
+    let (normal, offset) = (&flat.cut.normal, flat.cut.offset);
     let up = -normal;
     let chamber =
         Casting::new("chamber", &beyond(skin, &up, -offset), up, Portion::Above(-offset), &config)?;
     // The sheet lies in the tray with its glued face up.
-    let filled = beyond(skin, normal, offset);
+    let filled = beyond(skin, normal, flat.beyond);
     let view = undercut::View::along(&filled, &up);
-    let undercut = view.undercut(undercut::Parting::Plane(-offset));
+    let undercut = view.undercut(undercut::Parting::Plane(-flat.beyond));
     let fits = view.worst(&undercut).is_none_or(|worst| worst.ratio <= config.limits.peel);
     let sheet = if fits {
         let stance =
-            Stance { up, pull: up, parting: Parting::Open, portion: Portion::Below(-offset) };
+            Stance { up, pull: up, parting: Parting::Open, portion: Portion::Below(-flat.beyond) };
         Casting { name: "sheet".into(), stance, undercut: undercut.facets }
     } else {
-        Casting::new("sheet", &filled, *normal, Portion::Above(offset), &config)?
+        Casting::new("sheet", &filled, *normal, Portion::Above(flat.beyond), &config)?
     };
     Ok(vec![chamber, sheet])
 }

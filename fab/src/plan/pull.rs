@@ -9,7 +9,7 @@ use mesh::{SurfaceMesh, Vec3};
 use super::undercut::{self, Undercut, View, Worst};
 use crate::config::{self, Config};
 use crate::frame::Frame;
-use crate::stance::Parting;
+use crate::stance::{Parting, Portion};
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;
@@ -20,6 +20,12 @@ const AROUND: usize = 12;
 /// A plane may hide this much more of the area than the best surface, and one of two
 /// planes that differ by less is chosen by the thickness of the body along it [1].
 const EASIER: f64 = 0.01;
+
+/// A body counts as thin along a direction up to this many times its least thickness.
+const AS_THIN: f64 = 1.1;
+
+/// Directions that agree to this cosine are parallel.
+const ALONG: f64 = 1.0 - 1e-9;
 
 /// Positions along the pull that are tried for a plane.
 const POSITIONS: usize = 9;
@@ -108,16 +114,17 @@ fn usable(up: &Vec3) -> Vec<Vec3> {
 
 /// The parting that hides least, or what the configuration asks for.
 #[must_use]
-pub fn choose(body: &SurfaceMesh, up: &Vec3, config: &Config) -> Choice {
+pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) -> Choice {
     let directions = |pull: Option<[f64; 3]>| match pull {
         Some(pull) => vec![Vec3::from(pull).normalize()],
         None => usable(up),
     };
+    let planes = |pull: Vec3| (pull, planes(body, &pull, pull.dot(up) > ALONG, portion));
     match &config.parting {
         config::Parting::Plane(plane) => {
             let options = directions(plane.pull).into_iter().map(|pull| match plane.offset {
                 Some(offset) => (pull, vec![Parting::Plane(offset)]),
-                None => (pull, planes(body, up, &pull)),
+                None => planes(pull),
             });
             best_plane(body, options.collect(), f64::INFINITY).expect("there are planes")
         }
@@ -126,27 +133,30 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, config: &Config) -> Choice {
         }
         config::Parting::Auto(auto) => {
             let pulls = directions(auto.pull);
-            let mut field = best_field(body, pulls.clone(), config::HeightField::default());
+            // Along `up`, what is cut stands on the plate that carries its core.
+            let free = |pull: &Vec3| portion == Portion::Whole || pull.dot(up) <= ALONG;
+            let fields = pulls.iter().copied().filter(free).collect();
+            let mut field = best_field(body, fields, config::HeightField::default());
             field.reason += &format!(", and no plane comes within {:.0} % of that", 100.0 * EASIER);
-            let options = pulls.into_iter().map(|pull| (pull, planes(body, up, &pull)));
-            best_plane(body, options.collect(), field.undercut.share + EASIER).unwrap_or(field)
+            let options = pulls.into_iter().map(planes).collect();
+            best_plane(body, options, field.undercut.share + EASIER).unwrap_or(field)
         }
     }
 }
 
-/// The middle of the body first, then the seat, then other positions.
-fn planes(body: &SurfaceMesh, up: &Vec3, pull: &Vec3) -> Vec<Parting> {
+/// Planes that can be used: along `up` the seat, which leaves the body in one cup, then
+/// other positions if it is not cut; across it the middle.
+fn planes(body: &SurfaceMesh, pull: &Vec3, along_up: bool, portion: Portion) -> Vec<Parting> {
     let heights = body.vertices.iter().map(|p| p.dot(pull));
     let low = heights.clone().fold(f64::INFINITY, f64::min);
     let high = heights.fold(f64::NEG_INFINITY, f64::max);
     let at = |t: f64| Parting::Plane(low + t * (high - low));
-    let mut found = vec![at(0.5)];
-    if pull.dot(up) > 1.0 - 1e-9 {
-        found.push(Parting::Seat);
-        let tried = (1..=POSITIONS).map(|k| k as f64 / (POSITIONS + 1) as f64);
-        found.extend(tried.filter(|t| (t - 0.5).abs() > 1e-9).map(at));
+    let tried = (1..=POSITIONS).map(|k| at(k as f64 / (POSITIONS + 1) as f64));
+    match (along_up, portion) {
+        (false, _) => vec![at(0.5)],
+        (true, Portion::Whole) => std::iter::once(Parting::Seat).chain(tried).collect(),
+        (true, _) => vec![Parting::Seat],
     }
-    found
 }
 
 /// The plane that hides least, of those that hide at most `limit`.
@@ -177,9 +187,9 @@ fn best_plane(
     planes.retain(|plane| plane.undercut.share <= limit);
     let least = planes.iter().map(|p| p.undercut.share).fold(f64::INFINITY, f64::min);
     planes.retain(|plane| plane.undercut.share <= least + EASIER);
-    // Directions that are as thin to rounding are as good: the first is kept.
+    // Directions that are about as thin are as good: the first is kept.
     let thinnest = planes.iter().map(|p| p.thickness).fold(f64::INFINITY, f64::min);
-    let plane = planes.into_iter().find(|plane| plane.thickness <= 1.001 * thinnest)?;
+    let plane = planes.into_iter().find(|plane| plane.thickness <= AS_THIN * thinnest)?;
     let worst = View::along(body, &plane.pull).worst(&plane.undercut);
     let place = match plane.parting {
         Parting::Seat => "where the body stands".into(),

@@ -148,7 +148,7 @@ impl<'a> Judge<'a> {
     fn open_top(&mut self) -> (bool, String) {
         let limit = self.config.limits.flat;
         self.flat = gluing::flattest(self.skin);
-        let Some(Flat { cut, share }) = &self.flat else {
+        let Some(Flat { cut, share, .. }) = &self.flat else {
             return (false, "the cavity has no wall besides its inlets".into());
         };
         let percent = 100.0 * share;

@@ -1,7 +1,6 @@
 //! Silicone gets in, air gets out, the core is held, keys engage.
 
 use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::Line;
@@ -27,7 +26,7 @@ pub fn checks(set: &Set) -> Vec<Line> {
                 Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Pin | Purpose::Boss => {}
             }
         }
-        if purpose == Purpose::Sprue && lines.is_empty() {
+        if purpose == Purpose::Sprue && lines.is_empty() && !set.report.open {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
@@ -52,16 +51,14 @@ impl Purpose {
     }
 }
 
-/// A channel leads from the top of the mold into the body, and nothing is in it.
+/// A channel leads from above the mold into the body, and nothing is in it.
 fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
     let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
-    // Where the axis leaves the mold; an oblique outside cuts the mouth higher on one side.
-    let (base, axis) = (Vec3::from(outline.base), Vec3::from(outline.axis));
-    let outside = SurfaceBvh::new(&set.outside.solid.to_surface());
-    let top = outside.ray(&base, &axis).last().map_or(f64::INFINITY, |hit| base.z + hit.0 * axis.z);
-    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - 2.0 * set.rounding;
-    let through = channel.intersection(&set.cavity).decompose().into_iter().find(reaches_top);
+    let top = set.bounds.1.z;
+    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
+    let free = set.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
+    let through = free.decompose().into_iter().find(reaches_top);
     let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
     vec![
         Line::at_most(

@@ -41,11 +41,16 @@ pub fn checks(set: &Set) -> Vec<Line> {
 /// from the body.
 fn mold(set: &Set, cast: &SurfaceMesh) -> Line {
     let bvh = SurfaceBvh::new(cast);
-    let outside = SurfaceBvh::new(&set.outside.solid.to_surface());
-    let sky = set.bounds.1.z - set.rounding;
-    // The top of an open mold is no wall.
-    let body = cast.vertices.iter().filter(|p| !set.report.open || p.z < sky);
-    let body = body.map(|p| outside.closest(p).distance).fold(f64::INFINITY, f64::min);
+    let mut outside = set.outside.solid.to_surface();
+    if set.report.open {
+        // The top of an open mold is no wall.
+        let sky = set.bounds.1.z - set.rounding;
+        let vertices = &outside.vertices;
+        outside.triangles.retain(|t| t.iter().any(|&v| vertices[v].z < sky));
+    }
+    let outside = SurfaceBvh::new(&outside);
+    let body = cast.vertices.iter().map(|p| outside.closest(p).distance);
+    let body = body.fold(f64::INFINITY, f64::min);
     let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
     let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
     let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
