@@ -32,7 +32,7 @@ pub fn threemf_file(part: &Part) -> String {
     format!("{}.3mf", part.name)
 }
 
-/// The files that [`write`] makes, relative to the folder of the report.
+/// The files that [`write`] and [`draw`] make, relative to the folder of the report.
 #[must_use]
 pub fn files(report: &Report) -> Vec<String> {
     let parts = report.parts.iter().map(threemf_file);
@@ -40,8 +40,8 @@ pub fn files(report: &Report) -> Vec<String> {
     parts.chain(others.map(str::to_owned)).collect()
 }
 
-/// Writes the parts and their assembly as 3MF, the assembly for ParaView, and
-/// pictures of the mold closed and taken apart, and the sheet for casting. `surfaces` are those of the STL
+/// Writes the parts and their assembly as 3MF, the assembly for ParaView, and the
+/// sheet for casting. `surfaces` are those of the STL
 /// files, the cast last.
 ///
 /// # Errors
@@ -59,12 +59,19 @@ pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result
     }
     let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
     threemf::write(&folder.join(ASSEMBLY), "closed mold", &closed)?;
-    let members = assembly(report, surfaces);
-    picture::grid(&folder.join(GRID), &members)?;
-    picture::assembled(&folder.join(ASSEMBLED), "closed, cut open", &members, &middle(report))?;
-    picture::exploded(&folder.join(EXPLODED), "taken apart", &members)?;
+    picture::grid(&folder.join(GRID), &assembly(report, surfaces))?;
     let sheet = Sheet::new(report);
     sheet.map_err(|message| IoError::content(folder, message))?.write(folder)
+}
+
+/// Draws the mold closed and taken apart.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn draw(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
+    let members = assembly(report, surfaces);
+    picture::assembled(&folder.join(ASSEMBLED), "closed, cut open", &members, &middle(report))?;
+    picture::exploded(&folder.join(EXPLODED), "taken apart", &members)
 }
 
 /// Where a part stands in the closed mold.

@@ -327,7 +327,7 @@ mod tests {
         for (from, to, message) in [
             ("unit=\"millimeter\"", "unit=\"inch\"", "the unit is inch"),
             ("objectid=\"1\"", "objectid=\"9\"", "object 9 is missing"),
-            ("v1=\"0\"", "v1=\"99\"", "names vertex 99 of 8"),
+            ("v2=\"0\"", "v2=\"99\"", "names vertex 99 of 8"),
             ("x=\"1\"", "x=\"nan\"", "not finite"),
             ("transform=\"", "transform=\"1 ", "not 12 numbers"),
             (CORE, "http://example.org", "must be a 3MF <model>"),

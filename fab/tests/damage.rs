@@ -15,11 +15,21 @@ use mesh::io::{read_surface, read_tets, write_surface};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
+/// A box around the chamber, parted across z, by and of what is known.
+const BOX: &str = "outside = \"box\"
+labels = false
+[parting]
+kind = \"height-field\"
+pull = [0, 0, 1]
+[casting]
+silicone = \"dragon-skin-20\"
+printer = \"prusa-mini\"";
+
 /// A sound mold with upper and lower shell.
 fn sound() -> &'static Scene {
     static SCENE: OnceLock<Scene> = OnceLock::new();
     SCENE.get_or_init(|| {
-        let scene = Scene::new(&CHAMBER, "");
+        let scene = Scene::new(&CHAMBER, BOX);
         let output = scene.mold();
         assert!(output.status.success(), "{}", stderr(&output));
         scene
@@ -116,7 +126,9 @@ fn feature(mold: &Path, name: &str) -> Outline {
 #[test]
 fn an_undamaged_copy_passes() {
     let lines = after(|_| ());
-    let bad: Vec<&Line> = lines.iter().filter(|line| line.status != Status::Ok).collect();
+    // Supports are needed below the ceilings of any mold.
+    let fine = |line: &&Line| line.status == Status::Ok || line.name.ends_with(": overhang");
+    let bad: Vec<&Line> = lines.iter().filter(|line| !fine(line)).collect();
     assert!(bad.is_empty(), "{bad:#?}");
 }
 
@@ -202,9 +214,9 @@ fn fit() {
     let lines = after(|mold| change(mold, "upper", |s| moved(s, Vec3::new(0.0, 0.0, -1.0))));
     assert_fails(&lines, "outside: size");
     // A hole in the lower shell, far from the body.
-    let hole = cube([-20.0, -20.0, -6.0], [-18.0, -18.0, -4.0]);
+    let hole = cube([-16.0, -16.0, -6.0], [-14.0, -14.0, -4.0]);
     let lines = after(|mold| {
-        let open = hole.union(&cube([-19.5, -19.5, -20.0], [-18.5, -18.5, -5.0]));
+        let open = hole.union(&cube([-15.5, -15.5, -20.0], [-14.5, -14.5, -5.0]));
         change_solid(mold, "lower", |lower| lower.difference(&open));
     });
     assert_fails(&lines, "leaks: empty elsewhere");
@@ -297,6 +309,7 @@ fn demolding() {
             report.parts[1].leaves = report.parts[0].leaves;
             report.parts[1].to_mold = report.parts[0].to_mold;
         });
+        write_copies(mold);
     });
     assert_fails(&lines, "lower: comes off");
     assert_fails(&lines, "lower: way out");
@@ -306,8 +319,8 @@ fn demolding() {
 /// A tower of 4 mm beside the sprue's, which no vent reaches.
 #[test]
 fn trapped_air() {
-    let config = "[sprue]\nat = [0.01, 0.014, 0]\n[vents]\npersistence = 0.1";
-    let scene = Scene::new(&TWO_TOPS, config);
+    let config = format!("{BOX}\n[sprue]\nat = [0.01, 0.014, 0]\n[vents]\npersistence = 0.1");
+    let scene = Scene::new(&TWO_TOPS, &config);
     assert!(scene.mold().status.success());
     let lines = verify(&scene.path("mold"), Against::default()).unwrap();
     assert_fails(&lines, "filling: trapped air");
@@ -316,15 +329,12 @@ fn trapped_air() {
 
 #[test]
 fn printing() {
-    let config = "[casting]\nprinter = \"prusa-mini\"";
-    let scene = Scene::new(&CHAMBER, config);
-    assert!(scene.mold().status.success());
-    let lines = verify(&scene.path("mold"), Against::default()).unwrap();
+    let lines = after(|_| ());
     assert_status(&lines, "upper: build volume", Status::Ok);
     // The core's underside hangs over its stub: 12 x 12 mm and more, less the stub.
     assert_status(&lines, "core: overhang", Status::Warn);
     let large = Cubes { count: [48, 7, 6], ..CHAMBER };
-    let scene = Scene::new(&large, config);
+    let scene = Scene::new(&large, BOX);
     assert!(scene.mold().status.success());
     let lines = verify(&scene.path("mold"), Against::default()).unwrap();
     assert_fails(&lines, "upper: build volume");
@@ -361,11 +371,24 @@ fn inflated_walls() {
     let good = r#"{"usable": true, "stretch_range": {"largest": 2.0}}"#;
     let lines = lines_of(&simulation(0.5, good));
     assert_status(&lines, "inflated: thinnest wall", Status::Ok);
-    // No silicone was named.
-    assert_status(&lines, "inflated: largest stretch", Status::Warn);
+    assert_status(&lines, "inflated: largest stretch", Status::Ok);
+    // Dragon Skin 20 breaks at 620 %.
+    let torn = r#"{"usable": true, "stretch_range": {"largest": 7.3}}"#;
+    assert_fails(&lines_of(&simulation(0.5, torn)), "inflated: largest stretch");
     // 4 mm become 0.2 mm.
     assert_fails(&lines_of(&simulation(0.05, good)), "inflated: thinnest wall");
     let lines = lines_of(&simulation(0.5, r#"{"usable": false, "stretch_range": null}"#));
     assert_fails(&lines, "inflated: result");
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
+}
+
+/// A core that is wider than its inlet, by less and by more than the silicone stretches.
+#[test]
+fn cores_leave() {
+    // The chamber of 12 x 12 mm over an inlet of 4 x 4 mm: 48 mm around to 16 mm.
+    assert_status(&after(|_| ()), "core: leaves", Status::Ok);
+    let scene = Scene::new(&CHAMBER, &BOX.replace("dragon-skin-20", "dragon-skin-30"));
+    assert!(scene.mold().status.success());
+    let lines = verify(&scene.path("mold"), Against::default()).unwrap();
+    assert_fails(&lines, "core: leaves");
 }

@@ -140,7 +140,8 @@ fn python_reads_the_3mf_files() {
         for (line, part) in lines.iter().zip(&report.parts) {
             let words: Vec<&str> = line.split_whitespace().collect();
             let volume: f64 = words[0].parse().unwrap();
-            assert!((volume / part.volume - 1.0).abs() < 1e-9, "{line}, ours {}", part.volume);
+            // Decimals, that we round to 32 bits and Python does not.
+            assert!((volume / part.volume - 1.0).abs() < 1e-6, "{line}, ours {}", part.volume);
             assert_eq!(words[1..], ["millimeter", "1", part.name.as_str()]);
         }
         // The parts, and the whole that is composed of them.

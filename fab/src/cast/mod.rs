@@ -10,6 +10,7 @@ use std::path::Path;
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
+use crate::plan::report as plan;
 use crate::printer::{self, Kind, Printer};
 use crate::report::Report;
 use crate::silicone::{self, Chemistry, Silicone};
@@ -202,6 +203,35 @@ impl Sheet {
         })?;
         write_atomic(&folder.join(MARKDOWN), |out| out.write_all(self.markdown().as_bytes()))
     }
+}
+
+/// The sheet of a body that takes several molds, which have sheets of their own.
+///
+/// # Errors
+/// If a mold has no readable report, or the file cannot be written.
+pub fn write_whole(folder: &Path, plan: &plan::Report) -> Result<(), IoError> {
+    let mut text = format!("# Casting\n\n{}\n\n## Molds\n\n", plan.reason);
+    let mut silicone = 0.0;
+    for entry in &plan.molds {
+        let below = folder.join(&entry.folder);
+        let sheet = Sheet::new(&Report::read(&below)?);
+        let sheet = sheet.map_err(|message| IoError::content(&below, message))?;
+        let what = match entry.casts {
+            plan::Material::Silicone => "silicone",
+            plan::Material::Wax => "wax",
+        };
+        silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };
+        text += &format!(
+            "- {}: {:.1} mL of {what}, see [{below}/{MARKDOWN}]({below}/{MARKDOWN})\n",
+            entry.name,
+            sheet.mix_ml,
+            below = entry.folder
+        );
+    }
+    text += &format!("\n{silicone:.1} mL of silicone in all.\n\n## Do\n\n");
+    text += &list(plan.steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
+    let text = text.trim_end().to_owned() + "\n";
+    write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))
 }
 
 impl Pour {

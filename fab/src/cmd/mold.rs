@@ -8,6 +8,7 @@ use mesh::io::{read_tets, write_surface};
 use mesh::{SurfaceMesh, Vec3};
 
 use super::plan::entries;
+use crate::cast;
 use crate::config::{Config, Sprue};
 use crate::export::{MM, printable};
 use crate::frame::Turn;
@@ -31,6 +32,9 @@ pub struct Args {
     /// Folder for the parts
     #[arg(short, long)]
     pub output: PathBuf,
+    /// Leave out the pictures, which take most of the time
+    #[arg(long)]
+    pub no_pictures: bool,
 }
 
 /// Runs the verb.
@@ -59,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
         sets.push((entry, set));
     }
     remove_old(&args.output)?;
-    let written = write_all(&sets, &folder, &told, &config, &args.output);
+    let written = write_all(&sets, &folder, &told, &config, args);
     if let Err(error) = written {
         // The first error is the one to tell.
         let _ = remove_molds(&args.output, &told);
@@ -87,18 +91,22 @@ fn write_all(
     folder: &impl Fn(&Entry) -> PathBuf,
     told: &plan::report::Report,
     config: &Config,
-    output: &Path,
+    args: &Args,
 ) -> Result<()> {
+    let pictures = !args.no_pictures;
     for (entry, set) in sets {
-        set.write(&folder(entry))?;
+        set.write(&folder(entry), pictures)?;
     }
     for entry in told.molds.iter().filter(|entry| entry.casts == Material::Wax) {
         let (body, set) = sets.first().expect("a body is cast around the core");
         let file = format!("{}.stl", entry.name);
         wax_mold(&folder(body).join(file), set.surface(&entry.name), &folder(entry), config)?
-            .write(&folder(entry))?;
+            .write(&folder(entry), pictures)?;
     }
-    told.write(output)?;
+    if told.molds.len() > 1 {
+        cast::write_whole(&args.output, told)?;
+    }
+    told.write(&args.output)?;
     Ok(())
 }
 
@@ -136,6 +144,7 @@ fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
             remove(&folder, &report)?;
         }
     }
+    remove_file(&output.join(cast::MARKDOWN))?;
     remove_file(&output.join(plan::report::FILE))
 }
 
@@ -173,7 +182,7 @@ impl Set {
     }
 
     /// Replaces the mold in `folder`; the report comes last and vouches for the rest.
-    fn write(&self, folder: &Path) -> Result<()> {
+    fn write(&self, folder: &Path, pictures: bool) -> Result<()> {
         if let Ok(old) = Report::read(folder) {
             remove(folder, &old)?;
         }
@@ -183,6 +192,10 @@ impl Set {
             .zip(&self.surfaces)
             .try_for_each(|(file, surface)| write_surface(&folder.join(file), surface))
             .and_then(|()| output::write(folder, &self.report, &self.surfaces))
+            .and_then(|()| match pictures {
+                true => output::draw(folder, &self.report, &self.surfaces),
+                false => Ok(()),
+            })
             .and_then(|()| self.report.write(folder));
         if let Err(error) = written {
             // The first error is the one to tell.

@@ -34,7 +34,7 @@ struct Wall {
 
 #[derive(Deserialize)]
 struct Tag {
-    mean_displacement: [f64; 3],
+    mean_displacement: f64,
     max_displacement: f64,
 }
 
@@ -69,9 +69,7 @@ fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
         found.push((format!("walls.{name}.pressure"), "Pa", wall.pressure));
     }
     for (name, tag) in &report.tags {
-        let [x, y, z] = tag.mean_displacement;
-        let mean = (x * x + y * y + z * z).sqrt();
-        found.push((format!("tags.{name}.mean_displacement"), "m", mean));
+        found.push((format!("tags.{name}.mean_displacement"), "m", tag.mean_displacement));
         found.push((format!("tags.{name}.max_displacement"), "m", tag.max_displacement));
     }
     Ok(found)

@@ -98,7 +98,7 @@ fn sheet(files: &Files, folder: &Path) -> Line {
         let told: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
         let keys = told.as_object().into_iter().flatten();
         let off: Vec<&str> =
-            keys.filter(|(k, v)| found.get(k) != Some(v)).map(|(k, _)| k.as_str()).collect();
+            keys.filter(|(k, v)| !alike(found.get(k), v)).map(|(k, _)| k.as_str()).collect();
         let markdown = mesh::io::read_text(&folder.join(cast::MARKDOWN));
         match off.is_empty() {
             false => Err(format!("other {}", off.join(", "))),
@@ -107,6 +107,23 @@ fn sheet(files: &Files, folder: &Path) -> Line {
         }
     });
     line(cast::JSON, result, "the volumes and masses of mold.json")
+}
+
+/// Whether two values say the same: decimals are read back to the last digits.
+fn alike(found: Option<&Value>, told: &Value) -> bool {
+    match (found, told) {
+        (Some(Value::Number(a)), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            (a - b).abs() <= 1e-12 * b.abs()
+        }
+        (Some(Value::Array(a)), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(Some(a), b))
+        }
+        (Some(Value::Object(a)), Value::Object(b)) => {
+            a.len() == b.len() && b.iter().all(|(key, b)| alike(a.get(key), b))
+        }
+        (found, told) => found == Some(told),
+    }
 }
 
 fn line(name: &str, result: Result<usize, String>, needed: &str) -> Line {
