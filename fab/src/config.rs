@@ -100,11 +100,13 @@ pub struct Limits {
     pub peel: f64,
     /// Least part of the cavity's outline that must lie flat on a plane for an open-top mold [1].
     pub flat: f64,
+    /// Largest motion of the far end of a core that is not pointed out [m].
+    pub sag: f64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { girth: 2.5, peel: 0.5, flat: 0.8 }
+        Self { girth: 2.5, peel: 0.5, flat: 0.8, sag: 5e-4 }
     }
 }
 
@@ -354,6 +356,12 @@ impl Config {
         self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
     }
 
+    /// Density of the silicone that is named, if it is known [kg/m³].
+    #[must_use]
+    pub fn density(&self) -> Option<f64> {
+        silicone::find(self.casting.silicone.as_deref()?).ok()?.density
+    }
+
     /// Gap around keys [m].
     #[must_use]
     pub fn key_clearance(&self) -> f64 {
@@ -374,6 +382,7 @@ impl Config {
 
     fn check(&self) -> Result<()> {
         self.casting.check().map_err(anyhow::Error::msg)?;
+        let Limits { girth, peel, flat, sag } = self.limits;
         let mut lengths = vec![
             ("wall", self.wall),
             ("keys.radius", self.keys.radius),
@@ -391,9 +400,9 @@ impl Config {
             ("core.shoulder", self.core.shoulder),
             ("core.drain", self.core.drain),
             ("core.skin", self.core.skin),
+            ("limits.sag", sag),
         ];
         let mut directions = vec![("up", self.up), ("gluing.normal", self.gluing.normal)];
-        let Limits { girth, peel, flat } = self.limits;
         for (key, limit) in [("girth", girth), ("peel", peel), ("flat", flat)] {
             ensure!(
                 limit > 0.0 && limit.is_finite(),

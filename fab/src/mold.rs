@@ -17,11 +17,12 @@ use crate::layout::{LayoutError, frame};
 use crate::method::Method;
 use crate::parts::block::Block;
 use crate::parts::core::{Print, PrintError, drain};
+use crate::parts::support::{self, Sag};
 use crate::parts::{Frustum, channel};
 use crate::skin::Skin;
 use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
-use part::Part;
+use part::{Core, Opening, Part};
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -191,6 +192,7 @@ impl Mold {
             for inlet in &core.inlets {
                 let floor = self.block.min.z;
                 let print = Print::new(inlet.centre, inlet.radius, floor, &self.cast, config)?;
+                self.findings.extend(moves(core, inlet, &print, config));
                 solid = solid.union(&print.stub_solid());
                 let holder = self.shells.last_mut().expect("there are shells");
                 holder.solid = holder.solid.difference(&print.socket_solid());
@@ -251,4 +253,33 @@ impl Mold {
         }
         Ok(())
     }
+}
+
+/// Tells how far a core may move that is held at one end.
+fn moves(core: &Core, inlet: &Opening, print: &Print, config: &Config) -> Option<Finding> {
+    let density = config.density().unwrap_or(support::SILICONE);
+    let surface = core.solid.to_surface();
+    let clearance = config.stub_clearance();
+    let Sag { lift, reach, bend, lean } =
+        support::sag(&surface, &inlet.centre, &print.stub, clearance, density);
+    let limit = config.limits.sag;
+    if bend.max(lean) <= limit {
+        return None;
+    }
+    let advice = match bend <= limit {
+        true => "glue the stub into its socket",
+        false => "hold it at a second place, widen the inlet, or cast halves",
+    };
+    Some(Finding {
+        rule: "core support",
+        message: format!(
+            "the core reaches {:.1} mm from its stub. Floating with up to {lift:.3} N it bends by up to \
+             {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
+            reach * 1e3,
+            bend * 1e3,
+            lean * 1e3,
+            limit * 1e3
+        ),
+        count: 1,
+    })
 }

@@ -5,8 +5,8 @@
 //!
 //! 1. z_p = (top + bottom)/2 of the filled part in every covered column, of its
 //!    longest interval if there are several;
-//! 2. outside, the harmonic extension Δz_p = 0 with free edges, and two level bands
-//!    of one height for keys and bolts;
+//! 2. outside, the harmonic extension Δz_p = 0 with free edges, and a level rim for
+//!    keys and bolts;
 //! 3. the slope along the rows limited to tan(max slope), by the mean of the largest
 //!    function below and the smallest above with that Lipschitz constant: steps, as
 //!    between a limb and what hangs over it, become flanks;
@@ -27,35 +27,35 @@ pub struct Terrain {
     pub grid: Grid,
     /// Height at each node [m].
     pub heights: Vec<f64>,
-    /// Height of the bands [m].
+    /// Height of the rim [m].
     pub level: f64,
 }
 
 impl Terrain {
-    /// The parting height for a part given by its columns. The bands are where x is
-    /// below the first or above the second of `bands` [m].
+    /// The parting height for a part given by its columns. The rim is what lies
+    /// outside of the rectangle `within` = [low, high] [m].
     #[must_use]
     pub fn new(
         grid: Grid,
         spans: &[Option<Span>],
-        bands: [f64; 2],
+        within: [[f64; 2]; 2],
         settings: &HeightField,
     ) -> Self {
         let middles: Vec<Option<f64>> =
             spans.iter().map(|s| s.map(|s| (s.bottom + s.top) / 2.0)).collect();
         let mut heights = extend(&grid, &middles);
-        let in_band = |v: usize| {
-            let x = grid.point(v)[0];
-            x <= bands[0] || x >= bands[1]
+        let on_rim = |v: usize| {
+            let p = grid.point(v);
+            (0..2).any(|k| p[k] <= within[0][k] || p[k] >= within[1][k])
         };
-        let band: Vec<usize> = (0..grid.len()).filter(|&v| in_band(v)).collect();
-        let level = band.iter().map(|&v| heights[v]).sum::<f64>() / band.len().max(1) as f64;
+        let rim: Vec<usize> = (0..grid.len()).filter(|&v| on_rim(v)).collect();
+        let level = rim.iter().map(|&v| heights[v]).sum::<f64>() / rim.len().max(1) as f64;
         let mut fixed = middles;
-        band.iter().for_each(|&v| fixed[v] = Some(level));
+        rim.iter().for_each(|&v| fixed[v] = Some(level));
         heights = extend(&grid, &fixed);
         limit_slope(&grid, &mut heights, settings.max_slope.to_radians().tan());
         blur(&grid, &mut heights, settings.smoothing);
-        band.iter().for_each(|&v| heights[v] = level);
+        rim.iter().for_each(|&v| heights[v] = level);
         Self { grid, heights, level }
     }
 
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_parted_at_its_equator_and_the_bands_are_level() {
+    fn a_ball_is_parted_at_its_equator_and_the_rim_is_level() {
         let grid = grid();
         let spans: Vec<Option<Span>> = (0..grid.len())
             .map(|v| {
@@ -239,17 +239,20 @@ mod tests {
             })
             .collect();
         let settings = HeightField { smoothing: 1.5, max_slope: 75.0, ..HeightField::default() };
-        let terrain = Terrain::new(grid.clone(), &spans, [4.0, 36.0], &settings);
+        let terrain = Terrain::new(grid.clone(), &spans, [[4.0, 3.0], [36.0, 26.0]], &settings);
         assert!(terrain.heights.iter().all(|h| (h - 5.0).abs() < 1e-5));
-        // A tilted body has a sloping outline, but level bands.
+        // A tilted body has a sloping outline, but a level rim.
         let tilted: Vec<Option<Span>> = (0..grid.len())
             .map(|v| {
                 let [x, y] = grid.point(v);
                 spans[v].map(|s| Span { bottom: s.bottom + 0.2 * y + 0.1 * x, ..s })
             })
             .collect();
-        let terrain = Terrain::new(grid.clone(), &tilted, [4.0, 36.0], &settings);
-        let edge = |v: &usize| grid.point(*v)[0] <= 4.0 || grid.point(*v)[0] >= 36.0;
+        let terrain = Terrain::new(grid.clone(), &tilted, [[4.0, 3.0], [36.0, 26.0]], &settings);
+        let edge = |v: &usize| {
+            let [x, y] = grid.point(*v);
+            !(4.0..36.0).contains(&x) || !(3.0..26.0).contains(&y)
+        };
         assert!((0..grid.len()).filter(edge).all(|v| terrain.heights[v] == terrain.level));
         let range =
             terrain.heights.iter().fold([f64::MAX, f64::MIN], |[a, b], h| [a.min(*h), b.max(*h)]);

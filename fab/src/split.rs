@@ -36,8 +36,9 @@ pub struct Site {
     pub min: Vec3,
     /// Highest corner of the block [m].
     pub max: Vec3,
-    /// Width of the bands for keys and bolts at both ends of x [m].
-    pub band: f64,
+    /// Width of the level rim for keys and bolts along x and y; none along an axis if it
+    /// is 0 [m].
+    pub rim: [f64; 2],
 }
 
 impl Split {
@@ -58,8 +59,11 @@ impl Split {
         let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
         let spans = spans(filled, &grid);
         let findings = undercut_columns(&grid, &spans);
-        let bands = [site.min.x + site.band, site.max.x - site.band];
-        let terrain = Terrain::new(grid, &spans, bands, settings);
+        // Where there is no rim, the rectangle reaches beyond all columns.
+        let inset = |k: usize| if site.rim[k] > 0.0 { site.rim[k] } else { -1.0 };
+        let within =
+            [[0, 1].map(|k| site.min[k] + inset(k)), [0, 1].map(|k| site.max[k] - inset(k))];
+        let terrain = Terrain::new(grid, &spans, within, settings);
         let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
         let proof = "a height field over a grid is closed and faces outward";
         let fine = Solid::from_surface(&terrain.surface(low)).expect(proof);
@@ -172,7 +176,7 @@ mod tests {
         let part = cube(10.0, 0.0, 10.0).difference(&cube(3.0, -1.0, 3.0));
         let region = cube(20.0, -10.0, 20.0);
         let min = Vec3::new(-20.0, -20.0, -10.0);
-        let site = Site { min, max: Vec3::repeat(20.0), band: 5.0 };
+        let site = Site { min, max: Vec3::repeat(20.0), rim: [5.0, 0.0] };
         let split = Split::plane(&site, 1.0);
         let sides = divide(&region, &part, &split);
         assert_eq!(sides.findings.len(), 1);

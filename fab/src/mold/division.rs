@@ -227,7 +227,11 @@ impl Mold {
         let turn = Turn::lowering(-pull.vector());
         let corners = [turn.0 * self.block.min, turn.0 * self.block.max];
         let (min, max) = measure::bounds(&corners);
-        let site = Site { min, max, band: Joint::band(config) };
+        let rim = match pull {
+            Pull::Z => [Joint::band(config), Block::rim(config)],
+            Pull::Y => [Joint::band(config), 0.0],
+        };
+        let site = Site { min, max, rim };
         match &stance.parting {
             Parting::HeightField(field) => {
                 let columns = (max.x - min.x) * (max.y - min.y) / field.cell.powi(2);

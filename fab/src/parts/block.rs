@@ -36,7 +36,11 @@ impl Block {
             // Room beside the flange of the shells for the keys of the base.
             Pull::Y => 4.0 * land + 2.0 * config.flange.thickness,
         };
-        let along_y = wall.max((needed - (high.y - low.y)) / 2.0);
+        let rim = match (&stance.parting, pull) {
+            (Parting::HeightField(_), Pull::Z) => wall + Self::rim(config),
+            _ => wall,
+        };
+        let along_y = rim.max((needed - (high.y - low.y)) / 2.0);
         // Keys of the base, then those of the flange above them.
         let tall = match pull {
             Pull::Z => 0.0,
@@ -48,6 +52,12 @@ impl Block {
             min: low - Vec3::new(along_x, along_y, Self::below(stance.portion, config)),
             max: high + Vec3::new(along_x, along_y, above),
         }
+    }
+
+    /// Width of the level rim of a height field along the sides without bolts [m].
+    #[must_use]
+    pub fn rim(config: &Config) -> f64 {
+        Joint::band(config) / 2.0
     }
 
     /// Thickness of the mold below the part [m].
