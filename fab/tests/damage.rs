@@ -18,6 +18,9 @@ use mesh::{SurfaceMesh, Vec3};
 /// A box around the chamber, parted across z, by and of what is known.
 const BOX: &str = "outside = \"box\"
 labels = false
+method = \"pull-out\"
+[limits]
+girth = 4
 [parting]
 kind = \"height-field\"
 pull = [0, 0, 1]

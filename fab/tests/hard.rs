@@ -131,10 +131,8 @@ fn a_scan_with_noise() {
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
     let mut random = noise();
     let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
-    match outcome(&bent(&CHAMBER, soft, shake)) {
-        Outcome::Refused(message) => assert!(message.contains("leaves its plane by"), "{message}"),
-        other => panic!("{other:?}"),
-    }
+    // Where the inlet is uneven, too, no core is held in it: the body is cast in two.
+    assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
 }
 
 /// A sheet of 288 × 288 × 3 cells with a flat chamber, whose boundary has 600 000 triangles.
