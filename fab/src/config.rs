@@ -3,6 +3,8 @@
 //! Lengths are metres and directions are those of the design; every key has a
 //! default, an unknown key is an error that lists the valid ones.
 
+mod parting;
+
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
@@ -12,6 +14,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::method::Method;
 use crate::printer;
 use crate::silicone::{self, Chemistry};
+pub use parting::{Auto, HeightField, Parting, Plane};
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
 /// are usual [m].
@@ -148,56 +151,6 @@ impl Default for Flange {
     }
 }
 
-/// Settings of a parting that is chosen by what is measured.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Auto {
-    /// Direction in which the shells separate. Unset: where least is hidden [1].
-    pub pull: Option<[f64; 3]>,
-}
-
-/// The surface between the two shells.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Parting {
-    /// Chosen by what is measured.
-    Auto(Auto),
-    /// A plane across the pull direction.
-    Plane(Plane),
-    /// A height over the plane across the pull direction.
-    HeightField(HeightField),
-}
-
-/// Settings of a planar parting surface.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Plane {
-    /// Direction in which the shells separate, along or across `up`. Unset: across `up`, where the part is thinnest [1].
-    pub pull: Option<[f64; 3]>,
-    /// Position of the plane along `pull`, in the design's coordinates. Unset: the middle of the part [m].
-    pub offset: Option<f64>,
-}
-
-/// Settings of a height-field parting surface.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct HeightField {
-    /// Direction in which the shells separate, along or across `up`. Unset: `up` [1].
-    pub pull: Option<[f64; 3]>,
-    /// Spacing of the columns [m].
-    pub cell: f64,
-    /// Standard deviation of the Gaussian that smooths the heights [m].
-    pub smoothing: f64,
-    /// Steepest slope along a row of columns [degrees].
-    pub max_slope: f64,
-}
-
-impl Default for HeightField {
-    fn default() -> Self {
-        Self { pull: None, cell: 8e-4, smoothing: 1.6e-3, max_slope: 80.0 }
-    }
-}
-
 /// Conical registration keys.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -260,15 +213,39 @@ pub struct Core {
     pub clearance: Option<f64>,
     /// Width of the shoulder around the socket on which the core rests [m].
     pub shoulder: f64,
+    /// Whether a pin holds the far end, too.
+    pub support: Support,
+    /// Radius of that pin [m].
+    pub pin: f64,
     /// Radius of the bore for water in a soluble core [m].
     pub drain: f64,
     /// Least thickness of a soluble core around its bore [m].
     pub skin: f64,
 }
 
+/// Whether a core is held at a second place.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Support {
+    /// By a pin if its neck bends more than `limits.sag`.
+    Auto,
+    /// By a pin.
+    Pin,
+    /// By its stub alone.
+    Stub,
+}
+
 impl Default for Core {
     fn default() -> Self {
-        Self { length: 8e-3, clearance: None, shoulder: 1e-4, drain: 8e-4, skin: 8e-4 }
+        Self {
+            length: 8e-3,
+            clearance: None,
+            shoulder: 1e-4,
+            support: Support::Auto,
+            pin: 1e-3,
+            drain: 8e-4,
+            skin: 8e-4,
+        }
     }
 }
 
@@ -398,6 +375,7 @@ impl Config {
             ("core.length", self.core.length),
             ("core.clearance", self.stub_clearance()),
             ("core.shoulder", self.core.shoulder),
+            ("core.pin", self.core.pin),
             ("core.drain", self.core.drain),
             ("core.skin", self.core.skin),
             ("limits.sag", sag),

@@ -11,18 +11,18 @@ use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Sprue};
-use crate::frame::Frame;
+use crate::config::{Config, Sprue, Support};
+use crate::frame::{Frame, Pull};
 use crate::layout::{LayoutError, frame};
 use crate::method::Method;
 use crate::parts::block::Block;
 use crate::parts::core::{Print, PrintError, drain};
 use crate::parts::support::{self, Sag};
-use crate::parts::{Frustum, channel};
+use crate::parts::{Frustum, channel, pin};
 use crate::skin::Skin;
 use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
-use part::{Core, Opening, Part};
+use part::{Core, Part};
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -86,6 +86,8 @@ pub struct Mold {
     pub block: Block,
     /// Outside of the closed mold.
     pub outside: Solid,
+    /// Position of the joint of the shells along the pull, in the rim [m].
+    pub level: f64,
     /// Shells, and the base if there is one, taken apart in reverse order.
     pub shells: Vec<Piece>,
     /// One per connected cavity that is held on a stub.
@@ -157,6 +159,7 @@ impl Mold {
         let mut mold = Self {
             block: Block::around(bounds, stance, pull, config),
             outside: Solid::cube(&Vec3::zeros(), &Vec3::zeros()),
+            level: 0.0,
             cast: part.cast.clone(),
             frame,
             method,
@@ -169,7 +172,8 @@ impl Mold {
         };
         mold.divide(&part, stance, pull, config)?;
         if stance.portion == Portion::Whole {
-            mold.add_cores(&part, method, config)?;
+            let level = (pull == Pull::Y).then_some(mold.level);
+            mold.add_cores(&part, method, level, config)?;
         }
         if !mold.open {
             mold.add_channels(skin, &part.surface, config)?;
@@ -185,14 +189,20 @@ impl Mold {
     }
 
     /// Adds the cores with their stubs, and cuts the sockets into the lowest piece.
-    fn add_cores(&mut self, part: &Part, method: Method, config: &Config) -> Result<(), MoldError> {
+    fn add_cores(
+        &mut self,
+        part: &Part,
+        method: Method,
+        level: Option<f64>,
+        config: &Config,
+    ) -> Result<(), MoldError> {
         let single = part.cores.len() == 1;
         for (i, core) in part.cores.iter().enumerate() {
             let mut solid = core.solid.clone();
+            let mut held = None;
             for inlet in &core.inlets {
                 let floor = self.block.min.z;
                 let print = Print::new(inlet.centre, inlet.radius, floor, &self.cast, config)?;
-                self.findings.extend(moves(core, inlet, &print, config));
                 solid = solid.union(&print.stub_solid());
                 let holder = self.shells.last_mut().expect("there are shells");
                 holder.solid = holder.solid.difference(&print.socket_solid());
@@ -202,12 +212,66 @@ impl Mold {
                     self.features
                         .extend(bore.map(|frustum| Feature { purpose: Purpose::Drain, frustum }));
                 }
-                self.features.push(Feature { purpose: Purpose::Socket, frustum: print.socket });
+                let frustum = print.socket.clone();
+                self.features.push(Feature { purpose: Purpose::Socket, frustum });
+                held = Some((inlet.centre, print));
+            }
+            if let Some(held) = held {
+                solid = self.support(core, &held, solid, level, config);
             }
             let name = if single { "core".into() } else { format!("core{}", i + 1) };
             self.cores.push(Piece { name, solid, leaves: -Vec3::z() });
         }
         Ok(())
+    }
+
+    /// A core that is held at one inlet, with a pin if it needs one, and what to know of it.
+    fn support(
+        &mut self,
+        core: &Core,
+        (inlet, print): &(Vec3, Print),
+        solid: Solid,
+        level: Option<f64>,
+        config: &Config,
+    ) -> Solid {
+        let surface = core.solid.to_surface();
+        let density = config.density().unwrap_or(support::SILICONE);
+        let clearance = config.stub_clearance();
+        let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
+        let wanted = match config.core.support {
+            Support::Auto => sag.bend > config.limits.sag,
+            Support::Pin => true,
+            Support::Stub => false,
+        };
+        let top = self.block.max.z - clearance;
+        let pin = || pin::pin(&surface, inlet, config.core.pin, top, level);
+        let Some(pin) = wanted.then(pin).flatten() else {
+            self.findings.extend(moves(&sag, config.limits.sag));
+            return solid;
+        };
+        let base = pin.base * 1e3;
+        self.findings.push(Finding {
+            rule: "pin",
+            message: format!(
+                "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
+                 silicone",
+                pin.base_radius * 1e3,
+                base.x,
+                base.y
+            ),
+            count: 1,
+        });
+        let around = clearance + pin.base_radius;
+        let hole = Frustum {
+            axis: pin.axis + Vec3::z() * (clearance + BEYOND),
+            base_radius: around,
+            top_radius: around,
+            ..pin.clone()
+        };
+        let pin = pin.solid();
+        self.cast = self.cast.difference(&pin);
+        self.cut(Purpose::Pin, hole);
+        solid.union(&pin)
     }
 
     /// Cuts sprue and vents out of the shells.
@@ -256,24 +320,19 @@ impl Mold {
 }
 
 /// Tells how far a core may move that is held at one end.
-fn moves(core: &Core, inlet: &Opening, print: &Print, config: &Config) -> Option<Finding> {
-    let density = config.density().unwrap_or(support::SILICONE);
-    let surface = core.solid.to_surface();
-    let clearance = config.stub_clearance();
-    let Sag { lift, reach, bend, lean } =
-        support::sag(&surface, &inlet.centre, &print.stub, clearance, density);
-    let limit = config.limits.sag;
+fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
+    let Sag { lift, reach, bend, lean } = *sag;
     if bend.max(lean) <= limit {
         return None;
     }
     let advice = match bend <= limit {
         true => "glue the stub into its socket",
-        false => "hold it at a second place, widen the inlet, or cast halves",
+        false => "widen the inlet, or cast halves",
     };
     Some(Finding {
         rule: "core support",
         message: format!(
-            "the core reaches {:.1} mm from its stub. Floating with up to {lift:.3} N it bends by up to \
+            "the core reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
              {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
             reach * 1e3,
             bend * 1e3,

@@ -84,6 +84,7 @@ impl Mold {
         let Block { min, max } = self.block.clone();
         let thickness = config.flange.thickness;
         let level = split.level;
+        self.level = level;
         let at = |z: f64| z.clamp(min.z, max.z);
         let (bottom, top) = (at(level - thickness), at(level + thickness));
         self.widen(Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top));
@@ -111,6 +112,7 @@ impl Mold {
         let Block { min, max } = self.block.clone();
         let thickness = config.flange.thickness;
         let (level, joint) = (split.level, part.seat);
+        self.level = level;
         let foot = joint + thickness;
         self.widen(min, Vec3::new(max.x, max.y, foot));
         self.widen(

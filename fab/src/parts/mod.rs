@@ -6,6 +6,7 @@ pub mod flange;
 pub mod key;
 pub mod label;
 pub mod outside;
+pub mod pin;
 pub mod support;
 
 use mesh::Vec3;

@@ -10,6 +10,7 @@ use mesh::{SurfaceMesh, Vec3, measure, topology};
 
 use super::set::{Body, Set};
 use super::{Line, Status};
+use crate::mold::Purpose;
 use crate::report::{CastPart, Report};
 
 /// Largest distance between the cast and the designed surface, besides rounding [mm].
@@ -133,7 +134,8 @@ fn placed(mut surface: SurfaceMesh, report: &Report) -> SurfaceMesh {
 
 /// Distances between the largest body that the parts leave and the design, both ways.
 fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
-    let bodies = set.cavity.difference(voids).decompose();
+    let mut bodies = set.cavity.difference(voids).decompose();
+    plug(set, design, &mut bodies);
     let Some(body) = bodies.first() else {
         return vec![Line::new("surface", false, "no cavity left".into(), "the designed body")];
     };
@@ -149,6 +151,17 @@ fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
         Line::at_most("volume: mold and design", off, set.volume_rounding(left_area), "mm³"),
         crumbs(set, &bodies[1..]),
     ]
+}
+
+/// Fills the holes that pins leave in the largest body, as people do afterwards.
+fn plug(set: &Set, design: &SurfaceMesh, bodies: &mut [Solid]) {
+    let pins = set.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
+    let (Some(body), Ok(design)) = (bodies.first_mut(), Solid::from_surface(design)) else {
+        return;
+    };
+    for pin in pins {
+        *body = body.union(&pin.exact().intersection(&design));
+    }
 }
 
 /// Largest distance of `from` to `to`, without films thinner than `film`: where
