@@ -285,6 +285,13 @@ impl Report {
         Ok(())
     }
 
+    /// Millimetres of the mold per metre of the design [mm/m].
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        let m = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        m.determinant().abs().cbrt()
+    }
+
     /// Writes the report into `folder`.
     ///
     /// # Errors
