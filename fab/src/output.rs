@@ -4,14 +4,14 @@
 use std::path::Path;
 
 use mesh::io::IoError;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
-use crate::assembly::assembly;
+use crate::assembly::{Member, assembly};
 use crate::cast::{self, Sheet};
 use crate::mold::Purpose;
 use crate::picture;
-use crate::report::{Part, Report};
+use crate::report::{Part, Report, Role};
 use crate::threemf::{self, Place, Shape};
 
 /// All parts where they are in the closed mold.
@@ -70,7 +70,7 @@ pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result
 /// If a file cannot be written.
 pub fn draw(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let members = assembly(report, surfaces);
-    let (centre, along) = telling(report);
+    let (centre, along) = telling(report, &members);
     let path = folder.join(ASSEMBLED);
     picture::assembled(&path, "closed, cut open", &members, &centre, &along)?;
     picture::exploded(&folder.join(EXPLODED), "taken apart", &members)
@@ -84,8 +84,8 @@ pub fn to_mold(part: &Part) -> Place {
 
 /// The plane that tells most: through the axis of the first socket, or else of the mold,
 /// to the sprue; if that is above, across shells that come off sideways, or else along
-/// the longer side. A point and a horizontal direction in it [mm].
-fn telling(report: &Report) -> (Vec3, Vec3) {
+/// the longer side of the cores, or of the mold. A point and a horizontal direction [mm].
+fn telling(report: &Report, members: &[Member]) -> (Vec3, Vec3) {
     let [low, high] = [report.block.min, report.block.max].map(Vec3::from);
     let place = |purpose| {
         let feature = report.features.iter().find(|f| f.purpose == purpose);
@@ -94,10 +94,14 @@ fn telling(report: &Report) -> (Vec3, Vec3) {
     let centre = place(Purpose::Socket).unwrap_or((low + high) / 2.0);
     let way = place(Purpose::Sprue).map_or(Vec3::zeros(), |sprue| sprue - centre);
     let level = Vec3::new(way.x, way.y, 0.0);
-    let size = high - low;
+    let mold = high - low;
+    let cores = report.parts.iter().zip(members).filter(|(part, _)| part.role == Role::Core);
+    let cores: Vec<Vec3> = cores.flat_map(|(_, m)| m.surface.vertices.iter().copied()).collect();
+    let size =
+        if cores.is_empty() { mold } else { measure::bounds(&cores).1 - measure::bounds(&cores).0 };
     let sideways = report.parts.iter().any(|part| part.leaves[1] != 0.0);
     let along = match () {
-        () if level.norm() > 0.1 * size.xy().norm() => level,
+        () if level.norm() > 0.1 * mold.xy().norm() => level,
         () if sideways || size.y > size.x => Vec3::y(),
         () => Vec3::x(),
     };

@@ -25,9 +25,9 @@ pub use set::Set;
 use crate::plan::report as plan;
 use crate::report::Report;
 
-/// Error of the sum of all castings as a part of the body's volume: their cut faces are
-/// rounded to 32 bits.
-const CASTINGS: f64 = 1e-6;
+/// Error of the sum of all castings as a part of the body's volume: a flat wall of the
+/// cavity that is cut off with a sheet is uneven by some micrometres.
+const CASTINGS: f64 = 1e-3;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
