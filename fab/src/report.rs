@@ -37,7 +37,7 @@ pub struct Report {
     pub units: String,
     /// The body.
     pub input: Input,
-    /// From the design [m] to the mold [mm]: three rows of (R | t).
+    /// From the design [m], or from a core [mm], to the mold [mm]: three rows of (s R | t).
     pub design_to_mold: [[f64; 4]; 3],
     /// Bounds of the closed mold.
     pub block: Bounds,
@@ -194,8 +194,8 @@ impl Report {
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
+            design_to_mold: in_millimetres(&mold.frame, &input.part),
             input,
-            design_to_mold: in_millimetres(&mold.frame),
             block: Bounds { min: millimetres(&low), max: millimetres(&high) },
             outside: OUTSIDE.into(),
             open: mold.open,
@@ -355,11 +355,13 @@ fn outline(feature: &Feature) -> Outline {
     }
 }
 
-fn in_millimetres(frame: &Frame) -> [[f64; 4]; 3] {
+/// The map of a frame to millimetres, from metres or, for a core, from millimetres.
+fn in_millimetres(frame: &Frame, part: &CastPart) -> [[f64; 4]; 3] {
+    let unit = if *part == CastPart::Core { 1.0 } else { MM };
     let shift = -(frame.rotation * frame.origin) * frame.scale * MM;
     std::array::from_fn(|i| {
         std::array::from_fn(|j| match j {
-            0..3 => frame.rotation[(i, j)] * frame.scale * MM,
+            0..3 => frame.rotation[(i, j)] * frame.scale * unit,
             _ => shift[i],
         })
     })

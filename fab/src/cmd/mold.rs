@@ -143,6 +143,11 @@ fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
         if let Ok(report) = Report::read(&folder) {
             remove(&folder, &report)?;
         }
+        if entry.folder != "." {
+            // Folders that hold anything else stay.
+            let _ = std::fs::remove_dir(folder.join("reference"));
+            let _ = std::fs::remove_dir(folder);
+        }
     }
     remove_file(&output.join(cast::MARKDOWN))?;
     remove_file(&output.join(plan::report::FILE))

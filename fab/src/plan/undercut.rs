@@ -209,7 +209,8 @@ impl View {
 
     /// The distance of every trapped place from the nearest open one that the same
     /// space leads to, by Dijkstra's algorithm over columns with the rim carried along.
-    /// Places that lead nowhere are as deep as the view is wide.
+    /// All empty space leads out of a body; places that do not are narrower than the view
+    /// resolves, and count as free.
     fn measure_depths<I: Iterator<Item = usize>>(
         &self,
         trapped: &mut [Trapped],
@@ -246,19 +247,6 @@ impl View {
                 }
             }
         }
-        let width = self.grid.count[0].max(self.grid.count[1]) as f64 * self.grid.step;
-        // A single column that leads nowhere is narrower than the view resolves.
-        let alone = |place: &Trapped| {
-            let beside = self.grid.neighbours(place.node);
-            !beside.flat_map(&places_of).any(|j| {
-                let other = &trapped[j];
-                other.low.max(place.low) < other.high.min(place.high)
-            })
-        };
-        let lost: Vec<usize> = (0..trapped.len())
-            .filter(|&i| trapped[i].rim.is_none() && !alone(&trapped[i]))
-            .collect();
-        lost.into_iter().for_each(|i| trapped[i].depth = width);
     }
 
     /// Where an undercut is deepest for the width of what is in the way.
@@ -271,16 +259,16 @@ impl View {
         }
         let bvh = SurfaceBvh::new(&self.surface);
         let samples = deep.iter().step_by(deep.len().div_ceil(SAMPLES));
-        let measured = samples.map(|place| {
+        let measured = samples.filter_map(|place| {
             let [x, y] = self.grid.point(place.node);
             let from = Vec3::new(x, y, (place.over[0] + place.over[1]) / 2.0);
-            let rim = place.rim.unwrap_or([x - 1.0, y]);
+            let rim = place.rim?;
             let inward = Vec3::new(x - rim[0], y - rim[1], 0.0).normalize();
             let reach = |d: Vec3| bvh.ray(&from, &d).first().map_or(0.0, |hit| hit.0);
             let width = reach(inward) + reach(-inward);
             let at = self.rotation.transpose() * from;
             let depth = place.depth;
-            Worst { ratio: depth / width.max(self.grid.step), depth, width, at }
+            Some(Worst { ratio: depth / width.max(self.grid.step), depth, width, at })
         });
         measured.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
     }
