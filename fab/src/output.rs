@@ -4,14 +4,14 @@
 use std::path::Path;
 
 use mesh::io::IoError;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
-use crate::assembly::assembly;
+use crate::assembly::{Member, assembly};
 use crate::cast::{self, Sheet};
 use crate::mold::Purpose;
 use crate::picture;
-use crate::report::{Part, Report};
+use crate::report::{Part, Report, Role};
 use crate::threemf::{self, Place, Shape};
 
 /// All parts where they are in the closed mold.
@@ -70,7 +70,9 @@ pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result
 /// If a file cannot be written.
 pub fn draw(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let members = assembly(report, surfaces);
-    picture::assembled(&folder.join(ASSEMBLED), "closed, cut open", &members, &middle(report))?;
+    let (centre, along) = telling(report, &members);
+    let path = folder.join(ASSEMBLED);
+    picture::assembled(&path, "closed, cut open", &members, &centre, &along)?;
     picture::exploded(&folder.join(EXPLODED), "taken apart", &members)
 }
 
@@ -80,11 +82,28 @@ pub fn to_mold(part: &Part) -> Place {
     Place { turn: Matrix3::from_fn(|i, j| part.to_mold[i][j]), shift: Vec3::zeros() }
 }
 
-/// The axis of the first core's socket, or else of the mold [mm].
-fn middle(report: &Report) -> Vec3 {
-    let socket = report.features.iter().find(|f| f.purpose == Purpose::Socket);
-    socket.map_or_else(
-        || (Vec3::from(report.block.min) + Vec3::from(report.block.max)) / 2.0,
-        |socket| Vec3::from(socket.base),
-    )
+/// The plane that tells most: through the axis of the first socket, or else of the mold,
+/// to the sprue; if that is above, across shells that come off sideways, or else along
+/// the longer side of the cores, or of the mold. A point and a horizontal direction [mm].
+fn telling(report: &Report, members: &[Member]) -> (Vec3, Vec3) {
+    let [low, high] = [report.block.min, report.block.max].map(Vec3::from);
+    let place = |purpose| {
+        let feature = report.features.iter().find(|f| f.purpose == purpose);
+        feature.map(|f| Vec3::from(f.base))
+    };
+    let centre = place(Purpose::Socket).unwrap_or((low + high) / 2.0);
+    let way = place(Purpose::Sprue).map_or(Vec3::zeros(), |sprue| sprue - centre);
+    let level = Vec3::new(way.x, way.y, 0.0);
+    let mold = high - low;
+    let cores = report.parts.iter().zip(members).filter(|(part, _)| part.role == Role::Core);
+    let cores: Vec<Vec3> = cores.flat_map(|(_, m)| m.surface.vertices.iter().copied()).collect();
+    let size =
+        if cores.is_empty() { mold } else { measure::bounds(&cores).1 - measure::bounds(&cores).0 };
+    let sideways = report.parts.iter().any(|part| part.leaves[1] != 0.0);
+    let along = match () {
+        () if level.norm() > 0.1 * mold.xy().norm() => level,
+        () if sideways || size.y > size.x => Vec3::y(),
+        () => Vec3::x(),
+    };
+    (centre, along)
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mesh::io::IoError;
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
-use mesh::{SurfaceMesh, Vec3, measure, topology};
+use mesh::{SurfaceMesh, Vec3, topology};
 use render::annotate::Key;
 use render::camera::Projection;
 use render::color::{self, Rgb};
@@ -26,8 +26,8 @@ const VIEW: View = View { azimuth: -58.0, elevation: 24.0 };
 /// Colour of the cast: silicone without pigment, unlike any part.
 const CAST: u32 = 0x00f3_ead6;
 
-/// Draws the closed mold, cut open by the upright plane through `centre`, a point in
-/// the mold [mm]: across shells that come off sideways, or else along the longer side.
+/// Draws the closed mold, cut open by the upright plane through `centre` that lies along
+/// `along`, a point and a direction in the mold [mm].
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -36,15 +36,11 @@ pub fn assembled(
     title: &str,
     members: &[Member],
     centre: &Vec3,
+    along: &Vec3,
 ) -> Result<(), IoError> {
-    let points: Vec<Vec3> =
-        members.iter().flat_map(|m| m.surface.vertices.iter().copied()).collect();
-    let (low, high) = measure::bounds(&points);
-    let sideways = members.iter().any(|m| m.printed && m.apart.y != 0.0);
-    let across = usize::from(!sideways && high.x - low.x >= high.y - low.y);
-    let mut normal = Vec3::zeros();
+    let normal = along.cross(&Vec3::z()).normalize();
     // Towards the camera: what lies before the plane goes.
-    normal[across] = VIEW.frame()[2][across].signum();
+    let normal = normal * normal.dot(&VIEW.frame()[2]).signum();
     let plane = Plane { normal, offset: normal.dot(centre) };
     draw(path, title, members, Some(plane), |_| Vec3::zeros())
 }

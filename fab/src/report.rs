@@ -4,6 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use mesh::io::{IoError, sha256_file, write_atomic};
 use mesh::measure::{area, enclosed_volume};
+use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -206,7 +207,7 @@ impl Report {
             cast: Cast {
                 file: CAST.into(),
                 volume,
-                genus: mold.cast.genus(),
+                genus: handles(&mold.cast),
                 silicone_ml: (volume + channels) / 1e3,
             },
             casting: config.casting.clone(),
@@ -230,7 +231,7 @@ impl Report {
             volume: enclosed_volume(surface),
             area: area(surface),
             triangles: surface.triangles.len(),
-            genus: piece.solid.genus(),
+            genus: handles(&piece.solid),
         });
     }
 
@@ -285,6 +286,13 @@ impl Report {
         Ok(())
     }
 
+    /// Millimetres of the mold per metre of the design [mm/m].
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        let m = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        m.determinant().abs().cbrt()
+    }
+
     /// Writes the report into `folder`.
     ///
     /// # Errors
@@ -336,6 +344,12 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
     let common = to.components().zip(from.components()).take_while(|(a, b)| a == b).count();
     let up = from.components().skip(common).map(|_| Component::ParentDir);
     up.chain(to.components().skip(common)).collect()
+}
+
+/// Handles of the largest body: Booleans can leave films beside it, without volume, that
+/// rounding removes.
+fn handles(solid: &Solid) -> i32 {
+    solid.decompose().first().map_or(0, Solid::genus)
 }
 
 fn outline(feature: &Feature) -> Outline {

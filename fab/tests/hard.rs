@@ -105,6 +105,23 @@ fn a_mushroom() {
     // Shells that come off sideways meet no undercut.
     let sideways = "[parting]\nkind = \"plane\"\npull = [1, 0, 0]";
     assert_eq!(outcome(&Scene::new(&MUSHROOM, sideways)), Outcome::Verified);
+    // Nor do shells that meet around the cap.
+    let upward = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
+    assert_eq!(outcome(&Scene::new(&MUSHROOM, upward)), Outcome::Verified);
+}
+
+/// The mushroom on a foot as wide as its cap.
+const SPOOL: Cubes = Cubes { solid: |c| c[2] < 3 || (MUSHROOM.solid)(c), ..MUSHROOM };
+
+#[test]
+fn a_spool() {
+    let sideways = "[parting]\nkind = \"plane\"\npull = [1, 0, 0]";
+    assert_eq!(outcome(&Scene::new(&SPOOL, sideways)), Outcome::Verified);
+    let upward = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
+    match outcome(&Scene::new(&SPOOL, upward)) {
+        Outcome::Refused(message) => assert!(message.contains("cannot be peeled"), "{message}"),
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Numbers in [-1, 1) that look random, with a fixed seed (Knuth's linear congruence).
@@ -131,7 +148,7 @@ fn a_scan_with_noise() {
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
     let mut random = noise();
     let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
-    // Where the inlet is uneven, too, no core is held in it: the body is cast in two.
+    // The same where the inlet is uneven, too.
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
 }
 

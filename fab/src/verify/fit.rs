@@ -107,7 +107,8 @@ fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Ve
 /// The surface that is to be cast, in the mold's millimetres.
 fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
     if report.input.part == CastPart::Core {
-        return read_surface(path).map_err(|e| e.to_string());
+        let core = read_surface(path).map_err(|e| e.to_string())?;
+        return Ok(placed(core, report));
     }
     let msh = read_tets(path).map_err(|e| e.to_string())?;
     let whole = placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report);

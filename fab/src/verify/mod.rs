@@ -25,6 +25,10 @@ pub use set::Set;
 use crate::plan::report as plan;
 use crate::report::Report;
 
+/// Error of the sum of all castings as a part of the body's volume: a flat wall of the
+/// cavity that is cut off with a sheet is uneven by some micrometres.
+const CASTINGS: f64 = 1e-3;
+
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -125,6 +129,7 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
         };
         lines.extend(found.into_iter().map(named));
     }
+    lines.extend(together(folder, &plan, against.design));
     lines.push(Line::new(
         "plan: molds",
         !plan.molds.is_empty(),
@@ -132,6 +137,24 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
         "at least 1 mold",
     ));
     Ok(lines)
+}
+
+/// The castings of silicone make up the body: their volumes add up to that of the design.
+fn together(folder: &Path, plan: &plan::Report, design: Option<&Path>) -> Option<Line> {
+    let silicone = plan.molds.iter().filter(|entry| entry.casts == plan::Material::Silicone);
+    let reports: Vec<Report> =
+        silicone.filter_map(|entry| Report::read(&folder.join(&entry.folder)).ok()).collect();
+    // One casting is compared with the design itself.
+    let first = reports.first().filter(|_| reports.len() > 1)?;
+    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let name = "castings: volume";
+    let whole = match mesh::io::read_tets(&path) {
+        // A turn in millimetres, larger by what the silicone shrinks.
+        Ok(msh) => mesh::measure::volume(&msh.mesh) * first.scale().powi(3),
+        Err(error) => return Some(Line::new(name, false, error.to_string(), "the design")),
+    };
+    let sum: f64 = reports.iter().map(|report| report.cast.volume).sum();
+    Some(Line::at_most(name, (sum - whole).abs(), CASTINGS * whole, "mm³ off the design"))
 }
 
 /// All checks of one mold. Checks that need sound parts are left out if a part is not.
