@@ -243,7 +243,7 @@ impl Default for Core {
             shoulder: 1e-4,
             support: Support::Auto,
             pin: 1e-3,
-            drain: 8e-4,
+            drain: 6e-4,
             skin: 8e-4,
         }
     }

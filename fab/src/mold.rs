@@ -207,10 +207,7 @@ impl Mold {
                 let holder = self.shells.last_mut().expect("there are shells");
                 holder.solid = holder.solid.difference(&print.socket_solid());
                 if method == Method::Soluble {
-                    let bore = drain(&print.stub, &core.solid, config);
-                    solid = bore.iter().fold(solid, |rest, b| rest.difference(&b.solid()));
-                    self.features
-                        .extend(bore.map(|frustum| Feature { purpose: Purpose::Drain, frustum }));
+                    solid = self.bore(solid, &print, core, config);
                 }
                 let frustum = print.socket.clone();
                 self.features.push(Feature { purpose: Purpose::Socket, frustum });
@@ -223,6 +220,24 @@ impl Mold {
             self.cores.push(Piece { name, solid, leaves: -Vec3::z() });
         }
         Ok(())
+    }
+
+    /// A soluble core with a bore for water, if there is room for one.
+    fn bore(&mut self, solid: Solid, print: &Print, core: &Core, config: &Config) -> Solid {
+        let Some(frustum) = drain(&print.stub, &core.solid, config) else {
+            let message = format!(
+                "a stub of {:.2} mm radius has no room for a bore of core.drain = {:.2} mm within core.skin = {:.2} mm: \
+                 water dissolves the core from its end only",
+                print.stub.base_radius * 1e3,
+                config.core.drain * 1e3,
+                config.core.skin * 1e3
+            );
+            self.findings.push(Finding { rule: "drain", message, count: 1 });
+            return solid;
+        };
+        let solid = solid.difference(&frustum.solid());
+        self.features.push(Feature { purpose: Purpose::Drain, frustum });
+        solid
     }
 
     /// A core that is held at one inlet, with a pin if it needs one, and what to know of it.

@@ -173,7 +173,7 @@ mod tests {
         let reaches = bore.base.z + bore.axis.z;
         assert!(reaches > 14e-3 && reaches < 24e-3 - config.core.skin, "{reaches}");
         assert!(bore.base.z < stub.base.z + stub.axis.z);
-        let thin = Frustum { base_radius: 1.5e-3, ..stub };
+        let thin = Frustum { base_radius: 1.3e-3, ..stub };
         assert_eq!(drain(&thin, &core, &config), None);
     }
 }
