@@ -64,6 +64,6 @@ mod tests {
         assert!((least - config.wall).abs() < 1e-9, "{least}");
         // A ball of the same inradius has π/6 of the box, planes in 26 directions more.
         let share = hull.volume() / block.solid().volume();
-        assert!((0.5236..0.65).contains(&share), "{share}");
+        assert!((std::f64::consts::FRAC_PI_6..0.65).contains(&share), "{share}");
     }
 }
