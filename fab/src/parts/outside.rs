@@ -64,11 +64,6 @@ mod tests {
         assert!((least - config.wall).abs() < 1e-9, "{least}");
         // A ball that touches all sides has π/6 of the box, planes in 26 directions more.
         let share = hull.volume() / block.solid().volume();
-<<<<<<< HEAD
-        let least = std::f64::consts::FRAC_PI_6;
-        assert!((least..0.65).contains(&share), "{share}");
-=======
         assert!((std::f64::consts::FRAC_PI_6..0.65).contains(&share), "{share}");
->>>>>>> fab-proof
     }
 }
