@@ -226,8 +226,8 @@ impl Mold {
     fn bore(&mut self, solid: Solid, print: &Print, core: &Core, config: &Config) -> Solid {
         let Some(frustum) = drain(&print.stub, &core.solid, config) else {
             let message = format!(
-                "a stub of {:.2} mm radius has no room for a bore of core.drain = {:.2} mm within core.skin = {:.2} mm: \
-                 water dissolves the core from its end only",
+                "no upright bore of core.drain = {1:.2} mm within core.skin = {2:.2} mm fits into a stub of {0:.2} mm \
+                 radius and the core above it: water dissolves the core from its end only",
                 print.stub.base_radius * 1e3,
                 config.core.drain * 1e3,
                 config.core.skin * 1e3
