@@ -20,7 +20,7 @@ finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a 
 gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
-worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed
+worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs

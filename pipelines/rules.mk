@@ -65,14 +65,14 @@ endef
 
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4).
 define cast
-$(2)/mold/mold.json: $(4) pipelines/$(1)/mold.toml | setup
+$(2)/mold/plan.json: $(4) pipelines/$(1)/mold.toml | setup
 	$(BIN)/fab mold $(3) --config pipelines/$(1)/mold.toml -o $$(@D)
 
-$(2)/mold.checks.txt: $(2)/mold/mold.json | setup
+$(2)/mold.checks.txt: $(2)/mold/plan.json | setup
 	$(BIN)/fab verify $(2)/mold | tee $$@
 
-$(2)/pictures/mold.png: $(2)/mold/mold.json | setup
-	$(BIN)/cad2fem picture $(2)/mold/*.stl --together --row --title "$(1): mold" -o $$@
+$(2)/pictures/mold.png: $(2)/mold/plan.json | setup
+	$(BIN)/cad2fem picture $$$$(find $(2)/mold -name '*.stl' -not -path '*/reference/*' | sort) --together --row --title "$(1): mold" -o $$@
 
 $(2)/done: $(2)/mold.checks.txt $(2)/pictures/mold.png
 	@touch $$@
@@ -106,10 +106,6 @@ build/compression/pictures/pressed.png: build/compression/vented/report.json bui
 
 build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
 	@touch $@
-
-build/worm-segment/done:
-	@touch $@
-	@echo "worm-segment: pictures in build/worm-segment/pictures"
 
 # The refinement study of the chamber, in folders study/<longest edge in mm>/P<degree>.
 STUDY := build/chamber/study
@@ -228,6 +224,7 @@ $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
+$(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(eval $(call simulate,gripper,build/gripper,))
 $(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))

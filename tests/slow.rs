@@ -1,4 +1,4 @@
-//! Tests that take minutes: the beam from model to molds.
+//! Tests that take minutes: the beam from model to molds, and the molds of all scenes.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
@@ -6,3 +6,6 @@
 
 #[path = "slow/beam.rs"]
 mod beam;
+
+#[path = "slow/molds.rs"]
+mod molds;

@@ -10,7 +10,6 @@
 //! - [`crumbs`]: pieces that are no part of the body
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes that were made before
-//! - [`render`]: shaded pictures
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
 //! model file.
@@ -25,7 +24,6 @@ pub mod labelled;
 pub mod mesher;
 pub mod offset;
 pub mod planar;
-pub mod render;
 pub mod report;
 pub mod tetrahedralize;
 pub mod units;

@@ -60,6 +60,16 @@ impl Grid {
         [node % self.count[0], node / self.count[0]]
     }
 
+    /// The node nearest to a point.
+    #[must_use]
+    pub fn nearest(&self, p: [f64; 2]) -> usize {
+        let step = |k: usize| {
+            let s = ((p[k] - self.origin[k]) / self.step).round();
+            (s.max(0.0) as usize).min(self.count[k] - 1)
+        };
+        self.index(step(0), step(1))
+    }
+
     /// Position of a node [m].
     #[must_use]
     pub fn point(&self, node: usize) -> [f64; 2] {
@@ -86,11 +96,22 @@ impl Grid {
     }
 }
 
-/// The longest filled span of every column of `grid`, none where the solid is missed.
+/// A filled interval of a column: its lowest and its highest point [m].
+pub type Layer = [f64; 2];
+
+/// The longest filled interval of every column of `grid`, none where the solid is missed.
 ///
 /// `surface` is closed and faces outward.
 #[must_use]
 pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
+    layers(surface, grid).iter().map(|column| longest(column)).collect()
+}
+
+/// The filled intervals of every column of `grid`, the lowest first.
+///
+/// `surface` is closed and faces outward.
+#[must_use]
+pub fn layers(surface: &SurfaceMesh, grid: &Grid) -> Vec<Vec<Layer>> {
     let mut crossings = vec![Vec::new(); grid.len()];
     for t in 0..surface.triangles.len() {
         let corners = surface.corners(t);
@@ -107,17 +128,19 @@ pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
             }
         }
     }
-    crossings.into_iter().map(longest).collect()
+    crossings.into_iter().map(filled).collect()
 }
 
-/// The longest interval between a crossing into the solid and the next out of it.
-fn longest(mut crossings: Vec<(f64, bool)>) -> Option<Span> {
+/// The intervals between a crossing into the solid and the next out of it.
+fn filled(mut crossings: Vec<(f64, bool)>) -> Vec<Layer> {
     crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let through = crossings.windows(2).filter(|pair| !pair[0].1 && pair[1].1);
-    let intervals = through.clone().count();
-    through
-        .map(|pair| Span { bottom: pair[0].0, top: pair[1].0, intervals })
-        .max_by(|a, b| (a.top - a.bottom).total_cmp(&(b.top - b.bottom)))
+    through.map(|pair| [pair[0].0, pair[1].0]).collect()
+}
+
+fn longest(column: &[Layer]) -> Option<Span> {
+    let spans = column.iter().map(|&[bottom, top]| Span { bottom, top, intervals: column.len() });
+    spans.max_by(|a, b| (a.top - a.bottom).total_cmp(&(b.top - b.bottom)))
 }
 
 /// Height at which the vertical through a point of the plane crosses a triangle, and

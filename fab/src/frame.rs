@@ -9,9 +9,11 @@ use nalgebra::Matrix3;
 /// Directions that agree to this cosine count as parallel.
 const PARALLEL: f64 = 1.0 - 1e-9;
 
-/// A rigid map from the design to the mold: x ↦ R (x − o).
+/// A map from the design to the mold: x ↦ s R (x − o).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
+    /// Scale s: above 1 for a silicone that shrinks [1].
+    pub scale: f64,
     /// Rotation R; its rows are the mold's axes in the design [1].
     pub rotation: Matrix3<f64>,
     /// Design point o that becomes the mold's origin [m].
@@ -46,13 +48,13 @@ impl Frame {
         let x = y.cross(&z).normalize();
         let y = z.cross(&x);
         let rotation = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
-        Ok((Self { rotation, origin: Vec3::zeros() }, direction))
+        Ok((Self { scale: 1.0, rotation, origin: Vec3::zeros() }, direction))
     }
 
     /// The image of a design point [m].
     #[must_use]
     pub fn point(&self, p: &Vec3) -> Vec3 {
-        self.rotation * (p - self.origin)
+        self.rotation * (p - self.origin) * self.scale
     }
 
     /// The image of a direction.

@@ -3,9 +3,10 @@
 use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::config::{Config, Parting};
+use crate::config::Config;
 use crate::frame::{Frame, Pull};
 use crate::skin::Skin;
+use crate::stance::Stance;
 
 /// An inlet faces down, and the way up is a coordinate axis, within this angle's
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
@@ -37,12 +38,18 @@ pub enum LayoutError {
     },
 }
 
-/// The mold's frame for a design, with the filled part standing on z = 0.
+/// The way up that the configuration asks for, or away from the first inlet; z for a
+/// closed cavity.
+#[must_use]
+pub fn up(skin: &Skin, config: &Config) -> Vec3 {
+    config.up.map_or_else(|| away_from_inlet(skin), Vec3::from).normalize()
+}
+
+/// `up`, if all inlets face down.
 ///
 /// # Errors
-/// [`LayoutError`] if the directions of the configuration do not fit.
-pub fn frame(skin: &Skin, config: &Config) -> Result<(Frame, Pull), LayoutError> {
-    let up = config.up.map_or_else(|| away_from_inlet(skin), Vec3::from).normalize();
+/// [`LayoutError`] if one does not.
+pub fn require_inlets_down(skin: &Skin, up: Vec3) -> Result<Vec3, LayoutError> {
     for inlet in skin.cores.iter().flat_map(|core| &core.inlets) {
         let cosine = -inlet.normal.dot(&up);
         if cosine < DOWN {
@@ -50,17 +57,25 @@ pub fn frame(skin: &Skin, config: &Config) -> Result<(Frame, Pull), LayoutError>
             return Err(LayoutError::Inlet { centre: inlet.centre, angle });
         }
     }
-    let pull = match &config.parting {
-        Parting::Plane(plane) => {
-            plane.pull.map_or_else(|| thinnest_across(&up, &skin.filled), Vec3::from)
-        }
-        Parting::HeightField(field) => field.pull.map_or(up, Vec3::from),
-    };
-    let (mut frame, pull) = Frame::new(up, pull)
+    Ok(up)
+}
+
+/// The mold's frame for a stance. The filled part stands on z = 0, or is cut there.
+///
+/// # Errors
+/// [`LayoutError`] if the shells are pulled neither along nor across `up`.
+pub fn frame(
+    filled: &SurfaceMesh,
+    stance: &Stance,
+    shrinkage: f64,
+) -> Result<(Frame, Pull), LayoutError> {
+    let (mut frame, pull) = Frame::new(stance.up, stance.pull)
         .map_err(|cosine| LayoutError::Askew { angle: cosine.acos().to_degrees() })?;
-    let (low, high) = bounds(&placed(&skin.filled, &frame).vertices);
+    let (low, high) = bounds(&placed(filled, &frame).vertices);
     let middle = (low + high) / 2.0;
-    frame.origin = frame.rotation.transpose() * Vec3::new(middle.x, middle.y, low.z);
+    let bottom = stance.portion.cut().unwrap_or(low.z);
+    frame.origin = frame.rotation.transpose() * Vec3::new(middle.x, middle.y, bottom);
+    frame.scale = 1.0 / (1.0 - shrinkage);
     Ok((frame, pull))
 }
 
@@ -75,17 +90,11 @@ pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
 
 /// Opposite to the first inlet, or the coordinate axis that is nearly so.
 fn away_from_inlet(skin: &Skin) -> Vec3 {
-    let up = -skin.cores[0].inlets[0].normal;
+    let mut inlets = skin.cores.iter().flat_map(|core| &core.inlets);
+    let Some(inlet) = inlets.next() else { return Vec3::z() };
+    let up = -inlet.normal;
     let mut axis = Vec3::zeros();
     let k = up.iamax();
     axis[k] = up[k].signum();
     if axis.dot(&up) >= DOWN { axis } else { up }
-}
-
-/// The direction across `up` in which the part is thinnest, of two.
-fn thinnest_across(up: &Vec3, filled: &SurfaceMesh) -> Vec3 {
-    let (frame, _) = Frame::new(*up, *up).expect("a direction is along itself");
-    let (low, high) = bounds(&placed(filled, &frame).vertices);
-    let row = usize::from(high.y - low.y < high.x - low.x);
-    frame.rotation.row(row).transpose()
 }

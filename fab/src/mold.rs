@@ -1,6 +1,9 @@
-//! The mold of a body: block − filled part, divided into pieces, with features.
+//! The mold of a body: outside − filled part, divided into pieces, with features.
 //!
 //! Everything is in the mold's frame, see [`crate::frame`].
+
+mod division;
+mod part;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
@@ -8,26 +11,21 @@ use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Parting, Sprue};
-use crate::frame::{Frame, Pull, Turn};
-use crate::layout::{LayoutError, frame, placed};
+use crate::config::{Config, Sprue, Support};
+use crate::frame::{Frame, Pull};
+use crate::layout::{LayoutError, frame};
+use crate::method::Method;
 use crate::parts::block::Block;
-use crate::parts::core::{Print, PrintError};
-use crate::parts::key::Key;
-use crate::parts::{Frustum, channel, key};
-use crate::skin::{Inlet, Skin};
-use crate::split::{Site, Split, affine, divide, turned};
+use crate::parts::core::{Print, PrintError, drain};
+use crate::parts::support::{self, Sag};
+use crate::parts::{Frustum, channel, pin};
+use crate::skin::Skin;
+use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
+use part::{Core, Part};
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
-
-/// A facet belongs to the seat if it keeps within this part of the body's
-/// diagonal of the inlet's plane.
-const SEAT: f64 = 2e-3;
-
-/// Columns of a height field; ten times those of a hand-sized part at the default spacing.
-const MOST_COLUMNS: f64 = 1e6;
 
 /// A printed part.
 #[derive(Clone)]
@@ -52,6 +50,16 @@ pub enum Purpose {
     Key,
     /// Hole for a core's stub.
     Socket,
+    /// Hole for a bolt through a flange.
+    Bolt,
+    /// Slot for a screwdriver between two shells.
+    Pry,
+    /// Bore in a soluble core, for water.
+    Drain,
+    /// Hole in the silicone that a core's second support leaves, to be plugged.
+    Pin,
+    /// Collar for a tube, which is cast and not part of the design.
+    Boss,
 }
 
 /// A channel or gap in the mold.
@@ -68,11 +76,21 @@ pub struct Feature {
 pub struct Mold {
     /// From the design to the mold.
     pub frame: Frame,
-    /// The outside of the closed mold.
+    /// How the cavity comes into the body.
+    pub method: Method,
+    /// What is cast of the design.
+    pub portion: Portion,
+    /// Whether it is cast open.
+    pub open: bool,
+    /// Bounds of the closed mold, without labels.
     pub block: Block,
-    /// Shells, and the base if there is one.
+    /// Outside of the closed mold.
+    pub outside: Solid,
+    /// Position of the joint of the shells along the pull, in the rim [m].
+    pub level: f64,
+    /// Shells, and the base if there is one, taken apart in reverse order.
     pub shells: Vec<Piece>,
-    /// One per connected cavity.
+    /// One per connected cavity that is held on a stub.
     pub cores: Vec<Piece>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
@@ -80,12 +98,6 @@ pub struct Mold {
     pub features: Vec<Feature>,
     /// What a person should know.
     pub findings: Vec<Finding>,
-}
-
-/// The filled part in the mold's frame.
-struct Part {
-    surface: SurfaceMesh,
-    solid: Solid,
 }
 
 /// Why a mold cannot be made.
@@ -131,155 +143,150 @@ pub enum MoldError {
 }
 
 impl Mold {
-    /// Makes the mold of a body.
+    /// Makes the mold of a body, whose cavity comes into it by `method`.
     ///
     /// # Errors
     /// [`MoldError`] if it cannot be made as configured.
-    pub fn new(skin: &Skin, config: &Config) -> Result<Self, MoldError> {
-        let (frame, pull) = frame(skin, config)?;
-        let filled = placed(&skin.filled, &frame);
-        let block = Block::around(measure::bounds(&filled.vertices), config, pull);
-        let part = Part { solid: Solid::from_surface(&filled)?, surface: filled };
+    pub fn new(
+        skin: &Skin,
+        stance: &Stance,
+        method: Method,
+        config: &Config,
+    ) -> Result<Self, MoldError> {
+        let (frame, pull) = frame(&skin.filled, stance, config.shrinkage())?;
+        let part = Part::new(skin, &frame, stance.portion)?;
+        let bounds = measure::bounds(&part.surface.vertices);
         let mut mold = Self {
-            cast: Solid::from_surface(&placed(&skin.cast, &frame))?,
+            block: Block::around(bounds, stance, pull, config),
+            outside: Solid::cube(&Vec3::zeros(), &Vec3::zeros()),
+            level: 0.0,
+            cast: part.cast.clone(),
             frame,
-            block,
+            method,
+            portion: stance.portion,
+            open: matches!(stance.parting, Parting::Open),
             shells: Vec::new(),
             cores: Vec::new(),
             features: Vec::new(),
             findings: Vec::new(),
         };
-        match pull {
-            Pull::Z => mold.add_upper_and_lower(&part, config)?,
-            Pull::Y => mold.add_sides_on_base(&part, skin, config)?,
+        mold.divide(&part, stance, pull, config)?;
+        if stance.portion == Portion::Whole {
+            let level = (pull == Pull::Y).then_some(mold.level);
+            mold.add_cores(&part, method, level, config)?;
         }
-        mold.add_cores(skin, config)?;
-        mold.add_channels(skin, &part.surface, config)?;
+        if !mold.open {
+            mold.add_channels(skin, &part.surface, config)?;
+        }
         mold.require_single_pieces()?;
         Ok(mold)
     }
 
-    fn add_upper_and_lower(&mut self, part: &Part, config: &Config) -> Result<(), MoldError> {
-        let flat = |p: &Vec3| [p.x, p.y];
-        let keys = [flat(&self.block.min), flat(&self.block.max)];
-        let [upper, lower] = self.part(&self.block.solid(), part, keys, Pull::Z, config)?;
-        self.add_shell("upper", upper, Vec3::z());
-        self.add_shell("lower", lower, -Vec3::z());
-        Ok(())
-    }
-
-    fn add_sides_on_base(
-        &mut self,
-        part: &Part,
-        skin: &Skin,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let Block { min, max } = self.block.clone();
-        let joint = seat_height(&part.surface, skin, &self.frame);
-        // Cut from boxes of their own: a plane through a flat seat would leave
-        // a film without thickness on it.
-        let mut base = Solid::cube(&min, &Vec3::new(max.x, max.y, joint)).difference(&part.solid);
-        let sides = Solid::cube(&Vec3::new(min.x, min.y, joint), &max);
-        // Seen along the pull, x runs to the right and z down. The base keys
-        // need the lowest strip.
-        let base_keys = joint + 2.0 * key::land(&config.keys) + config.keys.height;
-        let keys = [[min.x, -max.z], [max.x, -base_keys]];
-        let [mut left, mut right] = self.part(&sides, part, keys, Pull::Y, config)?;
-        let sites = key::sites([min.x, min.y], [max.x, max.y], &config.keys);
-        for [x, y] in sites {
-            let key = Key::new(Vec3::new(x, y, joint), &config.keys);
-            base = base.union(&key.male.solid());
-            for shell in [&mut left, &mut right] {
-                *shell = shell.difference(&key.female.solid());
-            }
-            self.features.push(Feature { purpose: Purpose::Key, frustum: key.seat });
-        }
-        self.add_shell("left", left, Vec3::y());
-        self.add_shell("right", right, -Vec3::y());
-        self.add_shell("base", base, -Vec3::z());
-        Ok(())
-    }
-
-    fn add_shell(&mut self, name: &str, solid: Solid, leaves: Vec3) {
-        self.shells.push(Piece { name: name.into(), solid, leaves });
-    }
-
-    /// Divides a region of the block along the parting surface, takes the part out
-    /// and adds keys: the shell the pull points to, with the holes, and the other,
-    /// with the cones.
-    fn part(
-        &mut self,
-        region: &Solid,
-        part: &Part,
-        keys: [[f64; 2]; 2],
-        pull: Pull,
-        config: &Config,
-    ) -> Result<[Solid; 2], MoldError> {
-        let turn = Turn::lowering(-pull.vector());
-        let corners = [turn.0 * self.block.min, turn.0 * self.block.max];
-        let (min, max) = measure::bounds(&corners);
-        let site = Site { min, max, keys };
-        let split = match &config.parting {
-            Parting::Plane(plane) => {
-                let middle = (min.z + max.z) / 2.0;
-                let z = plane.offset.map_or(middle, |offset| self.along(plane.pull, offset, pull));
-                Split::plane(&site, z, &config.keys)
-            }
-            Parting::HeightField(field) => {
-                let columns = (max.x - min.x) * (max.y - min.y) / field.cell.powi(2);
-                if columns > MOST_COLUMNS {
-                    let (cell, most) = (field.cell, MOST_COLUMNS);
-                    return Err(MoldError::Columns { cell, columns, most });
-                }
-                let vertices = part.surface.vertices.iter().map(|p| turn.0 * p).collect();
-                let triangles = part.surface.triangles.clone();
-                let turned = SurfaceMesh { vertices, triangles };
-                Split::height_field(&site, &turned, field, &config.keys)
-            }
-        };
-        let back = turn.inverse();
-        let feet = split.feet;
-        self.findings.extend(split.findings.iter().cloned());
-        let mut sides = divide(region, &part.solid, &split.turned(back));
-        self.findings.append(&mut sides.findings);
-        for foot in feet {
-            let key = Key::new(foot, &config.keys);
-            let place = |cone: &Frustum| cone.solid().transform(&affine(back));
-            sides.below = sides.below.union(&place(&key.male));
-            sides.above = sides.above.difference(&place(&key.female));
-            let frustum = turned(&key.seat, back);
-            self.features.push(Feature { purpose: Purpose::Key, frustum });
-        }
-        Ok([sides.above, sides.below])
-    }
-
-    /// The height along the pull of a plane given in the design [m].
-    fn along(&self, direction: Option<[f64; 3]>, offset: f64, pull: Pull) -> f64 {
-        let axis = direction.map_or_else(
-            || self.frame.rotation.transpose() * pull.vector(),
-            |d| Vec3::from(d).normalize(),
-        );
-        self.frame.point(&(axis * offset)).dot(&pull.vector())
+    /// Volume of the box that the outside replaces, less the outside [m³].
+    #[must_use]
+    pub fn saved(&self) -> f64 {
+        self.block.solid().volume() - self.outside.volume()
     }
 
     /// Adds the cores with their stubs, and cuts the sockets into the lowest piece.
-    fn add_cores(&mut self, skin: &Skin, config: &Config) -> Result<(), MoldError> {
-        let single = skin.cores.len() == 1;
-        for (i, core) in skin.cores.iter().enumerate() {
-            let mut solid = Solid::from_surface(&placed(&core.surface, &self.frame))?;
-            for Inlet { centre, radius, .. } in &core.inlets {
-                let centre = self.frame.point(centre);
+    fn add_cores(
+        &mut self,
+        part: &Part,
+        method: Method,
+        level: Option<f64>,
+        config: &Config,
+    ) -> Result<(), MoldError> {
+        let single = part.cores.len() == 1;
+        for (i, core) in part.cores.iter().enumerate() {
+            let mut solid = core.solid.clone();
+            let mut held = None;
+            for inlet in &core.inlets {
                 let floor = self.block.min.z;
-                let print = Print::new(centre, *radius, floor, &self.cast, &config.core)?;
+                let print = Print::new(inlet.centre, inlet.radius, floor, &self.cast, config)?;
                 solid = solid.union(&print.stub_solid());
                 let holder = self.shells.last_mut().expect("there are shells");
                 holder.solid = holder.solid.difference(&print.socket_solid());
-                self.features.push(Feature { purpose: Purpose::Socket, frustum: print.socket });
+                if method == Method::Soluble {
+                    solid = self.bore(solid, &print, core, config);
+                }
+                let frustum = print.socket.clone();
+                self.features.push(Feature { purpose: Purpose::Socket, frustum });
+                held = Some((inlet.centre, print));
+            }
+            if let Some(held) = held {
+                solid = self.support(core, &held, solid, level, config);
             }
             let name = if single { "core".into() } else { format!("core{}", i + 1) };
             self.cores.push(Piece { name, solid, leaves: -Vec3::z() });
         }
         Ok(())
+    }
+
+    /// A soluble core with a bore for water, if there is room for one.
+    fn bore(&mut self, solid: Solid, print: &Print, core: &Core, config: &Config) -> Solid {
+        let Some(frustum) = drain(&print.stub, &core.solid, config) else {
+            let message = format!(
+                "no upright bore of core.drain = {1:.2} mm within core.skin = {2:.2} mm fits into a stub of {0:.2} mm \
+                 radius and the core above it: water dissolves the core from its end only",
+                print.stub.base_radius * 1e3,
+                config.core.drain * 1e3,
+                config.core.skin * 1e3
+            );
+            self.findings.push(Finding { rule: "drain", message, count: 1 });
+            return solid;
+        };
+        let solid = solid.difference(&frustum.solid());
+        self.features.push(Feature { purpose: Purpose::Drain, frustum });
+        solid
+    }
+
+    /// A core that is held at one inlet, with a pin if it needs one, and what to know of it.
+    fn support(
+        &mut self,
+        core: &Core,
+        (inlet, print): &(Vec3, Print),
+        solid: Solid,
+        level: Option<f64>,
+        config: &Config,
+    ) -> Solid {
+        let surface = core.solid.to_surface();
+        let density = config.density().unwrap_or(support::SILICONE);
+        let clearance = config.stub_clearance();
+        let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
+        let wanted = match config.core.support {
+            Support::Auto => sag.bend > config.limits.sag,
+            Support::Pin => true,
+            Support::Stub => false,
+        };
+        let top = self.block.max.z - clearance;
+        let pin = || pin::pin(&surface, inlet, config.core.pin, top, level);
+        let Some(pin) = wanted.then(pin).flatten() else {
+            self.findings.extend(moves(&sag, config.limits.sag));
+            return solid;
+        };
+        let base = pin.base * 1e3;
+        self.findings.push(Finding {
+            rule: "pin",
+            message: format!(
+                "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
+                 silicone",
+                pin.base_radius * 1e3,
+                base.x,
+                base.y
+            ),
+            count: 1,
+        });
+        let around = clearance + pin.base_radius;
+        let hole = Frustum {
+            axis: pin.axis + Vec3::z() * (clearance + BEYOND),
+            base_radius: around,
+            top_radius: around,
+            ..pin.clone()
+        };
+        let pin = pin.solid();
+        self.cast = self.cast.difference(&pin);
+        self.cut(Purpose::Pin, hole);
+        solid.union(&pin)
     }
 
     /// Cuts sprue and vents out of the shells.
@@ -290,20 +297,21 @@ impl Mold {
         config: &Config,
     ) -> Result<(), MoldError> {
         let bvh = SurfaceBvh::new(filled);
-        let places = venting::places(skin, &self.frame, &bvh, config)?;
+        let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
         let Sprue { radius, top_radius, .. } = config.sprue;
         let funnel = channel(&bvh, &places.sprue, end, radius, top_radius);
-        self.add_channel(Purpose::Sprue, funnel);
+        self.cut(Purpose::Sprue, funnel);
         let radius = config.vents.radius;
         for top in &places.vents {
-            self.add_channel(Purpose::Vent, channel(&bvh, top, end, radius, radius));
+            self.cut(Purpose::Vent, channel(&bvh, top, end, radius, radius));
         }
         Ok(())
     }
 
-    fn add_channel(&mut self, purpose: Purpose, frustum: Frustum) {
+    /// Takes a channel out of all shells.
+    fn cut(&mut self, purpose: Purpose, frustum: Frustum) {
         let channel = frustum.solid();
         for shell in &mut self.shells {
             shell.solid = shell.solid.difference(&channel);
@@ -326,13 +334,26 @@ impl Mold {
     }
 }
 
-/// Height of the seat, on which sides and base meet: the highest vertex of the
-/// facets that lie in the first inlet's plane, so that no film of a shell
-/// reaches below an uneven seat.
-fn seat_height(filled: &SurfaceMesh, skin: &Skin, frame: &Frame) -> f64 {
-    let level = frame.point(&skin.cores[0].inlets[0].centre).z;
-    let tolerance = SEAT * measure::diagonal(&filled.vertices);
-    let near = |v: &usize| (filled.vertices[*v].z - level).abs() <= tolerance;
-    let seat = filled.triangles.iter().filter(|t| t.iter().all(near));
-    seat.flatten().map(|&v| filled.vertices[v].z).fold(level, f64::max)
+/// Tells how far a core may move that is held at one end.
+fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
+    let Sag { lift, reach, bend, lean } = *sag;
+    if bend.max(lean) <= limit {
+        return None;
+    }
+    let advice = match bend <= limit {
+        true => "glue the stub into its socket",
+        false => "widen the inlet, or cast halves",
+    };
+    Some(Finding {
+        rule: "core support",
+        message: format!(
+            "the core reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
+             {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
+            reach * 1e3,
+            bend * 1e3,
+            lean * 1e3,
+            limit * 1e3
+        ),
+        count: 1,
+    })
 }

@@ -5,8 +5,8 @@
 //!
 //! 1. z_p = (top + bottom)/2 of the filled part in every covered column, of its
 //!    longest interval if there are several;
-//! 2. outside, the harmonic extension Δz_p = 0 with free edges, and level pads
-//!    where the registration keys stand;
+//! 2. outside, the harmonic extension Δz_p = 0 with free edges, and a level rim for
+//!    keys and bolts;
 //! 3. the slope along the rows limited to tan(max slope), by the mean of the largest
 //!    function below and the smallest above with that Lipschitz constant: steps, as
 //!    between a limb and what hangs over it, become flanks;
@@ -20,15 +20,6 @@ use crate::config::HeightField;
 /// The harmonic extension has converged when no height changes by more [m].
 const CONVERGED: f64 = 1e-7;
 
-/// A square that must be level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pad {
-    /// Its centre [m].
-    pub centre: [f64; 2],
-    /// Half its side [m].
-    pub half: f64,
-}
-
 /// The parting height at each node of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
@@ -36,25 +27,36 @@ pub struct Terrain {
     pub grid: Grid,
     /// Height at each node [m].
     pub heights: Vec<f64>,
+    /// Height of the rim [m].
+    pub level: f64,
 }
 
 impl Terrain {
-    /// The parting height for a part given by its columns.
+    /// The parting height for a part given by its columns. The rim is what lies
+    /// outside of the rectangle `within` = [low, high] [m].
     #[must_use]
-    pub fn new(grid: Grid, spans: &[Option<Span>], pads: &[Pad], settings: &HeightField) -> Self {
+    pub fn new(
+        grid: Grid,
+        spans: &[Option<Span>],
+        within: [[f64; 2]; 2],
+        settings: &HeightField,
+    ) -> Self {
         let middles: Vec<Option<f64>> =
             spans.iter().map(|s| s.map(|s| (s.bottom + s.top) / 2.0)).collect();
         let mut heights = extend(&grid, &middles);
-        let levels = level_pads(&grid, &heights, pads);
-        let fixed: Vec<Option<f64>> =
-            middles.iter().zip(&levels).map(|(middle, level)| middle.or(*level)).collect();
+        let on_rim = |v: usize| {
+            let p = grid.point(v);
+            (0..2).any(|k| p[k] <= within[0][k] || p[k] >= within[1][k])
+        };
+        let rim: Vec<usize> = (0..grid.len()).filter(|&v| on_rim(v)).collect();
+        let level = rim.iter().map(|&v| heights[v]).sum::<f64>() / rim.len().max(1) as f64;
+        let mut fixed = middles;
+        rim.iter().for_each(|&v| fixed[v] = Some(level));
         heights = extend(&grid, &fixed);
         limit_slope(&grid, &mut heights, settings.max_slope.to_radians().tan());
         blur(&grid, &mut heights, settings.smoothing);
-        for (height, level) in heights.iter_mut().zip(&levels) {
-            *height = level.unwrap_or(*height);
-        }
-        Self { grid, heights }
+        rim.iter().for_each(|&v| heights[v] = level);
+        Self { grid, heights, level }
     }
 
     /// The surface of the solid between height `floor` and the parting.
@@ -97,31 +99,6 @@ impl Terrain {
         }
         SurfaceMesh { vertices, triangles }
     }
-
-    /// Height of the level pad nearest to a point [m].
-    #[must_use]
-    pub fn height_near(&self, p: [f64; 2]) -> f64 {
-        let step = |k: usize| {
-            let s = ((p[k] - self.grid.origin[k]) / self.grid.step).round();
-            (s.max(0.0) as usize).min(self.grid.count[k] - 1)
-        };
-        self.heights[self.grid.index(step(0), step(1))]
-    }
-}
-
-/// The mean of `heights` over each pad, at the nodes of the pad.
-fn level_pads(grid: &Grid, heights: &[f64], pads: &[Pad]) -> Vec<Option<f64>> {
-    let mut levels = vec![None; grid.len()];
-    for pad in pads {
-        let within = |node: &usize| {
-            let p = grid.point(*node);
-            (0..2).all(|k| (p[k] - pad.centre[k]).abs() <= pad.half + grid.step)
-        };
-        let nodes: Vec<usize> = (0..grid.len()).filter(within).collect();
-        let mean = nodes.iter().map(|&v| heights[v]).sum::<f64>() / nodes.len().max(1) as f64;
-        nodes.into_iter().for_each(|v| levels[v] = Some(mean));
-    }
-    levels
 }
 
 /// The harmonic function with the given values, free where there are none and at
@@ -248,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_parted_at_its_equator_and_pads_are_level() {
+    fn a_ball_is_parted_at_its_equator_and_the_rim_is_level() {
         let grid = grid();
         let spans: Vec<Option<Span>> = (0..grid.len())
             .map(|v| {
@@ -261,17 +238,32 @@ mod tests {
                 })
             })
             .collect();
-        let pads = [Pad { centre: [4.0, 4.0], half: 2.0 }];
         let settings = HeightField { smoothing: 1.5, max_slope: 75.0, ..HeightField::default() };
-        let terrain = Terrain::new(grid, &spans, &pads, &settings);
+        let terrain = Terrain::new(grid.clone(), &spans, [[4.0, 3.0], [36.0, 26.0]], &settings);
         assert!(terrain.heights.iter().all(|h| (h - 5.0).abs() < 1e-5));
+        // A tilted body has a sloping outline, but a level rim.
+        let tilted: Vec<Option<Span>> = (0..grid.len())
+            .map(|v| {
+                let [x, y] = grid.point(v);
+                spans[v].map(|s| Span { bottom: s.bottom + 0.2 * y + 0.1 * x, ..s })
+            })
+            .collect();
+        let terrain = Terrain::new(grid.clone(), &tilted, [[4.0, 3.0], [36.0, 26.0]], &settings);
+        let edge = |v: &usize| {
+            let [x, y] = grid.point(*v);
+            !(4.0..36.0).contains(&x) || !(3.0..26.0).contains(&y)
+        };
+        assert!((0..grid.len()).filter(edge).all(|v| terrain.heights[v] == terrain.level));
+        let range =
+            terrain.heights.iter().fold([f64::MAX, f64::MIN], |[a, b], h| [a.min(*h), b.max(*h)]);
+        assert!(range[1] - range[0] > 0.5, "{range:?}");
     }
 
     #[test]
     fn the_solid_below_is_closed_and_has_the_volume_of_its_columns() {
         let grid = grid();
         let heights = vec![2.0; grid.len()];
-        let surface = Terrain { grid, heights }.surface(-1.0);
+        let surface = Terrain { grid, heights, level: 2.0 }.surface(-1.0);
         assert!(mesh::topology::is_manifold(&surface.triangles));
         assert!(mesh::topology::boundary_edges(&surface.triangles).is_empty());
         let volume = mesh::measure::enclosed_volume(&surface);

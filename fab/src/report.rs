@@ -4,20 +4,26 @@ use std::path::{Component, Path, PathBuf};
 
 use mesh::io::{IoError, sha256_file, write_atomic};
 use mesh::measure::{area, enclosed_volume};
+use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use crate::config::Config;
+use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
+use crate::method::Method;
 use crate::mold::{Feature, Mold, Piece, Purpose};
+use crate::stance::Portion;
 
 /// Name of the report in the folder of a mold.
 pub const FILE: &str = "mold.json";
 
 /// Name of the file with the body that is cast.
 pub const CAST: &str = "reference/cast.stl";
+
+/// Name of the file with the outside of the closed mold.
+pub const OUTSIDE: &str = "reference/outside.stl";
 
 /// A point or direction.
 pub type Triple = [f64; 3];
@@ -32,16 +38,26 @@ pub struct Report {
     pub units: String,
     /// The body.
     pub input: Input,
-    /// From the design [m] to the mold [mm]: three rows of (R | t).
+    /// From the design [m], or from a core [mm], to the mold [mm]: three rows of (s R | t).
     pub design_to_mold: [[f64; 4]; 3],
-    /// The outside of the closed mold.
+    /// Bounds of the closed mold.
     pub block: Bounds,
+    /// File with the outside of the closed mold as a solid: parts, cast, channels and gaps fill it.
+    pub outside: String,
+    /// Volume of the box that the outside replaces, less the outside [mm³].
+    pub plastic_saved: f64,
+    /// Whether it is cast open: the top of the cast is at the top of the mold, without sprue.
+    pub open: bool,
     /// Least thickness of the mold around the part [mm].
     pub wall: f64,
+    /// How the cavity comes into the body.
+    pub method: Method,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
+    /// The silicone, and how it is cast.
+    pub casting: Casting,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -58,6 +74,23 @@ pub struct Input {
     pub sha256: String,
     /// Tag of the cavity's wall.
     pub cavity: String,
+    /// Which part of it is cast.
+    pub part: CastPart,
+}
+
+/// What of the input is cast.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum CastPart {
+    /// All of it.
+    Whole,
+    /// What is above a height in the mold's coordinates [mm].
+    Above(f64),
+    /// What is below a height in the mold's coordinates [mm].
+    Below(f64),
+    /// The input is no mesh in metres but the surface of a core, in the millimetres
+    /// of the mold that holds it.
+    Core,
 }
 
 /// An axis-aligned box.
@@ -90,6 +123,8 @@ pub struct Part {
     pub area: f64,
     /// Triangles of the written surface.
     pub triangles: usize,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
 }
 
 /// What a part does.
@@ -110,6 +145,8 @@ pub struct Cast {
     pub file: String,
     /// Volume of the body [mm³].
     pub volume: f64,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
     /// Silicone to fill the mold with its sprue and vents, without waste [mL].
     pub silicone_ml: f64,
 }
@@ -147,7 +184,8 @@ impl Report {
     #[must_use]
     pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
         let volume = enclosed_volume(cast);
-        let outside = mold.block.solid().difference(&mold.cast);
+        let (low, high) = mold.outside.bounds();
+        let outside = mold.outside.difference(&mold.cast);
         let channels: f64 = mold
             .features
             .iter()
@@ -157,12 +195,22 @@ impl Report {
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
+            design_to_mold: in_millimetres(&mold.frame, &input.part),
             input,
-            design_to_mold: in_millimetres(&mold.frame),
-            block: Bounds { min: millimetres(&mold.block.min), max: millimetres(&mold.block.max) },
+            block: Bounds { min: millimetres(&low), max: millimetres(&high) },
+            outside: OUTSIDE.into(),
+            open: mold.open,
+            plastic_saved: mold.saved() * MM.powi(3),
             wall: config.wall * MM,
+            method: mold.method,
             parts: Vec::new(),
-            cast: Cast { file: CAST.into(), volume, silicone_ml: (volume + channels) / 1e3 },
+            cast: Cast {
+                file: CAST.into(),
+                volume,
+                genus: handles(&mold.cast),
+                silicone_ml: (volume + channels) / 1e3,
+            },
+            casting: config.casting.clone(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings
@@ -183,6 +231,7 @@ impl Report {
             volume: enclosed_volume(surface),
             area: area(surface),
             triangles: surface.triangles.len(),
+            genus: handles(&piece.solid),
         });
     }
 
@@ -209,6 +258,7 @@ impl Report {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
+        self.casting.check()?;
         for Part { name, leaves, to_mold, .. } in &self.parts {
             let direction = Vec3::from(*leaves);
             if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {
@@ -219,17 +269,28 @@ impl Report {
                 return Err(format!("{name} is turned by {to_mold:?}, must be {expected:?}"));
             }
         }
-        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j] / MM);
-        let off = (map * map.transpose() - Matrix3::identity()).amax();
+        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        let scale = map.row(0).norm();
+        let off = ((map / scale) * (map / scale).transpose() - Matrix3::identity()).amax();
+        let least = if self.input.part == CastPart::Core { 1.0 } else { MM };
+        let plausible = (least..1.3 * least).contains(&(scale * (1.0 + 1e-12)));
         let shift = self.design_to_mold.iter().fold(0.0, |m: f64, row| m.max(row[3].abs()));
         // A million kilometres is beyond any design.
-        if off > 1e-9 || shift > 1e15 {
+        if !plausible || off > 1e-9 || shift > 1e15 {
             return Err(format!(
-                "design_to_mold is {:?}, must be 1000 times a rotation and a shift",
+                "design_to_mold is {:?}, must be {least} times a rotation, up to 1.3 times that for what shrinks, \
+                 and a shift",
                 self.design_to_mold
             ));
         }
         Ok(())
+    }
+
+    /// Millimetres of the mold per metre of the design [mm/m].
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        let m = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        m.determinant().abs().cbrt()
     }
 
     /// Writes the report into `folder`.
@@ -243,9 +304,24 @@ impl Report {
         })
     }
 
-    /// Files other than the report, relative to its folder.
+    /// Files other than the report, relative to its folder: those of the parts, the cast
+    /// and the outside.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        self.parts.iter().map(|p| p.file.as_str()).chain([self.cast.file.as_str()])
+        let references = [self.cast.file.as_str(), self.outside.as_str()];
+        self.parts.iter().map(|p| p.file.as_str()).chain(references)
+    }
+}
+
+impl CastPart {
+    /// What a mold casts of a design.
+    #[must_use]
+    pub fn of(mold: &Mold) -> Self {
+        // The frame puts the cut at height 0.
+        match mold.portion {
+            Portion::Whole => Self::Whole,
+            Portion::Above(_) => Self::Above(0.0),
+            Portion::Below(_) => Self::Below(0.0),
+        }
     }
 }
 
@@ -254,8 +330,9 @@ impl Input {
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn new(path: &Path, folder: &Path, cavity: &str) -> Result<Self, IoError> {
-        Ok(Self { path: relative(path, folder), sha256: sha256_file(path)?, cavity: cavity.into() })
+    pub fn new(path: &Path, folder: &Path, cavity: &str, part: CastPart) -> Result<Self, IoError> {
+        let sha256 = sha256_file(path)?;
+        Ok(Self { path: relative(path, folder), sha256, cavity: cavity.into(), part })
     }
 }
 
@@ -269,6 +346,12 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
     up.chain(to.components().skip(common)).collect()
 }
 
+/// Handles of the largest body: Booleans can leave films beside it, without volume, that
+/// rounding removes.
+fn handles(solid: &Solid) -> i32 {
+    solid.decompose().first().map_or(0, Solid::genus)
+}
+
 fn outline(feature: &Feature) -> Outline {
     Outline {
         purpose: feature.purpose,
@@ -279,10 +362,15 @@ fn outline(feature: &Feature) -> Outline {
     }
 }
 
-fn in_millimetres(frame: &Frame) -> [[f64; 4]; 3] {
-    let shift = -(frame.rotation * frame.origin) * MM;
+/// The map of a frame to millimetres, from metres or, for a core, from millimetres.
+fn in_millimetres(frame: &Frame, part: &CastPart) -> [[f64; 4]; 3] {
+    let unit = if *part == CastPart::Core { 1.0 } else { MM };
+    let shift = -(frame.rotation * frame.origin) * frame.scale * MM;
     std::array::from_fn(|i| {
-        std::array::from_fn(|j| if j < 3 { frame.rotation[(i, j)] * MM } else { shift[i] })
+        std::array::from_fn(|j| match j {
+            0..3 => frame.rotation[(i, j)] * frame.scale * unit,
+            _ => shift[i],
+        })
     })
 }
 

@@ -33,9 +33,18 @@ pub struct Skin {
     pub cast: SurfaceMesh,
     /// One per connected piece of the cavity.
     pub cores: Vec<CoreSkin>,
-    /// The volume mesh, whose edges are the ways of rising air.
-    pub tets: TetMesh,
-    /// Its vertices on the outer skin.
+    /// The ways of rising air.
+    pub ways: Ways,
+}
+
+/// Points in and on a body, and edges along which air rises in it.
+#[derive(Clone, Debug)]
+pub struct Ways {
+    /// The points [m].
+    pub points: Vec<Vec3>,
+    /// For each, those it is connected with.
+    pub neighbours: Vec<Vec<usize>>,
+    /// Points on the outer skin.
     pub outer: BTreeSet<usize>,
 }
 
@@ -44,7 +53,7 @@ pub struct Skin {
 pub struct CoreSkin {
     /// Its closed boundary, facing outward [m].
     pub surface: SurfaceMesh,
-    /// Its openings.
+    /// Its openings; none if it is closed.
     pub inlets: Vec<Inlet>,
 }
 
@@ -59,6 +68,8 @@ pub struct Inlet {
     pub normal: Vec3,
     /// Largest distance of a rim vertex from that plane [m].
     pub deviation: f64,
+    /// Length of the rim [m].
+    pub girth: f64,
 }
 
 /// Why no mold can be made of a body.
@@ -86,17 +97,6 @@ pub enum SkinError {
         /// How many.
         count: usize,
         /// Centroid of the first.
-        at: String,
-    },
-    /// The cavity has no opening.
-    #[error(
-        "a cavity of {volume_mm3:.1} mm³ around {at} is closed: no core can be held in it; \
-         give it an inlet through a tagged face, or cast two halves and glue them"
-    )]
-    Closed {
-        /// Its volume [mm³].
-        volume_mm3: f64,
-        /// Middle of its bounding box.
         at: String,
     },
     /// The rim of the cavity is not planar.
@@ -178,24 +178,32 @@ impl Skin {
             filled: topology::submesh(&mesh.vertices, &filled).0,
             cast: topology::submesh(&mesh.vertices, &boundary).0,
             cores,
-            tets: mesh.clone(),
-            outer: outer_vertices,
+            ways: Ways::within(mesh, outer_vertices),
         };
-        skin.check()?;
+        skin.check(mesh)?;
         Ok(skin)
     }
 
-    fn check(&self) -> Result<(), SkinError> {
+    /// A body without a cavity, such as a core that is cast itself.
+    ///
+    /// # Errors
+    /// [`SkinError::Invalid`] if the surface is not that of a body.
+    pub fn of_surface(surface: SurfaceMesh) -> Result<Self, SkinError> {
+        require_valid("surface", &surface)?;
+        let ways = Ways::on(&surface);
+        Ok(Self { cast: surface.clone(), filled: surface, cores: Vec::new(), ways })
+    }
+
+    fn check(&self, mesh: &TetMesh) -> Result<(), SkinError> {
         require_valid("boundary of the body", &self.cast)?;
         require_valid("outer skin with its cap", &self.filled)?;
         for core in &self.cores {
             require_valid("cavity with its cap", &core.surface)?;
         }
-        let tets: f64 = self
-            .tets
+        let tets: f64 = mesh
             .tets
             .iter()
-            .map(|t| t.map(|v| self.tets.vertices[v]))
+            .map(|t| t.map(|v| mesh.vertices[v]))
             .map(|[a, b, c, d]| tet_volume(a, b, c, d).abs())
             .sum();
         let boundary = enclosed_volume(&self.cast);
@@ -203,6 +211,28 @@ impl Skin {
             return Err(SkinError::Overlap { tets_mm3: tets * 1e9, boundary_mm3: boundary * 1e9 });
         }
         Ok(())
+    }
+}
+
+impl Ways {
+    /// Along the edges of a volume mesh.
+    fn within(mesh: &TetMesh, outer: BTreeSet<usize>) -> Self {
+        let points = mesh.vertices.clone();
+        let edges = topology::tet_edges(&mesh.tets);
+        let neighbours = topology::vertex_neighbours(points.len(), &edges);
+        Self { points, neighbours, outer }
+    }
+
+    /// Along the edges of a surface, where there is no volume mesh: a top of the
+    /// surface may be higher than its surroundings but no top of the volume, which costs
+    /// a vent too many.
+    fn on(surface: &SurfaceMesh) -> Self {
+        let points = surface.vertices.clone();
+        let edges: Vec<[usize; 2]> =
+            topology::edge_facets(&surface.triangles).into_keys().collect();
+        let neighbours = topology::vertex_neighbours(points.len(), &edges);
+        let outer = (0..points.len()).collect();
+        Self { points, neighbours, outer }
     }
 }
 
@@ -255,13 +285,6 @@ fn close_core(
     limit: f64,
 ) -> Result<(CoreSkin, Facets), SkinError> {
     let rims = topology::boundary_loops(wall);
-    if rims.is_empty() {
-        let surface = topology::submesh(vertices, wall).0;
-        return Err(SkinError::Closed {
-            volume_mm3: enclosed_volume(&surface).abs() * 1e9,
-            at: place(&middle(&surface.vertices)),
-        });
-    }
     let mut caps = Vec::new();
     let mut inlets = Vec::new();
     for rim in rims {
@@ -274,7 +297,9 @@ fn close_core(
             return Err(SkinError::NotPlanar { at: at(), deviation_mm, limit_mm });
         }
         let (centre, radius) = cap::inscribed_circle(&polygon, &normal);
-        inlets.push(Inlet { centre, radius, normal, deviation });
+        let next = polygon.iter().cycle().skip(1);
+        let girth = polygon.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
+        inlets.push(Inlet { centre, radius, normal, deviation, girth });
         caps.extend(triangles.into_iter().map(|t| t.map(|i| rim[i])));
     }
     let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);

@@ -7,10 +7,10 @@ use mesh::{SurfaceMesh, measure};
 use nalgebra::Matrix3x4;
 
 use crate::columns::{Grid, Span, spans};
-use crate::config::{HeightField, Keys};
+use crate::config::HeightField;
 use crate::frame::Turn;
-use crate::parting::{Pad, Terrain};
-use crate::parts::{Frustum, key};
+use crate::parting::Terrain;
+use crate::parts::Frustum;
 
 /// Parting solids reach this far beyond the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -23,68 +23,60 @@ const SIMPLIFY: f64 = 5e-6;
 pub struct Split {
     /// The side the pull points away from.
     pub below: Solid,
-    /// Where keys stand on it.
-    pub feet: [Vec3; 3],
+    /// Height at which keys and bolts stand [m].
+    pub level: f64,
     /// What a person should know about it.
     pub findings: Vec<Finding>,
 }
 
-/// The rectangle in which a parting surface and its keys lie.
+/// The box in which a parting surface lies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
     /// Lowest corner of the block [m].
     pub min: Vec3,
     /// Highest corner of the block [m].
     pub max: Vec3,
-    /// Lowest and highest corner of the rectangle with the keys in its corners [m].
-    pub keys: [[f64; 2]; 2],
+    /// Width of the level rim for keys and bolts along x and y; none along an axis if it
+    /// is 0 [m].
+    pub rim: [f64; 2],
 }
 
 impl Split {
     /// A plane at height `z` [m].
     #[must_use]
-    pub fn plane(site: &Site, z: f64, keys: &Keys) -> Self {
+    pub fn plane(site: &Site, z: f64) -> Self {
         let beyond = Vec3::repeat(BEYOND);
         let mut top = site.max + beyond;
         top.z = z;
-        let feet = key::sites(site.keys[0], site.keys[1], keys).map(|[x, y]| Vec3::new(x, y, z));
-        Self { below: Solid::cube(&(site.min - beyond), &top), feet, findings: Vec::new() }
+        let below = Solid::cube(&(site.min - beyond), &top);
+        Self { below, level: z, findings: Vec::new() }
     }
 
     /// A height field for the part bounded by `filled`.
     #[must_use]
-    pub fn height_field(
-        site: &Site,
-        filled: &SurfaceMesh,
-        settings: &HeightField,
-        keys: &Keys,
-    ) -> Self {
+    pub fn height_field(site: &Site, filled: &SurfaceMesh, settings: &HeightField) -> Self {
         let corner = |p: &Vec3| [p.x, p.y];
         let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
         let spans = spans(filled, &grid);
-        let sites = key::sites(site.keys[0], site.keys[1], keys);
-        let pads = sites.map(|centre| Pad { centre, half: key::land(keys) });
         let findings = undercut_columns(&grid, &spans);
-        let terrain = Terrain::new(grid, &spans, &pads, settings);
-        let feet = sites.map(|[x, y]| Vec3::new(x, y, terrain.height_near([x, y])));
+        // Where there is no rim, the rectangle reaches beyond all columns.
+        let inset = |k: usize| if site.rim[k] > 0.0 { site.rim[k] } else { -1.0 };
+        let within =
+            [[0, 1].map(|k| site.min[k] + inset(k)), [0, 1].map(|k| site.max[k] - inset(k))];
+        let terrain = Terrain::new(grid, &spans, within, settings);
         let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
         let proof = "a height field over a grid is closed and faces outward";
         let fine = Solid::from_surface(&terrain.surface(low)).expect(proof);
         // Imported anew, because a simplified solid keeps its tolerance and would
         // pass it on to every shell that it cuts.
         let below = Solid::from_surface(&fine.simplify(SIMPLIFY).to_surface()).expect(proof);
-        Self { below, feet, findings }
+        Self { below, level: terrain.level, findings }
     }
 
-    /// The split with its coordinates turned.
+    /// The split with its solid turned.
     #[must_use]
     pub fn turned(self, turn: Turn) -> Self {
-        let map = affine(turn);
-        Self {
-            below: self.below.transform(&map),
-            feet: self.feet.map(|p| turn.0 * p),
-            findings: self.findings,
-        }
+        Self { below: self.below.transform(&affine(turn)), ..self }
     }
 }
 
@@ -183,12 +175,9 @@ mod tests {
         // half is cut off from the upper shell.
         let part = cube(10.0, 0.0, 10.0).difference(&cube(3.0, -1.0, 3.0));
         let region = cube(20.0, -10.0, 20.0);
-        let site = Site {
-            min: Vec3::new(-20.0, -20.0, -10.0),
-            max: Vec3::repeat(20.0),
-            keys: [[-20.0; 2], [20.0; 2]],
-        };
-        let split = Split::plane(&site, 1.0, &Keys::default());
+        let min = Vec3::new(-20.0, -20.0, -10.0);
+        let site = Site { min, max: Vec3::repeat(20.0), rim: [5.0, 0.0] };
+        let split = Split::plane(&site, 1.0);
         let sides = divide(&region, &part, &split);
         assert_eq!(sides.findings.len(), 1);
         assert_eq!(sides.findings[0].rule, "crumb");

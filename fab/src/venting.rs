@@ -4,14 +4,15 @@
 //! reaches a local maximum of height. Those on the outer skin get a vent; those
 //! on the wall of the cavity, below the core, cannot have one and are reported.
 
+use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
-use mesh::{Vec3, topology};
 
 use crate::config::Config;
 use crate::frame::Frame;
 use crate::maxima::{self, Peak};
-use crate::skin::Skin;
+use crate::skin::{Skin, Ways};
+use crate::stance::Portion;
 
 /// Tops that are flat within this height get their channel in the middle [m].
 const FLAT: f64 = 2e-4;
@@ -47,22 +48,31 @@ pub struct VentError {
 pub fn places(
     skin: &Skin,
     frame: &Frame,
+    portion: Portion,
     filled: &SurfaceBvh,
     config: &Config,
 ) -> Result<Places, VentError> {
-    let positions: Vec<Vec3> = skin.tets.vertices.iter().map(|p| frame.point(p)).collect();
+    let Ways { points, neighbours, outer } = &skin.ways;
+    let positions: Vec<Vec3> = points.iter().map(|p| frame.point(p)).collect();
     let heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
-    let edges = topology::tet_edges(&skin.tets.tets);
-    let neighbours = topology::vertex_neighbours(positions.len(), &edges);
+    let is_cast = |v: &usize| portion.cut().is_none() || heights[*v] > 0.0;
+    let neighbours: Vec<Vec<usize>> = (0..heights.len())
+        .map(|v| match is_cast(&v) {
+            true => neighbours[v].iter().copied().filter(is_cast).collect(),
+            false => Vec::new(),
+        })
+        .collect();
     let peaks = maxima::peaks(&heights, &neighbours, config.vents.persistence);
     let (open, trapped): (Vec<Peak>, Vec<Peak>) =
-        peaks.into_iter().partition(|peak| skin.outer.contains(&peak.vertex));
+        peaks.into_iter().partition(|peak| outer.contains(&peak.vertex));
     let top_of = |peak: &Peak| {
         let middle = maxima::middle_of_top(peak.vertex, &positions, &neighbours, FLAT);
         surface_near(filled, &positions[middle], positions[peak.vertex].z)
     };
     let mut tops: Vec<Vec3> = open.iter().filter_map(top_of).collect();
-    let sprue = match config.sprue.at.map(Vec3::from) {
+    // The place asked for is that of the whole body's sprue.
+    let asked = config.sprue.at.filter(|_| portion == Portion::Whole);
+    let sprue = match asked.map(Vec3::from) {
         Some(at) => {
             surface_near(filled, &frame.point(&at), f64::INFINITY).ok_or(VentError { at })?
         }

@@ -99,3 +99,53 @@ fn admesh_repairs_nothing() {
         }
     }
 }
+
+/// Reads 3MF files by the specification, with nothing but Python: the volume of the first
+/// object, the unit, and the number of objects in the build.
+const THREEMF: &str = "
+import sys, zipfile, xml.etree.ElementTree as tree
+core = '{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}'
+for path in sys.argv[1:]:
+    archive = zipfile.ZipFile(path)
+    assert archive.testzip() is None
+    relations = tree.fromstring(archive.read('_rels/.rels'))
+    model = tree.fromstring(archive.read(relations[0].get('Target').lstrip('/')))
+    mesh = model.find(f'.//{core}mesh')
+    p = [[float(v.get(k)) for k in 'xyz'] for v in mesh.iter(core + 'vertex')]
+    six = 0.0
+    for t in mesh.iter(core + 'triangle'):
+        a, b, c = (p[int(t.get(k))] for k in ('v1', 'v2', 'v3'))
+        six += sum(a[i] * (b[i-2] * c[i-1] - b[i-1] * c[i-2]) for i in range(3))
+    objects = model.findall(f'.//{core}object')
+    print(six / 6, model.get('unit'), len(objects), objects[0].get('name'))
+";
+
+#[test]
+fn python_reads_the_3mf_files() {
+    let Ok(found) = Command::new("python3").arg("--version").output() else {
+        eprintln!("skipped: there is no python3");
+        return;
+    };
+    assert!(found.status.success());
+    for scene in molds() {
+        let folder = scene.path("mold");
+        let report = Report::read(&folder).unwrap();
+        let mut files: Vec<_> =
+            report.parts.iter().map(|p| folder.join(format!("{}.3mf", p.name))).collect();
+        files.push(folder.join("assembly.3mf"));
+        let output = Command::new("python3").args(["-c", THREEMF]).args(&files).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        let lines: Vec<&str> = said.lines().collect();
+        assert_eq!(lines.len(), files.len(), "{}", String::from_utf8_lossy(&output.stderr));
+        for (line, part) in lines.iter().zip(&report.parts) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let volume: f64 = words[0].parse().unwrap();
+            // Decimals, that we round to 32 bits and Python does not.
+            assert!((volume / part.volume - 1.0).abs() < 1e-6, "{line}, ours {}", part.volume);
+            assert_eq!(words[1..], ["millimeter", "1", part.name.as_str()]);
+        }
+        // The parts, and the whole that is composed of them.
+        let whole = lines.last().unwrap().split_whitespace().nth(2).unwrap();
+        assert_eq!(whole, (report.parts.len() + 1).to_string());
+    }
+}

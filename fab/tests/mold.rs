@@ -11,7 +11,7 @@ use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, fab, stderr, stdou
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 
-const PLANE: &str = "[parting]\nkind = \"plane\"\n";
+const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 
 fn mold_and_verify(scene: &Scene) -> Report {
     let molded = scene.mold();
@@ -63,9 +63,10 @@ fn every_top_gets_a_channel() {
     let report = mold_and_verify(&scene);
     assert_eq!((count(&report, "sprue"), count(&report, "vent")), (1, 1));
     // Parts of an earlier mold do not stay beside those of a new one.
-    std::fs::write(scene.path("mold.toml"), PLANE).unwrap();
+    scene.configure(&format!("method = \"soluble\"\n{PLANE}"));
     assert_eq!(names(&mold_and_verify(&scene)), ["left", "right", "base", "core"]);
     assert!(!scene.path("mold/upper.stl").exists());
+    assert!(!scene.path("mold/upper.3mf").exists());
 }
 
 #[test]
@@ -77,12 +78,77 @@ fn two_cavities_have_two_cores() {
     }
 }
 
+/// The sheet's numbers by hand, and its warnings.
+#[test]
+fn the_sheet_adds_up() {
+    let config = "[casting]\nsilicone = \"elastosil-m4601\"\nwaste = 0.1\nleak_test = 2e4\n";
+    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"form-4\""));
+    let report = mold_and_verify(&scene);
+    let text = std::fs::read_to_string(scene.path("mold/cast.json")).unwrap();
+    let sheet: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let number = |path: &str| sheet.pointer(path).unwrap().as_f64().unwrap();
+    // 181 cubes of 64 mm³, and less than a millilitre of channels.
+    assert!((number("/body_ml") - 11.584).abs() < 1e-6);
+    assert!((0.0..1.0).contains(&(number("/mold_ml") - 11.584)));
+    // 1.13 g/mL, nine parts to one.
+    let mass = 1.1 * number("/mold_ml") * 1.13;
+    assert!((number("/silicone/mass_g") - mass).abs() < 1e-9);
+    assert!((number("/silicone/parts_g/0") - 0.9 * mass).abs() < 1e-9);
+    assert!((number("/silicone/parts_g/1") - 0.1 * mass).abs() < 1e-9);
+    assert_eq!(number("/leak_test_kpa"), 20.0);
+    let solid: f64 = report.parts.iter().map(|part| part.volume).sum();
+    assert!((number("/plastic_g") - 1.2e-3 * solid).abs() < 1e-9);
+    let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
+    for words in ["Uncured resin inhibits", "20.0 kPa", "Wacker", "`core.stl` [mm]"] {
+        assert!(sheet.contains(words), "{words}: {sheet}");
+    }
+    // A filament printer inhibits nothing.
+    let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"prusa-mk4\""));
+    mold_and_verify(&scene);
+    let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
+    assert!(!sheet.contains("Uncured resin"), "{sheet}");
+}
+
+#[test]
+fn pictures_show_every_part() {
+    let scene = Scene::new(&CHAMBER, PLANE);
+    let folder = |name| scene.path(name).display().to_string();
+    let [mesh, config, out] = ["design.msh", "mold.toml", "mold"].map(folder);
+    let output = fab(&["mold", &mesh, "--config", &config, "-o", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for file in ["assembled.png", "exploded.png"] {
+        let file = std::fs::File::open(scene.path("mold").join(file)).unwrap();
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        let width = info.width as usize;
+        // Left of the legend, all but the background is the mold.
+        let mut colors = std::collections::BTreeSet::new();
+        for pixel in pixels.chunks_exact(3).enumerate().filter(|(i, _)| i % width < width * 3 / 4) {
+            let [r, g, b] = [0, 1, 2].map(|k| i32::from(pixel.1[k]));
+            if (r - g).abs().max((g - b).abs()) > 25 {
+                // Hue in steps of a twelfth.
+                let (max, min) = (r.max(g).max(b), r.min(g).min(b));
+                let spread = f64::from(max - min);
+                let hue = match max {
+                    m if m == r => f64::from(g - b) / spread,
+                    m if m == g => 2.0 + f64::from(b - r) / spread,
+                    _ => 4.0 + f64::from(r - g) / spread,
+                };
+                colors.insert((2.0 * hue.rem_euclid(6.0)) as u8);
+            }
+        }
+        // Blue, orange, green and red parts, and the green cast.
+        assert!(colors.len() >= 4, "{colors:?}");
+    }
+}
+
 #[test]
 fn the_same_mold_again() {
     let bytes = || {
         let scene = Scene::new(&CHAMBER, "");
         assert!(scene.mold().status.success());
-        ["mold.json", "upper.stl", "lower.stl", "core.stl"]
+        ["mold.json", "upper.stl", "core.3mf", "assembly.3mf", "cast.md", "reference/assembly.vtu"]
             .map(|file| std::fs::read(scene.path("mold").join(file)).unwrap())
     };
     assert_eq!(bytes(), bytes());
@@ -98,7 +164,7 @@ fn assert_refused(output: &Output, message: &str) {
 #[test]
 fn bad_configurations() {
     for (config, message) in [
-        ("wal = 1", "unknown field `wal`, expected one of `cavity`, `up`, `wall`"),
+        ("wal = 1", "unknown field `wal`, expected one of `cavity`, `method`, `limits`"),
         (
             "cavity = \"hole\"",
             "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)",
@@ -115,7 +181,7 @@ fn bad_configurations() {
 
 #[test]
 fn bad_bodies() {
-    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³");
+    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³ is closed");
     assert_refused(&Scene::new(&CLOSED, "cavity = \"skin\"").mold(), "separate pieces");
     let spoil = |f: fn(&mut Vec3) -> bool| {
         let scene = Scene::new(&CHAMBER, "");
@@ -176,6 +242,15 @@ fn a_report_that_cannot_be_is_refused() {
     refused(|r| r.design_to_mold[0][3] = 1e300, "must be 1000 times a rotation");
 }
 
+fn files_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let below = |path: std::path::PathBuf| match path.is_dir() {
+        true => files_below(&path),
+        false => vec![path],
+    };
+    entries.flat_map(|entry| below(entry.path())).collect()
+}
+
 /// A limit on the size of files stands for a full disk.
 #[test]
 #[cfg(unix)]
@@ -188,7 +263,6 @@ fn a_full_disk_leaves_no_half_mold() {
         .output()
         .unwrap();
     assert_refused(&output, ".stl");
-    let left: Vec<_> = std::fs::read_dir(scene.path("mold")).unwrap().flatten().collect();
-    let names: Vec<_> = left.iter().map(|entry| entry.file_name()).collect();
-    assert!(names.iter().all(|name| name == "reference"), "{names:?}");
+    let left = files_below(&scene.path("mold"));
+    assert!(left.is_empty(), "{left:?}");
 }

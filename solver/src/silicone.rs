@@ -99,6 +99,9 @@ struct Entry {
     mix: Option<String>,
     pot_life_min: Option<f64>,
     cure_h: Option<f64>,
+    /// For `fab`.
+    #[serde(rename = "casting")]
+    _casting: Option<toml::Table>,
     fit: Vec<toml::Table>,
 }
 

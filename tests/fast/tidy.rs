@@ -62,7 +62,14 @@ fn naming(word: &str, files: &[PathBuf]) -> BTreeSet<String> {
 /// Sources of the programs and libraries, without tests.
 fn sources() -> Vec<PathBuf> {
     let top = repository();
-    let folders = ["cad2fem/src", "cad2fem/mesh/src", "tagger/src", "solver/src", "fab/src"];
+    let folders = [
+        "cad2fem/src",
+        "cad2fem/mesh/src",
+        "cad2fem/render/src",
+        "tagger/src",
+        "solver/src",
+        "fab/src",
+    ];
     let all = folders.iter().flat_map(|folder| files(&top.join(folder), "rs"));
     all.filter(|path| !path.ends_with("tests.rs")).collect()
 }
@@ -146,9 +153,8 @@ fn solver_modules_use_only_those_before_them() {
 #[test]
 fn stages_meet_only_in_files() {
     let stages = ["cad2fem", "tagger", "solver", "fab"];
-    for (package, allowed) in
-        stages.iter().map(|s| (*s, &["mesh"][..])).chain([("cad2fem/mesh", &[][..])])
-    {
+    let below: [(&str, &[&str]); 2] = [("cad2fem/mesh", &[]), ("cad2fem/render", &["mesh"])];
+    for (package, allowed) in stages.iter().map(|s| (*s, &["mesh", "render"][..])).chain(below) {
         let path = repository().join(package).join("Cargo.toml");
         let manifest: toml::Table = fs::read_to_string(&path).unwrap().parse().unwrap();
         let mut names = BTreeSet::new();
@@ -161,8 +167,8 @@ fn stages_meet_only_in_files() {
                 }
             }
         }
-        assert!(names.contains("anyhow"), "{package}: {names:?}");
-        for ours in stages.iter().chain(&["mesh", "tests"]) {
+        assert!(names.contains("thiserror") || names.contains("clap"), "{package}: {names:?}");
+        for ours in stages.iter().chain(&["mesh", "render", "tests"]) {
             let uses = names.contains(*ours);
             assert!(!uses || allowed.contains(ours), "{package} depends on {ours}");
         }
@@ -198,7 +204,8 @@ fn outside_programs_and_libraries_are_called_in_one_place() {
     assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
     let programs = naming("Command::new", &sources);
     assert!(!programs.is_empty());
-    assert!(programs.iter().all(|p| p.starts_with("cad2fem/src/mesher/")), "{programs:?}");
+    let ours = |p: &str| p.starts_with("cad2fem/src/mesher/") || p == "fab/src/tolerance/run.rs";
+    assert!(programs.iter().all(|p| ours(p)), "{programs:?}");
 }
 
 /// Goals are named by one word; files that rules make are not goals.

@@ -4,15 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mesh::SurfaceMesh;
 use mesh::io::{read_tets, write_surface};
+use mesh::{SurfaceMesh, Vec3};
 
-use crate::config::Config;
-use crate::export::printable;
+use super::plan::entries;
+use crate::cast;
+use crate::config::{Config, Sprue};
+use crate::export::{MM, printable};
 use crate::frame::Turn;
+use crate::method::Method;
 use crate::mold::{Mold, Piece};
-use crate::report::{CAST, FILE, Input, Report, Role};
+use crate::output;
+use crate::plan::report::{Entry, Material};
+use crate::plan::{self, Casting, Plan};
+use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
+use crate::stance::Portion;
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +32,9 @@ pub struct Args {
     /// Folder for the parts
     #[arg(short, long)]
     pub output: PathBuf,
+    /// Leave out the pictures, which take most of the time
+    #[arg(long)]
+    pub no_pictures: bool,
 }
 
 /// Runs the verb.
@@ -38,21 +48,109 @@ pub fn run(args: &Args) -> Result<()> {
     let msh = read_tets(&args.mesh)?;
     let name = || args.mesh.display().to_string();
     let skin = Skin::new(&msh, &config.cavity).with_context(name)?;
-    let mold = Mold::new(&skin, &config).with_context(name)?;
-    let input = Input::new(&args.mesh, &args.output, &config.cavity)?;
-    let set = Set::new(&mold, input, &config)?;
-    for note in &set.report.findings {
-        log::warn!("{}: {}", note.rule, note.message);
+    let plan = Plan::new(&skin, &config).with_context(name)?;
+    log::info!("{}", plan.reason);
+    let input = |folder: &Path, part| Input::new(&args.mesh, folder, &config.cavity, part);
+    let molds = entries(&plan, skin.cores.len());
+    let told = plan::report::Report::new(&plan, input(&args.output, CastPart::Whole)?, molds);
+    let folder = |entry: &Entry| args.output.join(&entry.folder);
+    let of = |name: &str| told.molds.iter().find(|e| e.name == name).expect("it is planned");
+    let mut sets = Vec::new();
+    for casting in &plan.castings {
+        let entry = of(&casting.name);
+        let mold = Mold::new(&skin, &casting.stance, plan.method, &config).with_context(name)?;
+        let set = Set::new(&mold, input(&folder(entry), CastPart::of(&mold))?, &config)?;
+        sets.push((entry, set));
     }
-    set.write(&args.output)?;
+    remove_old(&args.output)?;
+    let written = write_all(&sets, &folder, &told, &config, args);
+    if let Err(error) = written {
+        // The first error is the one to tell.
+        let _ = remove_molds(&args.output, &told);
+        return Err(error);
+    }
+    for (entry, set) in &sets {
+        for note in &set.report.findings {
+            log::warn!("{}: {}: {}", entry.name, note.rule, note.message);
+        }
+    }
     log::info!(
-        "{} parts, {:.2} mL of silicone, {:.1} s: {}",
-        set.report.parts.len(),
-        set.report.cast.silicone_ml,
+        "{} molds, {} parts, {:.2} mL of silicone, {:.1} s: {}",
+        told.molds.len(),
+        sets.iter().map(|(_, set)| set.report.parts.len()).sum::<usize>(),
+        sets.iter().map(|(_, set)| set.report.cast.silicone_ml).sum::<f64>(),
         start.elapsed().as_secs_f64(),
         args.output.display()
     );
     Ok(())
+}
+
+/// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
+fn write_all(
+    sets: &[(&Entry, Set)],
+    folder: &impl Fn(&Entry) -> PathBuf,
+    told: &plan::report::Report,
+    config: &Config,
+    args: &Args,
+) -> Result<()> {
+    let pictures = !args.no_pictures;
+    for (entry, set) in sets {
+        set.write(&folder(entry), pictures)?;
+    }
+    for entry in told.molds.iter().filter(|entry| entry.casts == Material::Wax) {
+        let (body, set) = sets.first().expect("a body is cast around the core");
+        let file = format!("{}.stl", entry.name);
+        wax_mold(&folder(body).join(file), set.surface(&entry.name), &folder(entry), config)?
+            .write(&folder(entry), pictures)?;
+    }
+    if told.molds.len() > 1 {
+        cast::write_whole(&args.output, told)?;
+    }
+    told.write(&args.output)?;
+    Ok(())
+}
+
+/// The mold of a core, given by its file and surface [mm]. It stands with its stub up,
+/// through which the wax is poured.
+fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> Result<Set> {
+    let vertices = core.vertices.iter().map(|p| p / MM).collect();
+    let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };
+    let skin = Skin::of_surface(surface)?;
+    let config = Config {
+        shrinkage: Some(0.0),
+        parting: Config::default().parting,
+        sprue: Sprue { at: None, ..config.sprue.clone() },
+        ..config.clone()
+    };
+    let casting = Casting::new("core", &skin.filled, -Vec3::z(), Portion::Whole, &config)?;
+    let mold = Mold::new(&skin, &casting.stance, Method::Wax, &config)?;
+    let input = Input::new(file, folder, &config.cavity, CastPart::Core)?;
+    Set::new(&mold, input, &config)
+}
+
+/// Removes the molds of an earlier plan.
+fn remove_old(output: &Path) -> Result<()> {
+    if let Ok(old) = plan::report::Report::read(output) {
+        remove_molds(output, &old)?;
+    }
+    Ok(())
+}
+
+/// Removes the molds of a plan, and the plan.
+fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
+    for entry in &plan.molds {
+        let folder = output.join(&entry.folder);
+        if let Ok(report) = Report::read(&folder) {
+            remove(&folder, &report)?;
+        }
+        if entry.folder != "." {
+            // Folders that hold anything else stay.
+            let _ = std::fs::remove_dir(folder.join("reference"));
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+    remove_file(&output.join(cast::MARKDOWN))?;
+    remove_file(&output.join(plan::report::FILE))
 }
 
 /// A mold as it is written.
@@ -63,7 +161,7 @@ struct Set {
 
 impl Set {
     fn new(mold: &Mold, input: Input, config: &Config) -> Result<Self> {
-        let upright = Turn::lowering(-mesh::Vec3::z());
+        let upright = Turn::lowering(-Vec3::z());
         let cast = printable(CAST, &mold.cast, upright)?;
         let mut report = Report::new(mold, input, config, &cast);
         let mut surfaces = Vec::new();
@@ -78,11 +176,18 @@ impl Set {
         mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
         mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
         surfaces.push(cast);
+        surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })
     }
 
+    /// The written surface of a part [mm].
+    fn surface(&self, name: &str) -> &SurfaceMesh {
+        let index = self.report.parts.iter().position(|part| part.name == name);
+        &self.surfaces[index.expect("a core has its name")]
+    }
+
     /// Replaces the mold in `folder`; the report comes last and vouches for the rest.
-    fn write(&self, folder: &Path) -> Result<()> {
+    fn write(&self, folder: &Path, pictures: bool) -> Result<()> {
         if let Ok(old) = Report::read(folder) {
             remove(folder, &old)?;
         }
@@ -91,6 +196,11 @@ impl Set {
             .files()
             .zip(&self.surfaces)
             .try_for_each(|(file, surface)| write_surface(&folder.join(file), surface))
+            .and_then(|()| output::write(folder, &self.report, &self.surfaces))
+            .and_then(|()| match pictures {
+                true => output::draw(folder, &self.report, &self.surfaces),
+                false => Ok(()),
+            })
             .and_then(|()| self.report.write(folder));
         if let Err(error) = written {
             // The first error is the one to tell.
@@ -103,14 +213,17 @@ impl Set {
 
 /// Removes the files of a mold.
 fn remove(folder: &Path, report: &Report) -> Result<()> {
-    for file in [FILE].into_iter().chain(report.files()) {
-        let path = folder.join(file);
-        match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(e).with_context(|| format!("{}: cannot remove", path.display()));
-            }
-            _ => {}
+    let others = output::files(report);
+    let others = others.iter().map(String::as_str);
+    let mut all = [FILE].into_iter().chain(report.files()).chain(others);
+    all.try_for_each(|file| remove_file(&folder.join(file)))
+}
+
+fn remove_file(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(e).with_context(|| format!("{}: cannot remove", path.display()))
         }
+        _ => Ok(()),
     }
-    Ok(())
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use mesh::cli::Unusable;
 
-use crate::verify::{Status, verify};
+use crate::verify::{Against, Status, verify};
 
 /// Arguments of `fab verify`.
 #[derive(Debug, clap::Args)]
@@ -16,6 +16,9 @@ pub struct Args {
     /// The design, if it is no longer where mold.json says
     #[arg(long)]
     pub design: Option<PathBuf>,
+    /// Folder that `solver simulate` wrote for the design: checks its walls under load
+    #[arg(long)]
+    pub simulation: Option<PathBuf>,
 }
 
 /// Prints one line per check on standard output.
@@ -23,7 +26,9 @@ pub struct Args {
 /// # Errors
 /// If the folder has no readable report; [`Unusable`] if a check fails.
 pub fn run(args: &Args) -> Result<()> {
-    let lines = verify(&args.folder, args.design.as_deref())?;
+    let design = args.design.as_deref();
+    let simulation = args.simulation.as_deref();
+    let lines = verify(&args.folder, Against { design, simulation })?;
     let mut out = std::io::stdout().lock();
     for line in &lines {
         writeln!(out, "{line}")?;

@@ -1,11 +1,13 @@
-//! The block around the part, from which all shells are cut.
+//! The bounds of a closed mold.
 
 use mesh::Vec3;
 use mesh::solid::Solid;
 
-use super::key;
+use super::flange::Joint;
+use super::key::Sizes;
 use crate::config::Config;
 use crate::frame::Pull;
+use crate::stance::{Parting, Portion, Stance};
 
 /// A box in the mold's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,29 +19,71 @@ pub struct Block {
 }
 
 impl Block {
-    /// The box around a part with the given bounds: `wall` on every side, the
-    /// length of the core's stub below, and a band for keys across the pull.
+    /// The box around a part with the given bounds: `wall` on every side, at both
+    /// ends of x a band for keys and bolts, below the part what its core needs.
     #[must_use]
-    pub fn around((low, high): (Vec3, Vec3), config: &Config, pull: Pull) -> Self {
-        let band = config.wall + 2.0 * key::land(&config.keys);
-        let along_y = match pull {
-            Pull::Z => band,
-            // Room beside the parting keys for the base keys under each shell.
-            Pull::Y => {
-                let needed = 2.0 * (2.0 * key::land(&config.keys) + config.keys.height);
-                config.wall.max((needed - (high.y - low.y)) / 2.0)
-            }
-        };
-        let below = config.core.length.max(config.wall);
-        Self {
-            min: low - Vec3::new(band, along_y, below),
-            max: high + Vec3::new(band, along_y, config.wall),
+    pub fn around((low, high): (Vec3, Vec3), stance: &Stance, pull: Pull, config: &Config) -> Self {
+        let wall = config.wall;
+        if matches!(stance.parting, Parting::Open) {
+            return Self {
+                min: low - Vec3::repeat(wall),
+                max: Vec3::new(high.x + wall, high.y + wall, high.z),
+            };
         }
+        let land = Sizes::of(config).land();
+        let needed = match pull {
+            Pull::Z => 4.0 * land,
+            // Room beside the flange of the shells for the keys of the base.
+            Pull::Y => 4.0 * land + 2.0 * config.flange.thickness,
+        };
+        let rim = match (&stance.parting, pull) {
+            (Parting::HeightField(_), Pull::Z) => wall + Self::rim(config),
+            _ => wall,
+        };
+        let along_y = rim.max((needed - (high.y - low.y)) / 2.0);
+        // Keys of the base, then those of the flange above them.
+        let tall = match pull {
+            Pull::Z => 0.0,
+            Pull::Y => config.flange.thickness + 4.0 * land,
+        };
+        let above = wall.max(tall - (high.z - low.z));
+        let along_x = wall + Joint::band(config);
+        Self {
+            min: low - Vec3::new(along_x, along_y, Self::below(stance.portion, config)),
+            max: high + Vec3::new(along_x, along_y, above),
+        }
+    }
+
+    /// Width of the level rim of a height field along the sides without bolts [m].
+    #[must_use]
+    pub fn rim(config: &Config) -> f64 {
+        Joint::band(config) / 2.0
+    }
+
+    /// Thickness of the mold below the part [m].
+    #[must_use]
+    pub fn below(portion: Portion, config: &Config) -> f64 {
+        let needed = match portion {
+            Portion::Whole => config.core.length,
+            Portion::Above(_) | Portion::Below(_) => config.flange.thickness,
+        };
+        needed.max(config.wall)
     }
 
     /// The box as a solid.
     #[must_use]
     pub fn solid(&self) -> Solid {
         Solid::cube(&self.min, &self.max)
+    }
+
+    /// Its eight corners [m].
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|k| {
+            let pick = |axis: usize| {
+                if k >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] }
+            };
+            Vec3::new(pick(0), pick(1), pick(2))
+        })
     }
 }

@@ -8,7 +8,7 @@ use mesh::Vec3;
 use mesh::solid::Solid;
 
 use super::Frustum;
-use crate::config::Core;
+use crate::config::{Config, Core};
 
 /// Distance of the flat from the stub's axis, in radii.
 const FLAT: f64 = 0.7;
@@ -73,9 +73,10 @@ impl Print {
         radius: f64,
         floor: f64,
         cast: &Solid,
-        settings: &Core,
+        config: &Config,
     ) -> Result<Self, PrintError> {
-        let narrow = radius - settings.clearance - settings.shoulder;
+        let clearance = config.stub_clearance();
+        let narrow = radius - clearance - config.core.shoulder;
         if narrow < THINNEST {
             return Err(PrintError::Narrow {
                 centre,
@@ -94,9 +95,9 @@ impl Print {
                 top_radius: radius,
             };
             let print = Self {
-                stub: column(narrow, floor + settings.clearance),
-                socket: column(narrow + settings.clearance, floor - settings.clearance),
-                clearance: settings.clearance,
+                stub: column(narrow, floor + clearance),
+                socket: column(narrow + clearance, floor - clearance),
+                clearance,
             };
             if cast.intersection(&print.socket.solid()).is_empty() {
                 return Ok(print);
@@ -120,5 +121,59 @@ impl Print {
     fn flattened(&self, frustum: &Frustum, gap: f64) -> Solid {
         let flat = self.stub.base.x + FLAT * self.stub.base_radius + gap;
         frustum.solid().trim_by_plane(&-Vec3::x(), -flat)
+    }
+}
+
+/// Heights up to which a bore is tried, in parts of the core's.
+const BORES: [f64; 9] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
+
+/// A bore for water along a stub and up into its core, as high as the core stays
+/// `core.skin` thick around it; none if the stub or the core is too thin.
+#[must_use]
+pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
+    let Core { drain: radius, skin, .. } = config.core;
+    if stub.base_radius < radius + skin {
+        return None;
+    }
+    let top = core.bounds().1.z;
+    let bore = |from: f64, to: f64, radius: f64| Frustum {
+        base: Vec3::new(stub.base.x, stub.base.y, from),
+        axis: Vec3::z() * (to - from),
+        base_radius: radius,
+        top_radius: radius,
+    };
+    let heights = BORES.iter().map(|part| stub.base.z + part * (top - stub.base.z));
+    let fits = |height: &f64| {
+        let around = bore(stub.base.z, height + skin, radius + skin).solid();
+        around.difference(core).volume() <= 1e-6 * around.volume()
+    };
+    // Beyond the end of the stub, so that no faces coincide.
+    let end = stub.base.z + stub.axis.z - skin;
+    heights.into_iter().find(fits).map(|height| bore(end, height, radius))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_bore_ends_below_the_top_of_its_core() {
+        let config = Config::default();
+        let stub = Frustum {
+            base: Vec3::z() * 1e-3,
+            axis: -Vec3::z() * 9e-3,
+            base_radius: 1.7e-3,
+            top_radius: 1.7e-3,
+        };
+        let neck = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 5e-3), 2e-3, 2e-3, 48);
+        let ball = Solid::sphere(&(Vec3::z() * 14e-3), 10e-3, 96);
+        let core = neck.union(&ball);
+        let bore = drain(&stub, &core, &config).unwrap();
+        let reaches = bore.base.z + bore.axis.z;
+        assert!(reaches > 14e-3 && reaches < 24e-3 - config.core.skin, "{reaches}");
+        assert!(bore.base.z < stub.base.z + stub.axis.z);
+        let thin = Frustum { base_radius: 1.3e-3, ..stub };
+        assert_eq!(drain(&thin, &core, &config), None);
     }
 }

@@ -3,33 +3,68 @@
 use mesh::Vec3;
 
 use super::Frustum;
-use crate::config::Keys;
+use crate::config::Config;
 
 /// Radius at the tip, as a part of that at the foot.
 const TAPER: f64 = 0.5;
 
-/// Material around a key's seat [m].
-const RIM: f64 = 1e-3;
+/// Material around a hole in a flange [m].
+pub const RIM: f64 = 1e-3;
 
 /// How far a key is rooted in its piece, in heights.
 const ROOT: f64 = 0.5;
 
-/// Half the side of the level square a key needs [m].
-#[must_use]
-pub fn land(keys: &Keys) -> f64 {
-    keys.radius + keys.clearance + RIM
+/// Sizes of all keys of a mold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Radius at the foot [m].
+    pub radius: f64,
+    /// Height [m].
+    pub height: f64,
+    /// Gap around it [m].
+    pub clearance: f64,
 }
 
-/// Places in three corners of a rectangle: pieces turned by 180° do not fit.
-#[must_use]
-pub fn sites(low: [f64; 2], high: [f64; 2], keys: &Keys) -> [[f64; 2]; 3] {
-    let inset = land(keys);
-    let [x0, y0] = low.map(|x| x + inset);
-    let [x1, y1] = high.map(|x| x - inset);
-    [[x1, y0], [x1, y1], [x0, y1]]
+impl Sizes {
+    /// Those of a configuration.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        let clearance = config.key_clearance();
+        Self { radius: config.keys.radius, height: config.keys.height, clearance }
+    }
+
+    /// Half the side of the level square a key needs [m].
+    #[must_use]
+    pub fn land(&self) -> f64 {
+        self.radius + self.clearance + RIM
+    }
+
+    /// Places in three corners of a rectangle: pieces turned by 180° do not fit.
+    #[must_use]
+    pub fn sites(&self, low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 3] {
+        let inset = self.land();
+        let [x0, y0] = low.map(|x| x + inset);
+        let [x1, y1] = high.map(|x| x - inset);
+        [[x1, y0], [x1, y1], [x0, y1]]
+    }
+
+    /// The key that stands on `foot` along z.
+    #[must_use]
+    pub fn key(&self, foot: Vec3) -> Key {
+        let root = -ROOT * self.height;
+        let radius = |z: f64| self.radius * (1.0 - (1.0 - TAPER) * z / self.height);
+        let cone = |low: f64, clearance: f64| Frustum {
+            base: foot + Vec3::z() * low,
+            axis: Vec3::z() * (self.height + clearance - low),
+            base_radius: radius(low) + clearance,
+            top_radius: radius(self.height + clearance) + clearance,
+        };
+        let clearance = self.clearance;
+        Key { male: cone(root, 0.0), female: cone(root, clearance), seat: cone(0.0, clearance) }
+    }
 }
 
-/// A key that stands on `foot` along z.
+/// A cone and the hole for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// The cone, rooted below the foot.
@@ -40,46 +75,26 @@ pub struct Key {
     pub seat: Frustum,
 }
 
-impl Key {
-    /// The key at a point of the joint.
-    #[must_use]
-    pub fn new(foot: Vec3, keys: &Keys) -> Self {
-        let root = -ROOT * keys.height;
-        let radius = |z: f64| keys.radius * (1.0 - (1.0 - TAPER) * z / keys.height);
-        let cone = |low: f64, clearance: f64| Frustum {
-            base: foot + Vec3::z() * low,
-            axis: Vec3::z() * (keys.height + clearance - low),
-            base_radius: radius(low) + clearance,
-            top_radius: radius(keys.height + clearance) + clearance,
-        };
-        Self {
-            male: cone(root, 0.0),
-            female: cone(root, keys.clearance),
-            seat: cone(0.0, keys.clearance),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const SIZES: Sizes = Sizes { radius: 3e-3, height: 3e-3, clearance: 2e-4 };
+
     #[test]
     fn sites_do_not_fit_when_turned() {
-        let keys = Keys::default();
-        let sites = sites([-0.05, -0.04], [0.05, 0.04], &keys);
+        let sites = SIZES.sites([-0.05, -0.04], [0.05, 0.04]);
         let turned = sites.map(|[x, y]| [-x, -y]);
         let far =
-            |p: [f64; 2]| sites.iter().all(|q| (p[0] - q[0]).hypot(p[1] - q[1]) > keys.radius);
+            |p: [f64; 2]| sites.iter().all(|q| (p[0] - q[0]).hypot(p[1] - q[1]) > SIZES.radius);
         assert!(turned.iter().any(|&p| far(p)));
     }
 
     #[test]
     fn the_hole_is_wider_and_deeper_than_the_key_by_the_clearance() {
-        let keys = Keys::default();
-        let Key { male, female, .. } = Key::new(Vec3::zeros(), &keys);
-        assert!((female.base_radius - male.base_radius - keys.clearance).abs() < 1e-15);
-        assert!((female.axis.z - male.axis.z - keys.clearance).abs() < 1e-15);
+        let Key { male, female, .. } = SIZES.key(Vec3::zeros());
+        assert!((female.base_radius - male.base_radius - SIZES.clearance).abs() < 1e-15);
+        assert!((female.axis.z - male.axis.z - SIZES.clearance).abs() < 1e-15);
         assert!(male.solid().difference(&female.solid()).volume() < 1e-18);
     }
 }

@@ -2,7 +2,12 @@
 
 pub mod block;
 pub mod core;
+pub mod flange;
 pub mod key;
+pub mod label;
+pub mod outside;
+pub mod pin;
+pub mod support;
 
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;

@@ -1,7 +1,6 @@
-//! Silicone gets in, air gets out, the core is held, keys engage, walls are thick enough.
+//! Silicone gets in, air gets out, the core is held, keys engage.
 
 use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::Line;
@@ -24,13 +23,13 @@ pub fn checks(set: &Set) -> Vec<Line> {
                 Purpose::Sprue | Purpose::Vent => lines.extend(open(set, &name, outline)),
                 Purpose::Key => lines.push(engaged(set, &name, outline)),
                 Purpose::Socket => lines.extend(seated(set, &name, outline)),
+                Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Pin | Purpose::Boss => {}
             }
         }
-        if purpose == Purpose::Sprue && lines.is_empty() {
+        if purpose == Purpose::Sprue && lines.is_empty() && !set.report.open {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
-    lines.push(wall(set));
     lines
 }
 
@@ -43,17 +42,23 @@ impl Purpose {
             Self::Vent => "vent",
             Self::Key => "key",
             Self::Socket => "socket",
+            Self::Bolt => "bolt",
+            Self::Pry => "pry",
+            Self::Drain => "drain",
+            Self::Pin => "pin",
+            Self::Boss => "boss",
         }
     }
 }
 
-/// A channel leads from the top of the mold into the body, and nothing is in it.
+/// A channel leads from above the mold into the body, and nothing is in it.
 fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
     let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
     let top = set.bounds.1.z;
     let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
-    let through = channel.intersection(&set.cavity).decompose().into_iter().find(reaches_top);
+    let free = set.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
+    let through = free.decompose().into_iter().find(reaches_top);
     let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
     vec![
         Line::at_most(
@@ -98,20 +103,6 @@ fn seated(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
         Line::at_least(format!("{name}: stub length"), length, FILLED * depth, "mm"),
         Line::at_least(format!("{name}: stub fills"), 100.0 * part, 100.0 * FILLED, "%"),
     ]
-}
-
-/// Least distance of the body and of the keys' seats from the outside, and of
-/// the seats from the body.
-fn wall(set: &Set) -> Line {
-    let surface = set.cast.solid.to_surface();
-    let (low, high) = set.bounds;
-    let inset = |p: &Vec3| (p - low).min().min((high - p).min());
-    let body = surface.vertices.iter().map(inset).fold(f64::INFINITY, f64::min);
-    let bvh = SurfaceBvh::new(&surface);
-    let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
-    let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
-    let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
-    Line::at_least("wall: least", body.min(beside), set.report.wall - set.rounding, "mm")
 }
 
 impl Outline {

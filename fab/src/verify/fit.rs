@@ -4,16 +4,20 @@ use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{read_tets, sha256_file};
+use mesh::io::{read_surface, read_tets, sha256_file};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
 
 use super::set::{Body, Set};
 use super::{Line, Status};
-use crate::report::Report;
+use crate::mold::Purpose;
+use crate::report::{CastPart, Report};
 
 /// Largest distance between the cast and the designed surface, besides rounding [mm].
 const SURFACE: f64 = 5e-3;
+
+/// Error of the balance as a part of the outside's volume.
+const BALANCE: f64 = 1e-6;
 
 /// Points per surface at which that distance is measured, besides its vertices.
 const SAMPLES: usize = 20_000;
@@ -30,12 +34,12 @@ pub fn checks(set: &Set, folder: &Path, design: Option<&Path>) -> Vec<Line> {
     lines
 }
 
-/// The shells fill the block of the report.
+/// The shells together reach as far as the outside of the mold.
 fn block(set: &Set) -> Line {
     let (min, max) = set.bounds;
-    let [told_min, told_max] = [set.report.block.min, set.report.block.max].map(Vec3::from);
-    let off = (min - told_min).amax().max((max - told_max).amax());
-    Line::at_most("block: size", off, set.rounding, "mm off")
+    let (low, high) = set.outside.solid.bounds();
+    let off = (min - low).amax().max((max - high).amax());
+    Line::at_most("outside: size", off, 2.0 * set.rounding, "mm off")
 }
 
 /// No two bodies share a volume.
@@ -57,14 +61,12 @@ fn overlaps(set: &Set) -> Vec<Line> {
     lines
 }
 
-/// Block − parts − voids = cast, in volumes of the written surfaces.
+/// Outside − parts − voids = cast, in volumes of the written surfaces.
 fn balance(set: &Set, voids: &Solid) -> Line {
-    let size = set.bounds.1 - set.bounds.0;
     let parts: f64 = set.parts().map(|body| body.volume).sum();
-    let rest = size.x * size.y * size.z - parts - voids.volume();
-    let area: f64 = set.parts().map(|body| body.area).sum::<f64>() + set.cast.area + voids.area();
-    let limit = set.volume_rounding(area);
-    let name = "balance: block-parts-voids-cast";
+    let rest = set.outside.volume - parts - voids.volume();
+    let limit = BALANCE * set.outside.volume;
+    let name = "balance: outside-parts-voids-cast";
     Line::at_most(name, (rest - set.cast.volume).abs(), limit, "mm³")
 }
 
@@ -95,16 +97,30 @@ fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Ve
     if !same {
         return lines;
     }
-    match read_tets(&path) {
-        Ok(msh) => {
-            let boundary = topology::boundary(&msh.mesh).surface(&msh.mesh).0;
-            lines.extend(distances(set, voids, &placed(boundary, &set.report)));
-        }
-        Err(error) => {
-            lines.push(Line::new("design: readable", false, error.to_string(), "a mesh"));
-        }
+    match designed(&path, &set.report) {
+        Ok(design) => lines.extend(distances(set, voids, &design)),
+        Err(error) => lines.push(Line::new("design: readable", false, error, "a valid mesh")),
     }
     lines
+}
+
+/// The surface that is to be cast, in the mold's millimetres.
+fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
+    if report.input.part == CastPart::Core {
+        let core = read_surface(path).map_err(|e| e.to_string())?;
+        return Ok(placed(core, report));
+    }
+    let msh = read_tets(path).map_err(|e| e.to_string())?;
+    let whole = placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report);
+    let cut = |up: f64, height: f64| {
+        let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
+        Ok(solid.trim_by_plane(&(Vec3::z() * up), up * height).to_surface())
+    };
+    match report.input.part {
+        CastPart::Above(height) => cut(1.0, height),
+        CastPart::Below(height) => cut(-1.0, height),
+        _ => Ok(whole),
+    }
 }
 
 /// The design in the mold's millimetres.
@@ -119,7 +135,8 @@ fn placed(mut surface: SurfaceMesh, report: &Report) -> SurfaceMesh {
 
 /// Distances between the largest body that the parts leave and the design, both ways.
 fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
-    let bodies = set.cavity.difference(voids).decompose();
+    let mut bodies = set.cavity.difference(voids).decompose();
+    plug(set, design, &mut bodies);
     let Some(body) = bodies.first() else {
         return vec![Line::new("surface", false, "no cavity left".into(), "the designed body")];
     };
@@ -135,6 +152,17 @@ fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
         Line::at_most("volume: mold and design", off, set.volume_rounding(left_area), "mm³"),
         crumbs(set, &bodies[1..]),
     ]
+}
+
+/// Fills the holes that pins leave in the largest body, as people do afterwards.
+fn plug(set: &Set, design: &SurfaceMesh, bodies: &mut [Solid]) {
+    let pins = set.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
+    let (Some(body), Ok(design)) = (bodies.first_mut(), Solid::from_surface(design)) else {
+        return;
+    };
+    for pin in pins {
+        *body = body.union(&pin.exact().intersection(&design));
+    }
 }
 
 /// Largest distance of `from` to `to`, without films thinner than `film`: where

@@ -6,10 +6,15 @@
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
 
 mod channels;
+mod copies;
+mod filling;
 mod fit;
+mod printing;
 mod pull;
+mod release;
 mod set;
 mod surfaces;
+mod walls;
 
 use std::path::Path;
 
@@ -17,7 +22,12 @@ use mesh::io::IoError;
 
 pub use set::Set;
 
+use crate::plan::report as plan;
 use crate::report::Report;
+
+/// Error of the sum of all castings as a part of the body's volume: a flat wall of the
+/// cavity that is cut off with a sheet is uneven by some micrometres.
+const CASTINGS: f64 = 1e-3;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,16 +98,76 @@ fn number(x: f64) -> String {
     }
 }
 
-/// All checks of the mold in `folder`; `design` replaces the path of the design
-/// in the report. Checks that need sound parts are left out if a part is not.
+/// Where to find what a mold is compared with.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Against<'a> {
+    /// The design, if it is no longer where the report says.
+    pub design: Option<&'a Path>,
+    /// A folder that `solver simulate` wrote for the design, for checks under load.
+    pub simulation: Option<&'a Path>,
+}
+
+/// All checks of the molds in `folder`: of that of its mold.json, or of all that its
+/// plan.json lists.
 ///
 /// # Errors
 /// If there is no readable report in the folder.
-pub fn verify(folder: &Path, design: Option<&Path>) -> Result<Vec<Line>, IoError> {
+pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
+    if !folder.join(plan::FILE).exists() {
+        return verify_mold(folder, against, None);
+    }
+    let plan = plan::Report::read(folder)?;
+    let mut lines = Vec::new();
+    for entry in &plan.molds {
+        let below = folder.join(&entry.folder);
+        // What is inflated is the body, not one of its halves.
+        let simulation = against.simulation.filter(|_| plan.molds.len() == 1);
+        let found = verify_mold(&below, Against { simulation, ..against }, Some(&plan))?;
+        let named = |line: Line| match plan.molds.len() {
+            1 => line,
+            _ => Line { name: format!("{}: {}", entry.name, line.name), ..line },
+        };
+        lines.extend(found.into_iter().map(named));
+    }
+    lines.extend(together(folder, &plan, against.design));
+    lines.push(Line::new(
+        "plan: molds",
+        !plan.molds.is_empty(),
+        format!("{} verified, method {}", plan.molds.len(), plan.method.name()),
+        "at least 1 mold",
+    ));
+    Ok(lines)
+}
+
+/// The castings of silicone make up the body: their volumes add up to that of the design.
+fn together(folder: &Path, plan: &plan::Report, design: Option<&Path>) -> Option<Line> {
+    let silicone = plan.molds.iter().filter(|entry| entry.casts == plan::Material::Silicone);
+    let reports: Vec<Report> =
+        silicone.filter_map(|entry| Report::read(&folder.join(&entry.folder)).ok()).collect();
+    // One casting is compared with the design itself.
+    let first = reports.first().filter(|_| reports.len() > 1)?;
+    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let name = "castings: volume";
+    let whole = match mesh::io::read_tets(&path) {
+        // A turn in millimetres, larger by what the silicone shrinks.
+        Ok(msh) => mesh::measure::volume(&msh.mesh) * first.scale().powi(3),
+        Err(error) => return Some(Line::new(name, false, error.to_string(), "the design")),
+    };
+    let sum: f64 = reports.iter().map(|report| report.cast.volume).sum();
+    Some(Line::at_most(name, (sum - whole).abs(), CASTINGS * whole, "mm³ off the design"))
+}
+
+/// All checks of one mold. Checks that need sound parts are left out if a part is not.
+fn verify_mold(
+    folder: &Path,
+    against: Against,
+    plan: Option<&plan::Report>,
+) -> Result<Vec<Line>, IoError> {
     let report = Report::read(folder)?;
     let (mut lines, files) = set::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
     lines.extend(surfaces::checks(&files));
+    lines.extend(copies::checks(&files, folder));
     if lines.iter().any(|line| line.status == Status::Fail) {
         lines.push(Line::new(
             "remaining checks",
@@ -107,9 +177,17 @@ pub fn verify(folder: &Path, design: Option<&Path>) -> Result<Vec<Line>, IoError
         ));
         return Ok(lines);
     }
+    let parts = files.parts.clone();
     let set = Set::new(files);
-    lines.extend(fit::checks(&set, folder, design));
+    lines.extend(fit::checks(&set, folder, against.design));
     lines.extend(channels::checks(&set));
+    lines.extend(filling::checks(&set));
+    lines.extend(walls::checks(&set));
     lines.extend(pull::checks(&set));
+    lines.extend(release::checks(&set, plan));
+    lines.extend(printing::checks(&set, &parts));
+    if let Some(simulation) = against.simulation {
+        lines.extend(walls::inflated(&set, simulation));
+    }
     Ok(lines)
 }

@@ -1,9 +1,14 @@
 //! Every shell comes off.
 //!
-//! The shells are taken away in the reverse order of the report. Each is moved
-//! along its direction; it must not touch the shells that are still there, and
-//! what it presses into the silicone is reported: silicone gives way and can be
+//! The shells are taken away in the reverse order of the report, each along its direction.
+//! It must meet none of the shells that are still there, which is decided for the whole
+//! way by what lies before its facets, and for four places of it by the volume that the two
+//! share. What it presses into the silicone is reported: silicone gives way and can be
 //! peeled out, so that an undercut is a warning.
+
+use mesh::bvh::SurfaceBvh;
+use mesh::{SurfaceMesh, measure};
+use rayon::prelude::*;
 
 use super::set::{Body, Set};
 use super::{Line, Status};
@@ -15,11 +20,20 @@ const PULLS: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 /// measurement.
 const UNDERCUT: f64 = 0.01;
 
+/// Facets whose normal is nearer than this to being across the pull slide along it: the
+/// sine of half a degree.
+const SLIDING: f64 = 9e-3;
+
+/// Area that may seem blocked, from rays along common edges, as a part of that which looks
+/// along the pull.
+const BLOCKED: f64 = 1e-4;
+
 /// All checks of demolding.
 pub fn checks(set: &Set) -> Vec<Line> {
     let mut lines = Vec::new();
     for (i, shell) in set.shells.iter().enumerate().rev() {
         lines.push(comes_off(set, shell, &set.shells[..i]));
+        lines.push(way(set, shell, &set.shells[..i]));
         lines.push(undercut(set, shell));
     }
     lines
@@ -39,6 +53,31 @@ fn comes_off(set: &Set, shell: &Body, left: &[Body]) -> Line {
     let area = shell.area + left.iter().map(|body| body.area).sum::<f64>();
     let name = format!("{}: comes off", shell.name);
     Line::at_most(name, pressed(shell, &left), set.volume_rounding(area), "mm³")
+}
+
+/// Nothing lies before the shell on its way out, however far.
+fn way(set: &Set, shell: &Body, left: &[Body]) -> Line {
+    let surface = shell.solid.to_surface();
+    let surfaces: Vec<SurfaceMesh> = left.iter().map(|body| body.solid.to_surface()).collect();
+    let others: Vec<SurfaceBvh> = surfaces.iter().map(SurfaceBvh::new).collect();
+    let seen = |t: usize| {
+        let [a, b, c] = surface.corners(t);
+        let toward = measure::triangle_normal(a, b, c).dot(&shell.leaves);
+        if toward < SLIDING {
+            return [0.0; 2];
+        }
+        let area = measure::triangle_area(a, b, c) * toward;
+        let from = surface.centroid(t);
+        // What is left behind at once only touches.
+        let meets = |other: &SurfaceBvh| {
+            other.ray(&from, &shell.leaves).iter().any(|hit| hit.0 > 2.0 * set.rounding)
+        };
+        [area, if others.iter().any(meets) { area } else { 0.0 }]
+    };
+    let areas = (0..surface.triangles.len()).into_par_iter().map(seen).collect::<Vec<_>>();
+    let [all, blocked] = areas.iter().fold([0.0; 2], |sum, a| [sum[0] + a[0], sum[1] + a[1]]);
+    let name = format!("{}: way out", shell.name);
+    Line::at_most(name, blocked, BLOCKED * all, "mm² blocked")
 }
 
 fn undercut(set: &Set, shell: &Body) -> Line {

@@ -8,7 +8,7 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
 use super::Line;
-use crate::report::{Outline, Report, Role};
+use crate::report::{Outline, Part, Report, Role};
 
 /// Surfaces of a mold in the closed mold's coordinates [mm].
 pub struct Files {
@@ -18,6 +18,8 @@ pub struct Files {
     pub parts: Vec<SurfaceMesh>,
     /// The body that is cast.
     pub cast: SurfaceMesh,
+    /// Outside of the closed mold.
+    pub outside: SurfaceMesh,
 }
 
 /// A part as a solid.
@@ -46,12 +48,22 @@ pub struct Set {
     pub cast: Body,
     /// Lowest and highest corner of all shells.
     pub bounds: (Vec3, Vec3),
+    /// Outside of the closed mold.
+    pub outside: Body,
     /// Largest displacement of a vertex by the rounding of the files.
     pub rounding: f64,
-    /// Block − shells − cores.
+    /// Outside − shells − cores.
     pub cavity: Solid,
     /// All channels and gaps.
     pub channels: Solid,
+}
+
+impl Files {
+    /// The rotation of a part from its file to the closed mold.
+    #[must_use]
+    pub fn turn(part: &Part) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| part.to_mold[i][j])
+    }
 }
 
 /// Reads the files of a report; none of them if one is missing.
@@ -72,12 +84,13 @@ pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
     if surfaces.len() < report.files().count() {
         return (lines, None);
     }
+    let outside = surfaces.pop().expect("a report lists the outside");
     let cast = surfaces.pop().expect("a report lists the cast");
     for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
-        let turn = Matrix3::from_fn(|i, j| part.to_mold[i][j]);
+        let turn = Files::turn(part);
         surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
     }
-    (lines, Some(Files { report, parts: surfaces, cast }))
+    (lines, Some(Files { report, parts: surfaces, cast, outside }))
 }
 
 /// No STL file lies in the folder that the report does not list.
@@ -102,7 +115,7 @@ impl Set {
     /// If a surface is not closed, oriented and manifold.
     #[must_use]
     pub fn new(files: Files) -> Self {
-        let Files { report, parts, cast } = files;
+        let Files { report, parts, cast, outside } = files;
         let points: Vec<Vec3> = parts.iter().flat_map(|s| s.vertices.iter().copied()).collect();
         let reach = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
         let rounding = 3.0_f64.sqrt() * reach * 2.0_f64.powi(-24);
@@ -119,14 +132,15 @@ impl Set {
             }
         }
         let bounds = measure::bounds(&shell_points);
-        let block = Solid::cube(&bounds.0, &bounds.1);
+        let outside = Body::new("outside", &outside, Vec3::zeros());
         let solids = shells.iter().chain(&cores);
-        let cavity = solids.fold(block, |rest, body| rest.difference(&body.solid));
+        let whole = outside.solid.clone();
+        let cavity = solids.fold(whole, |rest, body| rest.difference(&body.solid));
         let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
         let channels =
             report.features.iter().fold(empty, |all, outline| all.union(&outline.solid()));
         let cast = Body::new("cast", &cast, Vec3::zeros());
-        Self { report, shells, cores, cast, bounds, rounding, cavity, channels }
+        Self { report, shells, cores, cast, bounds, outside, rounding, cavity, channels }
     }
 
     /// Largest change of a volume with this boundary area by rounding [mm³].

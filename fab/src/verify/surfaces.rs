@@ -3,19 +3,29 @@
 use mesh::check::{self, CHECKS};
 use mesh::{SurfaceMesh, topology};
 
-use super::Line;
 use super::set::Files;
+use super::{Line, Status};
 use crate::report::Report;
+
+/// Name of the body among the surfaces.
+const CAST: &str = "cast";
 
 /// The rules of [`mesh::check`], the number of pieces and the numbers of the report.
 pub fn checks(files: &Files) -> Vec<Line> {
-    let Files { report, parts, cast } = files;
+    let Files { report, parts, cast, outside } = files;
     let names = report.parts.iter().map(|part| part.name.as_str());
     let mut lines: Vec<Line> = names
         .zip(parts)
-        .chain([("cast", cast)])
+        .chain([("cast", cast), ("outside", outside)])
         .flat_map(|(name, surface)| valid(name, surface))
         .collect();
+    let genera = report.parts.iter().map(|part| (part.name.as_str(), part.genus));
+    lines.extend(
+        genera
+            .chain([(CAST, report.cast.genus)])
+            .zip(parts.iter().chain([cast]))
+            .map(|((name, told), surface)| handles(name, surface, told)),
+    );
     lines.extend(as_reported(report, parts, cast));
     lines
 }
@@ -45,6 +55,25 @@ fn valid(name: &str, surface: &SurfaceMesh) -> Vec<Line> {
         "1 connected piece, no crumbs",
     ));
     lines
+}
+
+/// Handles of a closed surface in one piece: V − E + F = 2 − 2 g, with E = 3 F / 2.
+fn genus(surface: &SurfaceMesh) -> f64 {
+    let [v, f] = [surface.vertices.len(), surface.triangles.len()].map(|n| n as f64);
+    1.0 - (v - f / 2.0) / 2.0
+}
+
+/// No hole of the body was opened or closed when it was rounded. In a part, rounding may
+/// remove a film that closed a hole, which a person should know.
+fn handles(name: &str, surface: &SurfaceMesh, told: i32) -> Line {
+    let found = genus(surface);
+    let holds = found == f64::from(told);
+    let needed = format!("genus {told}, as before rounding");
+    let mut line = Line::new(format!("{name}: genus"), holds, format!("genus {found}"), &needed);
+    if name != CAST && line.status == Status::Fail {
+        line.status = Status::Warn;
+    }
+    line
 }
 
 /// The surfaces have the volumes that were reported when they were written.

@@ -8,9 +8,9 @@ use mesh::io::{read_surface, read_tets};
 use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::options::Component;
-use crate::render::color::{self, Rgb};
-use crate::render::quadratic::{Curved, flatten};
-use crate::render::shape::{Cells, Shape, Triangle, shade};
+use render::color::{self, Rgb};
+use render::quadratic::{Curved, flatten};
+use render::shape::{Cells, Shape, Triangle, shade};
 
 /// Facets that curved ones are divided into, about.
 const SMOOTH: usize = 150_000;

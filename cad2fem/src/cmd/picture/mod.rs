@@ -9,17 +9,17 @@ use anyhow::{Result, bail, ensure};
 use log::info;
 use mesh::Vec3;
 
-use crate::render::annotate::Key;
-use crate::render::camera::Projection;
-use crate::render::color::{self, Map, Rgb, Scale};
-use crate::render::cut::{Plane, cut};
-use crate::render::panel::Look;
-use crate::render::raster::Lines;
-use crate::render::shape::Shape;
-use crate::render::sheet::{Panel, Sheet, draw_sheet, floor};
-use crate::render::view::View;
 use load::{Loaded, Paint};
 use options::{Component, Cut, Pair};
+use render::annotate::Key;
+use render::camera::Projection;
+use render::color::{self, Map, Rgb, Scale};
+use render::cut::{Plane, cut};
+use render::panel::Look;
+use render::raster::Lines;
+use render::shape::Shape;
+use render::sheet::{Panel, Sheet, draw_sheet, floor};
+use render::view::View;
 
 /// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each
 #[derive(Debug, clap::Args)]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use mesh::Vec3;
 
-use crate::render::cut::Plane;
+use render::cut::Plane;
 
 /// Two values separated by a character.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,199 @@
+//! Where a body can be cut in two, so that each part leaves its mold and its core.
+//!
+//! Each half is cast over a plate that carries its half of the core, cut face down.
+//! What the plane leaves hidden of the filled body is in the way of the cup, and what
+//! it leaves hidden of the core is silicone caught below the core.
+
+use std::collections::BTreeMap;
+
+use mesh::measure::{bounds, triangle_area};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+
+use super::pull::direction;
+use super::undercut::{Parting, View};
+use crate::config::Gluing;
+use crate::skin::Skin;
+
+/// Planes that hide this much more of an area than the best are as good: the one
+/// along which the body is thinnest is taken [1].
+const AS_GOOD: f64 = 5e-3;
+
+/// A body counts as thin along a normal up to this many times its least thickness.
+const AS_THIN: f64 = 1.1;
+
+/// A wall is flat where it keeps to a plane this closely [m].
+const FLAT: f64 = 2e-6;
+
+/// The chamber is cut this far inside its flat wall, the sheet begins as far outside of
+/// it: what is missing between is much thinner than the glue [m].
+const ASIDE: f64 = 3e-6;
+
+/// Cosine of the angle up to which facets count as parallel to a plane (2°).
+const PARALLEL: f64 = 0.9994;
+
+/// Flat walls that are considered, largest first.
+const WALLS: usize = 8;
+
+/// A plane that cuts the body.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// Its unit normal [1].
+    pub normal: Vec3,
+    /// Its position along the normal [m].
+    pub offset: f64,
+    /// Part of the area of the outside that is hidden [1].
+    pub outside: f64,
+    /// Part of the area of the cores that is hidden [1].
+    pub core: f64,
+    /// Largest depth over width of what is hidden of the cores [1].
+    pub core_ratio: f64,
+    /// Area that is glued [m²].
+    pub glued: f64,
+    /// Thickness of the body along the normal [m].
+    pub thickness: f64,
+}
+
+impl Cut {
+    /// For people.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        format!(
+            "the plane across {} at {:.2} mm hides {:.2} % of the outside and {:.2} % of the core, and glues {:.0} mm²",
+            direction(&self.normal),
+            self.offset * 1e3,
+            100.0 * self.outside,
+            100.0 * self.core,
+            self.glued * 1e6
+        )
+    }
+}
+
+/// The plane through the middle of the cavity that hides least, or the one asked for.
+#[must_use]
+pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
+    let asked = gluing.normal.map(|n| vec![Vec3::from(n).normalize()]);
+    let normals = asked.unwrap_or_else(|| normals.to_vec());
+    let mut cuts: Vec<Cut> = normals
+        .iter()
+        .map(|normal| {
+            let heights = skin.cores.iter().flat_map(|core| &core.surface.vertices);
+            let along: Vec<Vec3> = heights.map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
+            let (low, high) = bounds(&along);
+            measured(skin, *normal, gluing.offset.unwrap_or((low.x + high.x) / 2.0))
+        })
+        .collect();
+    let hidden = |cut: &Cut| cut.outside + cut.core;
+    let least = cuts.iter().map(hidden).fold(f64::INFINITY, f64::min);
+    cuts.retain(|cut| hidden(cut) <= least + AS_GOOD);
+    let thinnest = cuts.iter().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
+    let mut cut = cuts
+        .into_iter()
+        .find(|cut| cut.thickness <= AS_THIN * thinnest)
+        .expect("there is a normal");
+    complete(skin, &mut cut);
+    cut
+}
+
+/// A flat wall of the cavity: all of it lies on one side of the wall's plane.
+#[derive(Clone, Debug)]
+pub struct Flat {
+    /// The plane that opens the cavity, which is on the side away from its normal.
+    pub cut: Cut,
+    /// Position of the plane that leaves it closed [m].
+    pub beyond: f64,
+    /// Area of the wall over the area of the cavity as seen along the normal [1].
+    pub share: f64,
+}
+
+/// The flat wall that covers most of the cavity's outline.
+#[must_use]
+pub fn flattest(skin: &Skin) -> Option<Flat> {
+    let flats = walls(skin).into_iter().map(|normal| {
+        let top = skin.cores.iter().flat_map(|core| &core.surface.vertices);
+        let offset = top.map(|p| p.dot(&normal)).fold(f64::NEG_INFINITY, f64::max);
+        let (mut wall, mut outline) = (0.0, 0.0);
+        for core in &skin.cores {
+            outline += View::along(&core.surface, &normal).outline();
+            let on_plane = |t: &usize| {
+                let corners = core.surface.corners(*t);
+                corners.iter().all(|p| offset - p.dot(&normal) <= FLAT)
+            };
+            wall += (0..core.surface.triangles.len())
+                .filter(on_plane)
+                .map(|t| area(&core.surface, t))
+                .sum::<f64>();
+        }
+        (normal, offset, wall / outline)
+    });
+    let (normal, offset, share) = flats.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let mut cut = measured(skin, normal, offset - ASIDE);
+    complete(skin, &mut cut);
+    Some(Flat { cut, beyond: offset + ASIDE, share })
+}
+
+/// Normals of the largest flat walls of the cavity, without its inlets.
+fn walls(skin: &Skin) -> Vec<Vec3> {
+    // Normals that round to the same hundredths are one.
+    let mut sums: BTreeMap<[i32; 3], Vec3> = BTreeMap::new();
+    for core in &skin.cores {
+        for t in 0..core.surface.triangles.len() {
+            let [a, b, c] = core.surface.corners(t);
+            let normal = (b - a).cross(&(c - a));
+            let key: [i32; 3] = normal.normalize().map(|x| (x * 100.0).round() as i32).into();
+            *sums.entry(key).or_insert_with(Vec3::zeros) += normal;
+        }
+    }
+    let mut walls: Vec<Vec3> = sums.into_values().collect();
+    walls.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+    walls.truncate(WALLS);
+    let inlets: Vec<Vec3> =
+        skin.cores.iter().flat_map(|core| &core.inlets).map(|inlet| inlet.normal).collect();
+    let is_inlet = |n: &Vec3| inlets.iter().any(|inlet| inlet.dot(n) > PARALLEL);
+    walls.into_iter().map(|n| snapped(n.normalize())).filter(|n| !is_inlet(n)).collect()
+}
+
+/// A coordinate axis if the direction is one to rounding.
+fn snapped(n: Vec3) -> Vec3 {
+    let k = n.iamax();
+    let mut axis = Vec3::zeros();
+    axis[k] = n[k].signum();
+    if (n - axis).norm() < 1e-6 { axis } else { n }
+}
+
+fn area(surface: &SurfaceMesh, t: usize) -> f64 {
+    let [a, b, c] = surface.corners(t);
+    triangle_area(a, b, c)
+}
+
+fn measured(skin: &Skin, normal: Vec3, offset: f64) -> Cut {
+    let plane = Parting::Plane(offset);
+    let view = View::along(&skin.filled, &normal);
+    let [low, high] = view.extent();
+    let core =
+        skin.cores.iter().map(|core| View::along(&core.surface, &normal).undercut(plane).share);
+    Cut {
+        normal,
+        offset,
+        outside: view.undercut(plane).share,
+        core: core.fold(0.0, f64::max),
+        core_ratio: 0.0,
+        glued: 0.0,
+        thickness: high - low,
+    }
+}
+
+/// Adds what takes longer to measure.
+fn complete(skin: &Skin, cut: &mut Cut) {
+    let plane = Parting::Plane(cut.offset);
+    let ratios = skin.cores.iter().map(|core| {
+        let view = View::along(&core.surface, &cut.normal);
+        let undercut = view.undercut(plane);
+        view.worst(&undercut).map_or(0.0, |worst| worst.ratio)
+    });
+    cut.core_ratio = ratios.fold(0.0, f64::max);
+    // Cutting in two adds the section twice to the area.
+    let whole = Solid::from_surface(&skin.cast).expect("the skin was checked");
+    let (beyond, before) = whole.split_by_plane(&cut.normal, cut.offset);
+    cut.glued = (beyond.area() + before.area() - whole.area()) / 2.0;
+}

@@ -1,0 +1,201 @@
+//! How a body is to be molded: what is measured, what that decides, and why.
+
+pub mod girth;
+pub mod gluing;
+pub mod pull;
+pub mod report;
+pub mod undercut;
+mod verdict;
+
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+
+use crate::config::Config;
+use crate::layout::{self, LayoutError};
+use crate::method::Method;
+use crate::skin::Skin;
+use crate::stance::{Parting, Portion, Stance};
+use gluing::Flat;
+use pull::{Choice, Look};
+use report::{ChosenBy, Measure, Verdict};
+use undercut::Worst;
+use verdict::Judge;
+
+/// How a body is molded, and why.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// How the cavity comes into it.
+    pub method: Method,
+    /// Who chose that.
+    pub chosen_by: ChosenBy,
+    /// Why.
+    pub reason: String,
+    /// Every number that decided.
+    pub measures: Vec<Measure>,
+    /// What was found about each method.
+    pub verdicts: Vec<Verdict>,
+    /// What is hidden along every direction.
+    pub looks: Vec<Look>,
+    /// What is cast of silicone.
+    pub castings: Vec<Casting>,
+}
+
+/// A casting of silicone and how its mold stands.
+#[derive(Clone, Debug)]
+pub struct Casting {
+    /// Its name.
+    pub name: String,
+    /// How it stands, and how its mold comes apart.
+    pub stance: Stance,
+    /// Depth of what its shells leave hidden, at each triangle of the filled part [m].
+    pub undercut: Vec<f64>,
+}
+
+/// Why a body cannot be molded.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The method asked for cannot be used.
+    #[error("method = \"{method}\" cannot be used: {reason}; {possible}")]
+    Method {
+        /// The method.
+        method: Method,
+        /// Why not, with numbers.
+        reason: String,
+        /// Which can.
+        possible: String,
+    },
+    /// No method can be used.
+    #[error("no method makes this body: {reasons}")]
+    None {
+        /// Why each of them cannot.
+        reasons: String,
+    },
+    /// The silicone cannot be peeled out.
+    #[error(
+        "the {name} cannot be peeled out of its mold: {surface}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must \
+         give way by {depth:.2} mm, {ratio:.2} of its width of {width:.2} mm there, limits.peel is {limit:.2}: \
+         choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
+        x = worst.at.x * 1e3, y = worst.at.y * 1e3, z = worst.at.z * 1e3,
+        depth = worst.depth * 1e3, width = worst.width * 1e3, ratio = worst.ratio
+    )]
+    Locked {
+        /// What is cast.
+        name: String,
+        /// How its shells part.
+        surface: String,
+        /// Where that is worst.
+        worst: Worst,
+        /// Largest ratio allowed.
+        limit: f64,
+    },
+    /// The directions do not fit.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+}
+
+impl Plan {
+    /// Measures a body and chooses.
+    ///
+    /// # Errors
+    /// [`PlanError`] if it cannot be molded, or not as the configuration asks.
+    pub fn new(skin: &Skin, config: &Config) -> Result<Self, PlanError> {
+        let mut judge = Judge::new(skin, config);
+        let (method, chosen_by) = match config.method {
+            Some(method) => (judge.require(method)?, ChosenBy::Configuration),
+            None => (judge.first_possible()?, ChosenBy::Measures),
+        };
+        let reason = judge.reason(method);
+        let up = layout::up(skin, config);
+        let castings = match method {
+            Method::PullOut | Method::Soluble | Method::Wax => {
+                let up = layout::require_inlets_down(skin, up)?;
+                vec![Casting::new("body", &skin.filled, up, Portion::Whole, config)?]
+            }
+            Method::Halves => {
+                let cut = judge.halves().clone();
+                halves(skin, &cut.normal, cut.offset, config)?
+            }
+            Method::OpenTop => {
+                chamber_and_sheet(skin, judge.flat().expect("it was judged possible"), config)?
+            }
+        };
+        let looks = pull::looks(&skin.filled, &up);
+        let Judge { measures, verdicts, .. } = judge;
+        Ok(Self { method, chosen_by, reason, measures, verdicts, looks, castings })
+    }
+
+    /// What to do with the castings, in order.
+    #[must_use]
+    pub fn steps(&self) -> Vec<String> {
+        verdict::steps(self)
+    }
+}
+
+impl Casting {
+    /// A casting whose shells part as is best or as the configuration asks; `filled` is
+    /// the portion without its cavity.
+    ///
+    /// # Errors
+    /// [`PlanError::Locked`] if it cannot be peeled out.
+    pub fn new(
+        name: &str,
+        filled: &SurfaceMesh,
+        up: Vec3,
+        portion: Portion,
+        config: &Config,
+    ) -> Result<Self, PlanError> {
+        let Choice { pull, parting, undercut, worst, reason } =
+            pull::choose(filled, &up, portion, config);
+        log::info!("{name}: {reason}");
+        let limit = config.limits.peel;
+        if let Some(worst) = worst.filter(|worst| worst.ratio > limit) {
+            let (name, surface) = (name.into(), reason);
+            return Err(PlanError::Locked { name, surface, worst, limit });
+        }
+        let stance = Stance { up, pull, parting, portion };
+        Ok(Self { name: name.into(), stance, undercut: undercut.facets })
+    }
+}
+
+/// The filled body beyond a plane.
+fn beyond(skin: &Skin, normal: &Vec3, offset: f64) -> SurfaceMesh {
+    let filled = Solid::from_surface(&skin.filled).expect("the skin was checked");
+    filled.trim_by_plane(normal, offset).to_surface()
+}
+
+/// Both halves, cut face down. The parting of the whole body does not concern them.
+fn halves(
+    skin: &Skin,
+    normal: &Vec3,
+    offset: f64,
+    config: &Config,
+) -> Result<Vec<Casting>, PlanError> {
+    let config = Config { parting: Config::default().parting, ..config.clone() };
+    let sides = [("half-a", *normal, offset), ("half-b", -normal, -offset)];
+    let half = |(name, up, offset): (&str, Vec3, f64)| {
+        Casting::new(name, &beyond(skin, &up, offset), up, Portion::Above(offset), &config)
+    };
+    sides.into_iter().map(half).collect()
+}
+
+/// The chamber, cut face down on a plate that carries the core, and the sheet in a tray.
+fn chamber_and_sheet(skin: &Skin, flat: &Flat, config: &Config) -> Result<Vec<Casting>, PlanError> {
+    let config = Config { parting: Config::default().parting, ..config.clone() };
+    let (normal, offset) = (&flat.cut.normal, flat.cut.offset);
+    let up = -normal;
+    let chamber =
+        Casting::new("chamber", &beyond(skin, &up, -offset), up, Portion::Above(-offset), &config)?;
+    // The sheet lies in the tray with its glued face up.
+    let filled = beyond(skin, normal, flat.beyond);
+    let view = undercut::View::along(&filled, &up);
+    let undercut = view.undercut(undercut::Parting::Plane(-flat.beyond));
+    let fits = view.worst(&undercut).is_none_or(|worst| worst.ratio <= config.limits.peel);
+    let sheet = if fits {
+        let stance =
+            Stance { up, pull: up, parting: Parting::Open, portion: Portion::Below(-flat.beyond) };
+        Casting { name: "sheet".into(), stance, undercut: undercut.facets }
+    } else {
+        Casting::new("sheet", &filled, *normal, Portion::Above(flat.beyond), &config)?
+    };
+    Ok(vec![chamber, sheet])
+}

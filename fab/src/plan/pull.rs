@@ -1,0 +1,237 @@
+//! In which direction the shells separate, and along which surface.
+//!
+//! The body is looked at along many directions. A mold can be pulled along `up` or
+//! across it. A plane is preferred to a height field if it hides hardly more, as it
+//! is easier to print, to seal and to bolt.
+
+use mesh::{SurfaceMesh, Vec3};
+
+use super::undercut::{self, Undercut, View, Worst};
+use crate::config::{self, Config};
+use crate::frame::Frame;
+use crate::stance::{Parting, Portion};
+
+/// Directions spread evenly over a hemisphere.
+const HEMISPHERE: usize = 60;
+
+/// Directions across `up`, over half a turn.
+const AROUND: usize = 12;
+
+/// A plane may hide this much more of the area than the best surface, and one of two
+/// planes that differ by less is chosen by the thickness of the body along it [1].
+const EASIER: f64 = 0.01;
+
+/// A body counts as thin along a direction up to this many times its least thickness.
+const AS_THIN: f64 = 1.1;
+
+/// Directions that agree to this cosine are parallel.
+const ALONG: f64 = 1.0 - 1e-9;
+
+/// Positions along the pull that are tried for a plane.
+const POSITIONS: usize = 9;
+
+/// A direction and what is hidden along it at best.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// The direction [1].
+    pub pull: Vec3,
+    /// Whether it is along or across `up`.
+    pub usable: bool,
+    /// Part of the area that is hidden from a parting in the middle of every column [1].
+    pub share: f64,
+    /// How deep [m].
+    pub depth: f64,
+}
+
+/// How the shells of a mold separate.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// The direction [1].
+    pub pull: Vec3,
+    /// The surface.
+    pub parting: Parting,
+    /// What they leave hidden.
+    pub undercut: Undercut,
+    /// Where that is worst.
+    pub worst: Option<Worst>,
+    /// Why.
+    pub reason: String,
+}
+
+impl Choice {
+    /// Depth of the worst undercut over the width of what must give way [1].
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.worst.map_or(0.0, |worst| worst.ratio)
+    }
+}
+
+/// Looks at a body along a hemisphere of directions, the coordinate axes, `up` and
+/// across it; what hides least comes first.
+#[must_use]
+pub fn looks(body: &SurfaceMesh, up: &Vec3) -> Vec<Look> {
+    let spiral = hemisphere().map(|pull| (pull, false));
+    let usable = usable(up).into_iter().map(|pull| (pull, true));
+    let mut looks: Vec<Look> = usable
+        .chain(spiral)
+        .map(|(pull, usable)| {
+            let Undercut { share, depth, .. } =
+                View::along(body, &pull).undercut(undercut::Parting::Middle);
+            Look { pull, usable, share, depth }
+        })
+        .collect();
+    looks.sort_by(|a, b| a.share.total_cmp(&b.share));
+    looks
+}
+
+/// Directions spread evenly over a hemisphere: a Fibonacci spiral.
+pub fn hemisphere() -> impl Iterator<Item = Vec3> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..HEMISPHERE).map(move |i| {
+        let z = (i as f64 + 0.5) / HEMISPHERE as f64;
+        let (sin, cos) = (golden * i as f64).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        Vec3::new(r * cos, r * sin, z)
+    })
+}
+
+/// `up`, coordinate axes across it, and directions around it.
+fn usable(up: &Vec3) -> Vec<Vec3> {
+    let mut found = vec![*up];
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    found.extend(axes.into_iter().filter(|axis| axis.dot(up).abs() < 1e-9));
+    let (frame, _) = Frame::new(*up, *up).expect("a direction is along itself");
+    let [u, v] = [0, 1].map(|row| frame.rotation.row(row).transpose());
+    for k in 0..AROUND {
+        let (sin, cos) = (std::f64::consts::PI * k as f64 / AROUND as f64).sin_cos();
+        let pull = u * cos + v * sin;
+        if found.iter().all(|other| other.dot(&pull).abs() < 1.0 - 1e-9) {
+            found.push(pull);
+        }
+    }
+    found
+}
+
+/// The parting that hides least, or what the configuration asks for.
+#[must_use]
+pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) -> Choice {
+    let directions = |pull: Option<[f64; 3]>| match pull {
+        Some(pull) => vec![Vec3::from(pull).normalize()],
+        None => usable(up),
+    };
+    let planes = |pull: Vec3| (pull, planes(body, &pull, pull.dot(up) > ALONG, portion));
+    match &config.parting {
+        config::Parting::Plane(plane) => {
+            let options = directions(plane.pull).into_iter().map(|pull| match plane.offset {
+                Some(offset) => (pull, vec![Parting::Plane(offset)]),
+                None => planes(pull),
+            });
+            best_plane(body, options.collect(), f64::INFINITY).expect("there are planes")
+        }
+        config::Parting::HeightField(field) => {
+            best_field(body, directions(field.pull), field.clone())
+        }
+        config::Parting::Auto(auto) => {
+            let pulls = directions(auto.pull);
+            // Along `up`, what is cut stands on the plate that carries its core.
+            let free = |pull: &Vec3| portion == Portion::Whole || pull.dot(up) <= ALONG;
+            let fields = pulls.iter().copied().filter(free).collect();
+            let mut field = best_field(body, fields, config::HeightField::default());
+            field.reason += &format!(", and no plane comes within {:.0} % of that", 100.0 * EASIER);
+            let options = pulls.into_iter().map(planes).collect();
+            best_plane(body, options, field.undercut.share + EASIER).unwrap_or(field)
+        }
+    }
+}
+
+/// Planes that can be used: along `up` the seat, which leaves the body in one cup, then
+/// other positions if it is not cut; across it the middle.
+fn planes(body: &SurfaceMesh, pull: &Vec3, along_up: bool, portion: Portion) -> Vec<Parting> {
+    let heights = body.vertices.iter().map(|p| p.dot(pull));
+    let low = heights.clone().fold(f64::INFINITY, f64::min);
+    let high = heights.fold(f64::NEG_INFINITY, f64::max);
+    let at = |t: f64| Parting::Plane(low + t * (high - low));
+    let tried = (1..=POSITIONS).map(|k| at(k as f64 / (POSITIONS + 1) as f64));
+    match (along_up, portion) {
+        (false, _) => vec![at(0.5)],
+        (true, Portion::Whole) => std::iter::once(Parting::Seat).chain(tried).collect(),
+        (true, _) => vec![Parting::Seat],
+    }
+}
+
+/// The plane that hides least, of those that hide at most `limit`.
+fn best_plane(
+    body: &SurfaceMesh,
+    options: Vec<(Vec3, Vec<Parting>)>,
+    limit: f64,
+) -> Option<Choice> {
+    struct Plane {
+        pull: Vec3,
+        parting: Parting,
+        undercut: Undercut,
+        thickness: f64,
+    }
+    let mut planes = Vec::new();
+    for (pull, partings) in options {
+        let view = View::along(body, &pull);
+        let [low, high] = view.extent();
+        for parting in partings {
+            let position = match parting {
+                Parting::Plane(z) => z,
+                _ => low,
+            };
+            let undercut = view.undercut(undercut::Parting::Plane(position));
+            planes.push(Plane { pull, parting, undercut, thickness: high - low });
+        }
+    }
+    planes.retain(|plane| plane.undercut.share <= limit);
+    let least = planes.iter().map(|p| p.undercut.share).fold(f64::INFINITY, f64::min);
+    planes.retain(|plane| plane.undercut.share <= least + EASIER);
+    // Directions that are about as thin are as good: the first is kept.
+    let thinnest = planes.iter().map(|p| p.thickness).fold(f64::INFINITY, f64::min);
+    let plane = planes.into_iter().find(|plane| plane.thickness <= AS_THIN * thinnest)?;
+    let worst = View::along(body, &plane.pull).worst(&plane.undercut);
+    let place = match plane.parting {
+        Parting::Seat => "where the body stands".into(),
+        Parting::Plane(z) => format!("at {:.2} mm", z * 1e3),
+        Parting::HeightField(_) | Parting::Open => String::new(),
+    };
+    let reason = format!(
+        "a plane across {} {place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
+        direction(&plane.pull),
+        100.0 * plane.undercut.share,
+        1e3 * plane.undercut.depth
+    );
+    let Plane { pull, parting, undercut, .. } = plane;
+    Some(Choice { pull, parting, undercut, worst, reason })
+}
+
+fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightField) -> Choice {
+    let seen = pulls.into_iter().map(|pull| {
+        let view = View::along(body, &pull);
+        let undercut = view.undercut(undercut::Parting::Middle);
+        (pull, view, undercut)
+    });
+    let (pull, view, undercut) =
+        seen.min_by(|a, b| a.2.share.total_cmp(&b.2.share)).expect("there is a direction");
+    let worst = view.worst(&undercut);
+    let reason = format!(
+        "a height field along {} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
+        direction(&pull),
+        100.0 * undercut.share,
+        1e3 * undercut.depth
+    );
+    Choice { pull, parting: Parting::HeightField(settings), undercut, worst, reason }
+}
+
+/// A direction for people.
+#[must_use]
+pub fn direction(d: &Vec3) -> String {
+    let [x, y, z] = [d.x, d.y, d.z].map(|c| c + 0.0);
+    match () {
+        () if x.abs() > 1.0 - 1e-9 => "x".into(),
+        () if y.abs() > 1.0 - 1e-9 => "y".into(),
+        () if z.abs() > 1.0 - 1e-9 => "z".into(),
+        () => format!("({x:.3}, {y:.3}, {z:.3})"),
+    }
+}

@@ -1,0 +1,167 @@
+//! `plan.json`: how a body is to be molded, why, and which molds that takes.
+
+use std::path::Path;
+
+use mesh::io::{IoError, write_atomic};
+use serde::{Deserialize, Serialize};
+
+use super::Plan;
+use super::pull::Look;
+use crate::export::MM;
+use crate::method::Method;
+use crate::report::{Input, Triple};
+
+/// Name of the plan in the top folder.
+pub const FILE: &str = "plan.json";
+
+/// Everything `fab plan` tells. Lengths are millimetres, directions those of the design.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Program and version.
+    pub program: String,
+    /// Unit of every length in this file.
+    pub units: String,
+    /// The body.
+    pub input: Input,
+    /// How it is molded.
+    pub method: Method,
+    /// Whether that was measured or asked for in mold.toml.
+    pub chosen_by: ChosenBy,
+    /// Why, with numbers.
+    pub reason: String,
+    /// Every number that decided.
+    pub measures: Vec<Measure>,
+    /// Whether each of the methods can be used, and why.
+    pub methods: Vec<Verdict>,
+    /// Directions that were looked along, the best first.
+    pub directions: Vec<Direction>,
+    /// The molds to print and cast, in the order of casting.
+    pub molds: Vec<Entry>,
+    /// From castings to the body: what to do, in order.
+    pub steps: Vec<String>,
+}
+
+/// Who chose.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChosenBy {
+    /// What was measured.
+    Measures,
+    /// `method` in mold.toml.
+    Configuration,
+}
+
+/// A number that was measured.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// What it is of.
+    pub name: String,
+    /// The number.
+    pub value: f64,
+    /// Its unit; empty for a ratio.
+    pub unit: String,
+    /// What it is compared with, if with anything.
+    pub limit: Option<f64>,
+    /// What it means and how it was measured.
+    pub meaning: String,
+}
+
+/// Whether a method can be used.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Verdict {
+    /// The method.
+    pub method: Method,
+    /// Whether it can be used.
+    pub possible: bool,
+    /// Why, with numbers.
+    pub reason: String,
+}
+
+/// What two shells that separate along a direction leave hidden.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Direction {
+    /// The direction in the design [1].
+    pub pull: Triple,
+    /// Whether a mold can be made so: along or across `up`.
+    pub usable: bool,
+    /// Part of the area that neither shell can leave along it, at best [%].
+    pub undercut: f64,
+    /// How far the mold reaches under the body there, at most [mm].
+    pub depth: f64,
+}
+
+/// One of the molds.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// Its folder, relative to the plan's; "." for the plan's own.
+    pub folder: String,
+    /// Its name.
+    pub name: String,
+    /// What is cast in it.
+    pub casts: Material,
+}
+
+/// What is cast in a mold.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Material {
+    /// Silicone.
+    Silicone,
+    /// Wax, for a core.
+    Wax,
+}
+
+impl Report {
+    /// What a plan tells about a body and the molds made of it.
+    #[must_use]
+    pub fn new(plan: &Plan, input: Input, molds: Vec<Entry>) -> Self {
+        Self {
+            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
+            units: "mm".into(),
+            input,
+            method: plan.method,
+            chosen_by: plan.chosen_by,
+            reason: plan.reason.clone(),
+            measures: plan.measures.clone(),
+            methods: plan.verdicts.clone(),
+            directions: plan.looks.iter().map(direction).collect(),
+            molds,
+            steps: plan.steps(),
+        }
+    }
+
+    /// Reads the plan in `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not a plan.
+    pub fn read(folder: &Path) -> Result<Self, IoError> {
+        let path = folder.join(FILE);
+        let text = mesh::io::read_text(&path)?;
+        serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
+    }
+
+    /// Writes the plan into `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
+        write_atomic(&folder.join(FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+}
+
+fn direction(look: &Look) -> Direction {
+    Direction {
+        pull: look.pull.into(),
+        usable: look.usable,
+        undercut: 100.0 * look.share,
+        depth: look.depth * MM,
+    }
+}

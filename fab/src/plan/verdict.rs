@@ -1,0 +1,251 @@
+//! Which methods can make a body's cavity, judged by what is measured.
+
+use mesh::Vec3;
+
+use super::gluing::{self, Cut, Flat};
+use super::report::{Measure, Verdict};
+use super::{Plan, PlanError, girth, pull};
+use crate::config::Config;
+use crate::layout;
+use crate::method::Method;
+use crate::skin::Skin;
+
+/// Measures a body only as far as it is asked.
+pub struct Judge<'a> {
+    skin: &'a Skin,
+    config: &'a Config,
+    /// What was measured.
+    pub measures: Vec<Measure>,
+    /// What was decided.
+    pub verdicts: Vec<Verdict>,
+    halves: Option<Cut>,
+    flat: Option<Flat>,
+}
+
+impl<'a> Judge<'a> {
+    /// Nothing is measured yet.
+    #[must_use]
+    pub fn new(skin: &'a Skin, config: &'a Config) -> Self {
+        let (measures, verdicts) = (Vec::new(), Vec::new());
+        Self { skin, config, measures, verdicts, halves: None, flat: None }
+    }
+
+    /// The method that is preferred of those that can be used. Wax is as good as a
+    /// soluble core but takes one more casting: it is used only if it is asked for.
+    pub fn first_possible(&mut self) -> Result<Method, PlanError> {
+        let wanted = Method::ALL.into_iter().filter(|&method| method != Method::Wax);
+        for method in wanted {
+            if self.judge(method).possible {
+                return Ok(method);
+            }
+        }
+        let reason = |v: &Verdict| format!("{}: {}", v.method, v.reason);
+        let reasons: Vec<String> = self.verdicts.iter().map(reason).collect();
+        Err(PlanError::None { reasons: reasons.join("; ") })
+    }
+
+    /// The method asked for.
+    pub fn require(&mut self, method: Method) -> Result<Method, PlanError> {
+        let verdict = self.judge(method);
+        if verdict.possible {
+            return Ok(method);
+        }
+        let others = Method::ALL.into_iter().filter(|&other| other != method);
+        let can: Vec<String> = others
+            .filter(|&other| self.judge(other).possible)
+            .map(|other| format!("\"{other}\""))
+            .collect();
+        let possible = match can.len() {
+            0 => "no other method can be used".into(),
+            _ => format!("possible are {}", can.join(", ")),
+        };
+        Err(PlanError::Method { method, reason: verdict.reason, possible })
+    }
+
+    /// Why a method that was judged can be used or not.
+    #[must_use]
+    pub fn reason(&self, method: Method) -> String {
+        let why: Vec<String> = self
+            .verdicts
+            .iter()
+            .filter(|v| v.method == method || !v.possible)
+            .map(|v| format!("{}: {}", v.method, v.reason))
+            .collect();
+        why.join("; ")
+    }
+
+    fn judge(&mut self, method: Method) -> Verdict {
+        let (possible, reason) = match method {
+            Method::PullOut => self.pull_out(),
+            Method::Soluble | Method::Wax => self.inlets(),
+            Method::Halves => self.in_halves(),
+            Method::OpenTop => self.open_top(),
+        };
+        let verdict = Verdict { method, possible, reason };
+        self.verdicts.push(verdict.clone());
+        verdict
+    }
+
+    /// Whether every core has an inlet, and all of them face down.
+    fn inlets(&mut self) -> (bool, String) {
+        if let Some(core) = self.skin.cores.iter().find(|core| core.inlets.is_empty()) {
+            let volume = mesh::measure::enclosed_volume(&core.surface).abs() * 1e9;
+            let reason =
+                format!("a cavity of {volume:.1} mm³ is closed, and no core can be held in it");
+            return (false, reason);
+        }
+        let up = layout::up(self.skin, self.config);
+        match layout::require_inlets_down(self.skin, up) {
+            Ok(_) => {
+                let count: usize = self.skin.cores.iter().map(|core| core.inlets.len()).sum();
+                (
+                    true,
+                    format!(
+                        "the core can be held, and leave, through {count} inlets that face down"
+                    ),
+                )
+            }
+            Err(error) => (false, error.to_string()),
+        }
+    }
+
+    fn pull_out(&mut self) -> (bool, String) {
+        let (held, reason) = self.inlets();
+        if !held {
+            return (false, reason);
+        }
+        let limit = self.config.limits.girth;
+        let mut worst: f64 = 0.0;
+        let mut words = String::new();
+        for core in &self.skin.cores {
+            let inlet = core.inlets.iter().max_by(|a, b| a.girth.total_cmp(&b.girth));
+            let inlet = inlet.expect("every core has an inlet");
+            let around = girth::largest(&core.surface, &inlet.normal);
+            let ratio = around.length / inlet.girth;
+            if ratio > worst {
+                worst = ratio;
+                words = format!(
+                    "the core is {:.1} mm around, its inlet {:.1} mm: the inlet must stretch by {ratio:.2}, \
+                     limits.girth is {limit:.2}",
+                    around.length * 1e3,
+                    inlet.girth * 1e3
+                );
+            }
+        }
+        self.measures.push(Measure {
+            name: "girth of the core over girth of its inlet".into(),
+            value: worst,
+            unit: String::new(),
+            limit: Some(limit),
+            meaning:
+                "longest outline of a section of the core across the inlet's axis, over that of \
+                      the inlet's rim; the limit is a judgement"
+                    .into(),
+        });
+        (worst <= limit, words)
+    }
+
+    fn open_top(&mut self) -> (bool, String) {
+        let limit = self.config.limits.flat;
+        self.flat = gluing::flattest(self.skin);
+        let Some(Flat { cut, share, .. }) = &self.flat else {
+            return (false, "the cavity has no wall besides its inlets".into());
+        };
+        let percent = 100.0 * share;
+        let words = format!(
+            "the largest flat wall of the cavity, across {}, covers {percent:.1} % of its outline, \
+             limits.flat is {:.1} %; {}",
+            pull::direction(&cut.normal),
+            100.0 * limit,
+            cut.describe()
+        );
+        self.measures.push(Measure {
+            name: "flat wall over outline of the cavity".into(),
+            value: *share,
+            unit: String::new(),
+            limit: Some(limit),
+            meaning:
+                "area of the cavity's wall within 5 µm of a plane with all of the cavity on one \
+                      side, over the area of the cavity as seen across it; the limit is a judgement"
+                    .into(),
+        });
+        let ratio = cut.core_ratio;
+        let open = *share >= limit;
+        let peels = ratio <= self.config.limits.peel;
+        if open && !peels {
+            let words = format!(
+                "{words}; silicone below the core must give way by {ratio:.2} of its width"
+            );
+            return (false, words);
+        }
+        (open, words)
+    }
+
+    fn in_halves(&mut self) -> (bool, String) {
+        let limit = self.config.limits.peel;
+        let cut = self.halves();
+        let ratio = cut.core_ratio;
+        let words = format!(
+            "{}; below the core silicone must give way by {ratio:.2} of its width, limits.peel is {limit:.2}",
+            cut.describe()
+        );
+        self.measures.push(Measure {
+            name: "undercut of the half cores".into(),
+            value: ratio,
+            unit: String::new(),
+            limit: Some(limit),
+            meaning:
+                "depth of what is caught below a half core over its width; the limit is a judgement"
+                    .into(),
+        });
+        (ratio <= limit, words)
+    }
+
+    /// The plane in which halves are glued.
+    pub fn halves(&mut self) -> &Cut {
+        let (skin, config) = (self.skin, self.config);
+        self.halves.get_or_insert_with(|| {
+            let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+            normals.extend(pull::hemisphere());
+            gluing::best(skin, &config.gluing, &normals)
+        })
+    }
+
+    /// The flat wall of an open-top mold.
+    #[must_use]
+    pub fn flat(&self) -> Option<&Flat> {
+        self.flat.as_ref()
+    }
+}
+
+/// What to do with the castings, in order.
+#[must_use]
+pub fn steps(plan: &Plan) -> Vec<String> {
+    let steps: &[&str] = match plan.method {
+        Method::PullOut => &[
+            "Close the mold around the core and cast it.",
+            "Take the shells off, then pull the core out through the inlet: it must stretch, so wet it with soapy water.",
+        ],
+        Method::Soluble => &[
+            "Print the core of a filament that water dissolves (PVA or BVOH), the rest of any other.",
+            "Close the mold around the core and cast it.",
+            "Take the shells off and leave the body in warm water, flushed through the bore of the core, until nothing of the core is left.",
+        ],
+        Method::Wax => &[
+            "Cast the core of wax in its own mold, and put it into the mold of the body.",
+            "Close the mold around the core and cast it.",
+            "Take the shells off, let the wax melt out through the inlet below the softening point of the printed parts, and rinse with hot water.",
+        ],
+        Method::Halves => &[
+            "Cast both halves, each over the plate that carries its half of the core.",
+            "Clean the cut faces with alcohol, wet both with a thin film of the same uncured silicone, and press them together until it has cured: within a day of casting, as cured silicone bonds badly.",
+            "A closed cavity takes its tube through a hole that is pierced afterwards, sealed with the same silicone.",
+        ],
+        Method::OpenTop => &[
+            "Cast the chamber over the plate that carries the core, and pour the sheet into its open tray up to the brim.",
+            "Clean the cut faces with alcohol, wet that of the chamber with a thin film of the same uncured silicone, and lay it on the sheet until it has cured: within a day of casting, as cured silicone bonds badly.",
+            "Cut the film of silicone away that closes the inlet, if there is one.",
+        ],
+    };
+    steps.iter().map(|step| (*step).to_string()).collect()
+}

@@ -1,0 +1,164 @@
+//! A body whose boundary is moved along its normals.
+//!
+//! A vertex moves by the d that shifts the planes of its facets by the distance t as well
+//! as possible, the least Σ w (n·d − t)² over the facets with unit normals n and angles w
+//! at the vertex (a quadric error as in Garland and Heckbert 1997): t along the normal
+//! where the boundary is smooth, and more at an edge, whose both sides move by t. What is
+//! inside follows harmonically on the graph of edges.
+
+use std::collections::BTreeMap;
+
+use mesh::{TetMesh, Vec3, measure, topology};
+use nalgebra::{Matrix3, SymmetricEigen};
+
+/// Directions in which the normals vary less than this part of the most are not moved in:
+/// normals within 20° count as one.
+const FLAT: f64 = 0.03;
+
+/// Sweeps over the inside, at most, and the change at which they end, in parts of t.
+const SWEEPS: usize = 2000;
+const SETTLED: f64 = 1e-4;
+
+/// A wall that cannot be moved so far.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "moving the boundary by {distance_mm:.3} mm turns {inverted} of {tets} tetrahedra inside out: \
+     study a smaller tolerance, or a mesh whose edges (now {edge_mm:.3} mm on average) are longer"
+)]
+pub struct OffsetError {
+    distance_mm: f64,
+    inverted: usize,
+    tets: usize,
+    edge_mm: f64,
+}
+
+/// The mesh with its boundary moved outward by `distance` [m], inward if it is negative.
+///
+/// # Errors
+/// [`OffsetError`] if a tetrahedron would not have positive volume.
+pub fn offset(mesh: &TetMesh, distance: f64) -> Result<TetMesh, OffsetError> {
+    let facets = topology::boundary(mesh).facets;
+    let mut moves: BTreeMap<usize, Vec3> = shifts(mesh, &facets);
+    moves.values_mut().for_each(|d| *d *= distance);
+    let inside = follow(mesh, &moves, SETTLED * distance.abs());
+    let vertices = mesh.vertices.iter().zip(&inside).map(|(p, d)| p + d).collect();
+    let moved = TetMesh { vertices, tets: mesh.tets.clone() };
+    let volume = |t: usize| {
+        let [a, b, c, d] = moved.corners(t);
+        measure::tet_volume(a, b, c, d)
+    };
+    let inverted = (0..moved.tets.len()).filter(|&t| volume(t) <= 0.0).count();
+    if inverted > 0 {
+        return Err(OffsetError {
+            distance_mm: distance * 1e3,
+            inverted,
+            tets: moved.tets.len(),
+            edge_mm: measure::mean_edge(&mesh.vertices, &facets) * 1e3,
+        });
+    }
+    Ok(moved)
+}
+
+/// The move of every boundary vertex for t = 1.
+fn shifts(mesh: &TetMesh, facets: &[[usize; 3]]) -> BTreeMap<usize, Vec3> {
+    let mut quadrics: BTreeMap<usize, (Matrix3<f64>, Vec3)> = BTreeMap::new();
+    for facet in facets {
+        let corners = facet.map(|v| mesh.vertices[v]);
+        let normal = measure::triangle_normal(corners[0], corners[1], corners[2]);
+        for k in 0..3 {
+            let [a, b] = [1, 2].map(|i| corners[(k + i) % 3] - corners[k]);
+            let angle = a.angle(&b);
+            let (matrix, right) = quadrics.entry(facet[k]).or_default();
+            *matrix += normal * normal.transpose() * angle;
+            *right += normal * angle;
+        }
+    }
+    quadrics.into_iter().map(|(v, (matrix, right))| (v, least(matrix, &right))).collect()
+}
+
+/// The shortest d with the least error: the pseudo-inverse.
+fn least(matrix: Matrix3<f64>, right: &Vec3) -> Vec3 {
+    let SymmetricEigen { eigenvalues, eigenvectors } = matrix.symmetric_eigen();
+    let largest = eigenvalues.max();
+    (0..3)
+        .filter(|&k| eigenvalues[k] > FLAT * largest)
+        .map(|k| {
+            let axis = eigenvectors.column(k).into_owned();
+            axis * (axis.dot(right) / eigenvalues[k])
+        })
+        .sum()
+}
+
+/// Moves of all vertices: given ones, and the mean of the neighbours everywhere else.
+fn follow(mesh: &TetMesh, given: &BTreeMap<usize, Vec3>, settled: f64) -> Vec<Vec3> {
+    let edges = topology::tet_edges(&mesh.tets);
+    let neighbours = topology::vertex_neighbours(mesh.vertices.len(), &edges);
+    let mut moves = vec![Vec3::zeros(); mesh.vertices.len()];
+    given.iter().for_each(|(&v, d)| moves[v] = *d);
+    let free: Vec<usize> =
+        (0..moves.len()).filter(|v| !given.contains_key(v) && !neighbours[*v].is_empty()).collect();
+    for _ in 0..SWEEPS {
+        let mut change = 0.0_f64;
+        for &v in &free {
+            let sum: Vec3 = neighbours[v].iter().map(|&n| moves[n]).sum();
+            let mean = sum / neighbours[v].len() as f64;
+            change = change.max((mean - moves[v]).amax());
+            moves[v] = mean;
+        }
+        if change <= settled {
+            break;
+        }
+    }
+    moves
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A cube of side 2 from 2 × 2 × 2 smaller ones, each cut into six.
+    fn cube() -> TetMesh {
+        let vertex = |x: usize, y: usize, z: usize| (z * 3 + y) * 3 + x;
+        let mut mesh = TetMesh::default();
+        let at = |i: usize| Vec3::new((i % 3) as f64, (i / 3 % 3) as f64, (i / 9) as f64);
+        mesh.vertices = (0..27).map(at).collect();
+        let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+        for cell in 0..8 {
+            let [x, y, z] = [cell % 2, cell / 2 % 2, cell / 4];
+            for (n, order) in orders.iter().enumerate() {
+                let mut corner = [0; 3];
+                let mut tet = [vertex(x, y, z); 4];
+                for (step, &axis) in order.iter().enumerate() {
+                    corner[axis] = 1;
+                    tet[step + 1] = vertex(x + corner[0], y + corner[1], z + corner[2]);
+                }
+                if n >= 3 {
+                    tet.swap(1, 2);
+                }
+                mesh.tets.push(tet);
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn both_sides_of_an_edge_move_by_the_distance() {
+        for t in [0.1, -0.2] {
+            let moved = offset(&cube(), t).unwrap();
+            let side = 2.0 + 2.0 * t;
+            assert!((measure::volume(&moved) - side.powi(3)).abs() < 1e-12);
+            let (low, high) = measure::bounds(&moved.vertices);
+            assert!((low - Vec3::repeat(-t)).amax() < 1e-12, "{low}");
+            assert!((high - Vec3::repeat(2.0 + t)).amax() < 1e-12, "{high}");
+            // The middle stays, as all around it moves apart alike.
+            assert!((moved.vertices[13] - Vec3::repeat(1.0)).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn too_far_is_refused_with_numbers() {
+        let message = offset(&cube(), -1.5).unwrap_err().to_string();
+        assert!(message.contains("48 of 48 tetrahedra"), "{message}");
+    }
+}

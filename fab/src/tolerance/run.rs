@@ -1,0 +1,76 @@
+//! The program `solver`, run on a body and read back.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+
+/// How to simulate a body.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    /// The program.
+    pub program: PathBuf,
+    /// The scene.
+    pub scene: PathBuf,
+    /// The body of the scene, if it has several.
+    pub body: Option<String>,
+}
+
+/// What is read of the solver's report.
+#[derive(Deserialize)]
+struct Report {
+    usable: bool,
+    walls: BTreeMap<String, Wall>,
+    tags: BTreeMap<String, Tag>,
+}
+
+#[derive(Deserialize)]
+struct Wall {
+    volume: f64,
+    pressure: f64,
+}
+
+#[derive(Deserialize)]
+struct Tag {
+    mean_displacement: f64,
+    max_displacement: f64,
+}
+
+impl Solver {
+    /// Simulates `mesh` into `folder`: the name, unit and value of every response.
+    ///
+    /// # Errors
+    /// If the program cannot be run, or its result may not be used.
+    pub fn run(&self, mesh: &Path, folder: &Path) -> Result<Vec<(String, &'static str, f64)>> {
+        let mesh = match &self.body {
+            Some(body) => format!("{body}={}", mesh.display()),
+            None => mesh.display().to_string(),
+        };
+        let mut command = Command::new(&self.program);
+        command.arg("simulate").arg(&self.scene).args(["--mesh", &mesh, "-o"]).arg(folder);
+        let output = command.output().with_context(|| {
+            format!("{}: cannot be run; give its place with --solver", self.program.display())
+        })?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.success(), "solver simulate ended with {}:\n{said}", output.status);
+        read(&folder.join("report.json"))
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
+    let text = mesh::io::read_text(path)?;
+    let report: Report = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    ensure!(report.usable, "{}: the result may not be used", path.display());
+    let mut found = Vec::new();
+    for (name, wall) in &report.walls {
+        found.push((format!("walls.{name}.volume"), "m³", wall.volume));
+        found.push((format!("walls.{name}.pressure"), "Pa", wall.pressure));
+    }
+    for (name, tag) in &report.tags {
+        found.push((format!("tags.{name}.mean_displacement"), "m", tag.mean_displacement));
+        found.push((format!("tags.{name}.max_displacement"), "m", tag.max_displacement));
+    }
+    Ok(found)
+}

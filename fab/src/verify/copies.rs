@@ -1,0 +1,134 @@
+//! What is written beside the STL files says the same as they do.
+
+use std::path::Path;
+
+use mesh::{SurfaceMesh, Vec3};
+use serde_json::Value;
+
+use super::Line;
+use super::set::Files;
+use crate::cast::{self, Sheet};
+use crate::output::{ASSEMBLY, threemf_file};
+use crate::report::Part;
+use crate::threemf::{self, Shape};
+
+/// All checks of copies.
+pub fn checks(files: &Files, folder: &Path) -> Vec<Line> {
+    let parts = &files.report.parts;
+    let mut lines: Vec<Line> = parts
+        .iter()
+        .zip(&files.parts)
+        .map(|(part, surface)| alone(folder, part, surface))
+        .collect();
+    lines.push(together(folder, parts, &files.parts));
+    lines.push(sheet(files, folder));
+    lines
+}
+
+/// The 3MF file of a part holds its triangles, bit for bit.
+fn alone(folder: &Path, part: &Part, surface: &SurfaceMesh) -> Line {
+    let file = threemf_file(part);
+    let found = threemf::read(&folder.join(&file)).map_err(|e| e.to_string());
+    let result = found.and_then(|shapes| match &shapes[..] {
+        [shape] => same(shape, part, surface),
+        _ => Err(format!("{} shapes", shapes.len())),
+    });
+    line(&file, result, "the triangles of the STL file, in millimetres")
+}
+
+/// The assembly holds all parts where they are in the closed mold.
+fn together(folder: &Path, parts: &[Part], surfaces: &[SurfaceMesh]) -> Line {
+    let found = threemf::read(&folder.join(ASSEMBLY)).map_err(|e| e.to_string());
+    let result = found.and_then(|shapes| {
+        if shapes.len() != parts.len() {
+            return Err(format!("{} shapes", shapes.len()));
+        }
+        let shift = shapes[0].place.shift;
+        for ((shape, part), surface) in shapes.iter().zip(parts).zip(surfaces) {
+            same(shape, part, surface)?;
+            let turned = (shape.place.turn - Files::turn(part)).amax();
+            let moved = (shape.place.shift - shift).amax();
+            // Numbers of transforms are exact, sums of shifts are rounded.
+            if turned > 0.0 || moved > 1e-9 {
+                return Err(format!("{} is turned by {turned} or moved by {moved} mm", part.name));
+            }
+        }
+        Ok(shapes.len())
+    });
+    line(ASSEMBLY, result, "all parts, each where it is in the closed mold")
+}
+
+/// Triangles that are the same, whatever the numbers of their vertices.
+fn same(shape: &Shape, part: &Part, surface: &SurfaceMesh) -> Result<usize, String> {
+    let count = shape.surface.triangles.len();
+    if shape.name != part.name {
+        return Err(format!("its name is {:?}", shape.name));
+    }
+    if count != surface.triangles.len() {
+        return Err(format!("{count} triangles, the STL file has {}", surface.triangles.len()));
+    }
+    let turn = Files::turn(part);
+    let ours = |t: usize| from_the_least(surface.corners(t));
+    let other = |t: usize| from_the_least(shape.surface.corners(t).map(|p| turn * p)) != ours(t);
+    match (0..count).filter(|&t| other(t)).count() {
+        0 => Ok(count),
+        n => Err(format!("{n} of {count} triangles differ")),
+    }
+}
+
+/// A triangle from its least corner on: STL files may begin with another one.
+fn from_the_least(corners: [Vec3; 3]) -> [Vec3; 3] {
+    // Adding zero turns -0 into +0.
+    let mut corners = corners.map(|p| p.add_scalar(0.0));
+    let least = (0..3).min_by(|&i, &j| {
+        let order = corners[i].iter().zip(&corners[j]).map(|(a, b)| a.total_cmp(b));
+        order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+    });
+    corners.rotate_left(least.unwrap_or_default());
+    corners
+}
+
+/// The sheet is that of the report.
+fn sheet(files: &Files, folder: &Path) -> Line {
+    let read = mesh::io::read_text(&folder.join(cast::JSON)).map_err(|e| e.to_string());
+    let result = read.and_then(|text| {
+        let found: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+        let sheet = Sheet::new(&files.report)?;
+        let text = serde_json::to_string(&sheet).map_err(|e| e.to_string())?;
+        let told: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+        let keys = told.as_object().into_iter().flatten();
+        let off: Vec<&str> =
+            keys.filter(|(k, v)| !alike(found.get(k), v)).map(|(k, _)| k.as_str()).collect();
+        let markdown = mesh::io::read_text(&folder.join(cast::MARKDOWN));
+        match off.is_empty() {
+            false => Err(format!("other {}", off.join(", "))),
+            true if markdown.is_ok_and(|text| text == sheet.markdown()) => Ok(sheet.steps.len()),
+            true => Err(format!("{} says something else", cast::MARKDOWN)),
+        }
+    });
+    line(cast::JSON, result, "the volumes and masses of mold.json")
+}
+
+/// Whether two values say the same: decimals are read back to the last digits.
+fn alike(found: Option<&Value>, told: &Value) -> bool {
+    match (found, told) {
+        (Some(Value::Number(a)), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            (a - b).abs() <= 1e-12 * b.abs()
+        }
+        (Some(Value::Array(a)), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(Some(a), b))
+        }
+        (Some(Value::Object(a)), Value::Object(b)) => {
+            a.len() == b.len() && b.iter().all(|(key, b)| alike(a.get(key), b))
+        }
+        (found, told) => found == Some(told),
+    }
+}
+
+fn line(name: &str, result: Result<usize, String>, needed: &str) -> Line {
+    match result {
+        Ok(count) => Line::new(name, true, format!("{count} the same"), needed),
+        Err(message) => Line::new(name, false, message, needed),
+    }
+}

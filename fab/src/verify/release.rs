@@ -1,0 +1,70 @@
+//! The core leaves the body.
+//!
+//! What has to be stretched over a core that is pulled out is the inlet: its girth is that
+//! of the core just inside, and the largest girth of the core across the pull is what has to
+//! pass. Soluble and molten cores need no way out.
+
+use super::set::{Body, Set};
+use super::{Line, Status};
+use crate::method::Method;
+use crate::plan::girth;
+use crate::plan::report::Report;
+use crate::silicone;
+
+/// Where the girth of an inlet is measured, above the lowest point of the body [mm].
+const INSIDE: [f64; 2] = [0.1, 0.3];
+
+/// Part of the elongation at break to which the inlet may be stretched: a judgement, from
+/// the scatter of elongations at break and the notch that a cut inlet is.
+const SAFE: f64 = 0.5;
+
+/// The check of every core, with the method of the plan if there is one.
+pub fn checks(set: &Set, plan: Option<&Report>) -> Vec<Line> {
+    set.cores.iter().map(|core| passes(set, core, plan)).collect()
+}
+
+fn passes(set: &Set, core: &Body, plan: Option<&Report>) -> Line {
+    let name = format!("{}: leaves", core.name);
+    let up = -core.leaves;
+    let seat = set.cast.solid.bounds().0.dot(&up).min(set.cast.solid.bounds().1.dot(&up));
+    let above = |height: f64| core.solid.trim_by_plane(&up, seat + height);
+    let mouth = above(INSIDE[0]).difference(&above(INSIDE[1])).to_surface();
+    let inside = above(INSIDE[0]).to_surface();
+    if mouth.triangles.is_empty() {
+        return Line::new(name, false, "the core does not reach the inlet".into(), "an inlet");
+    }
+    let [inlet, widest] = [mouth, inside].map(|surface| girth::largest(&surface, &up).length);
+    let ratio = widest / inlet;
+    let found = format!("{ratio:.2} × the inlet's girth of {inlet:.1} mm");
+    match plan.map(|plan| plan.method) {
+        Some(method @ (Method::Soluble | Method::Wax)) => {
+            Line::new(name, true, found, &format!("any, the core is {}", method.name()))
+        }
+        _ => stretched(set, name, ratio, found),
+    }
+}
+
+/// Whether silicone can be stretched so far; a warning if it is not known which.
+fn stretched(set: &Set, name: String, ratio: f64, found: String) -> Line {
+    let key = set.report.casting.silicone.as_deref();
+    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    match facts.and_then(|facts| facts.elongation) {
+        Some(elongation) => {
+            let limit = 1.0 + SAFE * elongation / 100.0;
+            Line::new(
+                name,
+                ratio <= limit,
+                found,
+                &format!("at most {limit:.2}, half the elongation at break"),
+            )
+        }
+        None => {
+            let needed = "little; name a silicone whose elongation at break is known";
+            let mut line = Line::new(name, true, found, needed);
+            if ratio > 1.0 + 1e-3 {
+                line.status = Status::Warn;
+            }
+            line
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Walls are thick enough: of the mold, and of the silicone at rest and inflated.
+//!
+//! The thickness of silicone at a point of its surface is the way straight through it to
+//! a facet that faces the other way, within [`OPPOSITE`]; where the surface across is
+//! tilted more, as near a sharp edge, there is no wall to measure.
+
+use std::path::Path;
+
+use mesh::bvh::SurfaceBvh;
+use mesh::io::vtu::read_vtu;
+use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use super::set::Set;
+use super::{Line, Status};
+use crate::export::MM;
+use crate::mold::Purpose;
+use crate::silicone;
+
+/// Cosine of the greatest angle between a wall's sides that counts as parallel (60°).
+const OPPOSITE: f64 = 0.5;
+
+/// Walls thinner than this part of the least at rest are pointed out when inflated: a
+/// judgement. Rubber that is stretched twice in both directions has a quarter.
+const INFLATED: f64 = 0.25;
+
+/// Checks of the walls as they are cast.
+pub fn checks(set: &Set) -> Vec<Line> {
+    let surface = set.cast.solid.to_surface();
+    let least = set.report.casting.least_wall * MM;
+    let mut silicone = wall_line("silicone: thinnest wall", &surface, least, set.rounding);
+    // What the plan cuts in two has a sharp edge, no wall.
+    if set.report.input.part != crate::report::CastPart::Whole && silicone.status == Status::Fail {
+        silicone.status = Status::Warn;
+    }
+    vec![mold(set, &surface), silicone]
+}
+
+/// Least distance of the body and of the keys' seats from the outside, and of the seats
+/// from the body.
+fn mold(set: &Set, cast: &SurfaceMesh) -> Line {
+    let bvh = SurfaceBvh::new(cast);
+    let mut outside = set.outside.solid.to_surface();
+    if set.report.open {
+        // The top of an open mold is no wall.
+        let sky = set.bounds.1.z - set.rounding;
+        let vertices = &outside.vertices;
+        outside.triangles.retain(|t| t.iter().any(|&v| vertices[v].z < sky));
+    }
+    let outside = SurfaceBvh::new(&outside);
+    let body = cast.vertices.iter().map(|p| outside.closest(p).distance);
+    let body = body.fold(f64::INFINITY, f64::min);
+    let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
+    let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
+    let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
+    Line::at_least("wall: least", body.min(beside), set.report.wall - 2.0 * set.rounding, "mm")
+}
+
+fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Line {
+    match thinnest(surface) {
+        Some((thickness, at)) => {
+            let mut line = Line::at_least(name, thickness, least - 2.0 * rounding, "mm");
+            line.found += &format!(" at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
+            line
+        }
+        None => Line::new(name, false, "no wall".into(), "a body with two sides"),
+    }
+}
+
+/// The thinnest wall and where it begins.
+fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
+    let bvh = SurfaceBvh::new(surface);
+    let normals: Vec<Vec3> = (0..surface.triangles.len())
+        .map(|t| {
+            let [a, b, c] = surface.corners(t);
+            measure::triangle_normal(a, b, c)
+        })
+        .collect();
+    let way = |t: usize| {
+        let (from, inward) = (surface.centroid(t), -normals[t]);
+        let hits = bvh.ray(&from, &inward);
+        // The first facet that is not entered again, as its own and its neighbours' are.
+        let (s, across) = hits.into_iter().find(|&(_, hit)| normals[hit].dot(&inward) > 0.0)?;
+        (normals[across].dot(&inward) >= OPPOSITE).then_some((s, from))
+    };
+    let ways = (0..surface.triangles.len()).into_par_iter().filter_map(way);
+    ways.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// What is read of the report of `solver simulate`.
+#[derive(Deserialize)]
+struct Simulated {
+    usable: bool,
+    stretch_range: Option<Stretch>,
+}
+
+/// Principal stretches of all elements.
+#[derive(Deserialize)]
+struct Stretch {
+    largest: f64,
+}
+
+/// Checks of the walls under the load of a simulation: the folder that `solver simulate`
+/// wrote for this design.
+pub fn inflated(set: &Set, folder: &Path) -> Vec<Line> {
+    let name = "inflated: result";
+    let report = mesh::io::read_text(&folder.join("report.json"))
+        .map_err(|e| e.to_string())
+        .and_then(|text| serde_json::from_str::<Simulated>(&text).map_err(|e| e.to_string()));
+    let grid = read_vtu(&folder.join("result.vtu")).map_err(|e| e.to_string());
+    let (report, grid) = match (report, grid) {
+        (Ok(report), Ok(grid)) => (report, grid.at_most_quadratic()),
+        (Err(error), _) | (_, Err(error)) => {
+            return vec![Line::new(name, false, error, "the folder of `solver simulate`")];
+        }
+    };
+    let mut lines = vec![Line::new(
+        name,
+        report.usable,
+        format!("usable: {}", report.usable),
+        "a result that may be used",
+    )];
+    let field = grid.point_fields.iter().find(|f| f.name == "displacement" && f.components == 3);
+    let Some(field) = field.filter(|_| grid.cell_type.corners() == 4) else {
+        let found = "no displacement of tetrahedra".into();
+        lines.push(Line::new("inflated: fields", false, found, "point field displacement"));
+        return lines;
+    };
+    let moved = field.values.chunks_exact(3).zip(&grid.points);
+    let vertices = moved.map(|(u, p)| (p + Vec3::new(u[0], u[1], u[2])) * MM).collect();
+    let cells = grid.cells.chunks_exact(grid.cell_type.nodes());
+    let tets = TetMesh { vertices, tets: cells.map(|c| [c[0], c[1], c[2], c[3]]).collect() };
+    let surface = topology::boundary(&tets).surface(&tets).0;
+    let least = INFLATED * set.report.casting.least_wall * MM;
+    lines.push(wall_line("inflated: thinnest wall", &surface, least, 0.0));
+    lines.extend(report.stretch_range.map(|range| stretch(set, range.largest)));
+    lines
+}
+
+/// The silicone is not stretched beyond what tears it.
+fn stretch(set: &Set, largest: f64) -> Line {
+    let name = "inflated: largest stretch";
+    let key = set.report.casting.silicone.as_deref();
+    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    match facts.and_then(|facts| facts.elongation) {
+        Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),
+        None => {
+            let needed = "less than at break; name a silicone whose elongation is known";
+            let mut line = Line::new(name, true, format!("{largest:.2}"), needed);
+            line.status = Status::Warn;
+            line
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use mesh::solid::Solid;
+
+    #[test]
+    fn a_wall_is_measured_straight_through() {
+        // A box with a hole that leaves 1.5 mm at its thinnest side.
+        let outer = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 20.0));
+        let hole = Solid::cube(&Vec3::new(5.0, 1.5, 5.0), &Vec3::new(15.0, 15.0, 15.0));
+        let (thickness, at) = thinnest(&outer.difference(&hole).to_surface()).unwrap();
+        assert!((thickness - 1.5).abs() < 1e-12, "{thickness} at {at}");
+        // Near the edge of a wedge there is no wall.
+        let wedge = outer.trim_by_plane(&Vec3::new(1.0, 0.0, -1.0).normalize(), 0.0);
+        let (thickness, _) = thinnest(&wedge.to_surface()).unwrap();
+        assert!(thickness > 1.0, "{thickness}");
+    }
+}

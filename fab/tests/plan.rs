@@ -1,0 +1,226 @@
+//! `fab plan` chooses what can be made, `fab mold` makes it, `fab verify` proves it.
+
+#![allow(clippy::unwrap_used)]
+
+mod fixture;
+
+use fab::mold::Purpose;
+use fab::plan::report::{ChosenBy, Material, Report as Plan};
+use fab::report::{CastPart, Report};
+use fixture::{CHAMBER, CLOSED, Cubes, Scene, fab, stderr, stdout};
+use mesh::Vec3;
+use mesh::solid::Solid;
+
+/// A tube of one chamber with an inlet as wide.
+const TUBE: Cubes =
+    Cubes { count: [5, 5, 8], solid: |_| true, cavity: |[i, j, k]| i == 2 && j == 2 && k < 6 };
+
+/// A chamber without a flat wall that faces anywhere but down: a pyramid of steps.
+const PYRAMID: Cubes = Cubes {
+    count: [9, 9, 8],
+    solid: |_| true,
+    cavity: |[i, j, k]| {
+        let off = i.abs_diff(4).max(j.abs_diff(4));
+        (k < 2 && off == 0) || ((2..5).contains(&k) && off < 5 - k)
+    },
+};
+
+fn molded(scene: &Scene) -> Plan {
+    let made = scene.mold();
+    assert!(made.status.success(), "{}", stderr(&made));
+    let verified = scene.verify();
+    assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
+    Plan::read(&scene.path("mold")).unwrap()
+}
+
+fn report(scene: &Scene, folder: &str) -> Report {
+    Report::read(&scene.path("mold").join(folder)).unwrap()
+}
+
+fn names(report: &Report) -> Vec<&str> {
+    report.parts.iter().map(|part| part.name.as_str()).collect()
+}
+
+fn refused(scene: &Scene) -> String {
+    let output = scene.mold();
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(!scene.path("mold/plan.json").exists());
+    said
+}
+
+#[test]
+fn a_core_no_wider_than_its_inlet_is_pulled_out() {
+    let scene = Scene::planned(&TUBE, "");
+    let plan = molded(&scene);
+    assert_eq!((plan.method.name(), plan.chosen_by), ("pull-out", ChosenBy::Measures));
+    // Squares of 4 mm both.
+    assert!((plan.measures[0].value - 1.0).abs() < 1e-9, "{:?}", plan.measures);
+    assert_eq!(plan.molds.len(), 1);
+    assert_eq!(plan.molds[0].folder, ".");
+}
+
+#[test]
+fn a_chamber_with_a_flat_wall_is_cast_open_and_closed_with_a_sheet() {
+    let scene = Scene::planned(&CHAMBER, "");
+    let plan = molded(&scene);
+    assert_eq!(plan.method.name(), "open-top");
+    // Around the room 48 mm, around the inlet 16 mm.
+    assert!((plan.measures[0].value - 3.0).abs() < 1e-9, "{:?}", plan.measures);
+    assert!((plan.measures[1].value - 1.0).abs() < 0.05, "{:?}", plan.measures);
+    let [chamber, sheet] = [0, 1].map(|k| report(&scene, &plan.molds[k].folder));
+    assert_eq!(names(&chamber), ["cup", "lid"]);
+    assert_eq!(names(&sheet), ["tray"]);
+    assert!(sheet.open && !chamber.open);
+    assert!(matches!(sheet.input.part, CastPart::Below(_)));
+    // 181 cubes of 64 mm³, without the 6 µm where they are glued.
+    let cast = chamber.cast.volume + sheet.cast.volume;
+    assert!((cast - 181.0 * 64.0).abs() < 6e-3 * 20.0 * 28.0, "{cast}");
+}
+
+#[test]
+fn a_closed_cavity_is_cast_in_halves() {
+    let scene = Scene::planned(&CLOSED, "method = \"halves\"");
+    let plan = molded(&scene);
+    assert_eq!(plan.chosen_by, ChosenBy::Configuration);
+    let halves: Vec<Report> = plan.molds.iter().map(|m| report(&scene, &m.folder)).collect();
+    assert_eq!(halves.len(), 2);
+    // 20 × 28 × 24 mm less a room of 12³.
+    let cast: f64 = halves.iter().map(|half| half.cast.volume).sum();
+    assert!((cast - (20.0 * 28.0 * 24.0 - 1728.0)).abs() < 1e-6, "{cast}");
+    for half in &halves {
+        assert_eq!(names(half), ["cup", "lid"]);
+        // The lid carries half of the core: the plate alone has the area of the block.
+        let size = |k: usize| half.block.max[k] - half.block.min[k];
+        let lid = &half.parts[1];
+        assert!(lid.volume > size(0) * size(1) * 6.0 - 1500.0, "{}", lid.volume);
+        assert_eq!(lid.genus, 4, "four holes for bolts");
+    }
+}
+
+#[test]
+fn what_has_no_flat_wall_and_a_narrow_inlet_gets_a_core_that_dissolves() {
+    let scene = Scene::planned(&PYRAMID, "[limits]\nflat = 0.99");
+    let plan = molded(&scene);
+    assert_eq!(plan.method.name(), "soluble");
+    let drains = report(&scene, ".").features;
+    assert!(drains.iter().any(|f| f.purpose == Purpose::Drain));
+}
+
+#[test]
+fn a_core_of_wax_has_a_mold_of_its_own() {
+    let scene = Scene::planned(&PYRAMID, "method = \"wax\"");
+    let plan = molded(&scene);
+    assert_eq!(plan.molds.len(), 2);
+    assert_eq!(plan.molds[0].casts, Material::Wax);
+    let [wax, body] = [0, 1].map(|k| report(&scene, &plan.molds[k].folder));
+    assert_eq!(wax.input.part, CastPart::Core);
+    let core = body.parts.iter().find(|part| part.name == "core").unwrap();
+    assert!((wax.cast.volume / core.volume - 1.0).abs() < 1e-6);
+    // Another plan in the same folder leaves nothing of this one.
+    scene.configure("method = \"soluble\"");
+    molded(&scene);
+    assert!(!scene.path("mold/core-mold/mold.json").exists());
+}
+
+#[test]
+fn a_wrong_choice_is_refused_with_what_was_measured() {
+    let said = refused(&Scene::planned(&CHAMBER, "method = \"pull-out\""));
+    for part in ["the core is 48.0 mm around, its inlet 16.0 mm", "by 3.00", "possible are"] {
+        assert!(said.contains(part), "{said:?} does not say {part:?}");
+    }
+    let said = refused(&Scene::planned(&CLOSED, "method = \"soluble\""));
+    assert!(said.contains("a cavity of 1728.0 mm³ is closed"), "{said}");
+    assert!(said.contains("\"halves\""), "{said}");
+    let said = refused(&Scene::planned(&CHAMBER, "method = \"glue\""));
+    assert!(said.contains("must be \"auto\" or one of \"pull-out\""), "{said}");
+    // A method that can be used is used.
+    scene_with_looser_limit();
+}
+
+fn scene_with_looser_limit() {
+    let scene = Scene::planned(&CHAMBER, "method = \"pull-out\"\n[limits]\ngirth = 3.01");
+    assert_eq!(molded(&scene).method.name(), "pull-out");
+}
+
+/// A spool with a chamber: discs of 36 mm on a stem of 12 mm, which lock every shell
+/// that is pulled along the axis.
+const SPOOL: Cubes = Cubes {
+    count: [9, 9, 9],
+    solid: |[i, j, k]| !(3..6).contains(&k) || (i.abs_diff(4) < 2 && j.abs_diff(4) < 2),
+    cavity: |[i, j, k]| i == 4 && j == 4 && k < 7,
+};
+
+#[test]
+fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
+    let locked =
+        "[limits]\npeel = 0.3\n[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
+    let said = refused(&Scene::planned(&SPOOL, locked));
+    // 12 mm below discs that are 36 mm wide.
+    for part in ["cannot be peeled out", "0.33 of its width of 36.00 mm", "limits.peel is 0.30"] {
+        assert!(said.contains(part), "{said:?} does not say {part:?}");
+    }
+    let scene = Scene::planned(&SPOOL, "[limits]\npeel = 0.3");
+    let plan = molded(&scene);
+    let best = plan.directions.iter().find(|d| d.usable).unwrap();
+    assert!(best.pull[2].abs() < 1e-9, "{best:?}");
+    assert!(best.undercut < 1.0, "{best:?}");
+}
+
+#[test]
+fn the_plan_alone_writes_the_plan_alone() {
+    let scene = Scene::planned(&CHAMBER, "");
+    let [mesh, out] = ["design.msh", "planned"].map(|n| scene.path(n));
+    let output = fab(&["plan".as_ref(), mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let plan = Plan::read(&out).unwrap();
+    assert!(plan.directions.len() > 60);
+    assert!(plan.directions.is_sorted_by(|a, b| a.undercut <= b.undercut));
+    assert!(plan.reason.contains("open-top"), "{}", plan.reason);
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
+}
+
+#[test]
+fn shells_do_not_fit_when_one_is_turned() {
+    let scene = Scene::new(&CHAMBER, "");
+    assert!(scene.mold().status.success());
+    let report = report(&scene, ".");
+    let read = |name: &str| {
+        let part = report.parts.iter().find(|part| part.name == name).unwrap();
+        let mut surface = mesh::io::read_surface(&scene.path("mold").join(&part.file)).unwrap();
+        for p in &mut surface.vertices {
+            let row = |r: [f64; 3]| Vec3::from(r).dot(p);
+            *p = Vec3::new(row(part.to_mold[0]), row(part.to_mold[1]), row(part.to_mold[2]));
+        }
+        surface
+    };
+    let [upper, lower] = ["upper", "lower"].map(read);
+    let solid = |surface| Solid::from_surface(surface).unwrap();
+    let clash = |surface| solid(surface).intersection(&solid(&lower)).volume();
+    assert!(clash(&upper) < 1e-3, "{}", clash(&upper));
+    let mut turned = upper.clone();
+    for p in &mut turned.vertices {
+        *p = Vec3::new(-p.x, -p.y, p.z);
+    }
+    // A cone of 3 mm height, 3 mm radius below and 1.5 mm above, π·3·(9 + 4.5 + 2.25)/3 mm³,
+    // less what the slot in that corner takes of it.
+    let cone = std::f64::consts::PI * 15.75;
+    assert!(clash(&turned) > 0.5 * cone, "{}", clash(&turned));
+}
+
+#[test]
+fn the_hull_saves_plastic_and_shrinkage_enlarges_the_mold() {
+    let volumes = |config: &str| {
+        let scene = Scene::new(&CHAMBER, config);
+        assert!(scene.mold().status.success());
+        let report = report(&scene, ".");
+        let plastic: f64 = report.parts.iter().map(|part| part.volume).sum();
+        (plastic, report.plastic_saved, report.cast.volume)
+    };
+    let (hull, saved, cast) = volumes("labels = false");
+    let (block, none, _) = volumes("labels = false\noutside = \"box\"");
+    assert_eq!(none, 0.0);
+    assert!((block - hull - saved).abs() < 0.01 * saved, "{block} {hull} {saved}");
+    let (_, _, larger) = volumes("labels = false\nshrinkage = 0.01");
+    assert!((larger / cast - 0.99_f64.powi(-3)).abs() < 1e-6, "{}", larger / cast);
+}
