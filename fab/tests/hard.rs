@@ -105,9 +105,6 @@ fn a_mushroom() {
     // Shells that come off sideways meet no undercut.
     let sideways = "[parting]\nkind = \"plane\"\npull = [1, 0, 0]";
     assert_eq!(outcome(&Scene::new(&MUSHROOM, sideways)), Outcome::Verified);
-    // Nor do shells that meet around the cap.
-    let upward = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
-    assert_eq!(outcome(&Scene::new(&MUSHROOM, upward)), Outcome::Verified);
 }
 
 /// The mushroom on a foot as wide as its cap.
