@@ -1,0 +1,98 @@
+//! The adjoint against the tangent: the same derivative, computed forwards.
+
+use super::*;
+use crate::adjoint;
+
+/// Change of a run when its rest shape moves by `motion` [m], state by state from the
+/// linearised equations: the sweep the other way round, and without its operators.
+struct Tangent<'a> {
+    rest: &'a [Vec3],
+    motion: &'a [Vec3],
+    run: &'a Trajectory,
+}
+
+impl Tangent<'_> {
+    /// Step of the differences of fourth order: contacts that come or go within it cost
+    /// digits, as does rounding.
+    const STEP: f64 = 1e-6;
+
+    fn rest(&self, e: f64) -> Vec<Vec3> {
+        self.rest.iter().zip(self.motion).map(|(x, d)| x + e * d).collect()
+    }
+
+    /// The run, its first states moved by e times their change.
+    fn run(&self, changes: &[State], e: f64) -> Trajectory {
+        let mut run = self.run.clone();
+        let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(x, d)| *x += e * d);
+        for (state, change) in run.states.iter_mut().zip(changes) {
+            add(&mut state.u, &change.u);
+            add(&mut state.v, &change.v);
+        }
+        run
+    }
+
+    fn slope(mut f: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
+        let h = Self::STEP;
+        let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut f);
+        (0..a.len()).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h)).collect()
+    }
+
+    fn states(&self, system: &mut System) -> Vec<State> {
+        let mut changes = vec![zeros(system.len())];
+        for n in 1..=self.run.steps() {
+            let (u, end) = (&self.run.states[n].u, self.run.times[n]);
+            let force = Self::slope(|e| {
+                let rest = self.rest(e);
+                system.step = Some(self.run(&changes, e).step(system, &rest, n));
+                system.gradient(&rest, u, end).0
+            });
+            system.step = Some(self.run.step(system, self.rest, n));
+            system.linearize(self.rest, u, end);
+            let rhs: Vec<f64> = system.restrict(&force).iter().map(|f| -f).collect();
+            let du = adjoint::solve(system, rhs).expect("regular");
+            let du = system.prolong(&du);
+            let history = Self::slope(|e| {
+                let run = self.run(&changes, e);
+                run.past(n).step(end - run.times[n - 1]).history
+            });
+            let h = system.step.as_ref().expect("set above").h;
+            let v = du.iter().zip(&history).map(|(u, past)| (u - past) / h).collect();
+            changes.push(State { u: du, v });
+        }
+        changes
+    }
+}
+
+/// dJ along a motion of the rest shape by the adjoint and by the tangent.
+fn both_ways(case: &Case, forces: bool) -> [f64; 2] {
+    let (mut system, rest) = case.system(&NUMBERS);
+    let start = case.start(&system, &rest);
+    let run = case.run(&mut system, &rest, start);
+    let probe = Probe::new(system.len(), forces);
+    let gradient = probe.gradient(&mut system, &rest, &run);
+    let motion = points(&Random::new(5).numbers(3 * rest.len()));
+    let motion: Vec<Vec3> = motion.iter().map(|d| 0.02 * d).collect();
+    let tangent = Tangent { rest: &rest, motion: &motion, run: &run };
+    let changes = tangent.states(&mut system);
+    let along = Tangent::slope(|e| {
+        vec![probe.value(&mut system, &tangent.rest(e), &tangent.run(&changes, e))]
+    });
+    [dot(&gradient.rest, &flat(&motion)), along[0]]
+}
+
+#[test]
+fn the_adjoint_is_the_tangent_the_other_way_round() {
+    let dt = 2e-3;
+    for (method, degree, steps, body, inside) in [
+        (Method::ImplicitEuler, 1, 3, Shape::Blocks, Inside::Pressure),
+        (Method::Bdf2, 1, 4, Shape::Blocks, Inside::Pressure),
+        (Method::Quasistatic, 2, 2, Shape::Blocks, Inside::Pressure),
+        (Method::ImplicitEuler, 2, 2, Shape::Tet, Inside::Pressure),
+        (Method::Bdf3, 1, 5, Shape::Hollow, Inside::Gas),
+    ] {
+        let case = Case { method, degree, steps, dt, body, inside };
+        let [adjoint, tangent] = both_ways(&case, case.hits());
+        let off = (adjoint / tangent - 1.0).abs();
+        assert!(off < 1e-8, "{method:?} P{degree}: {adjoint} and {tangent}, {off:.1e} apart");
+    }
+}
