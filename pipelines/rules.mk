@@ -172,7 +172,11 @@ build/frog/paper/pictures/cascade.svg: build/frog/paper/optimize/report.json bui
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "cascade,all vertices" \
 		--x-title "accepted shapes" --log -o $@
 
-build/frog/paper/done: build/frog/paper/pictures/cascade.svg
+build/frog/paper/pictures/cascade-time.svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
+	$(BIN)/solver plot $(^:report.json=history.jsonl) --x time_s*0.0166667 --y objective \
+		--labels "cascade,all vertices" --x-title "computing time [min]" --log -o $@
+
+build/frog/paper/done: $(addprefix build/frog/paper/pictures/,cascade.svg cascade-time.svg)
 
 build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
 	$(BIN)/cad2fem picture build/finger/baseline/result.vtu build/finger/optimized/result.vtu \

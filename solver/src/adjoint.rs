@@ -85,7 +85,8 @@ pub fn sweep(
         let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials { by_u: u, by_contact: vec![0.0; len] };
         partials(&system.space, n, &mut own);
-        let at = Moment { rest, u: &run.states[n].u, load: run.times[n] };
+        let state = run.state(n);
+        let at = Moment { rest, u: &state.u, load: run.times[n] };
         system.step = Some(run.step(system, rest, n));
         system.hold_volumes(rest, at.u, at.load);
         let sweep = Step { by_velocity: v, partials: own };
@@ -246,7 +247,8 @@ fn hand_on(
     if past.sliding.is_empty() {
         return;
     }
-    let before = system.iterate(rest, &run.states[n - 1].u, run.times[n - 1]);
+    let last = run.state(n - 1);
+    let before = system.iterate(rest, &last.u, run.times[n - 1]);
     let state = states[n - 1].get_or_insert_with(|| zeros(system.len()));
     for energy in &system.energies {
         energy.add_sliding_vjp(&before, &past.sliding, &mut state.u, rest_bar);

@@ -44,6 +44,8 @@ struct Numbers {
 const CHANGE: f64 = 1e-11;
 /// [1/Pa]
 const FACTOR: f64 = 3e-4;
+/// No memory for states but the first: what comes back from disk serves.
+const ON_DISK: f64 = 0.0;
 
 /// What is simulated.
 #[derive(Clone, Copy, PartialEq)]
@@ -201,13 +203,13 @@ impl Case {
     /// Largest number of pairs of nearly parallel edges that repel each other in a step.
     fn fading(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
         let contact = self.barrier(&self.bodies().0, &system.space, system.fixed());
-        let at = |n: usize| contact.fading(&system.iterate(rest, &run.states[n].u, run.times[n]));
+        let at = |n: usize| contact.fading(&system.iterate(rest, &run.state(n).u, run.times[n]));
         (1..=run.steps()).map(at).max().unwrap_or(0)
     }
 
     fn run(&self, system: &mut System, rest: &[Vec3], start: State) -> Trajectory {
         let integrator = Integrator::new(self.method, start);
-        let mut run = Trajectory::begin(&integrator);
+        let mut run = Trajectory::begin(&integrator, ON_DISK);
         let mut march = March::new(TIGHT, integrator);
         for n in 1..=self.steps {
             let end = self.dt * n as f64;
@@ -255,7 +257,7 @@ impl Probe {
             return vec![0.0; system.len()];
         }
         system.step = Some(run.step(system, rest, n));
-        system.contact_forces(rest, &run.states[n].u, run.times[n])
+        system.contact_forces(rest, &run.state(n).u, run.times[n])
     }
 
     fn positions(system: &System, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
@@ -266,7 +268,7 @@ impl Probe {
     fn value(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> f64 {
         let mut sum = 0.0;
         for n in 0..=run.steps() {
-            let x = Self::positions(system, rest, &run.states[n].u);
+            let x = Self::positions(system, rest, &run.state(n).u);
             let f = Self::forces(system, rest, run, n);
             let of_x = dot(&self.a, &x) + 0.5 * dot(&x, &x);
             let of_f = dot(&self.b, &f) + 0.5 * self.stiff * dot(&f, &f);
@@ -278,7 +280,8 @@ impl Probe {
     fn gradient(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> Gradient {
         let forces: Vec<_> =
             (0..=run.steps()).map(|n| Self::forces(system, rest, run, n)).collect();
-        let xs: Vec<_> = run.states.iter().map(|s| Self::positions(system, rest, &s.u)).collect();
+        let x = |n: usize| Self::positions(system, rest, &run.state(n).u);
+        let xs: Vec<_> = (0..=run.steps()).map(x).collect();
         let mut by_x = vec![0.0; system.len()];
         let mut gradient = sweep(system, rest, run, false, |_, n, out| {
             for d in 0..by_x.len() {

@@ -31,6 +31,8 @@ pub struct Arguments {
 enum Form {
     /// Weighted by areas
     Convergent,
+    /// By areas, nearly all of it by vertices and triangles
+    Even,
     /// Every pair alike
     Plain,
 }
@@ -38,6 +40,7 @@ enum Form {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let form = arguments.form.map(|form| match form {
         Form::Convergent => ContactForm::Convergent,
+        Form::Even => ContactForm::Even,
         Form::Plain => ContactForm::Plain,
     });
     let options = Options { form, thickness: arguments.thickness };

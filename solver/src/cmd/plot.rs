@@ -118,17 +118,28 @@ fn points(rows: &[Value], x: Option<&str>, y: &str) -> Result<Vec<(f64, f64)>> {
 fn number(row: &Value, column: &str) -> Result<f64> {
     let (keys, factor) = column.split_once('*').unwrap_or((column, "1"));
     let factor: f64 = factor.parse().with_context(|| format!("the factor of {column:?}"))?;
-    let mut value = row;
-    for key in keys.split('.') {
+    let (mut value, mut left) = (row, keys);
+    while !left.is_empty() {
+        let (key, rest) = first_key(value, left);
         let next = match value {
             Value::Array(items) => key.parse().ok().and_then(|i: usize| items.get(i)),
             _ => value.get(key),
         };
         value =
             next.with_context(|| format!("no {key:?} of {keys:?}; there are: {}", known(value)))?;
+        left = rest;
     }
     let number = value.as_f64().with_context(|| format!("{keys:?} is {value}, not a number"))?;
     Ok(factor * number)
+}
+
+/// The first of keys joined by dots, and the others. A key may have dots itself, as tags
+/// of one body of several do: the longest that the value has.
+fn first_key<'a>(value: &Value, keys: &'a str) -> (&'a str, &'a str) {
+    let dots = keys.match_indices('.').map(|(at, _)| (&keys[..at], &keys[at + 1..]));
+    let mut splits = std::iter::once((keys, "")).chain(dots.rev());
+    let shortest = keys.split_once('.').unwrap_or((keys, ""));
+    splits.find(|(key, _)| value.get(key).is_some()).unwrap_or(shortest)
 }
 
 /// What a value holds.
@@ -137,5 +148,18 @@ fn known(value: &Value) -> String {
         Value::Object(map) => map.keys().cloned().collect::<Vec<_>>().join(", "),
         Value::Array(items) => format!("0 to {}", items.len().saturating_sub(1)),
         other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_may_have_dots_themselves() {
+        let row = serde_json::json!({"moved": {"grip.face": [1.0, 2.0], "grip": {"face": [3.0]}}});
+        assert_eq!(number(&row, "moved.grip.face.1*10").expect("a number"), 20.0);
+        let text = number(&row, "moved.grasp.face").expect_err("no such key").to_string();
+        assert!(text.contains("no \"grasp\"") && text.contains("grip.face"), "{text}");
     }
 }

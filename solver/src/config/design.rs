@@ -49,6 +49,9 @@ pub struct OptimizerConfig {
     /// No iteration begins after this much computing time of a level [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit: Option<f64>,
+    /// Memory for the states of a run; what exceeds it lies in a file in `TMPDIR`
+    /// meanwhile [B].
+    pub state_memory: f64,
 }
 
 impl Default for OptimizerConfig {
@@ -59,6 +62,7 @@ impl Default for OptimizerConfig {
             stagnation: 0.0,
             gradient_tolerance: 0.0,
             time_limit: None,
+            state_memory: 4e9,
         }
     }
 }
@@ -174,6 +178,7 @@ impl DesignConfig {
             stagnation: level.stagnation.unwrap_or(own.stagnation),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
             time_limit: level.time_limit.or(own.time_limit),
+            state_memory: own.state_memory,
         }
     }
 
@@ -245,6 +250,7 @@ impl OptimizerConfig {
             ("stagnation", self.stagnation),
             ("gradient_tolerance", self.gradient_tolerance),
             ("time_limit", self.time_limit.unwrap_or(0.0)),
+            ("state_memory", self.state_memory),
         ] {
             ensure!(value.is_finite() && value >= 0.0, "{key} = {value} must not be negative");
         }

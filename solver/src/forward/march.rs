@@ -1,5 +1,7 @@
 //! The way through time, one time step after the other.
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -71,7 +73,7 @@ pub struct March {
     pub progress: Progress,
     /// A run like this one, whose motion in each time step is where this one looks
     /// first.
-    guide: Option<Trajectory>,
+    guide: Option<Arc<Trajectory>>,
 }
 
 impl March {
@@ -85,7 +87,7 @@ impl March {
 
     /// The same, next to a run through the same time steps.
     #[must_use]
-    pub fn guided(self, guide: Option<Trajectory>) -> Self {
+    pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
         Self { guide, ..self }
     }
 

@@ -8,6 +8,7 @@ mod line_search;
 mod march;
 mod newton;
 mod softness;
+mod states;
 mod stepping;
 mod system;
 mod tangent;

@@ -1,27 +1,30 @@
 //! The states at the ends of all time steps.
 
+use std::borrow::Cow;
+
 use mesh::Vec3;
 
+use super::states::States;
 use super::{Integrator, Method, State, System};
 use crate::energy::TimeStep;
 
 /// A run through time; a static scene is one time step from t = 0 to 1.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Trajectory {
     /// How it went from state to state.
     pub method: Method,
     /// t of each state [s], the first 0.
     pub times: Vec<f64>,
-    /// The states, the first that of t = 0.
-    pub states: Vec<State>,
+    /// The first that of t = 0.
+    states: States,
 }
 
 impl Trajectory {
-    /// The past before a step.
+    /// The past before a step, with memory for the states [B]; others lie on disk.
     #[must_use]
-    pub fn begin(integrator: &Integrator) -> Self {
-        let (method, states) = (integrator.method, vec![integrator.last().clone()]);
-        Self { method, times: vec![0.0], states }
+    pub fn begin(integrator: &Integrator, memory: f64) -> Self {
+        let states = States::new(integrator.last().clone(), memory);
+        Self { method: integrator.method, times: vec![0.0], states }
     }
 
     /// Adds the end of a time step.
@@ -30,24 +33,31 @@ impl Trajectory {
         self.states.push(state);
     }
 
-    /// The run from a start through displacements [m] at the ends of time steps [s].
+    /// Adds the end of a time step by its displacement [m].
+    pub fn push_displacement(&mut self, time: f64, u: &[f64]) {
+        let mut integrator = self.past(self.times.len());
+        let step = integrator.step(time - self.times[self.steps()]);
+        integrator.accept(&step, u);
+        self.push(time, integrator.last().clone());
+    }
+
+    /// State n.
     #[must_use]
-    pub fn through(start: &Integrator, ends: &[f64], displacements: &[Vec<f64>]) -> Self {
-        let (mut run, mut integrator) = (Self::begin(start), start.clone());
-        for (&end, u) in ends.iter().zip(displacements) {
-            let step = integrator.step(end - run.times[run.steps()]);
-            integrator.accept(&step, u);
-            run.push(end, integrator.last().clone());
-        }
-        run
+    pub fn state(&self, n: usize) -> Cow<'_, State> {
+        self.states.get(n)
+    }
+
+    /// Displacements at the ends of the time steps [m].
+    pub fn displacements(&self) -> impl Iterator<Item = Vec<f64>> {
+        (1..=self.steps()).map(|n| self.state(n).into_owned().u)
     }
 
     /// Motion during the time step that ends at a time [m], if there is one.
     #[must_use]
     pub fn motion_to(&self, end: f64) -> Option<Vec<f64>> {
         let n = self.times.iter().position(|&t| t == end).filter(|&n| n > 0)?;
-        let (a, b) = (&self.states[n - 1].u, &self.states[n].u);
-        Some(b.iter().zip(a).map(|(b, a)| b - a).collect())
+        let (a, b) = (self.state(n - 1), self.state(n));
+        Some(b.u.iter().zip(&a.u).map(|(b, a)| b - a).collect())
     }
 
     /// Number of time steps.
@@ -58,15 +68,18 @@ impl Trajectory {
 
     /// Displacement at the end [m].
     #[must_use]
-    pub fn last(&self) -> &[f64] {
-        &self.states[self.steps()].u
+    pub fn last(&self) -> Cow<'_, [f64]> {
+        match self.state(self.steps()) {
+            Cow::Borrowed(state) => Cow::Borrowed(&state.u),
+            Cow::Owned(state) => Cow::Owned(state.u),
+        }
     }
 
     /// What step n ≥ 1 looked back to, as when it was made.
     #[must_use]
     pub fn past(&self, n: usize) -> Integrator {
         let count = n.min(self.method.order());
-        let states = (1..=count).map(|i| self.states[n - i].clone()).collect();
+        let states = (1..=count).map(|i| self.state(n - i).into_owned()).collect();
         Integrator { method: self.method, states }
     }
 
@@ -74,7 +87,7 @@ impl Trajectory {
     #[must_use]
     pub fn step(&self, system: &System, rest: &[Vec3], n: usize) -> TimeStep {
         let (before, end) = (self.times[n - 1], self.times[n]);
-        let sliding = system.sliding(rest, &self.states[n - 1].u, before);
+        let sliding = system.sliding(rest, &self.state(n - 1).u, before);
         TimeStep { sliding, ..self.past(n).step(end - before) }
     }
 }

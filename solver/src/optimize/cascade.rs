@@ -7,11 +7,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
+use super::history::History;
 use super::way::{first_way, projected_norm};
 use super::{Evaluation, Lbfgs, Level, Rejected, Start};
 use crate::body::{Body, Part};
@@ -80,14 +81,13 @@ impl Cascade<'_> {
                     checkpoint.level + 1,
                     checkpoint.iteration
                 );
-                self.truncate_history(checkpoint.history)?;
+                self.history().truncate(checkpoint.history)?;
                 checkpoint
             }
             None => {
-                if self.history_path().exists() {
-                    self.truncate_history(0)?;
-                }
-                self.begin_level(0, &self.scene.body, Vec::new(), Vec::new(), 0)?
+                self.history().truncate(0)?;
+                let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
+                self.begin_level(&self.scene.body, start)?
             }
         };
         loop {
@@ -97,14 +97,14 @@ impl Cascade<'_> {
             stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
-            let next = checkpoint.level + 1;
-            if next == self.design.levels().len() {
+            if checkpoint.level + 1 == self.design.levels().len() {
                 let theta = checkpoint.theta;
                 return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
             }
             let body = remesh(&shape, level.map().moving());
             let start = level.carry(&evaluation, &body);
-            checkpoint = self.begin_level(next, &body, start, stopped, checkpoint.history)?;
+            let next = checkpoint.next_level(start, stopped, Lbfgs::new(MEMORY));
+            checkpoint = self.begin_level(&body, next)?;
         }
     }
 
@@ -120,37 +120,17 @@ impl Cascade<'_> {
         Ok(Body::join(self.scene.body.parts.iter().map(part).collect::<Result<_>>()?))
     }
 
-    /// Puts a level's mesh and a checkpoint before its first solve on disk.
-    /// `start` is a displacement near the first equilibrium, or empty.
-    fn begin_level(
-        &self,
-        level: usize,
-        body: &Body,
-        start: Vec<f64>,
-        stopped_before: Vec<(usize, String)>,
-        history: usize,
-    ) -> Result<Checkpoint> {
+    /// Puts a level's mesh and the checkpoint before its first solve on disk.
+    fn begin_level(&self, body: &Body, checkpoint: Checkpoint) -> Result<Checkpoint> {
         for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
-            mesh::io::write_tets(&self.level_path(level, part), &mesh, &tags)?;
+            mesh::io::write_tets(&self.level_path(checkpoint.level, part), &mesh, &tags)?;
         }
-        let checkpoint = Checkpoint {
-            inputs: self.inputs.clone(),
-            level,
-            iteration: 0,
-            theta: Vec::new(),
-            start,
-            objective: f64::MAX,
-            terms: std::collections::BTreeMap::new(),
-            gradient: Vec::new(),
-            first_gradient: 0.0,
-            spent_s: 0.0,
-            lbfgs: Lbfgs::new(MEMORY),
-            history,
-            stopped: None,
-            stopped_before,
-        };
         checkpoint.write(&self.folder)?;
         Ok(checkpoint)
+    }
+
+    fn history(&self) -> History {
+        History::new(&self.folder)
     }
 
     /// Iterates one level to its end.
@@ -183,7 +163,7 @@ impl Cascade<'_> {
             checkpoint.check_sizes(&self.folder, level.variables())?;
             let steps = self.scene.times().len();
             let run = checkpoint.read_run(&self.folder, steps, level.dofs())?;
-            let evaluation = level.recall(&checkpoint.theta, &run);
+            let evaluation = level.recall(&checkpoint.theta, run)?;
             level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
@@ -272,7 +252,7 @@ impl Cascade<'_> {
         let mut reason = String::new();
         for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let start = ahead(current.run.last(), predicted.as_deref(), alpha);
+            let start = ahead(&current.run.last(), predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
             let outcome = lower(level, &theta, (current, &start), wanted);
@@ -295,7 +275,7 @@ impl Cascade<'_> {
                 }
                 Err(Rejected(why)) => reason = why,
             }
-            log::debug!("trial {trials} rejected: {reason}");
+            log::info!("trial {trials} rejected: {reason}");
             alpha *= 0.5;
         }
         Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
@@ -337,6 +317,7 @@ impl Cascade<'_> {
         let levels = self.design.levels();
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
+        checkpoint.spend(step.forward_s + step.gradient_s);
         let gradient_norm = norm(&step.gradient);
         let line = json!({
             "level": checkpoint.level + 1,
@@ -351,6 +332,7 @@ impl Cascade<'_> {
             "newton_iterations": evaluation.newton_iterations,
             "forward_s": step.forward_s,
             "gradient_s": step.gradient_s,
+            "time_s": checkpoint.total_s,
             "dofs": level.dofs(),
             "parameters": level.map().parameters(&step.theta),
             "mean_displacement": level.mean_displacements(evaluation)?,
@@ -369,10 +351,9 @@ impl Cascade<'_> {
             evaluation.newton_iterations,
             step.forward_s,
             step.gradient_s,
-            self.time_left(checkpoint, &step),
+            self.time_left(checkpoint),
         );
         checkpoint.history += 1;
-        checkpoint.spent_s += step.forward_s + step.gradient_s;
         if checkpoint.iteration == 0 {
             checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
         }
@@ -384,54 +365,20 @@ impl Cascade<'_> {
         checkpoint.gradient = step.gradient;
         // history first: a kill in between leaves one line too many, which the
         // next start removes
-        self.append_history(&line)?;
+        self.history().append(&line)?;
         checkpoint.write_with_run(&self.folder, &run)
     }
 
     /// What the iterations that are left may take, if they go on as in this level.
-    fn time_left(&self, checkpoint: &Checkpoint, step: &Step) -> String {
+    fn time_left(&self, checkpoint: &Checkpoint) -> String {
         if checkpoint.iteration == 0 {
             return String::new();
         }
-        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
         let levels = self.design.levels();
         let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
         let left = all.saturating_sub(checkpoint.iteration) as f64;
-        let minutes = left * spent / (checkpoint.iteration + 1) as f64 / 60.0;
+        let minutes = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64 / 60.0;
         format!("  about {minutes:.0} min left")
-    }
-
-    fn history_path(&self) -> PathBuf {
-        self.folder.join("history.jsonl")
-    }
-
-    fn append_history(&self, line: &serde_json::Value) -> Result<()> {
-        use std::io::Write;
-        let path = self.history_path();
-        let write = || -> std::io::Result<()> {
-            let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&path)?;
-            writeln!(file, "{line}")?;
-            file.sync_all()
-        };
-        write().with_context(|| path.display().to_string())
-    }
-
-    fn truncate_history(&self, lines: usize) -> Result<()> {
-        let path = self.history_path();
-        let text = if path.exists() {
-            std::fs::read_to_string(&path).with_context(|| path.display().to_string())?
-        } else {
-            String::new()
-        };
-        let found = text.lines().count();
-        ensure!(
-            found >= lines,
-            "{}: {found} lines, but the checkpoint is at line {lines}; begin anew: --restart",
-            path.display()
-        );
-        let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
-        mesh::io::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
-        Ok(())
     }
 }
 

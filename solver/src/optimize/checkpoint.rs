@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use mesh::io::npy;
 use serde::{Deserialize, Serialize};
 
 use super::Lbfgs;
@@ -32,11 +33,11 @@ pub struct Checkpoint {
     /// Gradient at θ.
     pub gradient: Vec<f64>,
     /// Norm of the gradient at the start of the level.
-    #[serde(default)]
     pub first_gradient: f64,
     /// Computing time of the level so far [s].
-    #[serde(default)]
     pub spent_s: f64,
+    /// The same of all levels [s].
+    pub total_s: f64,
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,
     /// Lines that history.jsonl has at this point.
@@ -44,11 +45,51 @@ pub struct Checkpoint {
     /// The level ended early, and why.
     pub stopped: Option<String>,
     /// Levels before this one that ended early, and why.
-    #[serde(default)]
     pub stopped_before: Vec<(usize, String)>,
 }
 
 impl Checkpoint {
+    /// Before the first solve of the first level.
+    #[must_use]
+    pub fn new(inputs: String, lbfgs: Lbfgs) -> Self {
+        Self {
+            inputs,
+            level: 0,
+            iteration: 0,
+            theta: Vec::new(),
+            start: Vec::new(),
+            objective: f64::MAX,
+            terms: BTreeMap::new(),
+            gradient: Vec::new(),
+            first_gradient: 0.0,
+            spent_s: 0.0,
+            total_s: 0.0,
+            lbfgs,
+            history: 0,
+            stopped: None,
+            stopped_before: Vec::new(),
+        }
+    }
+
+    /// Before the first solve of the level after this one.
+    #[must_use]
+    pub fn next_level(
+        self,
+        start: Vec<f64>,
+        stopped_before: Vec<(usize, String)>,
+        lbfgs: Lbfgs,
+    ) -> Self {
+        let Self { level, total_s, history, .. } = self;
+        let level = level + 1;
+        Self { level, total_s, history, start, stopped_before, ..Self::new(self.inputs, lbfgs) }
+    }
+
+    /// Counts computing time [s].
+    pub fn spend(&mut self, seconds: f64) {
+        self.spent_s += seconds;
+        self.total_s += seconds;
+    }
+
     fn path(folder: &Path) -> PathBuf {
         folder.join("checkpoint.json")
     }
@@ -95,16 +136,17 @@ impl Checkpoint {
     /// # Errors
     /// When they cannot be read or are not those of a run with `steps` steps and
     /// `dofs` degrees of freedom.
-    pub fn read_run(&self, folder: &Path, steps: usize, dofs: usize) -> Result<Vec<Vec<f64>>> {
+    pub fn read_run(&self, folder: &Path, steps: usize, dofs: usize) -> Result<npy::Rows> {
         let path = self.run_path(folder);
-        let (values, shape) = mesh::io::npy::read_f64(&path)?;
+        let rows = npy::read_rows(&path)?;
         ensure!(
-            shape == [steps, dofs],
-            "{}: an array of shape {shape:?}, needed is {:?}; begin anew: --restart",
+            rows.shape == [steps, dofs],
+            "{}: an array of shape {:?}, needed is {:?}; begin anew: --restart",
             path.display(),
+            rows.shape,
             [steps, dofs]
         );
-        Ok(values.chunks_exact(dofs).map(<[f64]>::to_vec).collect())
+        Ok(rows)
     }
 
     /// Writes the checkpoint of a folder with the run that it belongs to, and then
@@ -113,9 +155,8 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write_with_run(&self, folder: &Path, run: &Trajectory) -> Result<()> {
-        let values: Vec<f64> = run.states[1..].iter().flat_map(|s| s.u.iter().copied()).collect();
         let path = self.run_path(folder);
-        mesh::io::npy::write_f64(&path, &values, &[run.steps(), run.last().len()])?;
+        npy::write_rows(&path, [run.steps(), run.last().len()], run.displacements())?;
         self.write(folder)?;
         for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
             let other = entry?.path();

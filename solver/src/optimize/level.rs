@@ -2,6 +2,7 @@
 //! time → objective, and the gradient of that whole map.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -25,6 +26,11 @@ use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
 const NEARBY: usize = 12;
+/// The same in a load step of a run next to another, where bodies hit each other: worm and
+/// gripper took at most 15.
+const NEARBY_IN_TIME: usize = 30;
+/// Smallest part of a time step that such a run goes at once.
+const NEARBY_INCREMENT: f64 = 0.25;
 
 /// A shape that was not accepted, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -37,7 +43,7 @@ pub struct Evaluation {
     /// Rest vertex positions [m].
     pub rest: Vec<Vec3>,
     /// All states.
-    pub run: Trajectory,
+    pub run: Arc<Trajectory>,
     /// Σ of the terms.
     pub objective: f64,
     /// Weighted value of each term, by the user's name.
@@ -57,7 +63,7 @@ pub enum Start<'a> {
     /// search on one branch of equilibria, and is several times cheaper.
     Next(&'a [f64]),
     /// From rest through time, next to the states of another run.
-    Guided(&'a Trajectory),
+    Guided(&'a Arc<Trajectory>),
 }
 
 /// A design problem with a fixed mesh topology and fixed variables.
@@ -72,6 +78,8 @@ pub struct Level {
     start: Integrator,
     /// Ends of the time steps [s].
     times: Vec<f64>,
+    /// Memory for the states of a run [B].
+    state_memory: f64,
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
@@ -102,6 +110,7 @@ impl Level {
             stepping: scene.stepping(),
             start: scene.integrator(&body, &system),
             times: scene.times(),
+            state_memory: design.optimizer.state_memory,
             transient: scene.config.time.is_some(),
             terms,
             unreached: None,
@@ -152,10 +161,10 @@ impl Level {
         self.map.set_loads(theta, &mut self.system);
         let (run, newton_iterations) = match start {
             Start::Next(u) => self.run_next_to(&rest, u)?,
-            Start::Guided(guide) => self.run(&rest, Some(guide.clone()))?,
+            Start::Guided(guide) => self.run(&rest, Some(Arc::clone(guide)))?,
             Start::Rest => self.run(&rest, None)?,
         };
-        let terms = self.terms_of(&rest, &run);
+        let (terms, run) = (self.terms_of(&rest, &run), Arc::new(run));
         let objective: f64 = terms.values().sum();
         let forward_s = clock.elapsed().as_secs_f64();
         Ok(Evaluation { rest, run, objective, terms, newton_iterations, forward_s })
@@ -165,10 +174,15 @@ impl Level {
     fn run(
         &mut self,
         rest: &[Vec3],
-        guide: Option<Trajectory>,
+        guide: Option<Arc<Trajectory>>,
     ) -> Result<(Trajectory, usize), Rejected> {
-        let mut march = March::new(self.stepping, self.start.clone()).guided(guide);
-        let mut run = Trajectory::begin(&self.start);
+        let mut stepping = self.stepping;
+        if guide.is_some() {
+            stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
+            stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
+        }
+        let mut march = March::new(stepping, self.start.clone()).guided(guide);
+        let mut run = Trajectory::begin(&self.start, self.state_memory);
         for &end in &self.times {
             if let Err(unreached) = march.advance(&mut self.system, rest, end, |_| ()) {
                 let rejected = Rejected(unreached.to_string());
@@ -190,14 +204,23 @@ impl Level {
     }
 
     /// An evaluation as it was, from its displacements at the ends of time steps [m].
-    #[must_use]
-    pub fn recall(&mut self, theta: &[f64], displacements: &[Vec<f64>]) -> Evaluation {
+    ///
+    /// # Errors
+    /// When one of them cannot be read.
+    pub fn recall<E>(
+        &mut self,
+        theta: &[f64],
+        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+    ) -> Result<Evaluation, E> {
         self.map.set_loads(theta, &mut self.system);
         let rest = self.map.shape(theta);
-        let run = Trajectory::through(&self.start, &self.times, displacements);
-        let terms = self.terms_of(&rest, &run);
+        let mut run = Trajectory::begin(&self.start, self.state_memory);
+        for (&end, u) in self.times.iter().zip(displacements) {
+            run.push_displacement(end, &u?);
+        }
+        let (terms, run) = (self.terms_of(&rest, &run), Arc::new(run));
         let objective: f64 = terms.values().sum();
-        Evaluation { rest, run, objective, terms, newton_iterations: 0, forward_s: 0.0 }
+        Ok(Evaluation { rest, run, objective, terms, newton_iterations: 0, forward_s: 0.0 })
     }
 
     /// What a trial looks for next to an evaluation: the displacement that was
@@ -209,7 +232,8 @@ impl Level {
 
     /// The run to a displacement in one step, which the system is told of.
     fn one_step(&mut self, rest: &[Vec3], u: &[f64]) -> Trajectory {
-        let run = Trajectory::through(&self.start, &self.times, &[u.to_vec()]);
+        let mut run = Trajectory::begin(&self.start, self.state_memory);
+        run.push_displacement(self.times[0], u);
         self.system.step = Some(run.step(&self.system, rest, 1));
         self.system.hold_volumes(rest, u, self.times[0]);
         run
@@ -220,7 +244,9 @@ impl Level {
         let mut terms = BTreeMap::new();
         for n in 0..=run.steps() {
             let contact = self.contact_forces(rest, run, n);
-            let at = equilibrium(&self.system, rest, run, n, &contact);
+            let (state, load) = (run.state(n), run.times[n]);
+            let (space, u) = (&self.system.space, &state.u[..]);
+            let at = Equilibrium { space, rest, u, load, contact: &contact };
             for term in &self.terms {
                 let value = match term.weight * term.factors[n] {
                     0.0 => 0.0,
@@ -239,7 +265,7 @@ impl Level {
             return Vec::new();
         }
         self.system.step = Some(run.step(&self.system, rest, n));
-        self.system.contact_forces(rest, &run.states[n].u, run.times[n])
+        self.system.contact_forces(rest, &run.state(n).u, run.times[n])
     }
 
     /// Indices of the energies with a name.
@@ -276,8 +302,9 @@ impl Level {
         self.map.set_loads(theta, &mut self.system);
         if !self.transient {
             self.system.step = Some(at.run.step(&self.system, &at.rest, 1));
-            self.system.hold_volumes(&at.rest, at.run.last(), 1.0);
-            self.system.linearize(&at.rest, at.run.last(), 1.0);
+            let u = at.run.last();
+            self.system.hold_volumes(&at.rest, &u, 1.0);
+            self.system.linearize(&at.rest, &u, 1.0);
         }
     }
 
@@ -290,7 +317,7 @@ impl Level {
         }
         let shape = self.map.shape(theta);
         let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
-        follow(&mut self.system, &at.rest, at.run.last(), &motion)
+        follow(&mut self.system, &at.rest, &at.run.last(), &motion)
     }
 
     /// The last displacement of an evaluation on another mesh of the same shape.
@@ -299,7 +326,7 @@ impl Level {
         let space = &self.system.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(space.degree(), vertices.len(), body.mesh.tets.clone());
-        interpolate((space, &at.rest, at.run.last()), (&other, vertices))
+        interpolate((space, &at.rest, &at.run.last()), (&other, vertices))
     }
 
     /// dJ/dθ at an evaluation made with the same θ, where the level is
@@ -328,7 +355,7 @@ impl Level {
             (0..=at.run.steps()).map(|n| self.contact_forces(&at.rest, &at.run, n)).collect();
         let mut by_rest = vec![0.0; 3 * at.rest.len()];
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
-            let state = &at.run.states[n];
+            let state = at.run.state(n);
             let (rest, load) = (&at.rest[..], at.run.times[n]);
             let here = Equilibrium { space, rest, u: &state.u, load, contact: &contact[n] };
             for term in terms.iter().map(|&i| &self.terms[i]) {
@@ -355,7 +382,7 @@ impl Level {
         body.mesh.vertices.clone_from(&at.rest);
         let one = |name: &String| {
             let facets = body.facets(name)?;
-            let report = displacements(&body, &self.system.space, &facets, at.run.last());
+            let report = displacements(&body, &self.system.space, &facets, &at.run.last());
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
@@ -390,18 +417,6 @@ impl Level {
     /// The solution's grid for ParaView.
     #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        crate::results::grid(&self.system.space, &at.rest, at.run.last())
+        crate::results::grid(&self.system.space, &at.rest, &at.run.last())
     }
-}
-
-/// A moment of a run, as objectives see it.
-fn equilibrium<'a>(
-    system: &'a System,
-    rest: &'a [Vec3],
-    run: &'a Trajectory,
-    n: usize,
-    contact: &'a [f64],
-) -> Equilibrium<'a> {
-    let (u, load) = (&run.states[n].u[..], run.times[n]);
-    Equilibrium { space: &system.space, rest, u, load, contact }
 }

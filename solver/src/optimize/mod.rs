@@ -3,6 +3,7 @@
 mod cascade;
 mod checkpoint;
 mod design_map;
+mod history;
 mod lbfgs;
 mod lbfgsb;
 mod level;

@@ -142,7 +142,8 @@ impl Perturbed<'_> {
         by: &[f64],
     ) -> Result<Evaluation> {
         let mut theta = vec![0.0; level.variables()];
-        let near = level.near(start, start.run.last());
+        let last = start.run.last();
+        let near = level.near(start, &last);
         let changed = match parameter {
             Parameter::Shape => {
                 theta[..by.len()].copy_from_slice(by);

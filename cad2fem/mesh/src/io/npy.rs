@@ -1,11 +1,15 @@
 //! NumPy arrays of 64-bit floats in C order (`.npy` format 1.0).
 
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
 use super::bytes::Cursor;
 use super::{IoError, Parsed, read_bytes, write_atomic};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
+/// More bytes than the headers of the arrays that are read by rows have.
+const LONGEST_HEADER: u64 = 1 << 16;
 
 /// Writes `values` as an array of `shape`, the last axis running fastest.
 ///
@@ -19,18 +23,51 @@ pub fn write_f64(path: &Path, values: &[f64], shape: &[usize]) -> Result<(), IoE
         let message = format!("not written: shape {shape:?} holds {size} values, there are {n}");
         return Err(IoError::content(path, message));
     }
+    write_atomic(path, |out| {
+        write_header(out, shape)?;
+        write_values(out, values)
+    })
+}
+
+/// Writes an array of two axes row by row, so that it never is in memory as a whole.
+///
+/// # Errors
+/// If there are other than `shape[0]` rows of `shape[1]` values, or the file cannot be
+/// written.
+pub fn write_rows<R: AsRef<[f64]>>(
+    path: &Path,
+    shape: [usize; 2],
+    rows: impl Iterator<Item = R>,
+) -> Result<(), IoError> {
+    let wrong = || std::io::Error::other(format!("the rows do not fill the shape {shape:?}"));
+    write_atomic(path, |out| {
+        write_header(out, &shape)?;
+        let mut count = 0;
+        for row in rows {
+            if row.as_ref().len() != shape[1] {
+                return Err(wrong());
+            }
+            write_values(out, row.as_ref())?;
+            count += 1;
+        }
+        if count == shape[0] { Ok(()) } else { Err(wrong()) }
+    })
+}
+
+fn write_values(out: &mut dyn Write, values: &[f64]) -> std::io::Result<()> {
+    values.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()))
+}
+
+fn write_header(out: &mut dyn Write, shape: &[usize]) -> std::io::Result<()> {
     let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let axes = if shape.len() == 1 { axes.trim_end() } else { axes.trim_end_matches(", ") };
     let dict = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({axes}), }}");
     // Magic, version, length, dict and the final line end fill a multiple of 64.
     let length = (MAGIC.len() + 4 + dict.len() + 1).next_multiple_of(64) - MAGIC.len() - 4;
-    write_atomic(path, |out| {
-        out.write_all(MAGIC)?;
-        out.write_all(&[1, 0])?;
-        out.write_all(&(length as u16).to_le_bytes())?;
-        writeln!(out, "{dict:<width$}", width = length - 1)?;
-        values.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()))
-    })
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    out.write_all(&(length as u16).to_le_bytes())?;
+    writeln!(out, "{dict:<width$}", width = length - 1)
 }
 
 /// Reads an array: its values and shape.
@@ -43,8 +80,71 @@ pub fn read_f64(path: &Path) -> Result<(Vec<f64>, Vec<usize>), IoError> {
     parse(&bytes).map_err(|m| IoError::content(path, m))
 }
 
+/// The rows of an array of two axes, read one after the other.
+#[derive(Debug)]
+pub struct Rows {
+    /// Number of rows, and of values in each.
+    pub shape: [usize; 2],
+    left: usize,
+    file: BufReader<File>,
+    path: PathBuf,
+}
+
+/// Opens an array of two axes.
+///
+/// # Errors
+/// As [`read_f64`], and if it has another number of axes.
+pub fn read_rows(path: &Path) -> Result<Rows, IoError> {
+    let fail = |cause| IoError::system(path, "read", cause);
+    let mut file = File::open(path).map_err(fail)?;
+    let size = file.metadata().map_err(fail)?.len();
+    let mut start = Vec::new();
+    (&mut file).take(LONGEST_HEADER).read_to_end(&mut start).map_err(fail)?;
+    let mut cursor = Cursor::new(&start);
+    let of = |message| IoError::content(path, message);
+    let shape = parse_header(&mut cursor).map_err(of)?;
+    let begin = start.len() - cursor.remaining();
+    let Ok(shape) = <[usize; 2]>::try_from(&shape[..]) else {
+        return Err(of(format!("an array of shape {shape:?}; needed are two axes")));
+    };
+    check_size(&shape, size as usize - begin).map_err(of)?;
+    file.seek(SeekFrom::Start(begin as u64)).map_err(fail)?;
+    Ok(Rows { shape, left: shape[0], file: BufReader::new(file), path: path.to_owned() })
+}
+
+impl Iterator for Rows {
+    type Item = Result<Vec<f64>, IoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let mut bytes = vec![0; 8 * self.shape[1]];
+        let read = self.file.read_exact(&mut bytes);
+        Some(read.map(|()| numbers(&bytes)).map_err(|e| IoError::system(&self.path, "read", e)))
+    }
+}
+
+fn numbers(bytes: &[u8]) -> Vec<f64> {
+    let numbers = bytes.chunks_exact(8);
+    numbers.map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes"))).collect()
+}
+
+fn check_size(shape: &[usize], bytes: usize) -> Parsed<()> {
+    let size = shape.iter().try_fold(8_usize, |size, &n| size.checked_mul(n));
+    if size == Some(bytes) {
+        return Ok(());
+    }
+    Err(format!("shape {shape:?} of 8-byte numbers does not fit {bytes} bytes of data"))
+}
+
 fn parse(bytes: &[u8]) -> Parsed<(Vec<f64>, Vec<usize>)> {
     let mut cursor = Cursor::new(bytes);
+    let shape = parse_header(&mut cursor)?;
+    check_size(&shape, cursor.remaining())?;
+    Ok((numbers(cursor.take(cursor.remaining())?), shape))
+}
+
+/// The shape; the cursor is then where the data begin.
+fn parse_header(cursor: &mut Cursor) -> Parsed<Vec<usize>> {
     if cursor.take(MAGIC.len()).ok() != Some(MAGIC) {
         return Err("not a NumPy array: it does not begin with \\x93NUMPY".into());
     }
@@ -60,15 +160,7 @@ fn parse(bytes: &[u8]) -> Parsed<(Vec<f64>, Vec<usize>)> {
             return Err(format!("{key} must be {needed}; the header is {}", header.trim_end()));
         }
     }
-    let shape = shape_of(&header).ok_or_else(|| format!("no shape in the header {header}"))?;
-    let size = shape.iter().try_fold(8_usize, |size, &n| size.checked_mul(n));
-    if size != Some(cursor.remaining()) {
-        let left = cursor.remaining();
-        return Err(format!("shape {shape:?} of 8-byte numbers does not fit {left} bytes of data"));
-    }
-    let numbers = cursor.take(cursor.remaining())?.chunks_exact(8);
-    let values = numbers.map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes"))).collect();
-    Ok((values, shape))
+    shape_of(&header).ok_or_else(|| format!("no shape in the header {header}"))
 }
 
 /// What follows `'key':` in the header.
@@ -102,6 +194,28 @@ mod tests {
         assert_eq!(read_f64(&path).expect("an empty array"), (vec![], vec![0, 3]));
         write_f64(&path, &[5.0], &[]).expect("a number");
         assert_eq!(read_f64(&path).expect("a number"), (vec![5.0], vec![]));
+    }
+
+    #[test]
+    fn rows_are_written_and_read_one_by_one() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.npy");
+        let rows = [[0.1, f64::MIN_POSITIVE, -3.0], [1e300, -0.0, 7.0]];
+        write_rows(&path, [2, 3], rows.iter()).expect("writable");
+        assert_eq!(read_f64(&path).expect("an array"), (rows.concat(), vec![2, 3]));
+        let read = read_rows(&path).expect("an array");
+        assert_eq!(read.shape, [2, 3]);
+        let read: Vec<Vec<f64>> = read.collect::<Result<_, _>>().expect("two rows");
+        assert_eq!(read.concat().map_bits(), rows.concat().map_bits());
+        for shape in [[3, 3], [1, 3], [2, 2]] {
+            let other = folder.path().join("b.npy");
+            assert!(write_rows(&other, shape, rows.iter()).is_err() && !other.exists());
+        }
+        let cut = std::fs::read(&path).expect("readable");
+        std::fs::write(&path, &cut[..cut.len() - 1]).expect("writable");
+        assert!(read_rows(&path).expect_err("cut").to_string().contains("47 bytes"));
+        write_f64(&path, &[1.0], &[1]).expect("writable");
+        assert!(read_rows(&path).expect_err("one axis").to_string().contains("two axes"));
     }
 
     trait MapBits {

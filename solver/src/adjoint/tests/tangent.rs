@@ -22,12 +22,17 @@ impl Tangent<'_> {
 
     /// The run, its first states moved by e times their change.
     fn run(&self, changes: &[State], e: f64) -> Trajectory {
-        let mut run = self.run.clone();
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(x, d)| *x += e * d);
-        for (state, change) in run.states.iter_mut().zip(changes) {
-            add(&mut state.u, &change.u);
-            add(&mut state.v, &change.v);
-        }
+        let moved = |n: usize| {
+            let mut state = self.run.state(n).into_owned();
+            if let Some(change) = changes.get(n) {
+                add(&mut state.u, &change.u);
+                add(&mut state.v, &change.v);
+            }
+            state
+        };
+        let mut run = Trajectory::begin(&Integrator::new(self.run.method, moved(0)), f64::INFINITY);
+        (1..=self.run.steps()).for_each(|n| run.push(self.run.times[n], moved(n)));
         run
     }
 
@@ -40,7 +45,8 @@ impl Tangent<'_> {
     fn states(&self, system: &mut System) -> Vec<State> {
         let mut changes = vec![zeros(system.len())];
         for n in 1..=self.run.steps() {
-            let (u, end) = (&self.run.states[n].u, self.run.times[n]);
+            let (state, end) = (self.run.state(n), self.run.times[n]);
+            let u = &state.u[..];
             let force = Self::slope(|e| {
                 let rest = self.rest(e);
                 system.step = Some(self.run(&changes, e).step(system, &rest, n));
