@@ -204,7 +204,7 @@ $(eval $(call grip,shape,shaped,.shape))
 
 build/gripper/pictures/gripping.png: $(patsubst %,build/gripper/%/report.json,baseline shaped optimized) | setup
 	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view $(view.gripper) \
-		--captions "baseline,by shape,by force" --title "gripper at 60 kPa" -o $@
+		--captions "baseline,by shape,by force" --title "gripper at 45 kPa" -o $@
 
 build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \

@@ -33,8 +33,10 @@ use crate::energy::{Constraint, PastCotangent};
 use crate::forward::{State, System, Trajectory, is_contact};
 use crate::math::linear::{dot, norm};
 
-/// Relative residual of the adjoint system.
+/// Relative residual of the adjoint system that is too large.
 const TOLERANCE: f64 = 1e-9;
+/// The one that is sought.
+const SOUGHT: f64 = 1e-12;
 
 /// The adjoint system has no accurate solution.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
@@ -187,10 +189,10 @@ impl Step {
 fn solve(system: &mut System, rhs: Vec<f64>) -> Result<Vec<f64>, Singular> {
     let start = Instant::now();
     let mut x = rhs.clone();
-    let mut residual = system.linear.solve(&mut x);
+    let mut residual = system.linear.solve_to(&mut x, SOUGHT);
     if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
         x = rhs;
-        residual = system.linear.solve(&mut x);
+        residual = system.linear.solve_to(&mut x, SOUGHT);
     }
     system.timings.solve_s += start.elapsed().as_secs_f64();
     if residual.is_nan() || residual > TOLERANCE {

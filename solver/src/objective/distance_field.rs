@@ -45,6 +45,9 @@ pub enum DistanceKind {
     Signed,
 }
 
+/// Cells whose values are kept side by side at most: 51 MB.
+const MOST_CELLS: usize = 100_000;
+
 /// A lattice point by its integer coordinates.
 type Node = [i64; 3];
 
@@ -57,9 +60,16 @@ pub struct DistanceField {
     kind: DistanceKind,
     /// Which side of the target a point is on, where that counts.
     inside: Option<Arc<WindingNumber>>,
-    /// Values of the lattice points asked for so far; a value depends on the
-    /// lattice point alone, so the order of filling plays no part.
-    lattice: Arc<RwLock<HashMap<Node, f64>>>,
+    known: Arc<RwLock<Lattice>>,
+}
+
+/// What was asked for so far; a value depends on the lattice point alone, so the order
+/// of filling plays no part.
+#[derive(Default)]
+struct Lattice {
+    nodes: HashMap<Node, f64>,
+    /// The values that a cell depends on, side by side: one look-up a point, not 64.
+    cells: HashMap<Node, [f64; 64]>,
 }
 
 impl DistanceField {
@@ -73,8 +83,8 @@ impl DistanceField {
         assert!(!target.triangles.is_empty(), "a target needs at least one triangle");
         assert!(spacing > 0.0, "lattice spacing {spacing} m is not positive");
         let inside = (kind == DistanceKind::Signed).then(|| Arc::new(WindingNumber::new(target)));
-        let (target, lattice) = (Arc::new(SurfaceBvh::new(target)), Arc::default());
-        Self { target, spacing, kind, inside, lattice }
+        let (target, known) = (Arc::new(SurfaceBvh::new(target)), Arc::default());
+        Self { target, spacing, kind, inside, known }
     }
 
     /// Computes the lattice values that the points need, in parallel, so that
@@ -84,19 +94,28 @@ impl DistanceField {
         cells.sort_unstable();
         cells.dedup();
         let mut missing: Vec<Node> = {
-            let known = self.lattice.read().unwrap_or_else(PoisonError::into_inner);
+            let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+            cells.retain(|cell| !known.cells.contains_key(cell));
             let nodes = cells.iter().flat_map(|&cell| neighbourhood(cell));
-            nodes.filter(|node| !known.contains_key(node)).collect()
+            nodes.filter(|node| !known.nodes.contains_key(node)).collect()
         };
+        if cells.is_empty() {
+            return;
+        }
         missing.sort_unstable();
         missing.dedup();
         let values = |range: std::ops::Range<usize>| -> Vec<f64> {
             missing[range].iter().map(|node| self.lattice_value(node)).collect()
         };
-        let mut known = self.lattice.write().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.known.write().unwrap_or_else(PoisonError::into_inner);
+        let Lattice { nodes, cells: complete } = &mut *known;
         map_merge(missing.len(), values, |range, part| {
-            known.extend(missing[range].iter().copied().zip(part));
+            nodes.extend(missing[range].iter().copied().zip(part));
         });
+        if complete.len() + cells.len() > MOST_CELLS {
+            complete.clear();
+        }
+        complete.extend(cells.iter().map(|&cell| (cell, neighbourhood(cell).map(|n| nodes[&n]))));
     }
 
     /// d̃² [m²] and its gradient [m] at `x`.
@@ -132,9 +151,11 @@ impl DistanceField {
     }
 
     fn corner_values(&self, cell: Node) -> [f64; 64] {
-        let known = self.lattice.read().unwrap_or_else(PoisonError::into_inner);
-        neighbourhood(cell)
-            .map(|node| known.get(&node).copied().unwrap_or_else(|| self.lattice_value(&node)))
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let value = |node| known.nodes.get(&node).copied();
+        known.cells.get(&cell).copied().unwrap_or_else(|| {
+            neighbourhood(cell).map(|n| value(n).unwrap_or_else(|| self.lattice_value(&n)))
+        })
     }
 
     fn lattice_value(&self, node: &Node) -> f64 {
