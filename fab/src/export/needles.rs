@@ -73,9 +73,8 @@ impl<'a> Round<'a> {
     fn take_out(mut self, needles: &[usize]) -> bool {
         for &t in needles {
             let edges = directed_edges(self.surface.triangles[t]);
-            let length = |[a, b]: [usize; 2]| {
-                (self.surface.vertices[a] - self.surface.vertices[b]).norm()
-            };
+            let length =
+                |[a, b]: [usize; 2]| (self.surface.vertices[a] - self.surface.vertices[b]).norm();
             let by_length = |e: &&[usize; 2], f: &&[usize; 2]| length(**e).total_cmp(&length(**f));
             let shortest = *edges.iter().min_by(by_length).expect("there are three");
             let longest = *edges.iter().max_by(by_length).expect("there are three");
@@ -96,7 +95,8 @@ impl<'a> Round<'a> {
             corners.filter(|&w| w != v).collect()
         };
         let common = around(kept).intersection(&around(lost)).count();
-        let star: BTreeSet<usize> = self.stars[kept].iter().chain(&self.stars[lost]).copied().collect();
+        let star: BTreeSet<usize> =
+            self.stars[kept].iter().chain(&self.stars[lost]).copied().collect();
         if common != 2 || !self.touch(&star) {
             return false;
         }
@@ -193,7 +193,8 @@ mod tests {
         let count = surface.triangles.len();
         assert!(Round::new(&mut surface).merge([corner, m]));
         let mut merged = surface.clone();
-        let gone = merged.triangles.iter().filter(|t| t.iter().filter(|&&v| v == corner).count() > 1);
+        let gone =
+            merged.triangles.iter().filter(|t| t.iter().filter(|&&v| v == corner).count() > 1);
         assert_eq!(gone.count(), 2);
         merged.triangles.retain(|t| t.iter().filter(|&&v| v == corner).count() < 2);
         assert_eq!(merged.triangles.len(), count - 2);

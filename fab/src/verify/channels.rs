@@ -54,7 +54,7 @@ impl Purpose {
 /// A channel leads from above the mold into the body, and nothing is in it.
 fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
-    let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
+    let blocked: f64 = set.parts().map(|p| p.solid.intersection(&channel).volume()).sum();
     let top = set.bounds.1.z;
     let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
     let free = set.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
