@@ -21,6 +21,7 @@ use crate::parts::core::PrintError;
 use crate::parts::pin::PinError;
 use crate::parts::{Frustum, channel};
 use crate::skin::Skin;
+use crate::split::FILM;
 use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
 use part::Part;
@@ -227,9 +228,14 @@ impl Mold {
         self.features.push(Feature { purpose, frustum });
     }
 
-    fn require_single_pieces(&self) -> Result<(), MoldError> {
-        for piece in self.shells.iter().chain(&self.cores) {
-            let bodies = piece.solid.decompose();
+    /// Drops films of rounding; what is left of every piece must be one.
+    fn require_single_pieces(&mut self) -> Result<(), MoldError> {
+        for piece in self.shells.iter_mut().chain(&mut self.cores) {
+            let mut bodies = piece.solid.decompose();
+            if bodies.len() < 2 {
+                continue;
+            }
+            bodies.retain(|body| body.volume() > FILM);
             if let Some(second) = bodies.get(1) {
                 return Err(MoldError::Pieces {
                     name: piece.name.clone(),
@@ -237,6 +243,7 @@ impl Mold {
                     volume_mm3: second.volume() * 1e9,
                 });
             }
+            piece.solid = bodies.swap_remove(0);
         }
         Ok(())
     }

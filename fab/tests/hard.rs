@@ -111,7 +111,6 @@ fn all_refused(body: &Cubes, config: &str, because: &str) {
 #[test]
 fn a_ring() {
     all_verified(&RING, "");
-    all_verified(&RING, "method = \"soluble\"");
 }
 
 /// Two chambers, one with an inlet from below and one from above.
@@ -131,7 +130,6 @@ const OPPOSED: Cubes = Cubes {
 #[test]
 fn two_cavities_and_two_inlets() {
     all_verified(&TWO_CHAMBERS, "");
-    all_verified(&TWO_CHAMBERS, "method = \"soluble\"");
     // No core can be held from below: halves, or a refusal that says so.
     all_refused(&OPPOSED, "method = \"soluble\"", "away from straight down");
     all_verified(&OPPOSED, "method = \"halves\"");

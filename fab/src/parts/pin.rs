@@ -17,7 +17,7 @@ const INSET: f64 = 2.0;
 const STEP: f64 = 1.0;
 
 /// Least mold between a pin's hole and a sprue or vent [m].
-const LAND: f64 = 1e-3;
+pub const LAND: f64 = 1e-3;
 
 /// Where pins can go.
 pub struct Room<'a> {

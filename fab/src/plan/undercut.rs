@@ -269,8 +269,7 @@ impl View {
         undercut.trapped.iter().for_each(|place| above[place.node].push(*place));
         let samples = deep.iter().step_by(deep.len().div_ceil(SAMPLES));
         let measured = samples.filter_map(|place| {
-            let [x, y] = self.grid.point(place.node);
-            let from = Vec3::new(x, y, (place.over[0] + place.over[1]) / 2.0);
+            let from = self.in_the_way(place)?;
             let inward = place.inward(&self.grid)?;
             let reach = |d: Vec3| bvh.ray(&from, &d).first().map_or(0.0, |hit| hit.0);
             let ahead = reach(inward);
@@ -282,6 +281,24 @@ impl View {
             Some(Worst { ratio, depth, opposite, width, at })
         });
         measured.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// The middle of what is in the way of `place`, where that is thickest between there and
+    /// the open: near its edge it may be as thin as can be.
+    fn in_the_way(&self, place: &Trapped) -> Option<Vec3> {
+        let ([x, y], rim) = (self.grid.point(place.node), place.rim?);
+        let steps = ((x - rim[0]).hypot(y - rim[1]) / self.grid.step).ceil();
+        let along = (0..=steps as usize).map(|k| {
+            let t = k as f64 / steps.max(1.0);
+            let node = self.grid.nearest([x + (rim[0] - x) * t, y + (rim[1] - y) * t]);
+            let meets = |l: &&Layer| l[0] < place.over[1] && place.over[0] < l[1];
+            self.columns[node].iter().filter(meets).map(move |layer| (node, *layer))
+        });
+        let thickness = |layer: &Layer| layer[1] - layer[0];
+        let thickest = along.flatten().max_by(|a, b| thickness(&a.1).total_cmp(&thickness(&b.1)));
+        let (node, layer) = thickest.unwrap_or((place.node, place.over));
+        let [x, y] = self.grid.point(node);
+        Some(Vec3::new(x, y, (layer[0] + layer[1]) / 2.0))
     }
 
     /// How far the shell that fills `place` reaches below the body from the other side, along

@@ -202,6 +202,7 @@ impl<'a> Judge<'a> {
         let (skin, config) = (self.skin, self.config);
         self.halves.get_or_insert_with(|| {
             let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+            normals.extend(gluing::walls(skin));
             normals.extend(pull::hemisphere());
             gluing::best(skin, &config.gluing, &normals)
         })
