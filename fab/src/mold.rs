@@ -2,6 +2,7 @@
 //!
 //! Everything is in the mold's frame, see [`crate::frame`].
 
+mod cores;
 mod division;
 mod part;
 
@@ -11,18 +12,19 @@ use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Sprue, Support};
+use crate::config::{Config, Sprue};
 use crate::frame::{Frame, Pull};
 use crate::layout::{LayoutError, frame};
 use crate::method::Method;
 use crate::parts::block::Block;
-use crate::parts::core::{Print, PrintError, drain};
-use crate::parts::support::{self, Sag};
-use crate::parts::{Frustum, channel, pin};
+use crate::parts::core::PrintError;
+use crate::parts::pin::PinError;
+use crate::parts::{Frustum, channel};
 use crate::skin::Skin;
+use crate::split::FILM;
 use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
-use part::{Core, Part};
+use part::Part;
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -109,6 +111,9 @@ pub enum MoldError {
     /// A core cannot be held.
     #[error(transparent)]
     Print(#[from] PrintError),
+    /// The pin that was asked for has no place.
+    #[error(transparent)]
+    Pin(#[from] PinError),
     /// A channel misses the part.
     #[error(transparent)]
     Vent(#[from] VentError),
@@ -154,7 +159,7 @@ impl Mold {
         config: &Config,
     ) -> Result<Self, MoldError> {
         let (frame, pull) = frame(&skin.filled, stance, config.shrinkage())?;
-        let part = Part::new(skin, &frame, stance.portion)?;
+        let part = Part::new(skin, &frame, stance.portion, Block::foot(stance, pull, config))?;
         let bounds = measure::bounds(&part.surface.vertices);
         let mut mold = Self {
             block: Block::around(bounds, stance, pull, config),
@@ -171,12 +176,16 @@ impl Mold {
             findings: Vec::new(),
         };
         mold.divide(&part, stance, pull, config)?;
+        let channels = match mold.open {
+            true => Vec::new(),
+            false => mold.channels(skin, &part.surface, config)?,
+        };
         if stance.portion == Portion::Whole {
             let level = (pull == Pull::Y).then_some(mold.level);
-            mold.add_cores(&part, method, level, config)?;
+            mold.add_cores(&part, &channels, level, config)?;
         }
-        if !mold.open {
-            mold.add_channels(skin, &part.surface, config)?;
+        for Feature { purpose, frustum } in channels {
+            mold.cut(purpose, frustum);
         }
         mold.require_single_pieces()?;
         Ok(mold)
@@ -188,126 +197,26 @@ impl Mold {
         self.block.solid().volume() - self.outside.volume()
     }
 
-    /// Adds the cores with their stubs, and cuts the sockets into the lowest piece.
-    fn add_cores(
-        &mut self,
-        part: &Part,
-        method: Method,
-        level: Option<f64>,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let single = part.cores.len() == 1;
-        for (i, core) in part.cores.iter().enumerate() {
-            let mut solid = core.solid.clone();
-            let mut held = None;
-            for inlet in &core.inlets {
-                let floor = self.block.min.z;
-                let print = Print::new(inlet.centre, inlet.radius, floor, &self.cast, config)?;
-                solid = solid.union(&print.stub_solid());
-                let holder = self.shells.last_mut().expect("there are shells");
-                holder.solid = holder.solid.difference(&print.socket_solid());
-                if method == Method::Soluble {
-                    solid = self.bore(solid, &print, core, config);
-                }
-                let frustum = print.socket.clone();
-                self.features.push(Feature { purpose: Purpose::Socket, frustum });
-                held = Some((inlet.centre, print));
-            }
-            if let Some(held) = held {
-                solid = self.support(core, &held, solid, level, config);
-            }
-            let name = if single { "core".into() } else { format!("core{}", i + 1) };
-            self.cores.push(Piece { name, solid, leaves: -Vec3::z() });
-        }
-        Ok(())
-    }
-
-    /// A soluble core with a bore for water, if there is room for one.
-    fn bore(&mut self, solid: Solid, print: &Print, core: &Core, config: &Config) -> Solid {
-        let Some(frustum) = drain(&print.stub, &core.solid, config) else {
-            let message = format!(
-                "no upright bore of core.drain = {1:.2} mm within core.skin = {2:.2} mm fits into a stub of {0:.2} mm \
-                 radius and the core above it: water dissolves the core from its end only",
-                print.stub.base_radius * 1e3,
-                config.core.drain * 1e3,
-                config.core.skin * 1e3
-            );
-            self.findings.push(Finding { rule: "drain", message, count: 1 });
-            return solid;
-        };
-        let solid = solid.difference(&frustum.solid());
-        self.features.push(Feature { purpose: Purpose::Drain, frustum });
-        solid
-    }
-
-    /// A core that is held at one inlet, with a pin if it needs one, and what to know of it.
-    fn support(
-        &mut self,
-        core: &Core,
-        (inlet, print): &(Vec3, Print),
-        solid: Solid,
-        level: Option<f64>,
-        config: &Config,
-    ) -> Solid {
-        let surface = core.solid.to_surface();
-        let density = config.density().unwrap_or(support::SILICONE);
-        let clearance = config.stub_clearance();
-        let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
-        let wanted = match config.core.support {
-            Support::Auto => sag.bend > config.limits.sag,
-            Support::Pin => true,
-            Support::Stub => false,
-        };
-        let top = self.block.max.z - clearance;
-        let pin = || pin::pin(&surface, inlet, config.core.pin, top, level);
-        let Some(pin) = wanted.then(pin).flatten() else {
-            self.findings.extend(moves(&sag, config.limits.sag));
-            return solid;
-        };
-        let base = pin.base * 1e3;
-        self.findings.push(Finding {
-            rule: "pin",
-            message: format!(
-                "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
-                 silicone",
-                pin.base_radius * 1e3,
-                base.x,
-                base.y
-            ),
-            count: 1,
-        });
-        let around = clearance + pin.base_radius;
-        let hole = Frustum {
-            axis: pin.axis + Vec3::z() * (clearance + BEYOND),
-            base_radius: around,
-            top_radius: around,
-            ..pin.clone()
-        };
-        let pin = pin.solid();
-        self.cast = self.cast.difference(&pin);
-        self.cut(Purpose::Pin, hole);
-        solid.union(&pin)
-    }
-
-    /// Cuts sprue and vents out of the shells.
-    fn add_channels(
+    /// The sprue and the vents.
+    fn channels(
         &mut self,
         skin: &Skin,
         filled: &SurfaceMesh,
         config: &Config,
-    ) -> Result<(), MoldError> {
+    ) -> Result<Vec<Feature>, MoldError> {
         let bvh = SurfaceBvh::new(filled);
         let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
         let Sprue { radius, top_radius, .. } = config.sprue;
-        let funnel = channel(&bvh, &places.sprue, end, radius, top_radius);
-        self.cut(Purpose::Sprue, funnel);
+        let frustum = channel(&bvh, &places.sprue, end, radius, top_radius);
+        let mut channels = vec![Feature { purpose: Purpose::Sprue, frustum }];
         let radius = config.vents.radius;
-        for top in &places.vents {
-            self.cut(Purpose::Vent, channel(&bvh, top, end, radius, radius));
-        }
-        Ok(())
+        channels.extend(places.vents.iter().map(|top| {
+            let frustum = channel(&bvh, top, end, radius, radius);
+            Feature { purpose: Purpose::Vent, frustum }
+        }));
+        Ok(channels)
     }
 
     /// Takes a channel out of all shells.
@@ -319,9 +228,14 @@ impl Mold {
         self.features.push(Feature { purpose, frustum });
     }
 
-    fn require_single_pieces(&self) -> Result<(), MoldError> {
-        for piece in self.shells.iter().chain(&self.cores) {
-            let bodies = piece.solid.decompose();
+    /// Drops films of rounding; what is left of every piece must be one.
+    fn require_single_pieces(&mut self) -> Result<(), MoldError> {
+        for piece in self.shells.iter_mut().chain(&mut self.cores) {
+            let mut bodies = piece.solid.decompose();
+            if bodies.len() < 2 {
+                continue;
+            }
+            bodies.retain(|body| body.volume() > FILM);
             if let Some(second) = bodies.get(1) {
                 return Err(MoldError::Pieces {
                     name: piece.name.clone(),
@@ -329,31 +243,8 @@ impl Mold {
                     volume_mm3: second.volume() * 1e9,
                 });
             }
+            piece.solid = bodies.swap_remove(0);
         }
         Ok(())
     }
-}
-
-/// Tells how far a core may move that is held at one end.
-fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
-    let Sag { lift, reach, bend, lean } = *sag;
-    if bend.max(lean) <= limit {
-        return None;
-    }
-    let advice = match bend <= limit {
-        true => "glue the stub into its socket",
-        false => "widen the inlet, or cast halves",
-    };
-    Some(Finding {
-        rule: "core support",
-        message: format!(
-            "the core reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
-             {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
-            reach * 1e3,
-            bend * 1e3,
-            lean * 1e3,
-            limit * 1e3
-        ),
-        count: 1,
-    })
 }

@@ -18,6 +18,10 @@ const BEYOND: f64 = 1e-3;
 /// Curved partings are simplified within this distance [m].
 const SIMPLIFY: f64 = 5e-6;
 
+/// Bodies smaller than this are films of rounding and dropped: a hundredth of a drop of
+/// molten plastic [m³].
+pub const FILM: f64 = 1e-13;
+
 /// A parting surface inside a block, in coordinates with z along the pull.
 #[derive(Clone)]
 pub struct Split {
@@ -130,7 +134,10 @@ pub fn divide(region: &Solid, part: &Solid, split: &Split) -> Sides {
     let mut above = region.difference(&split.below).difference(part);
     let mut below = region.intersection(&split.below).difference(part);
     let mut findings = Vec::new();
-    let crumbs = |solid: &Solid| solid.decompose().into_iter().skip(1).collect::<Vec<_>>();
+    let crumbs = |solid: &Solid| {
+        let others = solid.decompose().into_iter().skip(1);
+        others.filter(|crumb| crumb.volume() > FILM).collect::<Vec<_>>()
+    };
     for crumb in crumbs(&above) {
         findings.push(moved("below", &crumb));
         above = above.difference(&crumb);

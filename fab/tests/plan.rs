@@ -99,6 +99,72 @@ fn a_closed_cavity_is_cast_in_halves() {
 }
 
 #[test]
+fn halves_are_glued_across_any_plane() {
+    // Cut surfaces that are not along coordinate planes differ in the last bits between body,
+    // filled body and core.
+    for normal in ["[1, 2, 3]", "[-2, 1, 0.3]", "[0.1, -1, 0.2]"] {
+        let config =
+            format!("method = \"halves\"\n[limits]\npeel = 5\n[gluing]\nnormal = {normal}");
+        let plan = molded(&Scene::planned(&CLOSED, &config));
+        assert_eq!(plan.molds.len(), 2, "{normal}");
+    }
+}
+
+/// A tube with a neck of one cell between its inlet and its chamber, both of three cells.
+const NECKED: Cubes = Cubes {
+    count: [7, 7, 9],
+    solid: |_| true,
+    cavity: |[i, j, k]| {
+        let off = i.abs_diff(3).max(j.abs_diff(3));
+        k < 7 && off < if k == 3 { 1 } else { 2 }
+    },
+};
+
+#[test]
+fn a_neck_behind_the_inlet_is_judged_as_the_inlet_is() {
+    let said = refused(&Scene::planned(&NECKED, "method = \"pull-out\""));
+    let neck = "48.0 mm around where it passes through a neck of 16.0 mm";
+    for part in [neck, "behind its inlet: the neck must stretch by 3.00"] {
+        assert!(said.contains(part), "{said:?} does not say {part:?}");
+    }
+    let scene = Scene::planned(&NECKED, "method = \"pull-out\"\n[limits]\ngirth = 3.01");
+    let plan = molded(&scene);
+    assert!((plan.measures[0].value - 3.0).abs() < 1e-6, "{:?}", plan.measures);
+    let said = stdout(&scene.verify());
+    assert!(said.contains("3.00 × a neck's girth of 16.0 mm"), "{said}");
+}
+
+#[test]
+fn a_pin_keeps_clear_of_the_sprue_and_ends_in_the_mold() {
+    let pinned = "method = \"soluble\"\n[core]\nsupport = \"pin\"\n[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\n";
+    let place = |config: &str| {
+        let scene = Scene::planned(&CHAMBER, config);
+        molded(&scene);
+        let features = report(&scene, ".").features;
+        let at = |purpose| Vec3::from(features.iter().find(|f| f.purpose == purpose).unwrap().base);
+        (at(Purpose::Pin), at(Purpose::Sprue))
+    };
+    let (pin, _) = place(&format!("{pinned}[sprue]\nat = [0.002, 0.002, 0.024]"));
+    // Where the pin was, to within a cell: it goes elsewhere, or there is no place for it.
+    let design = [pin.x / 1e3 + 0.01, pin.y / 1e3 + 0.014];
+    let thin = "radius = 1e-3\ntop_radius = 1e-3";
+    let taken = format!("{pinned}[sprue]\nat = [{}, {}, 0.024]\n{thin}", design[0], design[1]);
+    let scene = Scene::planned(&CHAMBER, &taken);
+    let made = scene.mold();
+    let said = stderr(&made);
+    if made.status.success() {
+        let (pin, sprue) = place(&taken);
+        assert!((pin - sprue).xy().norm() >= 1.0 + 1.2 + 1.0 - 1e-6, "{pin} {sprue}");
+    } else {
+        assert!(said.contains("core.support = \"pin\""), "{said}");
+    }
+    let wide =
+        format!("{pinned}[sprue]\nat = [0.010, 0.014, 0.024]\nradius = 9e-3\ntop_radius = 9e-3");
+    let said = refused(&Scene::planned(&CHAMBER, &wide));
+    assert!(said.contains("finds room"), "{said}");
+}
+
+#[test]
 fn what_has_no_flat_wall_and_a_narrow_inlet_gets_a_core_that_dissolves() {
     let scene = Scene::planned(&PYRAMID, "[limits]\nflat = 0.99");
     let plan = molded(&scene);
@@ -156,8 +222,8 @@ fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
     let locked =
         "[limits]\npeel = 0.3\n[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
     let said = refused(&Scene::planned(&SPOOL, locked));
-    // 12 mm below discs that are 36 mm wide.
-    for part in ["cannot be peeled out", "0.33 of its width of 36.00 mm", "limits.peel is 0.30"] {
+    // 12 mm below both sides of discs that are 36 mm wide, to half a column.
+    for part in ["cannot be peeled out", "of its width of 36.00 mm", "limits.peel is 0.30"] {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
     let scene = Scene::planned(&SPOOL, "[limits]\npeel = 0.3");
@@ -168,7 +234,7 @@ fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
 }
 
 #[test]
-fn the_plan_alone_writes_the_plan_alone() {
+fn the_plan_alone_writes_the_plan_and_its_picture() {
     let scene = Scene::planned(&CHAMBER, "");
     let [mesh, out] = ["design.msh", "planned"].map(|n| scene.path(n));
     let output = fab(&["plan".as_ref(), mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
@@ -177,7 +243,9 @@ fn the_plan_alone_writes_the_plan_alone() {
     assert!(plan.directions.len() > 60);
     assert!(plan.directions.is_sorted_by(|a, b| a.undercut <= b.undercut));
     assert!(plan.reason.contains("open-top"), "{}", plan.reason);
-    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
+    let picture = std::fs::read(out.join("undercut.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 2);
 }
 
 #[test]

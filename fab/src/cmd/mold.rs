@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use mesh::cli::Unusable;
 use mesh::io::{read_tets, write_surface};
 use mesh::{SurfaceMesh, Vec3};
 
@@ -20,6 +21,7 @@ use crate::plan::{self, Casting, Plan};
 use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
 use crate::stance::Portion;
+use crate::verify::{Status, before_writing};
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -41,7 +43,8 @@ pub struct Args {
 ///
 /// # Errors
 /// If the mesh or the configuration cannot be used, no mold can be made, or a
-/// file cannot be written; then no file of a mold is left in the folder.
+/// file cannot be written, and [`Unusable`] if a mold would not be right; then no file
+/// of a mold is left in the folder.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
@@ -60,6 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
         let entry = of(&casting.name);
         let mold = Mold::new(&skin, &casting.stance, plan.method, &config).with_context(name)?;
         let set = Set::new(&mold, input(&folder(entry), CastPart::of(&mold))?, &config)?;
+        set.prove(&entry.name, &args.mesh, &told)?;
         sets.push((entry, set));
     }
     remove_old(&args.output)?;
@@ -100,8 +104,10 @@ fn write_all(
     for entry in told.molds.iter().filter(|entry| entry.casts == Material::Wax) {
         let (body, set) = sets.first().expect("a body is cast around the core");
         let file = format!("{}.stl", entry.name);
-        wax_mold(&folder(body).join(file), set.surface(&entry.name), &folder(entry), config)?
-            .write(&folder(entry), pictures)?;
+        let file = folder(body).join(file);
+        let mold = wax_mold(&file, set.surface(&entry.name), &folder(entry), config)?;
+        mold.prove(&entry.name, &file, told)?;
+        mold.write(&folder(entry), pictures)?;
     }
     if told.molds.len() > 1 {
         cast::write_whole(&args.output, told)?;
@@ -178,6 +184,21 @@ impl Set {
         surfaces.push(cast);
         surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })
+    }
+
+    /// Refuses a mold that `fab verify` would reject.
+    fn prove(&self, name: &str, design: &Path, plan: &plan::report::Report) -> Result<()> {
+        let lines = before_writing(&self.report, &self.surfaces, design, plan);
+        let failed = lines.iter().filter(|line| line.status == Status::Fail);
+        let failed: Vec<String> = failed
+            .map(|line| format!("{} is {}, needed is {}", line.name, line.found, line.needed))
+            .collect();
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let message =
+            format!("{name}: a mold would not be right, none is written: {}", failed.join("; "));
+        Err(Unusable(message).into())
     }
 
     /// The written surface of a part [mm].

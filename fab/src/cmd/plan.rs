@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use mesh::io::read_tets;
 
 use crate::config::Config;
-use crate::plan::Plan;
 use crate::plan::report::{Entry, Material, Report};
+use crate::plan::{Plan, drawing};
 use crate::report::{CastPart, Input};
 use crate::skin::Skin;
 
@@ -28,7 +28,7 @@ pub struct Args {
 ///
 /// # Errors
 /// If the mesh or the configuration cannot be used, the body cannot be molded, or
-/// plan.json cannot be written.
+/// plan.json or the picture cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
     let name = || args.mesh.display().to_string();
@@ -38,6 +38,7 @@ pub fn run(args: &Args) -> Result<()> {
     let cores = skin.cores.len();
     let report = Report::new(&plan, input, entries(&plan, cores));
     report.write(&args.output)?;
+    drawing::draw(&args.output.join(drawing::FILE), &plan)?;
     log::info!("{}", plan.reason);
     Ok(())
 }

@@ -19,9 +19,6 @@ use crate::stance::{Parting, Portion, Stance};
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;
 
-/// Bodies smaller than this are films: a hundredth of a drop of molten plastic [m³].
-const FILM: f64 = 1e-13;
-
 impl Mold {
     /// Makes the outside and the shells.
     pub(super) fn divide(
@@ -161,13 +158,13 @@ impl Mold {
     /// there has its core on what is below.
     fn cut_at_seat(&self, part: &Part) -> (Solid, Solid) {
         let above = self.outside.trim_by_plane(&Vec3::z(), part.seat).difference(&part.filled);
+        let region = self.outside.trim_by_plane(&-Vec3::z(), -part.seat);
         let below = match self.portion {
-            Portion::Whole => {
-                let region = self.outside.trim_by_plane(&-Vec3::z(), -part.seat);
-                region.difference(&part.filled)
-            }
+            Portion::Whole => region.difference(&part.filled),
+            // Not what is left by body and cup: where their surfaces differ in the last bits,
+            // that has films.
             Portion::Above(_) | Portion::Below(_) => {
-                without_films(&self.outside.difference(&part.cast).difference(&above))
+                part.cores.iter().fold(region, |all, core| all.union(&core.solid))
             }
         };
         (above, below)
@@ -252,13 +249,6 @@ impl Mold {
             Parting::Seat | Parting::Open => Ok(Split::plane(&site, part.seat)),
         }
     }
-}
-
-/// A solid without the films of rounding that are left where cut surfaces should coincide.
-fn without_films(solid: &Solid) -> Solid {
-    let bodies = solid.decompose();
-    let thick = bodies.iter().filter(|body| body.volume() > FILM);
-    thick.fold(Solid::cube(&Vec3::zeros(), &Vec3::zeros()), |all, body| all.union(body))
 }
 
 /// The face of a block that looks along −y, between two heights.

@@ -43,8 +43,14 @@ pub struct Opening {
 }
 
 impl Part {
-    /// The portion of a body.
-    pub fn new(skin: &Skin, frame: &Frame, portion: Portion) -> Result<Self, SolidError> {
+    /// The portion of a body, whose seat is `foot` below its lowest point if it has no inlet
+    /// [m].
+    pub fn new(
+        skin: &Skin,
+        frame: &Frame,
+        portion: Portion,
+        foot: f64,
+    ) -> Result<Self, SolidError> {
         let solid = |surface: &SurfaceMesh| -> Result<Solid, SolidError> {
             let whole = Solid::from_surface(&placed(surface, frame))?;
             Ok(match portion {
@@ -67,7 +73,7 @@ impl Part {
             cores.push(Core { solid: solid(&core.surface)?, inlets: inlets.collect() });
         }
         let seat = match portion {
-            Portion::Whole => seat_height(&surface, &cores),
+            Portion::Whole => seat_height(&surface, &cores, foot),
             Portion::Above(_) | Portion::Below(_) => 0.0,
         };
         Ok(Self { cast: solid(&skin.cast)?, surface, filled, cores, seat })
@@ -76,11 +82,12 @@ impl Part {
 
 /// Height of the seat, on which sides and base meet: the highest vertex of the
 /// facets that lie in the first inlet's plane, so that no film of a shell
-/// reaches below an uneven seat; the lowest vertex if there is no inlet.
-fn seat_height(filled: &SurfaceMesh, cores: &[Core]) -> f64 {
-    let inlet = cores.iter().flat_map(|core| &core.inlets).next();
-    let lowest = filled.vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let level = inlet.map_or(lowest, |inlet| inlet.centre.z);
+/// reaches below an uneven seat; `foot` below the lowest vertex if there is no inlet.
+fn seat_height(filled: &SurfaceMesh, cores: &[Core], foot: f64) -> f64 {
+    let Some(inlet) = cores.iter().flat_map(|core| &core.inlets).next() else {
+        return filled.vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min) - foot;
+    };
+    let level = inlet.centre.z;
     let tolerance = SEAT * measure::diagonal(&filled.vertices);
     let near = |v: &usize| (filled.vertices[*v].z - level).abs() <= tolerance;
     let seat = filled.triangles.iter().filter(|t| t.iter().all(near));

@@ -70,6 +70,18 @@ impl Block {
         needed.max(config.wall)
     }
 
+    /// How far below a part without an inlet its sides meet the base: half of what is there,
+    /// so that the base does not touch it in a point [m].
+    #[must_use]
+    pub fn foot(stance: &Stance, pull: Pull, config: &Config) -> f64 {
+        match (&stance.parting, pull, stance.portion) {
+            (Parting::Plane(_) | Parting::HeightField(_), Pull::Y, Portion::Whole) => {
+                Self::below(Portion::Whole, config) / 2.0
+            }
+            _ => 0.0,
+        }
+    }
+
     /// The box as a solid.
     #[must_use]
     pub fn solid(&self) -> Solid {

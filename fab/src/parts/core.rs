@@ -124,8 +124,11 @@ impl Print {
     }
 }
 
-/// Heights up to which a bore is tried, in parts of the core's.
-const BORES: [f64; 9] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
+/// Halvings of the range in which the end of a bore is searched.
+const HALVINGS: usize = 10;
+
+/// The least that a bore must reach beyond the stub's root, in its radii.
+const LEAST: f64 = 1.0;
 
 /// A bore for water along a stub and up into its core, as high as the core stays
 /// `core.skin` thick around it; none if the stub or the core is too thin.
@@ -142,14 +145,22 @@ pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
         base_radius: radius,
         top_radius: radius,
     };
-    let heights = BORES.iter().map(|part| stub.base.z + part * (top - stub.base.z));
-    let fits = |height: &f64| {
+    let fits = |height: f64| {
         let around = bore(stub.base.z, height + skin, radius + skin).solid();
         around.difference(core).volume() <= 1e-6 * around.volume()
     };
+    // Whatever fits up to a height fits up to all lower ones.
+    let (mut low, mut high) = (stub.base.z + LEAST * radius, top - skin);
+    if low >= high || !fits(low) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = (low + high) / 2.0;
+        if fits(middle) { low = middle } else { high = middle }
+    }
     // Beyond the end of the stub, so that no faces coincide.
     let end = stub.base.z + stub.axis.z - skin;
-    heights.into_iter().find(fits).map(|height| bore(end, height, radius))
+    Some(bore(end, low, radius))
 }
 
 #[cfg(test)]
@@ -171,7 +182,14 @@ mod tests {
         let core = neck.union(&ball);
         let bore = drain(&stub, &core, &config).unwrap();
         let reaches = bore.base.z + bore.axis.z;
-        assert!(reaches > 14e-3 && reaches < 24e-3 - config.core.skin, "{reaches}");
+        // The ball ends at 24 mm, at r = drain + skin from its axis a little lower.
+        let top = 14e-3 + (100e-6_f64 - 1.4e-3_f64.powi(2)).sqrt() - config.core.skin;
+        assert!((reaches - top).abs() < 1e-4, "{reaches} {top}");
+        // A neck that bends away after 5 mm.
+        let bent = neck.union(&Solid::sphere(&Vec3::new(11e-3, 0.0, 5e-3), 10e-3, 96));
+        let bore = drain(&stub, &bent, &config).unwrap();
+        let reaches = bore.base.z + bore.axis.z;
+        assert!((3.5e-3..5e-3).contains(&(reaches + config.core.skin)), "{reaches}");
         assert!(bore.base.z < stub.base.z + stub.axis.z);
         let thin = Frustum { base_radius: 1.3e-3, ..stub };
         assert_eq!(drain(&thin, &core, &config), None);

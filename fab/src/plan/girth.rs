@@ -15,11 +15,58 @@ pub struct Girth {
     pub position: f64,
 }
 
-/// The longest outline of the sections of a closed surface across a unit vector.
+/// What has to pass through what, when a rigid body is pulled out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// The section that has to stretch most.
+    pub neck: Girth,
+    /// The longest outline that passes there.
+    pub through: Girth,
+}
+
+impl Passage {
+    /// How far the neck must stretch [1].
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.through.length / self.neck.length
+    }
+}
+
+/// The passage that stretches most when a closed surface is pulled along a unit vector out
+/// of what it fills: every section has to pass wherever one is that is further along.
+/// The last `rim` of its length is left out, where an uneven end cuts sections short [m].
 ///
-/// A plane meets each triangle in a segment; the outline's length is their sum.
+/// Outlines of one height are taken together: a neck beside another branch of the
+/// body is found too wide.
+#[must_use]
+pub fn tightest(surface: &SurfaceMesh, out: &Vec3, rim: f64) -> Passage {
+    let sections = sections(surface, out);
+    let end = sections.iter().map(|s| s.position).fold(f64::NEG_INFINITY, f64::max) - rim;
+    let mut passing = sections[0];
+    let mut worst = Passage { neck: passing, through: passing };
+    for neck in sections.into_iter().filter(|s| s.position <= end && s.length > 0.0) {
+        if neck.length > passing.length {
+            passing = neck;
+        }
+        let passage = Passage { neck, through: passing };
+        if passage.ratio() > worst.ratio() || worst.neck.length == 0.0 {
+            worst = passage;
+        }
+    }
+    worst
+}
+
+/// The longest outline of the sections of a closed surface across a unit vector.
 #[must_use]
 pub fn largest(surface: &SurfaceMesh, axis: &Vec3) -> Girth {
+    let longest = sections(surface, axis).into_iter().max_by(|a, b| a.length.total_cmp(&b.length));
+    longest.expect("there are sections")
+}
+
+/// The sections of a closed surface across a unit vector, in its direction.
+///
+/// A plane meets each triangle in a segment; the outline's length is their sum.
+fn sections(surface: &SurfaceMesh, axis: &Vec3) -> Vec<Girth> {
     let along: Vec<Vec3> =
         surface.vertices.iter().map(|p| Vec3::new(p.dot(axis), 0.0, 0.0)).collect();
     let (low, high) = bounds(&along);
@@ -37,9 +84,8 @@ pub fn largest(surface: &SurfaceMesh, axis: &Vec3) -> Girth {
             lengths[k] += chord(&corners, &heights, position(k));
         }
     }
-    let longest = (0..SECTIONS).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]));
-    let k = longest.expect("there are sections");
-    Girth { length: lengths[k], position: position(k) }
+    let girth = |(k, length)| Girth { length, position: position(k) };
+    lengths.into_iter().enumerate().map(girth).collect()
 }
 
 /// Length of the segment in which a triangle meets the plane at a height [m].
@@ -73,5 +119,27 @@ mod tests {
         let bar = Solid::cube(&Vec3::zeros(), &Vec3::new(1.0, 2.0, 10.0)).to_surface();
         assert!((largest(&bar, &Vec3::z()).length - 6.0).abs() < 1e-12);
         assert!((largest(&bar, &Vec3::x()).length - 24.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_second_chamber_passes_through_the_neck_before_it() {
+        // Boxes of 8, 4 and 8 mm around: pulled along z, the lowest passes through the neck.
+        let part = |half: f64, low: f64, high: f64| {
+            Solid::cube(&Vec3::new(-half, -half, low), &Vec3::new(half, half, high))
+        };
+        let core = part(1.0, 0.0, 4.0).union(&part(0.5, 4.0, 6.0)).union(&part(1.0, 6.0, 10.0));
+        let core = core.to_surface();
+        let passage = tightest(&core, &Vec3::z(), 0.0);
+        assert!((passage.ratio() - 2.0).abs() < 1e-9, "{passage:?}");
+        assert!((4.0..6.0).contains(&passage.neck.position), "{passage:?}");
+        assert!(passage.through.position < 4.0, "{passage:?}");
+        // A cone that widens towards its end leaves freely, one that narrows does not.
+        let cone = Solid::cylinder(&Vec3::zeros(), &Vec3::z(), 0.5, 1.0, 96).to_surface();
+        assert!((tightest(&cone, &Vec3::z(), 0.0).ratio() - 1.0).abs() < 1e-9);
+        let narrow = tightest(&cone, &-Vec3::z(), 0.0).ratio();
+        assert!((narrow - 2.0).abs() < 0.01, "{narrow}");
+        // Without the last fifth of it.
+        let without = tightest(&cone, &-Vec3::z(), 0.2).ratio();
+        assert!((without - 1.0 / 0.6).abs() < 0.01, "{without}");
     }
 }

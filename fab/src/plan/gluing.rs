@@ -133,7 +133,7 @@ pub fn flattest(skin: &Skin) -> Option<Flat> {
 }
 
 /// Normals of the largest flat walls of the cavity, without its inlets.
-fn walls(skin: &Skin) -> Vec<Vec3> {
+pub fn walls(skin: &Skin) -> Vec<Vec3> {
     // Normals that round to the same hundredths are one.
     let mut sums: BTreeMap<[i32; 3], Vec3> = BTreeMap::new();
     for core in &skin.cores {

@@ -1,5 +1,6 @@
 //! How a body is to be molded: what is measured, what that decides, and why.
 
+pub mod drawing;
 pub mod girth;
 pub mod gluing;
 pub mod pull;
@@ -47,8 +48,12 @@ pub struct Casting {
     pub name: String,
     /// How it stands, and how its mold comes apart.
     pub stance: Stance,
-    /// Depth of what its shells leave hidden, at each triangle of the filled part [m].
+    /// What is cast, with its cavity filled [m].
+    pub filled: SurfaceMesh,
+    /// Depth of what its shells leave hidden, at each triangle of that [m].
     pub undercut: Vec<f64>,
+    /// Where that is most for the width of what must give way.
+    pub worst: Option<Worst>,
 }
 
 /// Why a body cannot be molded.
@@ -73,10 +78,11 @@ pub enum PlanError {
     /// The silicone cannot be peeled out.
     #[error(
         "the {name} cannot be peeled out of its mold: {surface}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must \
-         give way by {depth:.2} mm, {ratio:.2} of its width of {width:.2} mm there, limits.peel is {limit:.2}: \
+         give way by {depth:.2} mm and on its other side by {opposite:.2} mm, {ratio:.2} of its width of {width:.2} mm \
+         there, limits.peel is {limit:.2}: \
          choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
         x = worst.at.x * 1e3, y = worst.at.y * 1e3, z = worst.at.z * 1e3,
-        depth = worst.depth * 1e3, width = worst.width * 1e3, ratio = worst.ratio
+        depth = worst.depth * 1e3, opposite = worst.opposite * 1e3, width = worst.width * 1e3, ratio = worst.ratio
     )]
     Locked {
         /// What is cast.
@@ -153,7 +159,8 @@ impl Casting {
             return Err(PlanError::Locked { name, surface, worst, limit });
         }
         let stance = Stance { up, pull, parting, portion };
-        Ok(Self { name: name.into(), stance, undercut: undercut.facets })
+        let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
+        Ok(Self { name, stance, filled, undercut, worst })
     }
 }
 
@@ -189,11 +196,11 @@ fn chamber_and_sheet(skin: &Skin, flat: &Flat, config: &Config) -> Result<Vec<Ca
     let filled = beyond(skin, normal, flat.beyond);
     let view = undercut::View::along(&filled, &up);
     let undercut = view.undercut(undercut::Parting::Plane(-flat.beyond));
-    let fits = view.worst(&undercut).is_none_or(|worst| worst.ratio <= config.limits.peel);
-    let sheet = if fits {
+    let worst = view.worst(&undercut);
+    let sheet = if worst.is_none_or(|worst| worst.ratio <= config.limits.peel) {
         let stance =
             Stance { up, pull: up, parting: Parting::Open, portion: Portion::Below(-flat.beyond) };
-        Casting { name: "sheet".into(), stance, undercut: undercut.facets }
+        Casting { name: "sheet".into(), stance, filled, undercut: undercut.facets, worst }
     } else {
         Casting::new("sheet", &filled, *normal, Portion::Above(flat.beyond), &config)?
     };

@@ -4,9 +4,10 @@
 //! has the body over it is *trapped*: what fills it belongs to a shell that leaves
 //! upward, and the body is in its way; below the parting likewise. The depth of a
 //! trapped place is its distance across the pull from where the same space is open:
-//! so far the body must give way. Squeezed aside by depth d, silicone of width w in
-//! that direction is compressed by d/w, which is the ratio that decides whether it
-//! can be peeled out.
+//! so far the body must give way. Its width w in that direction is the chord through what
+//! is in the way; if the same shell reaches below the other end of the chord, too, the body
+//! is squeezed from both sides. Squeezed by d on this and d' on the other side, silicone
+//! is compressed by (d + d')/w, which is the ratio that decides whether it can be peeled out.
 
 use std::collections::BinaryHeap;
 
@@ -60,10 +61,12 @@ pub struct Undercut {
 /// Where the body must give way most, for its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// Depth over width [1].
+    /// Depths on both sides over width [1].
     pub ratio: f64,
     /// How far the body must give way [m].
     pub depth: f64,
+    /// How far it must give way at the other end of its width at the same time [m].
+    pub opposite: f64,
     /// How wide it is in that direction [m].
     pub width: f64,
     /// In the middle of what must give way, in the body's coordinates [m].
@@ -81,6 +84,8 @@ struct Trapped {
     /// Where the same space is open [m].
     rim: Option<[f64; 2]>,
     depth: f64,
+    /// Whether the shell that leaves upward fills it.
+    upper: bool,
 }
 
 impl View {
@@ -131,6 +136,7 @@ impl View {
         for place in &mut lower.1 {
             (place.low, place.high) = (-place.high, -place.low);
             place.over = [-place.over[1], -place.over[0]];
+            place.upper = false;
         }
         let facets: Vec<f64> = upper.0.iter().zip(&lower.0).map(|(a, b)| a.max(*b)).collect();
         let area = |t: usize| {
@@ -173,6 +179,7 @@ impl View {
                     over,
                     rim: None,
                     depth: 0.0,
+                    upper: true,
                 };
                 let is_trapped = place.high - place.low > THINNEST;
                 below.push(is_trapped.then_some(trapped.len()));
@@ -258,19 +265,67 @@ impl View {
             return None;
         }
         let bvh = SurfaceBvh::new(&self.surface);
+        let mut above = vec![Vec::new(); self.grid.len()];
+        undercut.trapped.iter().for_each(|place| above[place.node].push(*place));
         let samples = deep.iter().step_by(deep.len().div_ceil(SAMPLES));
         let measured = samples.filter_map(|place| {
-            let [x, y] = self.grid.point(place.node);
-            let from = Vec3::new(x, y, (place.over[0] + place.over[1]) / 2.0);
-            let rim = place.rim?;
-            let inward = Vec3::new(x - rim[0], y - rim[1], 0.0).normalize();
+            let from = self.in_the_way(place)?;
+            let inward = place.inward(&self.grid)?;
             let reach = |d: Vec3| bvh.ray(&from, &d).first().map_or(0.0, |hit| hit.0);
-            let width = reach(inward) + reach(-inward);
+            let ahead = reach(inward);
+            let width = ahead + reach(-inward);
             let at = self.rotation.transpose() * from;
             let depth = place.depth;
-            Some(Worst { ratio: depth / width.max(self.grid.step), depth, width, at })
+            let opposite = self.opposite(place, &from, inward * ahead, &above);
+            let ratio = (depth + opposite) / width.max(self.grid.step);
+            Some(Worst { ratio, depth, opposite, width, at })
         });
         measured.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// The middle of what is in the way of `place`, where that is thickest between there and
+    /// the open: near its edge it may be as thin as can be.
+    fn in_the_way(&self, place: &Trapped) -> Option<Vec3> {
+        let ([x, y], rim) = (self.grid.point(place.node), place.rim?);
+        let steps = ((x - rim[0]).hypot(y - rim[1]) / self.grid.step).ceil();
+        let along = (0..=steps as usize).map(|k| {
+            let t = k as f64 / steps.max(1.0);
+            let node = self.grid.nearest([x + (rim[0] - x) * t, y + (rim[1] - y) * t]);
+            let meets = |l: &&Layer| l[0] < place.over[1] && place.over[0] < l[1];
+            self.columns[node].iter().filter(meets).map(move |layer| (node, *layer))
+        });
+        let thickness = |layer: &Layer| layer[1] - layer[0];
+        let thickest = along.flatten().max_by(|a, b| thickness(&a.1).total_cmp(&thickness(&b.1)));
+        let (node, layer) = thickest.unwrap_or((place.node, place.over));
+        let [x, y] = self.grid.point(node);
+        Some(Vec3::new(x, y, (layer[0] + layer[1]) / 2.0))
+    }
+
+    /// How far the shell that fills `place` reaches below the body from the other side, along
+    /// the `way` from there through the body: the greatest depth against that direction.
+    fn opposite(&self, place: &Trapped, from: &Vec3, way: Vec3, above: &[Vec<Trapped>]) -> f64 {
+        let steps = (way.norm() / self.grid.step) as usize;
+        let mut deepest: f64 = 0.0;
+        for k in 1..=steps {
+            let p = from + way * (k as f64 / steps as f64);
+            let node = self.grid.nearest([p.x, p.y]);
+            let here = above[node].iter().filter(|other| {
+                other.upper == place.upper && other.over[0] <= p.z && p.z <= other.over[1]
+            });
+            for other in here {
+                let Some(inward) = other.inward(&self.grid) else { continue };
+                deepest = deepest.max(-inward.dot(&way.normalize()) * other.depth);
+            }
+        }
+        deepest
+    }
+}
+
+impl Trapped {
+    /// The direction from where the space is open to the place.
+    fn inward(&self, grid: &Grid) -> Option<Vec3> {
+        let ([x, y], rim) = (grid.point(self.node), self.rim?);
+        Some(Vec3::new(x - rim[0], y - rim[1], 0.0).normalize())
     }
 }
 
@@ -334,10 +389,34 @@ mod tests {
         // whose columns are full.
         assert!((undercut.depth - 6.0).abs() < 2.0 * along.resolution(), "{}", undercut.depth);
         let worst = along.worst(&undercut).unwrap();
-        assert!((worst.ratio - 6.0 / 20.0).abs() < 0.03, "{worst:?}");
+        // By 6 on both sides of a disc 20 wide.
+        assert!((worst.ratio - 12.0 / 20.0).abs() < 0.06, "{worst:?}");
+        assert!((worst.opposite - 6.0).abs() < 2.0 * along.resolution(), "{worst:?}");
         assert!((worst.at.z - 17.5).abs() < 1e-9 || (worst.at.z - 2.5).abs() < 1e-9);
         let across = View::along(&spool, &Vec3::x());
         assert!(across.undercut(Parting::Plane(0.0)).share < 1e-2);
         assert!(across.undercut(Parting::Middle).share < 1e-2);
+    }
+
+    #[test]
+    fn what_hangs_over_on_one_side_is_squeezed_from_there_only() {
+        // A stem of 4 under a plate that reaches 6 beyond it on one side.
+        let stem = Solid::cube(&Vec3::new(-2.0, -2.0, 0.0), &Vec3::new(2.0, 2.0, 10.0));
+        let plate = Solid::cube(&Vec3::new(-8.0, -2.0, 9.0), &Vec3::new(2.0, 2.0, 12.0));
+        let view = View::along(&stem.union(&plate).to_surface(), &Vec3::z());
+        let undercut = view.undercut(Parting::Plane(1.0));
+        let worst = view.worst(&undercut).unwrap();
+        // The open side is nearer across the plate: 2 from either side, squeezed from both.
+        assert!((worst.depth - 2.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert!((worst.width - 4.0).abs() < 1e-9, "{worst:?}");
+        // Of a bracket along a wall, only the front is open.
+        let wall = Solid::cube(&Vec3::new(-2.0, -20.0, 0.0), &Vec3::new(2.0, 20.0, 10.0));
+        let plate = Solid::cube(&Vec3::new(-8.0, -20.0, 9.0), &Vec3::new(2.0, 20.0, 12.0));
+        let view = View::along(&wall.union(&plate).to_surface(), &Vec3::z());
+        let undercut = view.undercut(Parting::Plane(1.0));
+        let worst = view.worst(&undercut).unwrap();
+        assert!((worst.depth - 6.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert_eq!(worst.opposite, 0.0, "{worst:?}");
+        assert!((worst.ratio - 0.6).abs() < 0.06, "{worst:?}");
     }
 }

@@ -2,13 +2,14 @@
 
 use mesh::Vec3;
 
+use super::girth::{self, Passage};
 use super::gluing::{self, Cut, Flat};
 use super::report::{Measure, Verdict};
-use super::{Plan, PlanError, girth, pull};
+use super::{Plan, PlanError, pull};
 use crate::config::Config;
 use crate::layout;
 use crate::method::Method;
-use crate::skin::Skin;
+use crate::skin::{CoreSkin, Inlet, Skin};
 
 /// Measures a body only as far as it is asked.
 pub struct Judge<'a> {
@@ -120,16 +121,10 @@ impl<'a> Judge<'a> {
         for core in &self.skin.cores {
             let inlet = core.inlets.iter().max_by(|a, b| a.girth.total_cmp(&b.girth));
             let inlet = inlet.expect("every core has an inlet");
-            let around = girth::largest(&core.surface, &inlet.normal);
-            let ratio = around.length / inlet.girth;
+            let (ratio, told) = way_out(core, inlet);
             if ratio > worst {
                 worst = ratio;
-                words = format!(
-                    "the core is {:.1} mm around, its inlet {:.1} mm: the inlet must stretch by {ratio:.2}, \
-                     limits.girth is {limit:.2}",
-                    around.length * 1e3,
-                    inlet.girth * 1e3
-                );
+                words = format!("{told} must stretch by {ratio:.2}, limits.girth is {limit:.2}");
             }
         }
         self.measures.push(Measure {
@@ -139,7 +134,8 @@ impl<'a> Judge<'a> {
             limit: Some(limit),
             meaning:
                 "longest outline of a section of the core across the inlet's axis, over that of \
-                      the inlet's rim; the limit is a judgement"
+                      the inlet's rim or of a section nearer to it through which it has to pass; \
+                      the limit is a judgement"
                     .into(),
         });
         (worst <= limit, words)
@@ -206,6 +202,7 @@ impl<'a> Judge<'a> {
         let (skin, config) = (self.skin, self.config);
         self.halves.get_or_insert_with(|| {
             let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+            normals.extend(gluing::walls(skin));
             normals.extend(pull::hemisphere());
             gluing::best(skin, &config.gluing, &normals)
         })
@@ -216,6 +213,29 @@ impl<'a> Judge<'a> {
     pub fn flat(&self) -> Option<&Flat> {
         self.flat.as_ref()
     }
+}
+
+/// How far silicone must stretch to let a core out through an inlet, and what of it.
+fn way_out(core: &CoreSkin, inlet: &Inlet) -> (f64, String) {
+    let around = girth::largest(&core.surface, &inlet.normal).length;
+    let passage = girth::tightest(&core.surface, &inlet.normal, inlet.deviation);
+    let ratio = around / inlet.girth;
+    if passage.ratio() <= ratio {
+        let (around, inlet) = (around * 1e3, inlet.girth * 1e3);
+        return (
+            ratio,
+            format!("the core is {around:.1} mm around, its inlet {inlet:.1} mm: the inlet"),
+        );
+    }
+    let Passage { neck, through } = passage;
+    let depth = inlet.centre.dot(&inlet.normal) - neck.position;
+    let told = format!(
+        "the core is {:.1} mm around where it passes through a neck of {:.1} mm, {:.1} mm behind its inlet: the neck",
+        through.length * 1e3,
+        neck.length * 1e3,
+        depth * 1e3
+    );
+    (passage.ratio(), told)
 }
 
 /// What to do with the castings, in order.

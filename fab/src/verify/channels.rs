@@ -5,8 +5,10 @@ use mesh::solid::Solid;
 
 use super::Line;
 use super::set::Set;
+use crate::export::MM;
 use crate::mold::Purpose;
 use crate::parts::SEGMENTS;
+use crate::parts::pin::LAND;
 use crate::report::Outline;
 
 /// Least part of a key's or stub's seat that must be filled.
@@ -15,7 +17,7 @@ const FILLED: f64 = 0.5;
 /// All checks of features.
 pub fn checks(set: &Set) -> Vec<Line> {
     let mut lines = Vec::new();
-    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket] {
+    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Pin] {
         let same = set.report.features.iter().filter(|f| f.purpose == purpose);
         for (i, outline) in same.enumerate() {
             let name = format!("{} {}", purpose.name(), i + 1);
@@ -23,7 +25,8 @@ pub fn checks(set: &Set) -> Vec<Line> {
                 Purpose::Sprue | Purpose::Vent => lines.extend(open(set, &name, outline)),
                 Purpose::Key => lines.push(engaged(set, &name, outline)),
                 Purpose::Socket => lines.extend(seated(set, &name, outline)),
-                Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Pin | Purpose::Boss => {}
+                Purpose::Pin => lines.push(clear(set, &name, outline)),
+                Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Boss => {}
             }
         }
         if purpose == Purpose::Sprue && lines.is_empty() && !set.report.open {
@@ -75,6 +78,20 @@ fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
             "mm³ within",
         ),
     ]
+}
+
+/// A pin keeps clear of sprue and vents, all of which are upright.
+fn clear(set: &Set, name: &str, pin: &Outline) -> Line {
+    let widest = |outline: &Outline| outline.base_radius.max(outline.top_radius);
+    let channels = set.report.features.iter();
+    let channels = channels.filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent));
+    let between = channels.map(|channel| {
+        let apart = Vec3::from(channel.base) - Vec3::from(pin.base);
+        apart.xy().norm() - widest(channel) - widest(pin)
+    });
+    let least = between.fold(f64::INFINITY, f64::min);
+    let needed = LAND * MM - 2.0 * set.rounding;
+    Line::at_least(format!("{name}: beside channels"), least, needed, "mm of mold")
 }
 
 /// A cone fills most of its seat, and leaves a gap.

@@ -19,6 +19,9 @@ const SURFACE: f64 = 5e-3;
 /// Error of the balance as a part of the outside's volume.
 const BALANCE: f64 = 1e-6;
 
+/// Part of its radius by which a ball that fits into a body may be smaller, for rounding.
+const ROUND: f64 = 0.99;
+
 /// Points per surface at which that distance is measured, besides its vertices.
 const SAMPLES: usize = 20_000;
 
@@ -170,20 +173,30 @@ fn plug(set: &Set, design: &SurfaceMesh, bodies: &mut [Solid]) {
 /// with the body.
 ///
 /// Measured at the centroid of each triangle and near its corners. A place far
-/// from `to` belongs to a film if the point `film` below it is not inside `from`.
+/// from `to` belongs to a film if no ball of the diameter `film` fits into `from` below it.
 fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
     const NEAR_CORNER: f64 = 0.9;
     let bvh = SurfaceBvh::new(to);
     let inside = WindingNumber::new(from);
+    let own = SurfaceBvh::new(from);
     let mut worst: f64 = 0.0;
     for t in 0..from.triangles.len() {
         let [a, b, c] = from.corners(t);
+        if measure::triangle_area(a, b, c) == 0.0 {
+            continue;
+        }
         let below = measure::triangle_normal(a, b, c) * film;
+        // The ball itself, and one as deep again: near an edge the first may not fit.
+        let is_thick = |p: &Vec3| {
+            [0.5, 1.0].into_iter().map(|depth| p - below * depth).any(|middle| {
+                own.closest(&middle).distance >= ROUND * film / 2.0 && inside.contains(&middle)
+            })
+        };
         let centre = from.centroid(t);
         let near = [a, b, c].map(|corner| centre + (corner - centre) * NEAR_CORNER);
         for p in near.into_iter().chain([centre]) {
             let distance = bvh.closest(&p).distance;
-            if distance > worst && (distance <= film || inside.contains(&(p - below))) {
+            if distance > worst && (distance <= film || is_thick(&p)) {
                 worst = distance;
             }
         }

@@ -18,6 +18,7 @@ mod walls;
 
 use std::path::Path;
 
+use mesh::SurfaceMesh;
 use mesh::io::IoError;
 
 pub use set::Set;
@@ -179,15 +180,41 @@ fn verify_mold(
     }
     let parts = files.parts.clone();
     let set = Set::new(files);
-    lines.extend(fit::checks(&set, folder, against.design));
-    lines.extend(channels::checks(&set));
-    lines.extend(filling::checks(&set));
-    lines.extend(walls::checks(&set));
-    lines.extend(pull::checks(&set));
-    lines.extend(release::checks(&set, plan));
-    lines.extend(printing::checks(&set, &parts));
+    lines.extend(shapes(&set, &parts, folder, against.design, plan));
     if let Some(simulation) = against.simulation {
         lines.extend(walls::inflated(&set, simulation));
     }
     Ok(lines)
+}
+
+/// The checks of sound parts, whether they have been written or not.
+fn shapes(
+    set: &Set,
+    parts: &[SurfaceMesh],
+    folder: &Path,
+    design: Option<&Path>,
+    plan: Option<&plan::Report>,
+) -> Vec<Line> {
+    let mut lines = fit::checks(set, folder, design);
+    lines.extend(channels::checks(set));
+    lines.extend(filling::checks(set));
+    lines.extend(walls::checks(set));
+    lines.extend(pull::checks(set));
+    lines.extend(release::checks(set, plan));
+    lines.extend(printing::checks(set, parts));
+    lines
+}
+
+/// The checks of a mold that is not yet written. `surfaces` are those of the files in the
+/// order of the report, valid and in millimetres; `design` is what is molded.
+#[must_use]
+pub fn before_writing(
+    report: &Report,
+    surfaces: &[SurfaceMesh],
+    design: &Path,
+    plan: &plan::Report,
+) -> Vec<Line> {
+    let files = set::Files::of(report.clone(), surfaces.to_vec());
+    let parts = files.parts.clone();
+    shapes(&Set::new(files), &parts, Path::new("."), Some(design), Some(plan))
 }

@@ -2,12 +2,13 @@
 //!
 //! What has to be stretched over a core that is pulled out is the inlet: its girth is that
 //! of the core just inside, and the largest girth of the core across the pull is what has to
-//! pass. Soluble and molten cores need no way out.
+//! pass. So it is with every neck of the cavity and what lies behind it. Soluble and molten
+//! cores need no way out.
 
 use super::set::{Body, Set};
 use super::{Line, Status};
 use crate::method::Method;
-use crate::plan::girth;
+use crate::plan::girth::{self, Passage};
 use crate::plan::report::Report;
 use crate::silicone;
 
@@ -33,9 +34,15 @@ fn passes(set: &Set, core: &Body, plan: Option<&Report>) -> Line {
     if mouth.triangles.is_empty() {
         return Line::new(name, false, "the core does not reach the inlet".into(), "an inlet");
     }
-    let [inlet, widest] = [mouth, inside].map(|surface| girth::largest(&surface, &up).length);
-    let ratio = widest / inlet;
-    let found = format!("{ratio:.2} × the inlet's girth of {inlet:.1} mm");
+    let inlet = girth::largest(&mouth, &up).length;
+    let ratio = girth::largest(&inside, &up).length / inlet;
+    let Passage { neck, through } = girth::tightest(&inside, &-up, INSIDE[1] - INSIDE[0]);
+    let (ratio, found) = match through.length / neck.length {
+        tighter if tighter > ratio => {
+            (tighter, format!("{tighter:.2} × a neck's girth of {:.1} mm", neck.length))
+        }
+        _ => (ratio, format!("{ratio:.2} × the inlet's girth of {inlet:.1} mm")),
+    };
     match plan.map(|plan| plan.method) {
         Some(method @ (Method::Soluble | Method::Wax)) => {
             Line::new(name, true, found, &format!("any, the core is {}", method.name()))

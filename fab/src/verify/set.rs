@@ -59,6 +59,18 @@ pub struct Set {
 }
 
 impl Files {
+    /// The surfaces of a report's files in their order: parts as they are printed, then the
+    /// cast and the outside.
+    pub fn of(report: Report, mut surfaces: Vec<SurfaceMesh>) -> Self {
+        let outside = surfaces.pop().expect("a report lists the outside");
+        let cast = surfaces.pop().expect("a report lists the cast");
+        for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
+            let turn = Files::turn(part);
+            surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
+        }
+        Self { report, parts: surfaces, cast, outside }
+    }
+
     /// The rotation of a part from its file to the closed mold.
     #[must_use]
     pub fn turn(part: &Part) -> Matrix3<f64> {
@@ -84,13 +96,7 @@ pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
     if surfaces.len() < report.files().count() {
         return (lines, None);
     }
-    let outside = surfaces.pop().expect("a report lists the outside");
-    let cast = surfaces.pop().expect("a report lists the cast");
-    for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
-        let turn = Files::turn(part);
-        surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
-    }
-    (lines, Some(Files { report, parts: surfaces, cast, outside }))
+    (lines, Some(Files::of(report, surfaces)))
 }
 
 /// No STL file lies in the folder that the report does not list.

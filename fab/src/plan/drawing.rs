@@ -1,0 +1,92 @@
+//! A picture of what shells leave hidden, coloured by its depth.
+
+use std::path::Path;
+
+use mesh::io::IoError;
+use mesh::{SurfaceMesh, Vec3, topology};
+use nalgebra::Matrix3;
+use render::annotate::Key;
+use render::camera::Projection;
+use render::color::{self, Map, Scale};
+use render::cut::cut;
+use render::panel::Look;
+use render::raster::Lines;
+use render::shape::{Shape, Triangle, shade};
+use render::sheet::{Panel, Sheet, draw_sheet};
+use render::view::View;
+
+use super::{Casting, Plan};
+use crate::export::MM;
+use crate::frame::Frame;
+
+/// Name of the picture in the top folder.
+pub const FILE: &str = "undercut.png";
+
+/// Width and height of the picture of one casting, of which each more adds a height [px].
+const SIZE: [usize; 2] = [1200, 560];
+
+/// Castings are seen from obliquely above.
+const VIEW: View = View { azimuth: -58.0, elevation: 38.0 };
+
+/// The least range of the colours: less than this is nothing [mm].
+const RANGE: f64 = 0.5;
+
+/// Draws every casting as seen by the shell that leaves along the pull, and by the other.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn draw(path: &Path, plan: &Plan) -> Result<(), IoError> {
+    let deepest = plan.castings.iter().flat_map(|casting| &casting.undercut);
+    let max = deepest.fold(RANGE, |max, depth| max.max(depth * MM));
+    let scale = Scale { min: 0.0, max, map: Map::Viridis };
+    let panels: Vec<Panel> = plan.castings.iter().flat_map(panels).collect();
+    let sheet = Sheet {
+        size: [SIZE[0], SIZE[1] * plan.castings.len()],
+        title: "undercuts".into(),
+        view: VIEW,
+        projection: Projection::Orthographic,
+        look: Look {
+            scale: Some(scale),
+            lines: Lines { edges: false, features: true },
+            ground: None,
+        },
+        key: Key::Scale { name: "depth".into(), unit: "mm".into(), scale },
+    };
+    draw_sheet(&sheet, &panels).write_png(path)
+}
+
+/// A casting with its pull up, and with its pull down.
+fn panels(casting: &Casting) -> [Panel; 2] {
+    let pull = casting.stance.pull;
+    let (frame, _) = Frame::new(pull, pull).expect("a direction is along itself");
+    let worst = casting.worst.map_or("free".into(), |worst| {
+        let both = (worst.depth + worst.opposite) * MM;
+        format!("{both:.1} of {:.1} mm", worst.width * MM)
+    });
+    let over = Matrix3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0));
+    let sides = [("along its pull", Matrix3::identity()), ("against it", over)];
+    sides.map(|(side, turn)| {
+        let shape = shape(&casting.filled, &casting.undercut, turn * frame.rotation);
+        Panel {
+            pieces: vec![cut(&shape, None)],
+            caption: format!("{} {side}: at worst {worst}", casting.name),
+        }
+    })
+}
+
+/// A surface [m], turned, with a value at each triangle [m], in millimetres.
+fn shape(surface: &SurfaceMesh, values: &[f64], turn: Matrix3<f64>) -> Shape {
+    let points: Vec<Vec3> = surface.vertices.iter().map(|p| turn * p * MM).collect();
+    let triangle = |(&points, value): (&[usize; 3], &f64)| Triangle {
+        points,
+        values: [value * MM; 3],
+        color: color::material(),
+        edges: 0,
+    };
+    let triangles: Vec<Triangle> = surface.triangles.iter().zip(values).map(triangle).collect();
+    Shape {
+        facets: shade(&points, &triangles),
+        cells: None,
+        closed: topology::boundary_edges(&surface.triangles).is_empty(),
+    }
+}
