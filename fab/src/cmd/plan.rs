@@ -1,44 +1,18 @@
 //! `fab plan`: how a body is to be molded, and why.
 
-use std::path::PathBuf;
+use anyhow::Result;
 
-use anyhow::{Context, Result};
-use mesh::io::read_tets;
-
-use crate::config::Config;
+use super::Task;
 use crate::plan::Plan;
-use crate::plan::report::{Entry, Material, Report};
-use crate::report::{CastPart, Input};
-use crate::skin::Skin;
-
-/// Arguments of `fab plan`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Tagged tetrahedral mesh (.msh) [m]
-    pub mesh: PathBuf,
-    /// What is asked for (mold.toml); without it, what is measured decides
-    #[arg(long)]
-    pub config: Option<PathBuf>,
-    /// Folder for plan.json
-    #[arg(short, long)]
-    pub output: PathBuf,
-}
+use crate::plan::report::{Entry, Material};
 
 /// Runs the verb.
 ///
 /// # Errors
 /// If the mesh or the configuration cannot be used, the body cannot be molded, or
 /// plan.json cannot be written.
-pub fn run(args: &Args) -> Result<()> {
-    let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
-    let name = || args.mesh.display().to_string();
-    let skin = Skin::new(&read_tets(&args.mesh)?, &config.cavity).with_context(name)?;
-    let plan = Plan::new(&skin, &config).with_context(name)?;
-    let input = Input::new(&args.mesh, &args.output, &config.cavity, CastPart::Whole)?;
-    let cores = skin.cores.len();
-    let report = Report::new(&plan, input, entries(&plan, cores));
-    report.write(&args.output)?;
-    log::info!("{}", plan.reason);
+pub fn run(task: &Task) -> Result<()> {
+    task.plan()?.told.write(&task.output)?;
     Ok(())
 }
 
