@@ -71,8 +71,12 @@ $(2)/mold/plan.json: $(4) pipelines/$(1)/mold.toml | setup
 $(2)/mold.checks.txt: $(2)/mold/plan.json | setup
 	$(BIN)/fab verify $(2)/mold | tee $$@
 
+# Taken apart, and closed as mold-closed.png; of a second mold mold2.png, mold2-closed.png.
 $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
-	$(BIN)/cad2fem picture $$$$(find $(2)/mold -name '*.stl' -not -path '*/reference/*' | sort) --together --row --title "$(1): mold" -o $$@
+	@mkdir -p $$(@D)
+	n=; for folder in $$$$(find $(2)/mold -name exploded.png -printf '%h\n' | sort); do \
+		cp $$$$folder/assembled.png $$(@D)/mold$$$$n-closed.png; \
+		cp $$$$folder/exploded.png $$(@D)/mold$$$$n.png; n=$$$$(( $$$${n:-1} + 1 )); done
 
 $(2)/done: $(2)/mold.checks.txt $(2)/pictures/mold.png
 	@touch $$@

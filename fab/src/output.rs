@@ -12,6 +12,7 @@ use crate::cast::{self, Sheet};
 use crate::mold::Purpose;
 use crate::picture;
 use crate::report::{Part, Report, Role};
+use crate::slicer;
 use crate::threemf::{self, Place, Shape};
 
 /// All parts where they are in the closed mold.
@@ -35,14 +36,13 @@ pub fn threemf_file(part: &Part) -> String {
 /// The files that [`write`] and [`draw`] make, relative to the folder of the report.
 #[must_use]
 pub fn files(report: &Report) -> Vec<String> {
-    let parts = report.parts.iter().map(threemf_file);
+    let parts = report.parts.iter().flat_map(|part| [threemf_file(part), slicer::file(part)]);
     let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, cast::JSON, cast::MARKDOWN];
     parts.chain(others.map(str::to_owned)).collect()
 }
 
-/// Writes the parts and their assembly as 3MF, the assembly for ParaView, and the
-/// sheet for casting. `surfaces` are those of the STL
-/// files, the cast last.
+/// Writes the parts and their assembly as 3MF, how parts are sliced, the assembly for
+/// ParaView, and the sheet for casting. `surfaces` are those of the STL files, the cast last.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -57,6 +57,7 @@ pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result
         let alone = shape((part, surface), Place::at(Vec3::zeros()));
         threemf::write(&folder.join(threemf_file(part)), &part.name, &[alone])?;
     }
+    slicer::write(folder, report)?;
     let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
     threemf::write(&folder.join(ASSEMBLY), "closed mold", &closed)?;
     picture::grid(&folder.join(GRID), &assembly(report, surfaces))?;

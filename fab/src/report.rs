@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use mesh::io::{IoError, sha256_file, write_atomic};
-use mesh::measure::{area, enclosed_volume};
+use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
@@ -14,7 +14,9 @@ use crate::export::MM;
 use crate::frame::{Frame, Turn};
 use crate::method::Method;
 use crate::mold::{Feature, Mold, Piece, Purpose};
+use crate::printer;
 use crate::stance::Portion;
+use crate::underside::{self, Underside};
 
 /// Name of the report in the folder of a mold.
 pub const FILE: &str = "mold.json";
@@ -121,6 +123,12 @@ pub struct Part {
     pub volume: f64,
     /// Area of the written surface [mm²].
     pub area: f64,
+    /// Area on the printer's bed [mm²].
+    pub bed: f64,
+    /// Area that hangs over beyond what is printed without support [mm²].
+    pub overhang: f64,
+    /// Height as it is printed [mm].
+    pub height: f64,
     /// Triangles of the written surface.
     pub triangles: usize,
     /// Handles of the solid before its coordinates were rounded.
@@ -222,6 +230,8 @@ impl Report {
 
     /// Adds a part written as `surface` after `turn`.
     pub fn add_part(&mut self, piece: &Piece, role: Role, turn: Turn, surface: &SurfaceMesh) {
+        let below = Underside::new(surface, self.steepest(), |_| false);
+        let (low, high) = bounds(&surface.vertices);
         self.parts.push(Part {
             name: piece.name.clone(),
             file: format!("{}.stl", piece.name),
@@ -230,9 +240,19 @@ impl Report {
             leaves: piece.leaves.into(),
             volume: enclosed_volume(surface),
             area: area(surface),
+            bed: below.bed,
+            overhang: below.hanging,
+            height: high.z - low.z,
             triangles: surface.triangles.len(),
             genus: handles(&piece.solid),
         });
+    }
+
+    /// The steepest overhang that the named printer prints without support, from the
+    /// vertical [degrees].
+    fn steepest(&self) -> f64 {
+        let printer = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        printer.map_or(underside::CUSTOMARY, |printer| printer.overhang)
     }
 
     /// Reads the report of the mold in `folder`.

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use fab::report::{Outline, Report};
 use fab::verify::{Against, Line, Status, verify};
-use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
+use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, copy, retell, stderr};
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::io::{read_surface, read_tets, write_surface};
 use mesh::solid::Solid;
@@ -50,28 +50,6 @@ fn after(damage: impl FnOnce(&Path)) -> Vec<Line> {
     verify(&mold, Against::default()).unwrap()
 }
 
-/// Copies a folder.
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap().flatten() {
-        let target = to.join(entry.file_name());
-        match entry.file_type().unwrap().is_dir() {
-            true => copy(&entry.path(), &target),
-            false => drop(std::fs::copy(entry.path(), &target).unwrap()),
-        }
-    }
-}
-
-fn assert_status(lines: &[Line], name: &str, status: Status) {
-    let line = lines.iter().find(|line| line.name == name);
-    let line = line.unwrap_or_else(|| panic!("no line {name:?} in {lines:#?}"));
-    assert_eq!(line.status, status, "{line}");
-}
-
-fn assert_fails(lines: &[Line], name: &str) {
-    assert_status(lines, name, Status::Fail);
-}
-
 /// Changes a file, and tells the report and the copies so that other checks run.
 fn change(mold: &Path, part: &str, f: impl FnOnce(SurfaceMesh) -> SurfaceMesh) {
     let path = mold.join(format!("{part}.stl"));
@@ -98,12 +76,6 @@ fn write_copies(mold: &Path) {
 
 fn change_solid(mold: &Path, part: &str, f: impl FnOnce(Solid) -> Solid) {
     change(mold, part, |surface| f(Solid::from_surface(&surface).unwrap()).to_surface());
-}
-
-fn retell(mold: &Path, f: impl FnOnce(&mut Report)) {
-    let mut report = Report::read(mold).unwrap();
-    f(&mut report);
-    report.write(mold).unwrap();
 }
 
 fn moved(mut surface: SurfaceMesh, by: Vec3) -> SurfaceMesh {
@@ -242,6 +214,9 @@ fn copies() {
         std::fs::copy(mold.join("upper.3mf"), mold.join("core.3mf")).unwrap();
     });
     assert_fails(&lines, "core.3mf");
+    let lines = after(|mold| change_unit(&mold.join("core.3mf")));
+    assert_fails(&lines, "core.3mf");
+    assert_status(&lines, "upper.3mf", Status::Ok);
     let lines = after(|mold| std::fs::remove_file(mold.join("assembly.3mf")).unwrap());
     assert_fails(&lines, "assembly.3mf");
     // All parts where they are printed, not where they belong.
@@ -255,6 +230,49 @@ fn copies() {
     assert_fails(&lines, "cast.json");
     let lines = after(|mold| std::fs::write(mold.join("cast.md"), "pour").unwrap());
     assert_fails(&lines, "cast.json");
+}
+
+/// Says of a 3MF file that its numbers are inches.
+fn change_unit(path: &Path) {
+    let mut old = zip::ZipArchive::new(std::fs::File::open(path).unwrap()).unwrap();
+    let texts: Vec<(String, String)> = (0..old.len())
+        .map(|i| {
+            let mut entry = old.by_index(i).unwrap();
+            let mut text = String::new();
+            std::io::Read::read_to_string(&mut entry, &mut text).unwrap();
+            (entry.name().unwrap().into_owned(), text)
+        })
+        .collect();
+    let mut new = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
+    for (name, text) in texts {
+        let text = text.replace("unit=\"millimeter\"", "unit=\"inch\"");
+        new.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut new, text.as_bytes()).unwrap();
+    }
+    new.finish().unwrap();
+}
+
+/// What the settings for the slicer and the sheet rely on.
+#[test]
+fn slicing() {
+    let lines = after(|mold| retell(mold, |report| report.parts[2].overhang = 0.0));
+    assert_fails(&lines, "core.ini");
+    let lines = after(|mold| {
+        retell(mold, |report| report.parts[2].overhang = 0.0);
+        write_copies(mold);
+    });
+    assert_status(&lines, "core.ini", Status::Ok);
+    assert_fails(&lines, "core: overhang");
+    let lines = after(|mold| {
+        let path = mold.join("core.ini");
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replace("support_material = 1", "support_material = 0"))
+            .unwrap();
+    });
+    assert_fails(&lines, "core.ini");
+    assert_status(&lines, "upper.ini", Status::Ok);
+    let lines = after(|mold| std::fs::remove_file(mold.join("core.ini")).unwrap());
+    assert_fails(&lines, "core.ini");
 }
 
 #[test]

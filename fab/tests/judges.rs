@@ -1,151 +1,92 @@
-//! Other programs find the same as `fab verify`: trimesh and manifold3d of the
-//! repository's `.venv`, and admesh. Each is skipped, and says so, if it is missing.
+//! Other programs find the same as `fab verify`. Each is skipped, and says so, if it is missing.
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod fixture;
-
-use std::path::Path;
-use std::process::Command;
+#[path = "../../tests/support/judges.rs"]
+#[allow(dead_code, clippy::expect_used)]
+mod judges;
 
 use fab::report::Report;
-use fixture::{CHAMBER, Scene, TWO_TOPS, stderr};
+use fab::underside::needs_supports;
+use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
+use judges::{Lengths, Solid};
 
-/// Prints whether trimesh finds a surface watertight and consistently wound, its
-/// volume, and status and volume of the same surface in manifold3d.
-const PYTHON: &str = "
-import sys, numpy as np, trimesh, manifold3d
-for path in sys.argv[1:]:
-    m = trimesh.load(path)
-    s = manifold3d.Manifold(manifold3d.Mesh64(
-        np.asarray(m.vertices, np.float64), np.asarray(m.faces, np.uint64)))
-    print(m.is_watertight and m.is_winding_consistent, m.volume, s.status().name, s.volume())
-";
-
-/// What admesh would repair, by the names of its report.
-const REPAIRS: [&str; 7] = [
-    "Degenerate facets",
-    "Edges fixed",
-    "Facets removed",
-    "Facets added",
-    "Facets reversed",
-    "Backwards edges",
-    "Total disconnected facets",
-];
-
-fn molds() -> Vec<Scene> {
-    let scenes = [("", &CHAMBER), ("[parting]\nkind = \"plane\"", &CHAMBER), ("", &TWO_TOPS)];
-    scenes
-        .map(|(config, body)| {
-            let scene = Scene::new(body, config);
-            let output = scene.mold();
-            assert!(output.status.success(), "{}", stderr(&output));
-            scene
-        })
-        .into()
+/// A mold of a body for a printer.
+fn molded(body: &Cubes, parting: &str) -> Scene {
+    let scene = Scene::new(body, &format!("{parting}\n[casting]\nprinter = \"prusa-mk4\""));
+    let output = scene.mold();
+    assert!(output.status.success(), "{}", stderr(&output));
+    scene
 }
 
-fn files(scene: &Scene) -> (Vec<std::path::PathBuf>, Vec<f64>) {
+const PLANE: &str = "[parting]\nkind = \"plane\"";
+const FIELD: &str = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
+
+fn molds() -> [Scene; 3] {
+    [molded(&CHAMBER, FIELD), molded(&CHAMBER, PLANE), molded(&TWO_TOPS, FIELD)]
+}
+
+/// The printed parts of a mold.
+fn parts(scene: &Scene) -> Vec<Solid> {
     let folder = scene.path("mold");
     let report = Report::read(&folder).unwrap();
-    let volumes = report.parts.iter().map(|p| p.volume).chain([report.cast.volume]).collect();
-    (report.files().map(|file| folder.join(file)).collect(), volumes)
+    let solid =
+        |p: fab::report::Part| Solid { file: folder.join(p.file), name: p.name, volume: p.volume };
+    report.parts.into_iter().map(solid).collect()
+}
+
+/// The parts and what is cast.
+fn solids(scene: &Scene) -> Vec<Solid> {
+    let folder = scene.path("mold");
+    let cast = Report::read(&folder).unwrap().cast;
+    let mut solids = parts(scene);
+    let file = folder.join(cast.file);
+    solids.push(Solid { file, name: "cast".into(), volume: cast.volume });
+    solids
 }
 
 #[test]
 fn trimesh_and_manifold3d_agree() {
-    let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
-    let found = Command::new(&python).args(["-c", "import trimesh, manifold3d"]).output();
-    if !found.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: {} has no trimesh and manifold3d; run `make setup`", python.display());
-        return;
-    }
+    let Some(python) = judges::python(judges::PACKAGES) else { return };
     for scene in molds() {
-        let (files, volumes) = files(&scene);
-        let output = Command::new(&python).args(["-c", PYTHON]).args(&files).output().unwrap();
-        let said = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(
-            said.lines().count(),
-            files.len(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        for (line, volume) in said.lines().zip(volumes) {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            assert_eq!([words[0], words[2]], ["True", "NoError"], "{line}");
-            for other in [words[1], words[3]] {
-                let other: f64 = other.parse().unwrap();
-                assert!((other / volume - 1.0).abs() < 1e-9, "{line}, ours {volume}");
-            }
-        }
+        judges::trimesh_and_manifold3d_agree(&python, &solids(&scene));
+        let places: Vec<_> = Report::read(&scene.path("mold")).unwrap().parts;
+        let places: Vec<_> = places.iter().map(|part| part.to_mold).collect();
+        judges::trimesh_reads_3mf(&python, &parts(&scene), &places);
     }
 }
 
 #[test]
 fn admesh_repairs_nothing() {
-    if Command::new("admesh").arg("--version").output().is_err() {
-        eprintln!("skipped: admesh is not installed");
-        return;
-    }
-    for file in molds().iter().flat_map(|scene| files(scene).0) {
-        let output = Command::new("admesh").arg(&file).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        for repair in REPAIRS {
-            let line = said.lines().find(|line| line.contains(repair));
-            let line = line.unwrap_or_else(|| panic!("no {repair:?} in {said}"));
-            let counts = line.split(':').nth(1).unwrap_or_default();
-            let last = counts.split_whitespace().last();
-            assert_eq!(last, Some("0"), "{}: {line}", file.display());
-        }
+    if judges::installed("admesh") {
+        molds().iter().for_each(|scene| judges::admesh_repairs_nothing(&solids(scene)));
     }
 }
 
-/// Reads 3MF files by the specification, with nothing but Python: the volume of the first
-/// object, the unit, and the number of objects in the build.
-const THREEMF: &str = "
-import sys, zipfile, xml.etree.ElementTree as tree
-core = '{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}'
-for path in sys.argv[1:]:
-    archive = zipfile.ZipFile(path)
-    assert archive.testzip() is None
-    relations = tree.fromstring(archive.read('_rels/.rels'))
-    model = tree.fromstring(archive.read(relations[0].get('Target').lstrip('/')))
-    mesh = model.find(f'.//{core}mesh')
-    p = [[float(v.get(k)) for k in 'xyz'] for v in mesh.iter(core + 'vertex')]
-    six = 0.0
-    for t in mesh.iter(core + 'triangle'):
-        a, b, c = (p[int(t.get(k))] for k in ('v1', 'v2', 'v3'))
-        six += sum(a[i] * (b[i-2] * c[i-1] - b[i-1] * c[i-2]) for i in range(3))
-    objects = model.findall(f'.//{core}object')
-    print(six / 6, model.get('unit'), len(objects), objects[0].get('name'))
-";
-
+/// Where we see no need for supports the slicer sees none, either.
 #[test]
-fn python_reads_the_3mf_files() {
-    let Ok(found) = Command::new("python3").arg("--version").output() else {
-        eprintln!("skipped: there is no python3");
+fn prusa_slicer_needs_supports_where_told() {
+    if !judges::installed("prusa-slicer") {
         return;
-    };
-    assert!(found.status.success());
-    for scene in molds() {
-        let folder = scene.path("mold");
-        let report = Report::read(&folder).unwrap();
-        let mut files: Vec<_> =
-            report.parts.iter().map(|p| folder.join(format!("{}.3mf", p.name))).collect();
-        files.push(folder.join("assembly.3mf"));
-        let output = Command::new("python3").args(["-c", THREEMF]).args(&files).output().unwrap();
-        let said = String::from_utf8(output.stdout).unwrap();
-        let lines: Vec<&str> = said.lines().collect();
-        assert_eq!(lines.len(), files.len(), "{}", String::from_utf8_lossy(&output.stderr));
-        for (line, part) in lines.iter().zip(&report.parts) {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let volume: f64 = words[0].parse().unwrap();
-            // Decimals, that we round to 32 bits and Python does not.
-            assert!((volume / part.volume - 1.0).abs() < 1e-6, "{line}, ours {}", part.volume);
-            assert_eq!(words[1..], ["millimeter", "1", part.name.as_str()]);
-        }
-        // The parts, and the whole that is composed of them.
-        let whole = lines.last().unwrap().split_whitespace().nth(2).unwrap();
-        assert_eq!(whole, (report.parts.len() + 1).to_string());
     }
+    let folder = tempfile::tempdir().unwrap();
+    let scene = molded(&CHAMBER, PLANE);
+    let report = Report::read(&scene.path("mold")).unwrap();
+    // One shell is as the other.
+    for part in report.parts.iter().filter(|part| part.name != "right") {
+        let file = scene.path("mold").join(&part.file);
+        let needs = needs_supports(part.overhang);
+        for options in [&[][..], &["--support-material"]] {
+            let Lengths { part: printed, support } =
+                judges::slice(&file, &file.with_extension("ini"), options, folder.path());
+            eprintln!(
+                "{}: {:.1} mm2 hang over, {printed:.0} and {support:.0} mm of filament",
+                part.name, part.overhang
+            );
+            assert!(printed > 0.0 && (support > 0.0) == needs, "{}", part.name);
+        }
+    }
+    let needy = report.parts.iter().filter(|part| needs_supports(part.overhang));
+    assert_eq!(needy.map(|part| part.name.as_str()).collect::<Vec<_>>(), ["left", "right", "core"]);
 }

@@ -6,6 +6,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
+pub use crate::judges::python;
+
 /// A folder that vanishes with the test, and the programs to run in it.
 pub struct Workdir {
     folder: TempDir,
@@ -47,19 +49,6 @@ pub fn program(name: &str) -> PathBuf {
         program.display()
     );
     program
-}
-
-/// The interpreter of the repository's `.venv` if it has the packages that a
-/// test needs; none, with a printed reason, if not.
-#[must_use]
-pub fn python(packages: &str) -> Option<PathBuf> {
-    let python = repository().join(".venv/bin/python");
-    let found = Command::new(&python).args(["-c", &format!("import {packages}")]).output();
-    if found.is_ok_and(|output| output.status.success()) {
-        return Some(python);
-    }
-    eprintln!("SKIPPED: {} has no {packages}; run `make setup`", python.display());
-    None
 }
 
 impl Workdir {

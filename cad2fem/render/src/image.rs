@@ -66,6 +66,7 @@ impl Image {
             let mut encoder = png::Encoder::new(out, side(self.width)?, side(self.height)?);
             encoder.set_color(png::ColorType::Rgb);
             encoder.set_depth(png::BitDepth::Eight);
+            encoder.set_compression(png::Compression::High);
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
             encoder.write_header()?.write_image_data(&bytes)?;
             Ok(())

@@ -14,6 +14,7 @@ use crate::plan::report as plan;
 use crate::printer::{self, Kind, Printer};
 use crate::report::Report;
 use crate::silicone::{self, Chemistry, Silicone};
+use crate::underside::needs_supports;
 
 /// The sheet for programs.
 pub const JSON: &str = "cast.json";
@@ -82,6 +83,8 @@ pub struct Printed {
     pub volume_ml: f64,
     /// Its mass when printed solid [g].
     pub mass_g: f64,
+    /// Whether it hangs over so that it needs supports.
+    pub supports: bool,
 }
 
 /// Something to have.
@@ -118,6 +121,7 @@ impl Sheet {
                 file: part.file.clone(),
                 volume_ml: part.volume / MM3,
                 mass_g: part.volume / MM3 * density * 1e-3,
+                supports: needs_supports(part.overhang),
             })
             .collect();
         let silicone_sources = silicone.and_then(Silicone::citation).map(str::to_owned);
@@ -153,10 +157,11 @@ impl Sheet {
         }
         text += "## What to pour\n\n| | |\n|-|-|\n";
         text += &list(self.silicone_rows().into_iter().map(|(a, b)| format!("| {a} | {b} |")));
-        text += "## Parts to print\n\n| part | file | volume | mass, if solid |\n|-|-|-|-|\n";
+        text += "## Parts to print\n\n| part | file | volume | mass, if solid | supports |\n|-|-|-|-|-|\n";
         text += &list(self.printed.iter().map(|part| {
-            let Printed { name, file, volume_ml, mass_g } = part;
-            format!("| {name} | `{file}` [mm] | {volume_ml:.1} mL | {mass_g:.0} g |")
+            let Printed { name, file, volume_ml, mass_g, supports } = part;
+            let supports = if *supports { "yes" } else { "no" };
+            format!("| {name} | `{file}` [mm] | {volume_ml:.1} mL | {mass_g:.0} g | {supports} |")
         }));
         text += "## Have ready\n\n";
         text +=

@@ -4,6 +4,7 @@ use super::{Item, Pour, Sheet};
 use crate::method::Method;
 use crate::mold::Purpose;
 use crate::report::{CastPart, Outline, Report, Role};
+use crate::slicer;
 
 /// Radius of the hole for a bolt, and the bolt [mm].
 const BOLTS: [(f64, &str); 4] = [(1.45, "M2.5"), (1.95, "M3"), (2.45, "M4"), (3.0, "M5")];
@@ -72,9 +73,7 @@ pub fn steps(sheet: &Sheet, report: &Report) -> Vec<String> {
     let shells = names(report, Role::Shell);
     let cores = names(report, Role::Core);
     let mut steps = vec![
-        "Print the parts as they lie in their files. Sand what touches the silicone, or lay \
-         the layers along the way in which the part comes off."
-            .into(),
+        print(report),
         "Put the mold together once while it is empty; it fits one way only.".into(),
     ];
     if report.method == Method::Soluble && !cores.is_empty() {
@@ -98,6 +97,18 @@ pub fn steps(sheet: &Sheet, report: &Report) -> Vec<String> {
     let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
     steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
     steps
+}
+
+fn print(report: &Report) -> String {
+    let settings = report.parts.iter().any(|part| slicer::settings(report, part).is_some());
+    let slice = match settings {
+        true => " Load the printer's profile into PrusaSlicer and the part's .ini after it.",
+        false => "",
+    };
+    format!(
+        "Print the parts as they lie in their files, with supports where the table says so, \
+         below shells from the bed only.{slice} Sand what touches the silicone until it is smooth."
+    )
 }
 
 fn names(report: &Report, role: Role) -> Vec<&str> {

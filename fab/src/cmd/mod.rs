@@ -5,8 +5,17 @@ pub mod plan;
 pub mod tolerance;
 pub mod verify;
 
-use anyhow::Result;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
 use clap::Subcommand;
+use mesh::io::{IoError, read_tets};
+
+use crate::config::Config;
+use crate::plan::Plan;
+use crate::plan::report::Report;
+use crate::report::{CastPart, Input};
+use crate::skin::Skin;
 
 /// What `fab` can do.
 #[derive(Debug, Subcommand)]
@@ -14,11 +23,72 @@ pub enum Verb {
     /// Tagged volume mesh → printable mold parts and mold.json
     Mold(mold::Args),
     /// Tagged volume mesh → how it is to be molded, and why (plan.json)
-    Plan(plan::Args),
+    Plan(Task),
     /// Read a mold back from its files and prove it right
     Verify(verify::Args),
     /// Simulate a body with walls off by the print tolerance: spread of its response
     Tolerance(tolerance::Args),
+}
+
+/// What is to be molded, and where to.
+#[derive(Debug, clap::Args)]
+pub struct Task {
+    /// Tagged tetrahedral mesh (.msh) [m]
+    pub mesh: PathBuf,
+    /// What is asked for (mold.toml); without it, what is measured decides
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Folder for what is made
+    #[arg(short, long)]
+    pub output: PathBuf,
+}
+
+/// How a task is to be done.
+pub struct Planned {
+    /// What was asked for.
+    pub config: Config,
+    /// The body.
+    pub skin: Skin,
+    /// The choices.
+    pub plan: Plan,
+    /// The choices as they are told.
+    pub told: Report,
+}
+
+impl Task {
+    /// Measures the body and makes the choices.
+    ///
+    /// # Errors
+    /// If the mesh or the configuration cannot be used, or the body cannot be molded.
+    pub fn plan(&self) -> Result<Planned> {
+        let config = self.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
+        let skin = self.named(Skin::new(&read_tets(&self.mesh)?, &config.cavity))?;
+        let plan = self.named(Plan::new(&skin, &config))?;
+        log::info!("{}", plan.reason);
+        let molds = plan::entries(&plan, skin.cores.len());
+        let input = self.input(&self.output, &config, CastPart::Whole)?;
+        let told = Report::new(&plan, input, molds);
+        Ok(Planned { config, skin, plan, told })
+    }
+
+    /// The mesh as a report in `folder` names it.
+    ///
+    /// # Errors
+    /// If the mesh cannot be read.
+    pub fn input(&self, folder: &Path, config: &Config, part: CastPart) -> Result<Input, IoError> {
+        Input::new(&self.mesh, folder, &config.cavity, part)
+    }
+
+    /// A result whose error names the mesh.
+    ///
+    /// # Errors
+    /// That of the result.
+    pub fn named<T, E>(&self, result: Result<T, E>) -> Result<T>
+    where
+        Result<T, E>: Context<T, E>,
+    {
+        result.with_context(|| self.mesh.display().to_string())
+    }
 }
 
 impl Verb {
@@ -29,7 +99,7 @@ impl Verb {
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Mold(args) => mold::run(args),
-            Self::Plan(args) => plan::run(args),
+            Self::Plan(task) => plan::run(task),
             Self::Verify(args) => verify::run(args),
             Self::Tolerance(args) => tolerance::run(args),
         }

@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use mesh::cli::Unusable;
-use mesh::io::{read_tets, write_surface};
+use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
 
-use super::plan::entries;
+use super::{Planned, Task};
 use crate::cast;
 use crate::config::{Config, Sprue};
 use crate::export::{MM, printable};
@@ -17,7 +17,7 @@ use crate::method::Method;
 use crate::mold::{Mold, Piece};
 use crate::output;
 use crate::plan::report::{Entry, Material};
-use crate::plan::{self, Casting, Plan};
+use crate::plan::{self, Casting};
 use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
 use crate::stance::Portion;
@@ -26,14 +26,9 @@ use crate::verify::{Status, before_writing};
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Tagged tetrahedral mesh (.msh) [m]
-    pub mesh: PathBuf,
-    /// How to mold it (mold.toml); without it, the defaults
-    #[arg(long)]
-    pub config: Option<PathBuf>,
-    /// Folder for the parts
-    #[arg(short, long)]
-    pub output: PathBuf,
+    /// What is to be molded, and where to
+    #[command(flatten)]
+    pub task: Task,
     /// Leave out the pictures, which take most of the time
     #[arg(long)]
     pub no_pictures: bool,
@@ -47,30 +42,24 @@ pub struct Args {
 /// of a mold is left in the folder.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
-    let msh = read_tets(&args.mesh)?;
-    let name = || args.mesh.display().to_string();
-    let skin = Skin::new(&msh, &config.cavity).with_context(name)?;
-    let plan = Plan::new(&skin, &config).with_context(name)?;
-    log::info!("{}", plan.reason);
-    let input = |folder: &Path, part| Input::new(&args.mesh, folder, &config.cavity, part);
-    let molds = entries(&plan, skin.cores.len());
-    let told = plan::report::Report::new(&plan, input(&args.output, CastPart::Whole)?, molds);
-    let folder = |entry: &Entry| args.output.join(&entry.folder);
+    let task = &args.task;
+    let Planned { config, skin, plan, told } = task.plan()?;
+    let folder = |entry: &Entry| task.output.join(&entry.folder);
     let of = |name: &str| told.molds.iter().find(|e| e.name == name).expect("it is planned");
     let mut sets = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
-        let mold = Mold::new(&skin, &casting.stance, plan.method, &config).with_context(name)?;
-        let set = Set::new(&mold, input(&folder(entry), CastPart::of(&mold))?, &config)?;
-        set.prove(&entry.name, &args.mesh, &told)?;
+        let mold = task.named(Mold::new(&skin, &casting.stance, plan.method, &config))?;
+        let input = task.input(&folder(entry), &config, CastPart::of(&mold))?;
+        let set = Set::new(&mold, input, &config)?;
+        set.prove(&entry.name, &task.mesh, &told)?;
         sets.push((entry, set));
     }
-    remove_old(&args.output)?;
+    remove_old(&task.output)?;
     let written = write_all(&sets, &folder, &told, &config, args);
     if let Err(error) = written {
         // The first error is the one to tell.
-        let _ = remove_molds(&args.output, &told);
+        let _ = remove_molds(&task.output, &told);
         return Err(error);
     }
     for (entry, set) in &sets {
@@ -84,7 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
         sets.iter().map(|(_, set)| set.report.parts.len()).sum::<usize>(),
         sets.iter().map(|(_, set)| set.report.cast.silicone_ml).sum::<f64>(),
         start.elapsed().as_secs_f64(),
-        args.output.display()
+        task.output.display()
     );
     Ok(())
 }
@@ -110,9 +99,9 @@ fn write_all(
         mold.write(&folder(entry), pictures)?;
     }
     if told.molds.len() > 1 {
-        cast::write_whole(&args.output, told)?;
+        cast::write_whole(&args.task.output, told)?;
     }
-    told.write(&args.output)?;
+    told.write(&args.task.output)?;
     Ok(())
 }
 

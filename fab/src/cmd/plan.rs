@@ -1,45 +1,20 @@
 //! `fab plan`: how a body is to be molded, and why.
 
-use std::path::PathBuf;
+use anyhow::Result;
 
-use anyhow::{Context, Result};
-use mesh::io::read_tets;
-
-use crate::config::Config;
-use crate::plan::report::{Entry, Material, Report};
+use super::{Planned, Task};
+use crate::plan::report::{Entry, Material};
 use crate::plan::{Plan, drawing};
-use crate::report::{CastPart, Input};
-use crate::skin::Skin;
-
-/// Arguments of `fab plan`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Tagged tetrahedral mesh (.msh) [m]
-    pub mesh: PathBuf,
-    /// What is asked for (mold.toml); without it, what is measured decides
-    #[arg(long)]
-    pub config: Option<PathBuf>,
-    /// Folder for plan.json
-    #[arg(short, long)]
-    pub output: PathBuf,
-}
 
 /// Runs the verb.
 ///
 /// # Errors
 /// If the mesh or the configuration cannot be used, the body cannot be molded, or
 /// plan.json or the picture cannot be written.
-pub fn run(args: &Args) -> Result<()> {
-    let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
-    let name = || args.mesh.display().to_string();
-    let skin = Skin::new(&read_tets(&args.mesh)?, &config.cavity).with_context(name)?;
-    let plan = Plan::new(&skin, &config).with_context(name)?;
-    let input = Input::new(&args.mesh, &args.output, &config.cavity, CastPart::Whole)?;
-    let cores = skin.cores.len();
-    let report = Report::new(&plan, input, entries(&plan, cores));
-    report.write(&args.output)?;
-    drawing::draw(&args.output.join(drawing::FILE), &plan)?;
-    log::info!("{}", plan.reason);
+pub fn run(task: &Task) -> Result<()> {
+    let Planned { plan, told, .. } = task.plan()?;
+    told.write(&task.output)?;
+    drawing::draw(&task.output.join(drawing::FILE), &plan)?;
     Ok(())
 }
 

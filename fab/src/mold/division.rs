@@ -46,7 +46,7 @@ impl Mold {
     /// One piece, open above.
     fn add_tray(&mut self, part: &Part, config: &Config) {
         let Block { min, max } = self.block.clone();
-        self.raise("tray", front(&min, &max, min.z, max.z), config);
+        self.raise("tray", front(&min, &max, [min.z, max.z], -Vec3::z()), config);
         let tray = self.outside.difference(&part.filled);
         self.add_shell("tray", tray, -Vec3::z());
     }
@@ -61,8 +61,8 @@ impl Mold {
             Portion::Whole => ["upper", "lower"],
             Portion::Above(_) | Portion::Below(_) => ["cup", "lid"],
         };
-        self.raise(upper, front(&min, &max, joint, top), config);
-        self.raise(lower, front(&min, &max, bottom, joint), config);
+        self.raise(upper, front(&min, &max, [joint, top], Vec3::z()), config);
+        self.raise(lower, front(&min, &max, [bottom, joint], -Vec3::z()), config);
         let (mut cup, mut plate) = self.cut_at_seat(part);
         self.add_keys(joint, &mut plate, &mut [&mut cup], config);
         self.add_shell(upper, cup, Vec3::z());
@@ -85,8 +85,8 @@ impl Mold {
         let at = |z: f64| z.clamp(min.z, max.z);
         let (bottom, top) = (at(level - thickness), at(level + thickness));
         self.widen(Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top));
-        self.raise("upper", front(&min, &max, level, top), config);
-        self.raise("lower", front(&min, &max, bottom, level), config);
+        self.raise("upper", front(&min, &max, [level, top], Vec3::z()), config);
+        self.raise("lower", front(&min, &max, [bottom, level], -Vec3::z()), config);
         let sides = divide(&self.outside, &part.filled, &split);
         self.findings.extend(split.findings);
         self.findings.extend(sides.findings);
@@ -121,15 +121,16 @@ impl Mold {
             Portion::Above(_) | Portion::Below(_) => "lid",
         };
         let middle = (foot + max.z) / 2.0;
-        let rim = |along: Vec3, y: f64| Face {
+        let rim = |along: Vec3, y: f64, down: Vec3| Face {
             middle: Vec3::new(max.x, y, middle),
             along,
             up: along.cross(&Vec3::x()) * -1.0,
             size: [max.z - foot, thickness],
+            down,
         };
-        self.raise(base_name, front(&min, &max, min.z, joint), config);
-        self.raise("left", rim(Vec3::z(), level + thickness / 2.0), config);
-        self.raise("right", rim(-Vec3::z(), level - thickness / 2.0), config);
+        self.raise(base_name, front(&min, &max, [min.z, joint], -Vec3::z()), config);
+        self.raise("left", rim(Vec3::z(), level + thickness / 2.0, Vec3::y()), config);
+        self.raise("right", rim(-Vec3::z(), level - thickness / 2.0, -Vec3::y()), config);
         let (above, mut base) = self.cut_at_seat(part);
         let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
         let turn = Turn::lowering(-Vec3::y());
@@ -251,12 +252,14 @@ impl Mold {
     }
 }
 
-/// The face of a block that looks along −y, between two heights.
-fn front(min: &Vec3, max: &Vec3, low: f64, high: f64) -> Face {
+/// The face of a block that looks along −y, between two heights, of a piece that is printed
+/// with `down` below.
+fn front(min: &Vec3, max: &Vec3, [low, high]: [f64; 2], down: Vec3) -> Face {
     Face {
         middle: Vec3::new((min.x + max.x) / 2.0, min.y, (low + high) / 2.0),
         along: Vec3::x(),
         up: Vec3::z(),
         size: [max.x - min.x, high - low],
+        down,
     }
 }

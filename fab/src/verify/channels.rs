@@ -11,7 +11,8 @@ use crate::parts::SEGMENTS;
 use crate::parts::pin::LAND;
 use crate::report::Outline;
 
-/// Least part of a key's or stub's seat that must be filled.
+/// Least part of a key's or stub's seat that must be filled: a key of 3 mm with 0.2 mm around
+/// it fills 0.8; with half of it missing two pieces no longer find each other.
 const FILLED: f64 = 0.5;
 
 /// All checks of features.

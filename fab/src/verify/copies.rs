@@ -9,7 +9,8 @@ use super::Line;
 use super::set::Files;
 use crate::cast::{self, Sheet};
 use crate::output::{ASSEMBLY, threemf_file};
-use crate::report::Part;
+use crate::report::{Part, Report};
+use crate::slicer;
 use crate::threemf::{self, Shape};
 
 /// All checks of copies.
@@ -20,6 +21,7 @@ pub fn checks(files: &Files, folder: &Path) -> Vec<Line> {
         .zip(&files.parts)
         .map(|(part, surface)| alone(folder, part, surface))
         .collect();
+    lines.extend(parts.iter().filter_map(|part| sliced(folder, &files.report, part)));
     lines.push(together(folder, parts, &files.parts));
     lines.push(sheet(files, folder));
     lines
@@ -34,6 +36,18 @@ fn alone(folder: &Path, part: &Part, surface: &SurfaceMesh) -> Line {
         _ => Err(format!("{} shapes", shapes.len())),
     });
     line(&file, result, "the triangles of the STL file, in millimetres")
+}
+
+/// The settings for the slicer are those of the part and the printer.
+fn sliced(folder: &Path, report: &Report, part: &Part) -> Option<Line> {
+    let settings = slicer::settings(report, part)?;
+    let file = slicer::file(part);
+    let found = mesh::io::read_text(&folder.join(&file)).map_err(|e| e.to_string());
+    let result = found.and_then(|text| match text == settings {
+        true => Ok(text.lines().count()),
+        false => Err("other settings".into()),
+    });
+    Some(line(&file, result, "the settings that follow from mold.json"))
 }
 
 /// The assembly holds all parts where they are in the closed mold.

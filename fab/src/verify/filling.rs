@@ -23,16 +23,19 @@ use super::set::Set;
 use super::{Line, Status};
 use crate::mold::Purpose;
 
-/// Distance between columns, at least [mm].
+/// Distance between columns, at least: four of them find every channel, as a vent is
+/// 1.6 mm wide [mm].
 const STEP: f64 = 0.4;
 
-/// Columns, at most.
+/// Columns, at most: at the least distance they cover 250 × 250 mm, the bed of a printer.
 const MOST: f64 = 4e5;
 
-/// An interval that ends this near to the outside is open [mm].
+/// An interval that ends this near to the outside is open: far above the rounding of files,
+/// 10⁻⁵ mm, and far below any film that is printed [mm].
 const REACHED: f64 = 1e-4;
 
-/// Shallower pockets hold no bubble that matters [mm].
+/// Shallower pockets hold no bubble that matters: `vents.persistence` by default, so that
+/// what gets no vent is no fault [mm].
 const SHALLOW: f64 = 1.0;
 
 /// Air left in the mold, as a part of the body, that is pointed out, and that is too much:

@@ -24,7 +24,7 @@ use mesh::io::IoError;
 pub use set::Set;
 
 use crate::plan::report as plan;
-use crate::report::Report;
+use crate::report::{CastPart, Report};
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
 /// cavity that is cut off with a sheet is uneven by some micrometres.
@@ -140,15 +140,26 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     Ok(lines)
 }
 
-/// The castings of silicone make up the body: their volumes add up to that of the design.
+/// The castings of silicone make up the body: no two are the same, and their volumes add up
+/// to that of the design.
 fn together(folder: &Path, plan: &plan::Report, design: Option<&Path>) -> Option<Line> {
     let silicone = plan.molds.iter().filter(|entry| entry.casts == plan::Material::Silicone);
     let reports: Vec<Report> =
         silicone.filter_map(|entry| Report::read(&folder.join(&entry.folder)).ok()).collect();
-    // One casting is compared with the design itself.
-    let first = reports.first().filter(|_| reports.len() > 1)?;
-    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let first = reports.first()?;
+    // A whole casting is compared with the design itself.
+    if reports.len() == 1 && first.input.part == CastPart::Whole {
+        return None;
+    }
     let name = "castings: volume";
+    let piece = |report: &Report| (report.design_to_mold, report.input.part.clone());
+    let again = |(i, report): (usize, &Report)| {
+        reports[..i].iter().any(|other| piece(other) == piece(report))
+    };
+    if reports.iter().enumerate().any(again) {
+        return Some(Line::new(name, false, "one piece twice".into(), "every piece once"));
+    }
+    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
     let whole = match mesh::io::read_tets(&path) {
         // A turn in millimetres, larger by what the silicone shrinks.
         Ok(msh) => mesh::measure::volume(&msh.mesh) * first.scale().powi(3),

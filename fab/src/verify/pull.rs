@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use super::set::{Body, Set};
 use super::{Line, Status};
 
-/// Distances by which a shell is moved [mm].
+/// Distances by which a shell is moved: from what play lets it, to beyond keys and undercuts;
+/// what lies further is found by `way out` [mm].
 const PULLS: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 
 /// Undercuts above this part of the silicone are pointed out: a judgement, not a

@@ -12,7 +12,8 @@ use crate::plan::girth::{self, Passage};
 use crate::plan::report::Report;
 use crate::silicone;
 
-/// Where the girth of an inlet is measured, above the lowest point of the body [mm].
+/// Where the girth of an inlet is measured, above the lowest point of the body: above its
+/// uneven rim, within the 1 mm that any wall is thick at least [mm].
 const INSIDE: [f64; 2] = [0.1, 0.3];
 
 /// Part of the elongation at break to which the inlet may be stretched: a judgement, from

@@ -18,7 +18,8 @@ use crate::export::MM;
 use crate::mold::Purpose;
 use crate::silicone;
 
-/// Cosine of the greatest angle between a wall's sides that counts as parallel (60°).
+/// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
+/// it is an edge, whose thickness is zero and no fault.
 const OPPOSITE: f64 = 0.5;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
