@@ -3,6 +3,7 @@
 //! Lengths are metres and directions are those of the design; every key has a
 //! default, an unknown key is an error that lists the valid ones.
 
+pub mod fitting;
 mod parting;
 
 use std::path::Path;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::method::Method;
 use crate::printer;
 use crate::silicone::{self, Chemistry};
+pub use fitting::Fitting;
 pub use parting::{Auto, HeightField, Parting, Plane};
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
@@ -56,6 +58,8 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
+    /// The tube that is put into the inlet. Unset: what fits the inlet as it is modelled.
+    pub fitting: Option<Fitting>,
     /// What is cast, and what the mold is printed on.
     pub casting: Casting,
 }
@@ -78,6 +82,7 @@ impl Default for Config {
             sprue: Sprue::default(),
             vents: Vents::default(),
             core: Core::default(),
+            fitting: None,
             casting: Casting::default(),
         }
     }
@@ -179,11 +184,13 @@ pub struct Sprue {
     pub radius: f64,
     /// Radius at the top of the mold [m].
     pub top_radius: f64,
+    /// Share of the body that a funnel in the sprue holds. Unset: no funnel [1].
+    pub head: Option<f64>,
 }
 
 impl Default for Sprue {
     fn default() -> Self {
-        Self { at: None, radius: 3e-3, top_radius: 5.4e-3 }
+        Self { at: None, radius: 3e-3, top_radius: 5.4e-3, head: None }
     }
 }
 
@@ -359,6 +366,7 @@ impl Config {
 
     fn check(&self) -> Result<()> {
         self.casting.check().map_err(anyhow::Error::msg)?;
+        self.fitting.as_ref().map_or(Ok(()), Fitting::check).map_err(anyhow::Error::msg)?;
         let Limits { girth, peel, flat, sag } = self.limits;
         let mut lengths = vec![
             ("wall", self.wall),
@@ -385,6 +393,12 @@ impl Config {
             ensure!(
                 limit > 0.0 && limit.is_finite(),
                 "limits.{key} is {limit}, must be a ratio above 0"
+            );
+        }
+        if let Some(head) = self.sprue.head {
+            ensure!(
+                head > 0.0 && head <= 1.0,
+                "sprue.head is {head}, must be a share of the body above 0 and at most 1"
             );
         }
         let shrinkage = self.shrinkage();
@@ -465,6 +479,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
+            ("[sprue]\nhead = 20", "sprue.head is 20"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),

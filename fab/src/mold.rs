@@ -18,7 +18,7 @@ use crate::method::Method;
 use crate::parts::block::Block;
 use crate::parts::core::{Print, PrintError, drain};
 use crate::parts::support::{self, Sag};
-use crate::parts::{Frustum, channel, pin};
+use crate::parts::{Frustum, channel, funnel, pin};
 use crate::skin::Skin;
 use crate::stance::{Parting, Portion, Stance};
 use crate::venting::{self, VentError};
@@ -58,8 +58,6 @@ pub enum Purpose {
     Drain,
     /// Hole in the silicone that a core's second support leaves, to be plugged.
     Pin,
-    /// Collar for a tube, which is cast and not part of the design.
-    Boss,
 }
 
 /// A channel or gap in the mold.
@@ -92,6 +90,8 @@ pub struct Mold {
     pub shells: Vec<Piece>,
     /// One per connected cavity that is held on a stub.
     pub cores: Vec<Piece>,
+    /// What stands in the sprue while it is filled, and what it holds [m³].
+    pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
     /// All channels and gaps.
@@ -167,6 +167,7 @@ impl Mold {
             open: matches!(stance.parting, Parting::Open),
             shells: Vec::new(),
             cores: Vec::new(),
+            funnel: None,
             features: Vec::new(),
             findings: Vec::new(),
         };
@@ -300,14 +301,36 @@ impl Mold {
         let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
-        let Sprue { radius, top_radius, .. } = config.sprue;
-        let funnel = channel(&bvh, &places.sprue, end, radius, top_radius);
-        self.cut(Purpose::Sprue, funnel);
+        let Sprue { radius, top_radius, head, .. } = config.sprue;
+        let sprue = channel(&bvh, &places.sprue, end, radius, top_radius);
+        if let Some(head) = head {
+            self.add_funnel(&sprue, head, config);
+        }
+        self.cut(Purpose::Sprue, sprue);
         let radius = config.vents.radius;
         for top in &places.vents {
             self.cut(Purpose::Vent, channel(&bvh, top, end, radius, radius));
         }
         Ok(())
+    }
+
+    /// A funnel in the sprue for a share of what is cast.
+    fn add_funnel(&mut self, sprue: &Frustum, head: f64, config: &Config) {
+        let volume = head * self.cast.volume();
+        match funnel::funnel(sprue, &self.outside, volume, config.stub_clearance()) {
+            Some(solid) => {
+                let piece = Piece { name: "funnel".into(), solid, leaves: Vec3::z() };
+                self.funnel = Some((piece, volume));
+            }
+            None => self.findings.push(Finding {
+                rule: "funnel",
+                message: format!(
+                    "a sprue of {:.2} mm radius is too narrow or too short for a funnel: increase sprue.radius",
+                    sprue.base_radius * 1e3
+                ),
+                count: 1,
+            }),
+        }
     }
 
     /// Takes a channel out of all shells.

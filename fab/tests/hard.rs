@@ -150,6 +150,18 @@ fn a_scan_with_noise() {
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
 }
 
+#[test]
+fn a_scan_with_fine_noise_keeps_its_plan() {
+    let mut random = noise();
+    // Up to 0.2 mm everywhere, and no limit changed.
+    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
+    assert_eq!(outcome(&bent(&CHAMBER, "", shake)), Outcome::Verified);
+    let mut random = noise();
+    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
+    let sideways = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]";
+    assert_eq!(outcome(&bent(&CHAMBER, sideways, shake)), Outcome::Verified);
+}
+
 /// A sheet of 288 × 288 × 3 cells with a flat chamber, whose boundary has 600 000 triangles.
 const SHEET: Cubes = Cubes {
     count: [288, 288, 3],

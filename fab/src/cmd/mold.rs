@@ -9,6 +9,8 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::plan::entries;
 use crate::cast;
+use crate::collar::{self, Collar, FittedTube};
+use crate::config::fitting::Tube;
 use crate::config::{Config, Sprue};
 use crate::export::{MM, printable};
 use crate::frame::Turn;
@@ -17,6 +19,7 @@ use crate::mold::{Mold, Piece};
 use crate::output;
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting, Plan};
+use crate::progress::{Progress, peak_memory};
 use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
 use crate::stance::Portion;
@@ -48,6 +51,9 @@ pub fn run(args: &Args) -> Result<()> {
     let msh = read_tets(&args.mesh)?;
     let name = || args.mesh.display().to_string();
     let skin = Skin::new(&msh, &config.cavity).with_context(name)?;
+    let progress = Progress::new(skin.cast.triangles.len());
+    progress.step(&format!("measuring a body of {} triangles", skin.cast.triangles.len()));
+    let (skin, collars) = collar::fit(skin, &config).with_context(name)?;
     let plan = Plan::new(&skin, &config).with_context(name)?;
     log::info!("{}", plan.reason);
     let input = |folder: &Path, part| Input::new(&args.mesh, folder, &config.cavity, part);
@@ -58,10 +64,15 @@ pub fn run(args: &Args) -> Result<()> {
     let mut sets = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
+        progress.step(&format!("cutting the mold of the {}", casting.name));
         let mold = Mold::new(&skin, &casting.stance, plan.method, &config).with_context(name)?;
-        let set = Set::new(&mold, input(&folder(entry), CastPart::of(&mold))?, &config)?;
+        progress.step("rounding and checking its surfaces");
+        let input = input(&folder(entry), CastPart::of(&mold))?;
+        let mut set = Set::new(&mold, input, &config)?;
+        set.report.collars = fitted_tubes(&collars, &mold, &config);
         sets.push((entry, set));
     }
+    progress.step("writing");
     remove_old(&args.output)?;
     let written = write_all(&sets, &folder, &told, &config, args);
     if let Err(error) = written {
@@ -74,8 +85,9 @@ pub fn run(args: &Args) -> Result<()> {
             log::warn!("{}: {}: {}", entry.name, note.rule, note.message);
         }
     }
+    let memory = peak_memory().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
     log::info!(
-        "{} molds, {} parts, {:.2} mL of silicone, {:.1} s: {}",
+        "{} molds, {} parts, {:.2} mL of silicone, {:.1} s{memory}: {}",
         told.molds.len(),
         sets.iter().map(|(_, set)| set.report.parts.len()).sum::<usize>(),
         sets.iter().map(|(_, set)| set.report.cast.silicone_ml).sum::<f64>(),
@@ -83,6 +95,13 @@ pub fn run(args: &Args) -> Result<()> {
         args.output.display()
     );
     Ok(())
+}
+
+/// The collars for mold.json.
+fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedTube> {
+    let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
+    let told = |tube: &Tube| collars.iter().map(|c| c.told(tube, &mold.frame)).collect();
+    tube.as_ref().map_or(Vec::new(), told)
 }
 
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
@@ -119,6 +138,7 @@ fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> 
     let config = Config {
         shrinkage: Some(0.0),
         parting: Config::default().parting,
+        fitting: None,
         sprue: Sprue { at: None, ..config.sprue.clone() },
         ..config.clone()
     };
@@ -175,6 +195,7 @@ impl Set {
         };
         mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
         mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
+        mold.funnel.iter().try_for_each(|(piece, _)| add(piece, Role::Funnel))?;
         surfaces.push(cast);
         surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use mesh::io::read_tets;
 
+use crate::collar;
 use crate::config::Config;
 use crate::plan::Plan;
 use crate::plan::report::{Entry, Material, Report};
+use crate::progress::Progress;
 use crate::report::{CastPart, Input};
 use crate::skin::Skin;
 
@@ -33,6 +35,9 @@ pub fn run(args: &Args) -> Result<()> {
     let config = args.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
     let name = || args.mesh.display().to_string();
     let skin = Skin::new(&read_tets(&args.mesh)?, &config.cavity).with_context(name)?;
+    let progress = Progress::new(skin.cast.triangles.len());
+    progress.step(&format!("measuring a body of {} triangles", skin.cast.triangles.len()));
+    let (skin, _) = collar::fit(skin, &config).with_context(name)?;
     let plan = Plan::new(&skin, &config).with_context(name)?;
     let input = Input::new(&args.mesh, &args.output, &config.cavity, CastPart::Whole)?;
     let cores = skin.cores.len();

@@ -154,6 +154,9 @@ impl Mold {
         self.add_shell("right", right, -Vec3::y());
         self.add_shell(base_name, base, -Vec3::z());
         self.bolt(&rim, turn.inverse(), config);
+        for bolt in self.joint(joint).corner_bolts(min.z, foot, config) {
+            self.cut(Purpose::Bolt, bolt);
+        }
         Ok(())
     }
 

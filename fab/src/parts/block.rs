@@ -47,7 +47,12 @@ impl Block {
             Pull::Y => config.flange.thickness + 4.0 * land,
         };
         let above = wall.max(tall - (high.z - low.z));
-        let along_x = wall + Joint::band(config);
+        // Bolts between base and sides stand beside their keys, where nothing is above them.
+        let beside = match (&stance.parting, pull) {
+            (Parting::Seat, _) | (_, Pull::Z) => 0.0,
+            (_, Pull::Y) => Joint::washer(config),
+        };
+        let along_x = wall + Joint::band(config) + beside;
         Self {
             min: low - Vec3::new(along_x, along_y, Self::below(stance.portion, config)),
             max: high + Vec3::new(along_x, along_y, above),

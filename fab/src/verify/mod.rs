@@ -6,6 +6,7 @@
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
 
 mod channels;
+mod collars;
 mod copies;
 mod filling;
 mod fit;
@@ -23,6 +24,7 @@ use mesh::io::IoError;
 pub use set::Set;
 
 use crate::plan::report as plan;
+use crate::progress::Progress;
 use crate::report::Report;
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
@@ -166,6 +168,8 @@ fn verify_mold(
     let report = Report::read(folder)?;
     let (mut lines, files) = set::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
+    let progress = Progress::new(files.cast.triangles.len());
+    progress.step("checking the surfaces");
     lines.extend(surfaces::checks(&files));
     lines.extend(copies::checks(&files, folder));
     if lines.iter().any(|line| line.status == Status::Fail) {
@@ -178,11 +182,16 @@ fn verify_mold(
         return Ok(lines);
     }
     let parts = files.parts.clone();
+    progress.step("putting the parts together");
     let set = Set::new(files);
+    progress.step("comparing with the design");
     lines.extend(fit::checks(&set, folder, against.design));
     lines.extend(channels::checks(&set));
+    progress.step("filling");
     lines.extend(filling::checks(&set));
+    lines.extend(collars::checks(&set));
     lines.extend(walls::checks(&set));
+    progress.step("pulling apart");
     lines.extend(pull::checks(&set));
     lines.extend(release::checks(&set, plan));
     lines.extend(printing::checks(&set, &parts));
