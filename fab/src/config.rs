@@ -5,6 +5,7 @@
 
 pub mod fitting;
 mod parting;
+mod pour;
 
 use std::path::Path;
 
@@ -17,6 +18,7 @@ use crate::printer;
 use crate::silicone::{self, Chemistry};
 pub use fitting::Fitting;
 pub use parting::{Auto, HeightField, Parting, Plane};
+pub use pour::{Sprue, Vents};
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
 /// are usual [m].
@@ -171,42 +173,6 @@ pub struct Keys {
 impl Default for Keys {
     fn default() -> Self {
         Self { radius: 3e-3, height: 3e-3, clearance: None }
-    }
-}
-
-/// The conical sprue.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Sprue {
-    /// A point of the design above or below which the sprue enters. Unset: the highest point [m].
-    pub at: Option<[f64; 3]>,
-    /// Radius at the part [m].
-    pub radius: f64,
-    /// Radius at the top of the mold [m].
-    pub top_radius: f64,
-    /// Share of the body that a funnel in the sprue holds. Unset: no funnel [1].
-    pub head: Option<f64>,
-}
-
-impl Default for Sprue {
-    fn default() -> Self {
-        Self { at: None, radius: 3e-3, top_radius: 5.4e-3, head: None }
-    }
-}
-
-/// Vents at the local maxima of height.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Vents {
-    /// Radius of a vent [m].
-    pub radius: f64,
-    /// A maximum is vented if one has to descend at least this far to reach a higher one [m].
-    pub persistence: f64,
-}
-
-impl Default for Vents {
-    fn default() -> Self {
-        Self { radius: 8e-4, persistence: 1e-3 }
     }
 }
 
@@ -366,6 +332,7 @@ impl Config {
 
     fn check(&self) -> Result<()> {
         self.casting.check().map_err(anyhow::Error::msg)?;
+        self.sprue.check().map_err(anyhow::Error::msg)?;
         self.fitting.as_ref().map_or(Ok(()), Fitting::check).map_err(anyhow::Error::msg)?;
         let Limits { girth, peel, flat, sag } = self.limits;
         let mut lengths = vec![
@@ -393,12 +360,6 @@ impl Config {
             ensure!(
                 limit > 0.0 && limit.is_finite(),
                 "limits.{key} is {limit}, must be a ratio above 0"
-            );
-        }
-        if let Some(head) = self.sprue.head {
-            ensure!(
-                head > 0.0 && head <= 1.0,
-                "sprue.head is {head}, must be a share of the body above 0 and at most 1"
             );
         }
         let shrinkage = self.shrinkage();

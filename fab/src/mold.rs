@@ -154,10 +154,15 @@ impl Mold {
         config: &Config,
     ) -> Result<Self, MoldError> {
         let (frame, pull) = frame(&skin.filled, stance, config.shrinkage())?;
-        let part = Part::new(skin, &frame, stance.portion)?;
+        let mut part = Part::new(skin, &frame, stance.portion)?;
         let bounds = measure::bounds(&part.surface.vertices);
+        let mut block = Block::around(bounds, stance, pull, config);
+        if let Some(joint) = stance.joint {
+            part.seat = frame.point(&(stance.up * joint)).z;
+            block.max.z = block.max.z.max(part.seat + Block::sides(config));
+        }
         let mut mold = Self {
-            block: Block::around(bounds, stance, pull, config),
+            block,
             outside: Solid::cube(&Vec3::zeros(), &Vec3::zeros()),
             level: 0.0,
             cast: part.cast.clone(),

@@ -107,6 +107,26 @@ fn a_mushroom() {
     assert_eq!(outcome(&Scene::new(&MUSHROOM, sideways)), Outcome::Verified);
 }
 
+/// Shells that part along the stem, half-way up it: the upper one is caught under the cap.
+const STEM: &str = "[limits]\npeel = 0.2\n[parting]\nkind = \"plane\"\npull = [0, 0, 1]\n";
+
+#[test]
+fn a_mushroom_is_freed_by_splitting_its_upper_shell() {
+    let scene = Scene::new(&MUSHROOM, &format!("{STEM}offset = 0.01"));
+    assert_eq!(outcome(&scene), Outcome::Verified);
+    let report = fab::report::Report::read(&scene.path("mold")).unwrap();
+    let parts: Vec<(&str, [f64; 3])> =
+        report.parts.iter().map(|part| (part.name.as_str(), part.leaves)).collect();
+    assert_eq!(parts[0], ("left", [0.0, 1.0, 0.0]));
+    assert_eq!(parts[1], ("right", [0.0, -1.0, 0.0]));
+    assert_eq!(parts[2], ("base", [0.0, 0.0, -1.0]));
+    // A base on which the spool's cap stands would be caught on its foot.
+    match outcome(&Scene::new(&SPOOL, &format!("{STEM}offset = 0.03"))) {
+        Outcome::Refused(message) => assert!(message.contains("cannot be peeled"), "{message}"),
+        other => panic!("{other:?}"),
+    }
+}
+
 /// The mushroom on a foot as wide as its cap.
 const SPOOL: Cubes = Cubes { solid: |c| c[2] < 3 || (MUSHROOM.solid)(c), ..MUSHROOM };
 

@@ -9,7 +9,7 @@ use mesh::solid::Solid;
 
 use super::{Frustum, SEGMENTS};
 
-/// How far the spigot reaches into the sprue [m].
+/// How far the spigot reaches into the sprue, but not beyond its middle [m].
 const DEPTH: f64 = 6e-3;
 
 /// Thickness of its wall [m].
@@ -37,8 +37,9 @@ pub fn funnel(sprue: &Frustum, outside: &Solid, volume: f64, clearance: f64) -> 
         height(reach * cos, reach * sin)
     });
     let rest = around.fold(mouth, f64::max);
-    let (bottom, inner) = (mouth - DEPTH, radius(rest) - WALL);
-    if bottom <= sprue.base.z || radius(bottom) <= 1.5 * WALL {
+    let middle = (mouth + sprue.base.z) / 2.0;
+    let (bottom, inner) = (middle.max(mouth - DEPTH), radius(rest) - WALL);
+    if mouth <= sprue.base.z || radius(bottom) <= 1.5 * WALL {
         return None;
     }
     let top = (inner.powi(3) + 3.0 * volume / std::f64::consts::PI).cbrt();

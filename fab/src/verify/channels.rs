@@ -19,7 +19,7 @@ const BESIDE: f64 = 1.5;
 const HELD: f64 = 0.1;
 
 /// Least length of a funnel's spigot in the sprue [mm].
-const INSERTED: f64 = 3.0;
+const INSERTED: f64 = 2.0;
 
 /// All checks of features.
 pub fn checks(set: &Set) -> Vec<Line> {

@@ -9,12 +9,19 @@ use mesh::solid::Solid;
 use super::Line;
 use super::set::Set;
 use crate::export::MM;
+use crate::mold::Purpose;
 
 /// Least and largest part of its diameter by which a tube is squeezed: judgements.
 const SQUEEZED: [f64; 2] = [0.02, 0.4];
 
 /// The slice that is measured, in parts of the collar's length.
 const SLICE: [f64; 2] = [0.45, 0.55];
+
+/// A core without its bore for water.
+fn filled(set: &Set, core: &Solid) -> Solid {
+    let drains = set.report.features.iter().filter(|f| f.purpose == Purpose::Drain);
+    drains.fold(core.clone(), |all, drain| all.union(&drain.exact()))
+}
 
 /// All checks of collars.
 pub fn checks(set: &Set) -> Vec<Line> {
@@ -25,7 +32,7 @@ pub fn checks(set: &Set) -> Vec<Line> {
         let slice = collar.slice(SLICE[0], SLICE[1]);
         let height = collar.length * (SLICE[1] - SLICE[0]);
         let area = |solid: &Solid| slice.intersection(solid).volume() / height;
-        let bore: f64 = set.cores.iter().map(|core| area(&core.solid)).sum();
+        let bore: f64 = set.cores.iter().map(|core| area(&filled(set, &core.solid))).sum();
         let diameter = |area: f64| 2.0 * (area / std::f64::consts::PI).sqrt() / shrinks;
         let inside = diameter(bore);
         let wall = (diameter(bore + area(&set.cast.solid)) - inside) / 2.0;
