@@ -6,6 +6,7 @@ mod fixture;
 
 use fab::report::Report;
 use fixture::{CHAMBER, CLOSED, Scene, stderr, stdout};
+use serde_json::Value;
 
 const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 const TUBE: &str = "[fitting]\nname = \"tube-4x2.5\"\n";
@@ -17,6 +18,31 @@ fn verified(scene: &Scene) -> String {
     let verified = scene.verify();
     assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
     stdout(&verified)
+}
+
+fn add(value: &mut Value, change: f64) {
+    *value = serde_json::json!(value.as_f64().unwrap() + change);
+}
+
+/// Whether `fab verify` rejects a mold with the check that `spoil` names, when it has changed
+/// mold.json; the mold is left as it was.
+fn assert_fails(scene: &Scene, spoil: impl FnOnce(&mut Value) -> String) {
+    let path = scene.path("mold/mold.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut report = serde_json::from_str(&text).unwrap();
+    let line = spoil(&mut report);
+    std::fs::write(&path, report.to_string()).unwrap();
+    let said = stdout(&scene.verify());
+    let failed = |l: &&str| l.starts_with("FAIL") && l.contains(&line);
+    assert!(said.lines().any(|l| failed(&l)), "{line}: {said}");
+    std::fs::write(&path, text).unwrap();
+}
+
+/// Moves the first channel or gap of a purpose along an axis [mm].
+fn shift(report: &mut Value, purpose: &str, axis: usize, by: f64) {
+    let features = report["features"].as_array_mut().unwrap();
+    let feature = features.iter_mut().find(|f| f["purpose"] == purpose).unwrap();
+    add(&mut feature["base"][axis], by);
 }
 
 #[test]
@@ -45,21 +71,21 @@ fn a_collar_is_cast_with_the_body() {
 fn a_collar_that_was_not_cast_is_noticed() {
     let scene = Scene::new(&CHAMBER, &format!("{TUBE}{PLANE}"));
     verified(&scene);
-    let path = scene.path("mold/mold.json");
-    let text = std::fs::read_to_string(&path).unwrap();
     let fails = |key: &str, change: f64, line: &str| {
-        let mut report: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let value = report.pointer_mut(&format!("/collars/0/{key}")).unwrap();
-        *value = serde_json::json!(value.as_f64().unwrap() + change);
-        std::fs::write(&path, report.to_string()).unwrap();
-        let said = stdout(&scene.verify());
-        let failed = |l: &&str| l.starts_with("FAIL") && l.contains(line);
-        assert!(said.lines().any(|l| failed(&l)), "{key}: {said}");
+        assert_fails(&scene, |report| {
+            add(report.pointer_mut(&format!("/collars/0/{key}")).unwrap(), change);
+            line.into()
+        });
     };
-    fails("bore", 0.02, "surface: design to mold");
     fails("radius", 0.02, "surface: design to mold");
     fails("base/2", 0.02, "surface: design to mold");
-    fails("outer", -0.5, "collar 1: grips");
+    // The sheet told another bore.
+    fails("bore", 0.02, "cast.json");
+    let loose = Scene::new(&CHAMBER, &format!("{TUBE}interference = 0.01\n{PLANE}"));
+    assert!(loose.mold().status.success());
+    let said = stdout(&loose.verify());
+    let failed: Vec<&str> = said.lines().filter(|l| l.starts_with("FAIL")).collect();
+    assert!(failed.len() == 1 && failed[0].contains("collar 1: grips"), "{failed:?}");
 }
 
 #[test]
@@ -79,12 +105,17 @@ fn tubes_that_do_not_fit_are_refused() {
 
 #[test]
 fn sides_are_bolted_to_their_base() {
-    let said = verified(&Scene::new(&CHAMBER, PLANE));
+    let scene = Scene::new(&CHAMBER, PLANE);
+    let said = verified(&scene);
     let joins =
         |who: &str| said.lines().filter(|l| l.contains(": joins") && l.contains(who)).count();
     assert_eq!(joins("left and base"), 2, "{said}");
     assert_eq!(joins("right and base"), 2, "{said}");
     assert!(joins("left and right") >= 2, "{said}");
+    assert_fails(&scene, |report| {
+        shift(report, "bolt", 0, 1.0);
+        "bolt 1: joins".into()
+    });
 }
 
 #[test]
@@ -94,6 +125,10 @@ fn a_funnel_stands_in_the_sprue() {
     for line in ["funnel: reaches into the sprue", "overlap: upper and funnel", "funnel: closed"] {
         assert!(said.contains(line), "{line}: {said}");
     }
+    assert_fails(&scene, |report| {
+        shift(report, "sprue", 2, 50.0);
+        "funnel: reaches into the sprue".into()
+    });
     let report = Report::read(&scene.path("mold")).unwrap();
     // A fifth of 181 cubes of 64 mm³, besides sprue and vents.
     let head = 0.2 * 181.0 * 64.0 / 1e3;

@@ -148,8 +148,8 @@ fn insert(collar: &FittedTube, report: &Report) -> String {
     let bore = 2.0 * bore / shrinks;
     format!(
         "Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
-         farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around the collar, \
-         or glue the tube in with silicone above half of the pressure at which it slips.",
+         farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around \
+         the collar; glue it with silicone if it must not come out.",
         length / shrinks,
         100.0 * (1.0 - bore / outer)
     )

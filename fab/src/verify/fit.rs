@@ -21,6 +21,9 @@ const SURFACE: f64 = 5e-3;
 /// Error of the balance as a part of the outside's volume.
 const BALANCE: f64 = 1e-6;
 
+/// How far below a surface it is asked whether it is that of a film, in films.
+const BELOW: f64 = 0.1;
+
 /// Points per surface at which that distance is measured, besides its vertices.
 const SAMPLES: usize = 20_000;
 
@@ -184,7 +187,8 @@ fn plug(set: &Set, design: &SurfaceMesh, bodies: &mut [Solid]) {
 /// with the body.
 ///
 /// Measured at the centroid of each triangle and near its corners. A place far
-/// from `to` belongs to a film if the point `film` below it is not inside `from`.
+/// from `to` belongs to a film if the point `film` below it is not inside `from`, or, on
+/// the edge of one, if `from` is [`thin`] there.
 fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
     const NEAR_CORNER: f64 = 0.9;
     let bvh = SurfaceBvh::new(to);
@@ -193,16 +197,29 @@ fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
     for t in 0..from.triangles.len() {
         let [a, b, c] = from.corners(t);
         let below = measure::triangle_normal(a, b, c) * film;
+        let thick =
+            |p: &Vec3| inside.contains(&(p - below)) && !thin(&inside, &(p - below * BELOW), film);
         let centre = from.centroid(t);
         let near = [a, b, c].map(|corner| centre + (corner - centre) * NEAR_CORNER);
         for p in near.into_iter().chain([centre]) {
             let distance = bvh.closest(&p).distance;
-            if distance > worst && (distance <= film || inside.contains(&(p - below))) {
+            if distance > worst && (distance <= film || thick(&p)) {
                 worst = distance;
             }
         }
     }
     worst
+}
+
+/// Whether a solid is thinner than 2 `film` about a point in one of 13 directions: those
+/// with components −1, 0, 1, one of which lies within 30° of the normal of any film.
+fn thin(solid: &WindingNumber, p: &Vec3, film: f64) -> bool {
+    let digit = |code: i32, place: i32| f64::from(code / place % 3 - 1);
+    // Codes 0 to 12 have their opposites in 26 to 14; 13 is zero.
+    (0..13).any(|code| {
+        let d = Vec3::new(digit(code, 1), digit(code, 3), digit(code, 9)).normalize() * film;
+        !solid.contains(&(p + d)) && !solid.contains(&(p - d))
+    })
 }
 
 /// Other bodies the parts leave are films of rounding between touching faces.
