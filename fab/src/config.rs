@@ -3,7 +3,9 @@
 //! Lengths are metres and directions are those of the design; every key has a
 //! default, an unknown key is an error that lists the valid ones.
 
+pub mod fitting;
 mod parting;
+mod pour;
 
 use std::path::Path;
 
@@ -14,7 +16,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::method::Method;
 use crate::printer;
 use crate::silicone::{self, Chemistry};
+pub use fitting::Fitting;
 pub use parting::{Auto, HeightField, Parting, Plane};
+pub use pour::{Sprue, Vents};
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
 /// are usual [m].
@@ -56,6 +60,8 @@ pub struct Config {
     pub vents: Vents,
     /// Stub that holds the core at its inlet.
     pub core: Core,
+    /// The tube that is put into the inlet. Unset: what fits the inlet as it is modelled.
+    pub fitting: Option<Fitting>,
     /// What is cast, and what the mold is printed on.
     pub casting: Casting,
 }
@@ -78,6 +84,7 @@ impl Default for Config {
             sprue: Sprue::default(),
             vents: Vents::default(),
             core: Core::default(),
+            fitting: None,
             casting: Casting::default(),
         }
     }
@@ -166,40 +173,6 @@ pub struct Keys {
 impl Default for Keys {
     fn default() -> Self {
         Self { radius: 3e-3, height: 3e-3, clearance: None }
-    }
-}
-
-/// The conical sprue.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Sprue {
-    /// A point of the design above or below which the sprue enters. Unset: the highest point [m].
-    pub at: Option<[f64; 3]>,
-    /// Radius at the part [m].
-    pub radius: f64,
-    /// Radius at the top of the mold [m].
-    pub top_radius: f64,
-}
-
-impl Default for Sprue {
-    fn default() -> Self {
-        Self { at: None, radius: 3e-3, top_radius: 5.4e-3 }
-    }
-}
-
-/// Vents at the local maxima of height.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Vents {
-    /// Radius of a vent [m].
-    pub radius: f64,
-    /// A maximum is vented if one has to descend at least this far to reach a higher one [m].
-    pub persistence: f64,
-}
-
-impl Default for Vents {
-    fn default() -> Self {
-        Self { radius: 8e-4, persistence: 1e-3 }
     }
 }
 
@@ -359,6 +332,8 @@ impl Config {
 
     fn check(&self) -> Result<()> {
         self.casting.check().map_err(anyhow::Error::msg)?;
+        self.sprue.check().map_err(anyhow::Error::msg)?;
+        self.fitting.as_ref().map_or(Ok(()), Fitting::check).map_err(anyhow::Error::msg)?;
         let Limits { girth, peel, flat, sag } = self.limits;
         let mut lengths = vec![
             ("wall", self.wall),
@@ -465,6 +440,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
+            ("[sprue]\nhead = 20", "sprue.head is 20"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),

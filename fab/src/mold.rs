@@ -19,7 +19,7 @@ use crate::method::Method;
 use crate::parts::block::Block;
 use crate::parts::core::PrintError;
 use crate::parts::pin::PinError;
-use crate::parts::{Frustum, channel};
+use crate::parts::{Frustum, channel, funnel};
 use crate::skin::Skin;
 use crate::split::FILM;
 use crate::stance::{Parting, Portion, Stance};
@@ -60,8 +60,6 @@ pub enum Purpose {
     Drain,
     /// Hole in the silicone that a core's second support leaves, to be plugged.
     Pin,
-    /// Collar for a tube, which is cast and not part of the design.
-    Boss,
 }
 
 /// A channel or gap in the mold.
@@ -94,6 +92,8 @@ pub struct Mold {
     pub shells: Vec<Piece>,
     /// One per connected cavity that is held on a stub.
     pub cores: Vec<Piece>,
+    /// What stands in the sprue while it is filled, and what it holds [m³].
+    pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
     /// All channels and gaps.
@@ -159,10 +159,15 @@ impl Mold {
         config: &Config,
     ) -> Result<Self, MoldError> {
         let (frame, pull) = frame(&skin.filled, stance, config.shrinkage())?;
-        let part = Part::new(skin, &frame, stance.portion, Block::foot(stance, pull, config))?;
+        let mut part = Part::new(skin, &frame, stance.portion, Block::foot(stance, pull, config))?;
         let bounds = measure::bounds(&part.surface.vertices);
+        let mut block = Block::around(bounds, stance, pull, config);
+        if let Some(joint) = stance.joint {
+            part.seat = frame.point(&(stance.up * joint)).z;
+            block.max.z = block.max.z.max(part.seat + Block::sides(config));
+        }
         let mut mold = Self {
-            block: Block::around(bounds, stance, pull, config),
+            block,
             outside: Solid::cube(&Vec3::zeros(), &Vec3::zeros()),
             level: 0.0,
             cast: part.cast.clone(),
@@ -172,6 +177,7 @@ impl Mold {
             open: matches!(stance.parting, Parting::Open),
             shells: Vec::new(),
             cores: Vec::new(),
+            funnel: None,
             features: Vec::new(),
             findings: Vec::new(),
         };
@@ -208,8 +214,11 @@ impl Mold {
         let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
-        let Sprue { radius, top_radius, .. } = config.sprue;
+        let Sprue { radius, top_radius, head, .. } = config.sprue;
         let frustum = channel(&bvh, &places.sprue, end, radius, top_radius);
+        if let Some(head) = head {
+            self.add_funnel(&frustum, head, config);
+        }
         let mut channels = vec![Feature { purpose: Purpose::Sprue, frustum }];
         let radius = config.vents.radius;
         channels.extend(places.vents.iter().map(|top| {
@@ -217,6 +226,25 @@ impl Mold {
             Feature { purpose: Purpose::Vent, frustum }
         }));
         Ok(channels)
+    }
+
+    /// A funnel in the sprue for a share of what is cast.
+    fn add_funnel(&mut self, sprue: &Frustum, head: f64, config: &Config) {
+        let volume = head * self.cast.volume();
+        match funnel::funnel(sprue, &self.outside, volume, config.stub_clearance()) {
+            Some(solid) => {
+                let piece = Piece { name: "funnel".into(), solid, leaves: Vec3::z() };
+                self.funnel = Some((piece, volume));
+            }
+            None => self.findings.push(Finding {
+                rule: "funnel",
+                message: format!(
+                    "a sprue of {:.2} mm radius is too narrow or too short for a funnel: increase sprue.radius",
+                    sprue.base_radius * 1e3
+                ),
+                count: 1,
+            }),
+        }
     }
 
     /// Takes a channel out of all shells.

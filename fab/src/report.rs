@@ -9,6 +9,7 @@ use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
+use crate::collar::FittedTube;
 use crate::config::{Casting, Config};
 use crate::export::MM;
 use crate::frame::{Frame, Turn};
@@ -60,6 +61,9 @@ pub struct Report {
     pub cast: Cast,
     /// The silicone, and how it is cast.
     pub casting: Casting,
+    /// Collars for tubes, which are cast and are not part of the design.
+    #[serde(default)]
+    pub collars: Vec<FittedTube>,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -143,6 +147,8 @@ pub enum Role {
     Shell,
     /// Shapes the cavity.
     Core,
+    /// Stands in the sprue while the mold is filled.
+    Funnel,
 }
 
 /// What is cast.
@@ -155,7 +161,7 @@ pub struct Cast {
     pub volume: f64,
     /// Handles of the solid before its coordinates were rounded.
     pub genus: i32,
-    /// Silicone to fill the mold with its sprue and vents, without waste [mL].
+    /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
     pub silicone_ml: f64,
 }
 
@@ -200,6 +206,7 @@ impl Report {
             .filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent))
             .map(|f| f.frustum.solid().intersection(&outside).volume() * MM.powi(3))
             .sum();
+        let head = mold.funnel.as_ref().map_or(0.0, |(_, volume)| volume * MM.powi(3));
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
@@ -216,9 +223,10 @@ impl Report {
                 file: CAST.into(),
                 volume,
                 genus: handles(&mold.cast),
-                silicone_ml: (volume + channels) / 1e3,
+                silicone_ml: (volume + channels + head) / 1e3,
             },
             casting: config.casting.clone(),
+            collars: Vec::new(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings

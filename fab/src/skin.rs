@@ -64,6 +64,8 @@ pub struct Inlet {
     pub centre: Vec3,
     /// Radius of that circle [m].
     pub radius: f64,
+    /// Largest distance of the rim from that centre [m].
+    pub reach: f64,
     /// Unit normal of the rim's plane, out of the body [1].
     pub normal: Vec3,
     /// Largest distance of a rim vertex from that plane [m].
@@ -299,7 +301,8 @@ fn close_core(
         let (centre, radius) = cap::inscribed_circle(&polygon, &normal);
         let next = polygon.iter().cycle().skip(1);
         let girth = polygon.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
-        inlets.push(Inlet { centre, radius, normal, deviation, girth });
+        let reach = polygon.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        inlets.push(Inlet { centre, radius, reach, normal, deviation, girth });
         caps.extend(triangles.into_iter().map(|t| t.map(|i| rim[i])));
     }
     let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);

@@ -15,6 +15,9 @@ pub struct Stance {
     pub parting: Parting,
     /// What is cast.
     pub portion: Portion,
+    /// Position along `up` at which shells that are pulled across it stand on their base.
+    /// Unset: where the body stands, or is cut [m].
+    pub joint: Option<f64>,
 }
 
 /// Where shells separate.

@@ -181,7 +181,27 @@ const MUSHROOM: Cubes = Cubes {
     cavity: |[i, j, k]| i == 4 && j == 4 && k < 5,
 };
 
-/// The same on a foot as wide as its cap.
+/// Shells that part along the stem, half-way up it: the upper one is caught under the cap.
+const STEM: &str = "[limits]\npeel = 0.2\n[parting]\nkind = \"plane\"\npull = [0, 0, 1]\n";
+
+#[test]
+fn a_mushroom_is_freed_by_splitting_its_upper_shell() {
+    let scene = Scene::new(&MUSHROOM, &format!("{STEM}offset = 0.01"));
+    assert_eq!(outcome(&scene), Outcome::Verified);
+    let report = fab::report::Report::read(&scene.path("mold")).unwrap();
+    let parts: Vec<(&str, [f64; 3])> =
+        report.parts.iter().map(|part| (part.name.as_str(), part.leaves)).collect();
+    assert_eq!(parts[0], ("left", [0.0, 1.0, 0.0]));
+    assert_eq!(parts[1], ("right", [0.0, -1.0, 0.0]));
+    assert_eq!(parts[2], ("base", [0.0, 0.0, -1.0]));
+    // A base on which the spool's cap stands would be caught on its foot.
+    match outcome(&Scene::new(&SPOOL, &format!("{STEM}offset = 0.03"))) {
+        Outcome::Refused(message) => assert!(message.contains("cannot be peeled"), "{message}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The mushroom on a foot as wide as its cap.
 const SPOOL: Cubes = Cubes { solid: |c| c[2] < 3 || (MUSHROOM.solid)(c), ..MUSHROOM };
 
 #[test]
@@ -243,6 +263,18 @@ fn a_scan_with_noise() {
     let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
     // The same where the inlet is uneven, too.
     assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
+}
+
+#[test]
+fn a_scan_with_fine_noise_keeps_its_plan() {
+    let mut random = noise();
+    // Up to 0.2 mm everywhere, and no limit changed.
+    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
+    assert_eq!(outcome(&bent(&CHAMBER, "", shake)), Outcome::Verified);
+    let mut random = noise();
+    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
+    let sideways = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]";
+    assert_eq!(outcome(&bent(&CHAMBER, sideways, shake)), Outcome::Verified);
 }
 
 /// A sheet of 288 × 288 × 3 cells with a flat chamber, whose boundary has 600 000 triangles.

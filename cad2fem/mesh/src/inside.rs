@@ -9,7 +9,6 @@
 //! with the same boundary, here the fan over its boundary edges.
 
 use crate::{SurfaceMesh, Vec3};
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// Triangles below which a patch is not divided further.
@@ -111,15 +110,19 @@ fn divide(
 
 /// Triangles over one vertex whose boundary is that of the given ones.
 fn boundary_fan(triangles: &[[usize; 3]]) -> Vec<[usize; 3]> {
-    // Edge → how many more triangles run along it forward than backward.
-    let mut flow = BTreeMap::<[usize; 2], i32>::new();
-    for t in triangles {
-        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            *flow.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
-        }
-    }
-    flow.retain(|_, &mut count| count != 0);
-    let Some(&[apex, _]) = flow.keys().next() else { return Vec::new() };
+    let mut edges: Vec<([usize; 2], i32)> = triangles
+        .iter()
+        .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
+        .map(|(a, b)| ([a.min(b), a.max(b)], if a < b { 1 } else { -1 }))
+        .collect();
+    edges.sort_unstable_by_key(|(edge, _)| *edge);
+    // How many more triangles run along an edge forward than backward.
+    let same = edges.chunk_by(|(a, _), (b, _)| a == b);
+    let flow: Vec<([usize; 2], i32)> = same
+        .map(|run| (run[0].0, run.iter().map(|(_, sign)| sign).sum()))
+        .filter(|(_, count)| *count != 0)
+        .collect();
+    let Some(&([apex, _], _)) = flow.first() else { return Vec::new() };
     let mut fan = Vec::new();
     for ([a, b], count) in flow {
         let triangle = if count > 0 { [apex, a, b] } else { [apex, b, a] };

@@ -15,6 +15,10 @@ use robust::{Coord, Coord3D};
 /// coplanar. The magnitude carries rounding.
 #[must_use]
 pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
+    // On a common coordinate plane, where only the slow exact path would find the zero.
+    if (0..3).any(|k| a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) {
+        return 0.0;
+    }
     let coord = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(d))
 }
@@ -58,6 +62,9 @@ fn apart(plane: &[Vec3; 3], t: &[Vec3; 3]) -> bool {
 #[must_use]
 pub fn segment_intersects_triangle(p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> bool {
     let [a, b, c] = triangle;
+    if boxes_apart(&[p, q], &[a, b, c]) {
+        return false;
+    }
     let (side_p, side_q) = (orient3d(a, b, c, p), orient3d(a, b, c, q));
     if (side_p > 0.0 && side_q > 0.0) || (side_p < 0.0 && side_q < 0.0) {
         return false;
@@ -72,6 +79,18 @@ pub fn segment_intersects_triangle(p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> 
     // All five points in one plane. Seen along the axis that is most normal to
     // it the picture is one-to-one; the other two views are necessary conditions.
     crosses_plane || (0..3).all(|axis| segment_meets_triangle_2d(axis, p, q, triangle))
+}
+
+/// Whether a coordinate plane separates two sets of points strictly.
+fn boxes_apart(these: &[&Vec3], those: &[&Vec3]) -> bool {
+    let range = |points: &[&Vec3], k: usize| {
+        let values = points.iter().map(|p| p[k]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    (0..3).any(|k| {
+        let (a, b) = (range(these, k), range(those, k));
+        a.1 < b.0 || b.1 < a.0
+    })
 }
 
 /// The planar version of [`segment_intersects_triangle`], seen along `axis`.

@@ -229,15 +229,8 @@ impl Solid {
         }
         // Smallest first for now: the first shell that contains a cavity is its own.
         outer.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let winding: Vec<_> = outer
-            .iter()
-            .map(|(_, shell)| WindingNumber::new(&surface_of(&shell[0].get_mesh_gl64(-1))))
-            .collect();
-        for cavity in cavities {
-            let point = cavity.to_surface().vertices[0];
-            if let Some(owner) = winding.iter().position(|w| w.contains(&point)) {
-                outer[owner].1.push(cavity.kernel);
-            }
+        if !cavities.is_empty() {
+            place_cavities(&mut outer, cavities);
         }
         outer.reverse();
         outer.into_iter().map(|(_, shells)| Self { kernel: Manifold::compose(&shells) }).collect()
@@ -357,6 +350,20 @@ impl Solid {
             tolerance,
         );
         Self { kernel }
+    }
+}
+
+/// Adds every cavity to the first of the shells, given with their volumes, that contains it.
+fn place_cavities(outer: &mut [(f64, Vec<Manifold>)], cavities: Vec<Solid>) {
+    let winding: Vec<_> = outer
+        .iter()
+        .map(|(_, shell)| WindingNumber::new(&surface_of(&shell[0].get_mesh_gl64(-1))))
+        .collect();
+    for cavity in cavities {
+        let point = cavity.to_surface().vertices[0];
+        if let Some(owner) = winding.iter().position(|w| w.contains(&point)) {
+            outer[owner].1.push(cavity.kernel);
+        }
     }
 }
 

@@ -141,6 +141,7 @@ impl Sheet {
             sources: silicone_sources
                 .into_iter()
                 .chain(printer.map(|p| p.citation().into()))
+                .chain(report.collars.first().map(|collar| collar.source.clone()))
                 .collect(),
         };
         sheet.materials = steps::materials(&sheet, report, plastic);

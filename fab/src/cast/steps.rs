@@ -1,6 +1,10 @@
 //! What to have and what to do, in words.
 
+use std::collections::BTreeSet;
+
 use super::{Item, Pour, Sheet};
+use crate::collar::FittedTube;
+use crate::export::MM;
 use crate::method::Method;
 use crate::mold::Purpose;
 use crate::report::{CastPart, Outline, Report, Role};
@@ -40,14 +44,20 @@ pub fn materials(sheet: &Sheet, report: &Report, plastic: &str) -> Vec<Item> {
         add(1, "spray of release agent for silicone".into());
         add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
     }
-    let bolts: Vec<&Outline> = with(report, Purpose::Bolt).collect();
-    match bolts.first() {
-        Some(hole) => add(bolts.len(), format!("{} with nut and washers", bolt(hole))),
-        None if report.open => {}
-        None => add(2, "clamps that span the closed mold, or strong rubber bands".into()),
+    let bolts: Vec<String> = with(report, Purpose::Bolt).map(bolt).collect();
+    let lengths: BTreeSet<&String> = bolts.iter().collect();
+    for name in lengths {
+        let count = bolts.iter().filter(|other| *other == name).count();
+        add(count, format!("{name} with nut and washers"));
+    }
+    if bolts.is_empty() && !report.open {
+        add(2, "clamps that span the closed mold, or strong rubber bands".into());
+    }
+    for collar in &report.collars {
+        add(1, collar.tube.clone());
     }
     let inlets = with(report, Purpose::Socket).count();
-    if inlets > 0 && !is_wax(report) {
+    if inlets > 0 && report.collars.is_empty() && !is_wax(report) {
         add(inlets, "tube that fits the inlet, and silicone glue".into());
     }
     items
@@ -92,7 +102,10 @@ pub fn steps(sheet: &Sheet, report: &Report) -> Vec<String> {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
     }
-    steps.push("Glue the tube into the inlet.".into());
+    match &report.collars[..] {
+        [] => steps.push("Glue the tube into the inlet.".into()),
+        collars => steps.extend(collars.iter().map(|collar| insert(collar, report))),
+    }
     let pressure = sheet.leak_test_kpa;
     let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
     steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
@@ -138,6 +151,21 @@ fn close(report: &Report, shells: &[&str], cores: &[&str]) -> String {
     if is_wax(report) { words + "." } else { spray + &words + "." }
 }
 
+/// How a tube is put into its collar.
+fn insert(collar: &FittedTube, report: &Report) -> String {
+    let FittedTube { tube, outer, bore, length, .. } = collar;
+    // What shrinks does so with its bore.
+    let shrinks = report.scale() / MM;
+    let bore = 2.0 * bore / shrinks;
+    format!(
+        "Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
+         farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around \
+         the collar; glue it with silicone if it must not come out.",
+        length / shrinks,
+        100.0 * (1.0 - bore / outer)
+    )
+}
+
 /// Mixing, pouring and curing.
 fn pour(sheet: &Sheet, report: &Report) -> Vec<String> {
     if is_wax(report) {
@@ -147,6 +175,9 @@ fn pour(sheet: &Sheet, report: &Report) -> Vec<String> {
             "Let it become hard all through.".into(),
         ];
     }
+    let funnels = names(report, Role::Funnel);
+    let stand = format!("Stand {} in the sprue and keep it filled while you pour.", and(&funnels));
+    let stand = (!funnels.is_empty()).then_some(stand);
     let vents = with(report, Purpose::Vent).count();
     let pour = match vents {
         _ if report.open => {
@@ -166,7 +197,7 @@ fn pour(sheet: &Sheet, report: &Report) -> Vec<String> {
     let degas = "Degas the mix in a cup three times as high as the liquid, until it has risen, \
                  fallen back and only few bubbles come."
         .into();
-    vec![mixing(sheet), degas, pour, cure]
+    [mixing(sheet), degas].into_iter().chain(stand).chain([pour, cure]).collect()
 }
 
 fn mixing(sheet: &Sheet) -> String {

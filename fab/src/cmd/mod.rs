@@ -11,9 +11,11 @@ use anyhow::{Context, Result};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
 
+use crate::collar::{self, Collar};
 use crate::config::Config;
 use crate::plan::Plan;
 use crate::plan::report::Report;
+use crate::progress::Progress;
 use crate::report::{CastPart, Input};
 use crate::skin::Skin;
 
@@ -53,6 +55,10 @@ pub struct Planned {
     pub plan: Plan,
     /// The choices as they are told.
     pub told: Report,
+    /// Around its inlets.
+    pub collars: Vec<Collar>,
+    /// What tells how far it is.
+    pub progress: Progress,
 }
 
 impl Task {
@@ -63,12 +69,16 @@ impl Task {
     pub fn plan(&self) -> Result<Planned> {
         let config = self.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
         let skin = self.named(Skin::new(&read_tets(&self.mesh)?, &config.cavity))?;
+        let triangles = skin.cast.triangles.len();
+        let progress = Progress::new(triangles);
+        progress.step(&format!("measuring a body of {triangles} triangles"));
+        let (skin, collars) = self.named(collar::fit(skin, &config))?;
         let plan = self.named(Plan::new(&skin, &config))?;
         log::info!("{}", plan.reason);
         let molds = plan::entries(&plan, skin.cores.len());
         let input = self.input(&self.output, &config, CastPart::Whole)?;
         let told = Report::new(&plan, input, molds);
-        Ok(Planned { config, skin, plan, told })
+        Ok(Planned { config, skin, plan, told, collars, progress })
     }
 
     /// The mesh as a report in `folder` names it.

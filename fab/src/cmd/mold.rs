@@ -10,6 +10,8 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::{Planned, Task};
 use crate::cast;
+use crate::collar::{Collar, FittedTube};
+use crate::config::fitting::Tube;
 use crate::config::{Config, Sprue};
 use crate::export::{MM, printable};
 use crate::frame::Turn;
@@ -18,6 +20,7 @@ use crate::mold::{Mold, Piece};
 use crate::output;
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting};
+use crate::progress::{Progress, peak_memory};
 use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
 use crate::skin::Skin;
 use crate::stance::Portion;
@@ -43,20 +46,24 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let task = &args.task;
-    let Planned { config, skin, plan, told } = task.plan()?;
+    let Planned { config, skin, collars, plan, told, progress } = task.plan()?;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
     let of = |name: &str| told.molds.iter().find(|e| e.name == name).expect("it is planned");
     let mut sets = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
+        progress.step(&format!("cutting the mold of the {}", casting.name));
         let mold = task.named(Mold::new(&skin, &casting.stance, plan.method, &config))?;
+        progress.step("rounding and checking its surfaces");
         let input = task.input(&folder(entry), &config, CastPart::of(&mold))?;
-        let set = Set::new(&mold, input, &config)?;
-        set.prove(&entry.name, &task.mesh, &told)?;
+        let mut set = Set::new(&mold, input, &config)?;
+        set.report.collars = fitted_tubes(&collars, &mold, &config);
+        set.prove(&entry.name, &task.mesh, &told, progress)?;
         sets.push((entry, set));
     }
+    progress.step("writing");
     remove_old(&task.output)?;
-    let written = write_all(&sets, &folder, &told, &config, args);
+    let written = write_all(&sets, &folder, &told, &config, args, progress);
     if let Err(error) = written {
         // The first error is the one to tell.
         let _ = remove_molds(&task.output, &told);
@@ -67,8 +74,9 @@ pub fn run(args: &Args) -> Result<()> {
             log::warn!("{}: {}: {}", entry.name, note.rule, note.message);
         }
     }
+    let memory = peak_memory().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
     log::info!(
-        "{} molds, {} parts, {:.2} mL of silicone, {:.1} s: {}",
+        "{} molds, {} parts, {:.2} mL of silicone, {:.1} s{memory}: {}",
         told.molds.len(),
         sets.iter().map(|(_, set)| set.report.parts.len()).sum::<usize>(),
         sets.iter().map(|(_, set)| set.report.cast.silicone_ml).sum::<f64>(),
@@ -78,6 +86,13 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// The collars for mold.json.
+fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedTube> {
+    let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
+    let told = |tube: &Tube| collars.iter().map(|c| c.told(tube, &mold.frame)).collect();
+    tube.as_ref().map_or(Vec::new(), told)
+}
+
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
 fn write_all(
     sets: &[(&Entry, Set)],
@@ -85,6 +100,7 @@ fn write_all(
     told: &plan::report::Report,
     config: &Config,
     args: &Args,
+    progress: Progress,
 ) -> Result<()> {
     let pictures = !args.no_pictures;
     for (entry, set) in sets {
@@ -95,7 +111,7 @@ fn write_all(
         let file = format!("{}.stl", entry.name);
         let file = folder(body).join(file);
         let mold = wax_mold(&file, set.surface(&entry.name), &folder(entry), config)?;
-        mold.prove(&entry.name, &file, told)?;
+        mold.prove(&entry.name, &file, told, progress)?;
         mold.write(&folder(entry), pictures)?;
     }
     if told.molds.len() > 1 {
@@ -114,6 +130,7 @@ fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> 
     let config = Config {
         shrinkage: Some(0.0),
         parting: Config::default().parting,
+        fitting: None,
         sprue: Sprue { at: None, ..config.sprue.clone() },
         ..config.clone()
     };
@@ -170,14 +187,21 @@ impl Set {
         };
         mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
         mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
+        mold.funnel.iter().try_for_each(|(piece, _)| add(piece, Role::Funnel))?;
         surfaces.push(cast);
         surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })
     }
 
     /// Refuses a mold that `fab verify` would reject.
-    fn prove(&self, name: &str, design: &Path, plan: &plan::report::Report) -> Result<()> {
-        let lines = before_writing(&self.report, &self.surfaces, design, plan);
+    fn prove(
+        &self,
+        name: &str,
+        design: &Path,
+        plan: &plan::report::Report,
+        progress: Progress,
+    ) -> Result<()> {
+        let lines = before_writing(&self.report, &self.surfaces, design, plan, progress);
         let failed = lines.iter().filter(|line| line.status == Status::Fail);
         let failed: Vec<String> = failed
             .map(|line| format!("{} is {}, needed is {}", line.name, line.found, line.needed))

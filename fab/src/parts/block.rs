@@ -41,17 +41,27 @@ impl Block {
             _ => wall,
         };
         let along_y = rim.max((needed - (high.y - low.y)) / 2.0);
-        // Keys of the base, then those of the flange above them.
         let tall = match pull {
             Pull::Z => 0.0,
-            Pull::Y => config.flange.thickness + 4.0 * land,
+            Pull::Y => Self::sides(config),
         };
         let above = wall.max(tall - (high.z - low.z));
-        let along_x = wall + Joint::band(config);
+        // Bolts between base and sides stand beside their keys, where nothing is above them.
+        let beside = match (&stance.parting, pull) {
+            (Parting::Seat, _) | (_, Pull::Z) => 0.0,
+            (_, Pull::Y) => Joint::washer(config),
+        };
+        let along_x = wall + Joint::band(config) + beside;
         Self {
             min: low - Vec3::new(along_x, along_y, Self::below(stance.portion, config)),
             max: high + Vec3::new(along_x, along_y, above),
         }
+    }
+
+    /// Least height of sides: keys of the base, then those of the flange above them [m].
+    #[must_use]
+    pub fn sides(config: &Config) -> f64 {
+        config.flange.thickness + 4.0 * Sizes::of(config).land()
     }
 
     /// Width of the level rim of a height field along the sides without bolts [m].

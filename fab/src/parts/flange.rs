@@ -13,6 +13,9 @@ const BEYOND: f64 = 1e-3;
 /// Bolts along one band, at most.
 const BOLTS: usize = 2;
 
+/// Radius of a washer over that of its hole: 7 mm for M3 (ISO 7089).
+const WASHER: f64 = 2.1;
+
 /// A level rectangle of a joint: x across the bands, y along them, z along the pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
@@ -53,6 +56,30 @@ impl Joint {
         .collect()
     }
 
+    /// Side of the square that a bolt beside the corners needs with its washer [m].
+    #[must_use]
+    pub fn washer(config: &Config) -> f64 {
+        2.0 * WASHER * config.flange.bolt
+    }
+
+    /// Holes for bolts beside all four corners, inward along x, from height `bottom` to
+    /// `top` [m].
+    #[must_use]
+    pub fn corner_bolts(&self, bottom: f64, top: f64, config: &Config) -> Vec<Frustum> {
+        let radius = config.flange.bolt;
+        let land = Sizes::of(config).land();
+        let inset = [2.0 * land + Self::washer(config) / 2.0, land.max(Self::washer(config) / 2.0)];
+        let ends = |k: usize| [self.low[k] + inset[k], self.high[k] - inset[k]];
+        let at = ends(0).into_iter().flat_map(|x| ends(1).map(|y| [x, y]));
+        at.map(|[x, y]| Frustum {
+            base: Vec3::new(x, y, bottom - BEYOND),
+            axis: Vec3::z() * (top - bottom + 2.0 * BEYOND),
+            base_radius: radius,
+            top_radius: radius,
+        })
+        .collect()
+    }
+
     /// A round slot along x, half in either side, in the corner without a key.
     #[must_use]
     pub fn pry(&self, config: &Config) -> Frustum {
@@ -78,9 +105,12 @@ mod tests {
                 .sites(joint.low, joint.high)
                 .map(|[x, y]| sizes.key(Vec3::new(x, y, joint.level)).female.solid());
             let bolts = joint.bolts(&config);
+            let corners = joint.corner_bolts(0.0, 0.02, &config);
             let holes: Vec<_> = keys
                 .into_iter()
-                .chain(bolts.iter().chain([&joint.pry(&config)]).map(Frustum::solid))
+                .chain(
+                    bolts.iter().chain(&corners).chain([&joint.pry(&config)]).map(Frustum::solid),
+                )
                 .collect();
             for (i, a) in holes.iter().enumerate() {
                 for b in &holes[i + 1..] {

@@ -3,6 +3,7 @@
 pub mod block;
 pub mod core;
 pub mod flange;
+pub mod funnel;
 pub mod key;
 pub mod label;
 pub mod outside;

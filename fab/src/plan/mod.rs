@@ -5,6 +5,7 @@ pub mod girth;
 pub mod gluing;
 pub mod pull;
 pub mod report;
+mod sides;
 pub mod undercut;
 mod verdict;
 
@@ -154,14 +155,35 @@ impl Casting {
             pull::choose(filled, &up, portion, config);
         log::info!("{name}: {reason}");
         let limit = config.limits.peel;
+        let stance = Stance { up, pull, parting, portion, joint: None };
         if let Some(worst) = worst.filter(|worst| worst.ratio > limit) {
+            if let Some(split) = split(name, filled, &stance, limit) {
+                return Ok(split);
+            }
             let (name, surface) = (name.into(), reason);
             return Err(PlanError::Locked { name, surface, worst, limit });
         }
-        let stance = Stance { up, pull, parting, portion };
         let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
         Ok(Self { name, stance, filled, undercut, worst })
     }
+}
+
+/// A casting whose upper shell locks, with two sides instead, if that frees it.
+fn split(name: &str, filled: &SurfaceMesh, locked: &Stance, limit: f64) -> Option<Casting> {
+    let along = locked.pull.dot(&locked.up);
+    let joint = match locked.parting {
+        Parting::Plane(position) if along.abs() > pull::ALONG => position * along,
+        _ => return None,
+    };
+    let sides = sides::instead(filled, &locked.up, joint, limit)?;
+    log::info!(
+        "{name}: the upper shell would lock, so that it is split: above that, {}",
+        sides.reason
+    );
+    let undercut = undercut::View::along(filled, &sides.pull).undercut(sides.plane()?).facets;
+    let Choice { pull, parting, worst, .. } = sides;
+    let stance = Stance { pull, parting, joint: Some(joint), ..locked.clone() };
+    Some(Casting { name: name.into(), stance, filled: filled.clone(), undercut, worst })
 }
 
 /// The filled body beyond a plane.
@@ -198,8 +220,8 @@ fn chamber_and_sheet(skin: &Skin, flat: &Flat, config: &Config) -> Result<Vec<Ca
     let undercut = view.undercut(undercut::Parting::Plane(-flat.beyond));
     let worst = view.worst(&undercut);
     let sheet = if worst.is_none_or(|worst| worst.ratio <= config.limits.peel) {
-        let stance =
-            Stance { up, pull: up, parting: Parting::Open, portion: Portion::Below(-flat.beyond) };
+        let portion = Portion::Below(-flat.beyond);
+        let stance = Stance { up, pull: up, parting: Parting::Open, portion, joint: None };
         Casting { name: "sheet".into(), stance, filled, undercut: undercut.facets, worst }
     } else {
         Casting::new("sheet", &filled, *normal, Portion::Above(flat.beyond), &config)?

@@ -25,7 +25,7 @@ const EASIER: f64 = 0.01;
 const AS_THIN: f64 = 1.1;
 
 /// Directions that agree to this cosine are parallel.
-const ALONG: f64 = 1.0 - 1e-9;
+pub const ALONG: f64 = 1.0 - 1e-9;
 
 /// Positions along the pull that are tried for a plane.
 const POSITIONS: usize = 9;
@@ -63,6 +63,15 @@ impl Choice {
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.worst.map_or(0.0, |worst| worst.ratio)
+    }
+
+    /// The plane on which the shells part, as a view sees it; none if it is not one.
+    #[must_use]
+    pub fn plane(&self) -> Option<undercut::Parting> {
+        match self.parting {
+            Parting::Plane(position) => Some(undercut::Parting::Plane(position)),
+            Parting::HeightField(_) | Parting::Seat | Parting::Open => None,
+        }
     }
 }
 
@@ -142,6 +151,14 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) 
             best_plane(body, options, field.undercut.share + EASIER).unwrap_or(field)
         }
     }
+}
+
+/// The plane that hides least of those that contain `up`.
+#[must_use]
+pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
+    let across = usable(up).into_iter().filter(|pull| pull.dot(up).abs() < 1e-9);
+    let options = across.map(|pull| (pull, planes(body, &pull, false, Portion::Whole)));
+    best_plane(body, options.collect(), f64::INFINITY).expect("there are planes")
 }
 
 /// Planes that can be used: along `up` the seat, which leaves the body in one cup, then

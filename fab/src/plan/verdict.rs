@@ -77,6 +77,9 @@ impl<'a> Judge<'a> {
 
     fn judge(&mut self, method: Method) -> Verdict {
         let (possible, reason) = match method {
+            Method::Halves | Method::OpenTop if self.config.fitting.is_some() => {
+                (false, "the collar for a [fitting] is cast with the whole body".into())
+            }
             Method::PullOut => self.pull_out(),
             Method::Soluble | Method::Wax => self.inlets(),
             Method::Halves => self.in_halves(),

@@ -15,10 +15,21 @@ use crate::report::Outline;
 /// it fills 0.8; with half of it missing two pieces no longer find each other.
 const FILLED: f64 = 0.5;
 
+/// The ring around a bolt in which its pieces are looked for, in radii of its hole.
+const BESIDE: f64 = 1.5;
+
+/// Least part of that ring that a joined piece fills: a judgement.
+const HELD: f64 = 0.1;
+
+/// Least length of a funnel's spigot in the sprue [mm].
+const INSERTED: f64 = 2.0;
+
 /// All checks of features.
 pub fn checks(set: &Set) -> Vec<Line> {
     let mut lines = Vec::new();
-    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Pin] {
+    for purpose in
+        [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Pin, Purpose::Bolt]
+    {
         let same = set.report.features.iter().filter(|f| f.purpose == purpose);
         for (i, outline) in same.enumerate() {
             let name = format!("{} {}", purpose.name(), i + 1);
@@ -27,14 +38,47 @@ pub fn checks(set: &Set) -> Vec<Line> {
                 Purpose::Key => lines.push(engaged(set, &name, outline)),
                 Purpose::Socket => lines.extend(seated(set, &name, outline)),
                 Purpose::Pin => lines.push(clear(set, &name, outline)),
-                Purpose::Bolt | Purpose::Pry | Purpose::Drain | Purpose::Boss => {}
+                Purpose::Bolt => lines.push(joins(set, &name, outline)),
+                Purpose::Pry | Purpose::Drain => {}
             }
         }
         if purpose == Purpose::Sprue && lines.is_empty() && !set.report.open {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
+    lines.extend(funnel(set));
     lines
+}
+
+/// The funnel reaches into the sprue.
+fn funnel(set: &Set) -> Option<Line> {
+    let body = set.funnel.as_ref()?;
+    let sprue = set.report.features.iter().find(|f| f.purpose == Purpose::Sprue);
+    let within = sprue.map(|sprue| body.solid.intersection(&sprue.exact()));
+    let depth = within.filter(|s| !s.is_empty()).map_or(0.0, |s| s.bounds().1.z - s.bounds().0.z);
+    Some(Line::at_least("funnel: reaches into the sprue", depth, INSERTED, "mm"))
+}
+
+/// A bolt passes through at least two pieces, and nothing is in its hole.
+fn joins(set: &Set, name: &str, outline: &Outline) -> Line {
+    let hole = outline.exact();
+    let around = Outline {
+        base_radius: BESIDE * outline.base_radius,
+        top_radius: BESIDE * outline.top_radius,
+        ..outline.clone()
+    }
+    .exact();
+    let shared = |solid: &Solid, with: &Solid| solid.intersection(with).volume();
+    let blocked: f64 = set.parts().map(|part| shared(&part.solid, &hole)).sum();
+    let held = |solid: &Solid| shared(solid, &around) >= HELD * around.volume();
+    let joined: Vec<&str> =
+        set.shells.iter().filter(|s| held(&s.solid)).map(|s| s.name.as_str()).collect();
+    Line::new(
+        format!("{name}: joins"),
+        joined.len() >= 2 && blocked <= set.volume_rounding(hole.area()),
+        format!("{}, {blocked:.1e} mm³ in the way", joined.join(" and ")),
+        "two pieces, nothing in the way",
+    )
 }
 
 impl Purpose {
@@ -50,7 +94,6 @@ impl Purpose {
             Self::Pry => "pry",
             Self::Drain => "drain",
             Self::Pin => "pin",
-            Self::Boss => "boss",
         }
     }
 }

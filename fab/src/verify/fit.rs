@@ -4,14 +4,16 @@ use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{read_surface, read_tets, sha256_file};
+use mesh::io::{MshFile, read_surface, read_tets, sha256_file};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
 
 use super::set::{Body, Set};
 use super::{Line, Status};
+use crate::collar::{self, Collar, FittedTube};
 use crate::mold::Purpose;
 use crate::report::{CastPart, Report};
+use crate::skin::Skin;
 
 /// Largest distance between the cast and the designed surface, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].
@@ -50,7 +52,7 @@ fn block(set: &Set) -> Line {
 
 /// No two bodies share a volume.
 fn overlaps(set: &Set) -> Vec<Line> {
-    let bodies: Vec<&Body> = set.parts().chain([&set.cast]).collect();
+    let bodies: Vec<&Body> = set.parts().chain(&set.funnel).chain([&set.cast]).collect();
     let mut lines = Vec::new();
     for (i, a) in bodies.iter().enumerate() {
         for b in &bodies[i + 1..] {
@@ -117,6 +119,9 @@ fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
         return Ok(placed(core, report));
     }
     let msh = read_tets(path).map_err(|e| e.to_string())?;
+    if !report.collars.is_empty() {
+        return collared(&msh, report);
+    }
     let whole = placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report);
     let cut = |up: f64, height: f64| {
         let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
@@ -127,6 +132,15 @@ fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
         CastPart::Below(height) => cut(-1.0, height),
         _ => Ok(whole),
     }
+}
+
+/// The design and its collars.
+fn collared(msh: &MshFile, report: &Report) -> Result<SurfaceMesh, String> {
+    let skin = Skin::new(msh, &report.input.cavity).map_err(|e| e.to_string())?;
+    let cores = skin.cores.into_iter().map(|core| placed(core.surface, report));
+    let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
+    collar::cast(&placed(skin.filled, report), &cores.collect::<Vec<_>>(), &collars)
+        .map_err(|e| e.to_string())
 }
 
 /// The design in the mold's millimetres.

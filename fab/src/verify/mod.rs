@@ -6,6 +6,7 @@
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
 
 mod channels;
+mod collars;
 mod copies;
 mod filling;
 mod fit;
@@ -24,6 +25,7 @@ use mesh::io::IoError;
 pub use set::Set;
 
 use crate::plan::report as plan;
+use crate::progress::Progress;
 use crate::report::{CastPart, Report};
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
@@ -178,6 +180,8 @@ fn verify_mold(
     let report = Report::read(folder)?;
     let (mut lines, files) = set::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
+    let progress = Progress::new(files.cast.triangles.len());
+    progress.step("checking the surfaces");
     lines.extend(surfaces::checks(&files));
     lines.extend(copies::checks(&files, folder));
     if lines.iter().any(|line| line.status == Status::Fail) {
@@ -190,8 +194,9 @@ fn verify_mold(
         return Ok(lines);
     }
     let parts = files.parts.clone();
+    progress.step("putting the parts together");
     let set = Set::new(files);
-    lines.extend(shapes(&set, &parts, folder, against.design, plan));
+    lines.extend(shapes(&set, &parts, folder, against.design, plan, progress));
     if let Some(simulation) = against.simulation {
         lines.extend(walls::inflated(&set, simulation));
     }
@@ -205,11 +210,16 @@ fn shapes(
     folder: &Path,
     design: Option<&Path>,
     plan: Option<&plan::Report>,
+    progress: Progress,
 ) -> Vec<Line> {
+    progress.step("comparing with the design");
     let mut lines = fit::checks(set, folder, design);
     lines.extend(channels::checks(set));
+    progress.step("filling");
     lines.extend(filling::checks(set));
+    lines.extend(collars::checks(set));
     lines.extend(walls::checks(set));
+    progress.step("pulling apart");
     lines.extend(pull::checks(set));
     lines.extend(release::checks(set, plan));
     lines.extend(printing::checks(set, parts));
@@ -224,8 +234,9 @@ pub fn before_writing(
     surfaces: &[SurfaceMesh],
     design: &Path,
     plan: &plan::Report,
+    progress: Progress,
 ) -> Vec<Line> {
     let files = set::Files::of(report.clone(), surfaces.to_vec());
     let parts = files.parts.clone();
-    shapes(&Set::new(files), &parts, Path::new("."), Some(design), Some(plan))
+    shapes(&Set::new(files), &parts, Path::new("."), Some(design), Some(plan), progress)
 }

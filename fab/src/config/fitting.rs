@@ -1,0 +1,139 @@
+//! `[fitting]`: the tube that is put into the inlet, and the collar that holds it.
+
+use serde::Deserialize;
+
+use crate::fitting;
+
+/// Interference that is usual for a tube in soft silicone: a judgement, not a measurement [1].
+const INTERFERENCE: f64 = 0.1;
+
+/// A tube and its collar.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Fitting {
+    /// A tube of `fittings.toml`. Instead of it, `outer` and `inner` can be given.
+    pub name: Option<String>,
+    /// Outer diameter of the tube [m].
+    pub outer: Option<f64>,
+    /// Inner diameter of the tube [m].
+    pub inner: Option<f64>,
+    /// How much narrower the bore is than the tube, over the tube's diameter [1].
+    pub interference: f64,
+    /// How far the collar stands out of the body. Unset: twice the outer diameter [m].
+    pub length: Option<f64>,
+    /// Thickness of the collar around the bore [m].
+    pub wall: f64,
+}
+
+impl Default for Fitting {
+    fn default() -> Self {
+        let (name, outer, inner, length) = (None, None, None, None);
+        Self { name, outer, inner, interference: INTERFERENCE, length, wall: 2e-3 }
+    }
+}
+
+/// The tube that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tube {
+    /// What to ask for.
+    pub name: String,
+    /// Outer diameter [m].
+    pub outer: f64,
+    /// Inner diameter [m].
+    pub inner: f64,
+    /// Where its sizes come from.
+    pub source: String,
+}
+
+impl Fitting {
+    /// The tube, named or given by its diameters.
+    ///
+    /// # Errors
+    /// The key, what it is, and what it may be.
+    pub fn tube(&self) -> Result<Tube, String> {
+        match (&self.name, self.outer, self.inner) {
+            (Some(key), None, None) => {
+                let found =
+                    fitting::find(key).map_err(|message| format!("fitting.name: {message}"))?;
+                Ok(Tube {
+                    name: found.name.clone(),
+                    outer: found.outer * 1e-3,
+                    inner: found.inner * 1e-3,
+                    source: found.citation().into(),
+                })
+            }
+            (None, Some(outer), Some(inner)) => {
+                if !(0.0 < inner && inner < outer && outer < 0.05) {
+                    return Err(format!(
+                        "fitting.inner and fitting.outer are {inner} and {outer}, must be diameters above 0 and \
+                         below 0.05 m, the inner one smaller"
+                    ));
+                }
+                let name = format!("tube of {:.2} mm, {:.2} mm inside", outer * 1e3, inner * 1e3);
+                Ok(Tube { name, outer, inner, source: "mold.toml".into() })
+            }
+            _ => Err("[fitting] needs either name, or outer and inner".into()),
+        }
+    }
+
+    /// Radius of the bore in the silicone [m].
+    #[must_use]
+    pub fn bore(&self, tube: &Tube) -> f64 {
+        tube.outer / 2.0 * (1.0 - self.interference)
+    }
+
+    /// How far the collar stands out of the body [m].
+    #[must_use]
+    pub fn length(&self, tube: &Tube) -> f64 {
+        self.length.unwrap_or(2.0 * tube.outer)
+    }
+
+    /// Whether the tube is known and the numbers can be.
+    ///
+    /// # Errors
+    /// The key, what it is, and what it may be.
+    pub fn check(&self) -> Result<(), String> {
+        let tube = self.tube()?;
+        if !(0.0..=0.4).contains(&self.interference) {
+            return Err(format!(
+                "fitting.interference is {}, must lie between 0 and 0.4: a part of the diameter, not percent",
+                self.interference
+            ));
+        }
+        for (key, length) in [("length", self.length(&tube)), ("wall", self.wall)] {
+            if !(length > 0.0 && length < 0.1) {
+                return Err(format!("fitting.{key} is {length}, must be above 0 and below 0.1 m"));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use crate::config::Config;
+
+    #[test]
+    fn a_tube_is_named_or_given() {
+        let parse = |text: &str| Config::parse(&format!("[fitting]\n{text}"));
+        let named = parse("name = \"tube-4x2.5\"").unwrap().fitting.unwrap();
+        let tube = named.tube().unwrap();
+        assert_eq!([tube.outer, tube.inner], [4e-3, 2.5e-3]);
+        assert!((named.bore(&tube) - 1.8e-3).abs() < 1e-15);
+        assert_eq!(named.length(&tube), 8e-3);
+        parse("outer = 5e-3\ninner = 3e-3").unwrap();
+        assert!(Config::parse("").unwrap().fitting.is_none());
+        for (text, message) in [
+            ("", "needs either name"),
+            ("name = \"hose\"", "known are barb-eighth-inch"),
+            ("outer = 3e-3\ninner = 5e-3", "the inner one smaller"),
+            ("name = \"tube-6x4\"\nouter = 6e-3", "needs either name"),
+            ("name = \"tube-6x4\"\ninterference = 10", "fitting.interference is 10"),
+            ("name = \"tube-6x4\"\nwall = 2", "fitting.wall is 2"),
+        ] {
+            let found = format!("{:#}", parse(text).unwrap_err());
+            assert!(found.contains(message), "{found}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Two sides in place of an upper shell that locks.
+//!
+//! A shell that leaves upward is caught where the body has something below it that is
+//! narrower. Split by a plane that contains `up`, its halves leave sideways, and meet
+//! only what is hidden along that way. The shell below the joint becomes their base.
+
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+
+use super::pull::{self, Choice};
+use super::undercut::{Parting, View};
+
+/// How sides above the height `joint` along `up` [m] come off a body, if they do and what
+/// is below leaves downward, both giving way by at most `limit` of their widths.
+#[must_use]
+pub fn instead(filled: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> Option<Choice> {
+    let (above, below) = Solid::from_surface(filled).ok()?.split_by_plane(up, joint);
+    if above.is_empty() || (!below.is_empty() && locks(&below.to_surface(), up, joint, limit)) {
+        return None;
+    }
+    Some(pull::sideways(&above.to_surface(), up)).filter(|choice| choice.ratio() <= limit)
+}
+
+/// Whether a body below a joint holds back the shell that leaves it downward.
+fn locks(below: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> bool {
+    let view = View::along(below, up);
+    let undercut = view.undercut(Parting::Plane(joint));
+    view.worst(&undercut).is_some_and(|worst| worst.ratio > limit)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn disc(radius: f64, low: f64, high: f64) -> Solid {
+        let base = Vec3::z() * low;
+        Solid::cylinder(&base, &(Vec3::z() * (high - low)), radius, radius, 96)
+    }
+
+    #[test]
+    fn a_spool_comes_out_of_sides_on_its_lower_disc() {
+        let spool =
+            disc(10.0, 0.0, 5.0).union(&disc(10.0, 15.0, 20.0)).union(&disc(4.0, 4.0, 16.0));
+        let spool = spool.to_surface();
+        let found = instead(&spool, &Vec3::z(), 2.5, 0.1).unwrap();
+        assert!(found.pull.z.abs() < 1e-12 && found.ratio() <= 0.1, "{found:?}");
+        // Below a joint in the upper disc, the lower disc is in the way of the base.
+        assert!(instead(&spool, &Vec3::z(), 17.5, 0.1).is_none());
+        // Holes along x and along y, each deeper than the silicone gives way, lock both ways.
+        let hole = |axis: Vec3| Solid::cylinder(&(Vec3::z() * 10.0), &axis, 2.0, 2.0, 48);
+        let pocket = |axis: Vec3| hole(axis * 7.0).union(&hole(axis * -7.0));
+        let block = Solid::cube(&Vec3::new(-10.0, -10.0, 0.0), &Vec3::new(10.0, 10.0, 20.0));
+        let hollow = disc(8.0, 4.0, 16.0);
+        let open = block.difference(&hollow).difference(&disc(2.0, 15.0, 25.0));
+        let open = open.difference(&pocket(Vec3::x() * 2.0)).difference(&pocket(Vec3::y() * 2.0));
+        assert!(instead(&open.to_surface(), &Vec3::z(), 1.0, 0.1).is_none());
+    }
+}
