@@ -189,7 +189,7 @@ fn complete(skin: &Skin, cut: &mut Cut) {
     let ratios = skin.cores.iter().map(|core| {
         let view = View::along(&core.surface, &cut.normal);
         let undercut = view.undercut(plane);
-        view.worst(&undercut).map_or(0.0, |worst| worst.ratio)
+        view.steepest(&undercut)
     });
     cut.core_ratio = ratios.fold(0.0, f64::max);
     // Cutting in two adds the section twice to the area.

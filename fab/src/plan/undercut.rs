@@ -256,13 +256,26 @@ impl View {
         }
     }
 
-    /// Where an undercut is deepest for the width of what is in the way.
+    /// Where an undercut squeezes the body most for its width.
     #[must_use]
     pub fn worst(&self, undercut: &Undercut) -> Option<Worst> {
+        self.places(undercut).into_iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// Greatest depth over width of an undercut below a rigid body. What is trapped there gives
+    /// way outward, on each side by itself, so that sides do not add up.
+    #[must_use]
+    pub fn steepest(&self, undercut: &Undercut) -> f64 {
+        let ratio = |place: Worst| place.depth / place.width.max(self.grid.step);
+        self.places(undercut).into_iter().map(ratio).fold(0.0, f64::max)
+    }
+
+    /// Places of an undercut, deep enough to be resolved, and what must give way there.
+    fn places(&self, undercut: &Undercut) -> Vec<Worst> {
         let deep: Vec<&Trapped> =
             undercut.trapped.iter().filter(|place| place.depth > self.grid.step).collect();
         if deep.is_empty() {
-            return None;
+            return Vec::new();
         }
         let bvh = SurfaceBvh::new(&self.surface);
         let mut above = vec![Vec::new(); self.grid.len()];
@@ -280,7 +293,7 @@ impl View {
             let ratio = (depth + opposite) / width.max(self.grid.step);
             Some(Worst { ratio, depth, opposite, width, at })
         });
-        measured.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+        measured.collect()
     }
 
     /// The middle of what is in the way of `place`, where that is thickest between there and
@@ -392,6 +405,8 @@ mod tests {
         // By 6 on both sides of a disc 20 wide.
         assert!((worst.ratio - 12.0 / 20.0).abs() < 0.06, "{worst:?}");
         assert!((worst.opposite - 6.0).abs() < 2.0 * along.resolution(), "{worst:?}");
+        // Each side by itself.
+        assert!((along.steepest(&undercut) - 6.0 / 20.0).abs() < 0.03, "{worst:?}");
         assert!((worst.at.z - 17.5).abs() < 1e-9 || (worst.at.z - 2.5).abs() < 1e-9);
         let across = View::along(&spool, &Vec3::x());
         assert!(across.undercut(Parting::Plane(0.0)).share < 1e-2);
