@@ -170,7 +170,8 @@ impl Mold {
             features: Vec::new(),
             findings: Vec::new(),
         };
-        mold.divide(&part, stance, pull, config)?;
+        let rims = mold.rims(skin, &part.surface, config)?;
+        mold.divide(&part, &rims, stance, pull, config)?;
         if stance.portion == Portion::Whole {
             let level = (pull == Pull::Y).then_some(mold.level);
             mold.add_cores(&part, method, level, config)?;
@@ -186,6 +187,30 @@ impl Mold {
     #[must_use]
     pub fn saved(&self) -> f64 {
         self.block.solid().volume() - self.outside.volume()
+    }
+
+    /// Points around sprue and vents at the height of the part's top: the outside encloses
+    /// them like the part, so that nothing runs over before the mold is full.
+    fn rims(
+        &self,
+        skin: &Skin,
+        filled: &SurfaceMesh,
+        config: &Config,
+    ) -> Result<Vec<Vec3>, MoldError> {
+        if self.open {
+            return Ok(Vec::new());
+        }
+        let bvh = SurfaceBvh::new(filled);
+        let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
+        let top = measure::bounds(&filled.vertices).1.z;
+        let vents = places.vents.iter().map(|vent| (vent, config.vents.radius));
+        let channels = [(&places.sprue, config.sprue.top_radius)].into_iter().chain(vents);
+        let rim = |(at, radius): (&Vec3, f64)| {
+            let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+            let at = Vec3::new(at.x, at.y, top);
+            corners.map(|[x, y]| at + Vec3::new(x, y, 0.0) * radius)
+        };
+        Ok(channels.flat_map(rim).collect())
     }
 
     /// Adds the cores with their stubs, and cuts the sockets into the lowest piece.
