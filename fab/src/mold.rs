@@ -23,7 +23,7 @@ use crate::parts::{Frustum, channel, funnel};
 use crate::skin::Skin;
 use crate::split::FILM;
 use crate::stance::{Parting, Portion, Stance};
-use crate::venting::{self, VentError};
+use crate::venting::{self, Places, VentError};
 use part::Part;
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
@@ -181,11 +181,14 @@ impl Mold {
             features: Vec::new(),
             findings: Vec::new(),
         };
-        mold.divide(&part, stance, pull, config)?;
-        let channels = match mold.open {
-            true => Vec::new(),
-            false => mold.channels(skin, &part.surface, config)?,
+        let bvh = SurfaceBvh::new(&part.surface);
+        let places = match mold.open {
+            true => None,
+            false => Some(venting::places(skin, &mold.frame, mold.portion, &bvh, config)?),
         };
+        let rims = places.as_ref().map_or(Vec::new(), |p| rims(p, &part.surface, config));
+        mold.divide(&part, &rims, stance, pull, config)?;
+        let channels = places.map_or(Vec::new(), |p| mold.channels(p, &bvh, config));
         if stance.portion == Portion::Whole {
             let level = (pull == Pull::Y).then_some(mold.level);
             mold.add_cores(&part, &channels, level, config)?;
@@ -204,28 +207,21 @@ impl Mold {
     }
 
     /// The sprue and the vents.
-    fn channels(
-        &mut self,
-        skin: &Skin,
-        filled: &SurfaceMesh,
-        config: &Config,
-    ) -> Result<Vec<Feature>, MoldError> {
-        let bvh = SurfaceBvh::new(filled);
-        let places = venting::places(skin, &self.frame, self.portion, &bvh, config)?;
+    fn channels(&mut self, places: Places, bvh: &SurfaceBvh, config: &Config) -> Vec<Feature> {
         self.findings.extend(places.findings);
         let end = self.block.max.z + BEYOND;
         let Sprue { radius, top_radius, head, .. } = config.sprue;
-        let frustum = channel(&bvh, &places.sprue, end, radius, top_radius);
+        let frustum = channel(bvh, &places.sprue, end, radius, top_radius);
         if let Some(head) = head {
             self.add_funnel(&frustum, head, config);
         }
         let mut channels = vec![Feature { purpose: Purpose::Sprue, frustum }];
         let radius = config.vents.radius;
         channels.extend(places.vents.iter().map(|top| {
-            let frustum = channel(&bvh, top, end, radius, radius);
+            let frustum = channel(bvh, top, end, radius, radius);
             Feature { purpose: Purpose::Vent, frustum }
         }));
-        Ok(channels)
+        channels
     }
 
     /// A funnel in the sprue for a share of what is cast.
@@ -275,4 +271,18 @@ impl Mold {
         }
         Ok(())
     }
+}
+
+/// Points around sprue and vents at the height of the part's top: the outside encloses
+/// them like the part, so that nothing runs over before the mold is full.
+fn rims(places: &Places, filled: &SurfaceMesh, config: &Config) -> Vec<Vec3> {
+    let top = measure::bounds(&filled.vertices).1.z;
+    let vents = places.vents.iter().map(|vent| (vent, config.vents.radius));
+    let channels = [(&places.sprue, config.sprue.top_radius)].into_iter().chain(vents);
+    let rim = |(at, radius): (&Vec3, f64)| {
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let at = Vec3::new(at.x, at.y, top);
+        corners.map(|[x, y]| at + Vec3::new(x, y, 0.0) * radius)
+    };
+    channels.flat_map(rim).collect()
 }

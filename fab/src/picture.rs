@@ -18,7 +18,7 @@ use render::view::View;
 use crate::assembly::Member;
 
 /// Width and height of a picture [px].
-const SIZE: [usize; 2] = [1200, 840];
+const SIZE: [usize; 2] = [1080, 756];
 
 /// From where molds are seen, so that the cut through a closed one faces the camera.
 const VIEW: View = View { azimuth: -58.0, elevation: 24.0 };

@@ -302,6 +302,14 @@ fn channels() {
         retell(mold, |report| report.features.retain(|f| f.purpose.name() != "sprue"))
     });
     assert_fails(&lines, "sprue");
+    // Moved out of the mold, the sprue begins below the top of the body.
+    let lines = after(|mold| {
+        retell(mold, |report| {
+            let sprue = report.features.iter_mut().find(|f| f.purpose.name() == "sprue");
+            sprue.unwrap().base[0] += 40.0;
+        });
+    });
+    assert_fails(&lines, "sprue 1: rim");
     let lines = after(|mold| {
         let key = feature(mold, "key");
         let foot = Vec3::from(key.base);

@@ -69,6 +69,16 @@ fn every_top_gets_a_channel() {
     assert!(!scene.path("mold/upper.3mf").exists());
 }
 
+/// A sprue beside the top is as high as one above it.
+#[test]
+fn nothing_runs_over_before_the_mold_is_full() {
+    let report = mold_and_verify(&Scene::new(&TWO_TOPS, "[sprue]\nat = [0.032, 0.014, 0]"));
+    let sprue = report.features.iter().find(|f| f.purpose.name() == "sprue").unwrap();
+    // It stands on the step, 16 mm high; the top is at 24 mm.
+    assert!((15.0..16.0).contains(&sprue.base[2]), "{sprue:?}");
+    assert!(sprue.base[2] + sprue.axis[2] >= 29.0, "{sprue:?}");
+}
+
 #[test]
 fn two_cavities_have_two_cores() {
     for parting in ["", PLANE] {

@@ -73,7 +73,8 @@ fn parts(mold: &Path) -> (Vec<Solid>, Vec<[[f64; 3]; 3]>) {
             name: part["name"].as_str().unwrap().into(),
             volume: part["volume"].as_f64().unwrap(),
         };
-        (solid, serde_json::from_value(part["to_mold"].clone()).unwrap())
+        let turn: [[f64; 3]; 3] = serde_json::from_value(part["to_mold"].clone()).unwrap();
+        (solid, turn)
     };
     report["parts"].as_array().unwrap().iter().map(part).unzip()
 }

@@ -20,16 +20,18 @@ use crate::stance::{Parting, Portion, Stance};
 const MOST_COLUMNS: f64 = 1e6;
 
 impl Mold {
-    /// Makes the outside and the shells.
+    /// Makes the outside, around the part and the rims of its channels, and the shells.
     pub(super) fn divide(
         &mut self,
         part: &Part,
+        rims: &[Vec3],
         stance: &Stance,
         pull: Pull,
         config: &Config,
     ) -> Result<(), MoldError> {
         let below = Block::below(stance.portion, config);
-        self.outside = hull(&part.surface.vertices, &self.block, below, config);
+        let points = [&part.surface.vertices, rims].concat();
+        self.outside = hull(&points, &self.block, below, config);
         match (&stance.parting, pull) {
             (Parting::Open, _) => self.add_tray(part, config),
             (Parting::Seat, _) => self.add_cup_on_plate(part, config),

@@ -2,7 +2,8 @@
 //!
 //! The hull is the intersection of half-spaces n·x ≤ max over the part of n·x + wall
 //! for the 26 directions n with components −1, 0, 1: nowhere closer to the part than
-//! `wall`, and without an overhang below 45° however it is printed.
+//! `wall`, and without an overhang below 45° however it is printed. The rims of channels
+//! count as points of the part.
 
 use mesh::Vec3;
 use mesh::solid::Solid;

@@ -98,7 +98,8 @@ impl Purpose {
     }
 }
 
-/// A channel leads from above the mold into the body, and nothing is in it.
+/// A channel leads from above the mold into the body, nothing is in it, and nothing runs
+/// over its rim before the body is full.
 fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
     let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
@@ -106,6 +107,8 @@ fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
     let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
     let free = set.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
     let through = free.decompose().into_iter().find(reaches_top);
+    let full = set.cast.solid.bounds().1.z;
+    let rim = channel.difference(&set.outside.solid).bounds().0.z - full;
     let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
     vec![
         Line::at_most(
@@ -120,6 +123,12 @@ fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
             inside,
             set.volume_rounding(set.cast.area),
             "mm³ within",
+        ),
+        Line::new(
+            format!("{name}: rim"),
+            rim >= -set.rounding,
+            format!("{rim:.1} mm above the body"),
+            "not below its top, or silicone runs over",
         ),
     ]
 }
