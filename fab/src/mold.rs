@@ -330,7 +330,8 @@ impl Mold {
             None => self.findings.push(Finding {
                 rule: "funnel",
                 message: format!(
-                    "a sprue of {:.2} mm radius is too narrow or too short for a funnel: increase sprue.radius",
+                    "a sprue of {:.2} mm radius leaves the mold where no funnel can stand in it: increase sprue.radius \
+                     or wall, or move sprue.at to where the outside slopes less",
                     sprue.base_radius * 1e3
                 ),
                 count: 1,
