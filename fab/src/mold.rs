@@ -322,7 +322,8 @@ impl Mold {
     /// A funnel in the sprue for a share of what is cast.
     fn add_funnel(&mut self, sprue: &Frustum, head: f64, config: &Config) {
         let volume = head * self.cast.volume();
-        match funnel::funnel(sprue, &self.outside, volume, config.stub_clearance()) {
+        let funnel = funnel::funnel(sprue, &self.outside, volume, config.stub_clearance());
+        match funnel.filter(|solid| solid.intersection(&self.cast).is_empty()) {
             Some(solid) => {
                 let piece = Piece { name: "funnel".into(), solid, leaves: Vec3::z() };
                 self.funnel = Some((piece, volume));
