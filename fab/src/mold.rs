@@ -227,7 +227,8 @@ impl Mold {
     /// A funnel in the sprue for a share of what is cast.
     fn add_funnel(&mut self, sprue: &Frustum, head: f64, config: &Config) {
         let volume = head * self.cast.volume();
-        match funnel::funnel(sprue, &self.outside, volume, config.stub_clearance()) {
+        let funnel = funnel::funnel(sprue, &self.outside, volume, config.stub_clearance());
+        match funnel.filter(|solid| solid.intersection(&self.cast).is_empty()) {
             Some(solid) => {
                 let piece = Piece { name: "funnel".into(), solid, leaves: Vec3::z() };
                 self.funnel = Some((piece, volume));
@@ -235,7 +236,8 @@ impl Mold {
             None => self.findings.push(Finding {
                 rule: "funnel",
                 message: format!(
-                    "a sprue of {:.2} mm radius is too narrow or too short for a funnel: increase sprue.radius",
+                    "a sprue of {:.2} mm radius leaves the mold where no funnel can stand in it: increase sprue.radius \
+                     or wall, or move sprue.at to where the outside slopes less",
                     sprue.base_radius * 1e3
                 ),
                 count: 1,

@@ -126,7 +126,7 @@ fn a_funnel_stands_in_the_sprue() {
         assert!(said.contains(line), "{line}: {said}");
     }
     assert_fails(&scene, |report| {
-        shift(report, "sprue", 2, 50.0);
+        shift(report, "sprue", 2, -20.0);
         "funnel: reaches into the sprue".into()
     });
     let report = Report::read(&scene.path("mold")).unwrap();

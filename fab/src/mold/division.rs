@@ -113,11 +113,9 @@ impl Mold {
         let (level, joint) = (split.level, part.seat);
         self.level = level;
         let foot = joint + thickness;
-        // A base below its body is a slab, one around its body has a flange.
-        let bottom = stance.joint.map_or(min.z, |_| min.z.max(joint - thickness));
-        self.widen(Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, foot));
+        self.widen(min, Vec3::new(max.x, max.y, foot));
         self.widen(
-            Vec3::new(min.x, level - thickness, bottom),
+            Vec3::new(min.x, level - thickness, min.z),
             Vec3::new(max.x, level + thickness, max.z),
         );
         let base_name = match self.portion {
@@ -132,7 +130,7 @@ impl Mold {
             size: [max.z - foot, thickness],
             down,
         };
-        self.raise(base_name, front(&min, &max, [bottom, joint], -Vec3::z()), config);
+        self.raise(base_name, front(&min, &max, [min.z, joint], -Vec3::z()), config);
         self.raise("left", rim(Vec3::z(), level + thickness / 2.0, Vec3::y()), config);
         self.raise("right", rim(-Vec3::z(), level - thickness / 2.0, -Vec3::y()), config);
         let (above, mut base) = self.cut_at_seat(part);
@@ -156,7 +154,7 @@ impl Mold {
         self.add_shell("right", right, -Vec3::y());
         self.add_shell(base_name, base, -Vec3::z());
         self.bolt(&rim, turn.inverse(), config);
-        for bolt in self.joint(joint).corner_bolts(bottom, foot, config) {
+        for bolt in self.joint(joint).corner_bolts(min.z, foot, config) {
             self.cut(Purpose::Bolt, bolt);
         }
         Ok(())

@@ -12,6 +12,9 @@ use super::{Frustum, SEGMENTS};
 /// How far the spigot reaches into the sprue, but not beyond its middle [m].
 const DEPTH: f64 = 6e-3;
 
+/// Least depth at which it stands firmly [m].
+const LEAST: f64 = 2e-3;
+
 /// Thickness of its wall [m].
 const WALL: f64 = 1.2e-3;
 
@@ -19,7 +22,7 @@ const WALL: f64 = 1.2e-3;
 const RING: f64 = 1.2e-3;
 
 /// A funnel that holds `volume` [m³], in `sprue`, with `clearance` around its spigot [m], on
-/// a mold with the given outside. None if the sprue is too narrow or the mold not above it.
+/// a mold with the given outside. None if the sprue is too narrow or too short.
 #[must_use]
 pub fn funnel(sprue: &Frustum, outside: &Solid, volume: f64, clearance: f64) -> Option<Solid> {
     let slope = (sprue.top_radius - sprue.base_radius) / sprue.axis.z;
@@ -30,16 +33,17 @@ pub fn funnel(sprue: &Frustum, outside: &Solid, volume: f64, clearance: f64) -> 
         let from = Vec3::new(sprue.base.x + x, sprue.base.y + y, above);
         surface.ray(&from, &-Vec3::z()).first().map(|hit| above - hit.0)
     };
-    let mouth = height(0.0, 0.0)?;
-    let reach = radius(mouth) + clearance + RING;
+    let middle = height(0.0, 0.0)?;
+    let reach = radius(middle) + clearance + RING;
     let around = (0..SEGMENTS).filter_map(|k| {
         let (sin, cos) = (std::f64::consts::TAU * k as f64 / SEGMENTS as f64).sin_cos();
         height(reach * cos, reach * sin)
     });
-    let rest = around.fold(mouth, f64::max);
-    let middle = (mouth + sprue.base.z) / 2.0;
-    let (bottom, inner) = (middle.max(mouth - DEPTH), radius(rest) - WALL);
-    if mouth <= sprue.base.z || radius(bottom) <= 1.5 * WALL {
+    // Where the outside slopes, the spigot reaches below the lower side of the mouth.
+    let (lowest, rest) = around.fold((middle, middle), |(a, b), z| (a.min(z), b.max(z)));
+    let bottom = (lowest - DEPTH).max((lowest + sprue.base.z) / 2.0);
+    let inner = radius(rest) - WALL;
+    if lowest - bottom < LEAST || radius(bottom) <= 1.5 * WALL {
         return None;
     }
     let top = (inner.powi(3) + 3.0 * volume / std::f64::consts::PI).cbrt();

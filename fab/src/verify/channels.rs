@@ -54,8 +54,10 @@ pub fn checks(set: &Set) -> Vec<Line> {
 fn funnel(set: &Set) -> Option<Line> {
     let body = set.funnel.as_ref()?;
     let sprue = set.report.features.iter().find(|f| f.purpose == Purpose::Sprue);
-    let within = sprue.map(|sprue| body.solid.intersection(&sprue.exact()));
-    let depth = within.filter(|s| !s.is_empty()).map_or(0.0, |s| s.bounds().1.z - s.bounds().0.z);
+    // From where the channel first leaves the mold down to the end of the spigot.
+    let above = sprue.map(|sprue| sprue.exact().difference(&set.outside.solid));
+    let above = above.filter(|s| !s.is_empty());
+    let depth = above.map_or(0.0, |s| s.bounds().0.z - body.solid.bounds().0.z);
     Some(Line::at_least("funnel: reaches into the sprue", depth, INSERTED, "mm"))
 }
 
