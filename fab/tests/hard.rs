@@ -206,16 +206,21 @@ const SPOOL: Cubes = Cubes { solid: |c| c[2] < 3 || (MUSHROOM.solid)(c), ..MUSHR
 
 #[test]
 fn mushrooms_and_spools() {
-    for body in [&MUSHROOM, &SPOOL] {
+    for (body, has_foot) in [(&MUSHROOM, false), (&SPOOL, true)] {
         // Shells that come off sideways meet no undercut.
         all_verified(body, "");
-        // By 12 mm on both sides, the cap of 36 mm would have to give way.
+        // By 12 mm on both sides, the cap of 36 mm would have to give way: the shell above is
+        // split where that frees it.
         for size in [0.75, 1.0, 1.5] {
             let upward = "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
             let upward = upward.replace("0.018", &format!("{}", 0.018 * size));
-            match outcome(&moved(Scene::new(body, &upward), |p| *p *= size)) {
-                Outcome::Refused(said) => assert!(said.contains("cannot be peeled"), "{said}"),
-                other => panic!("{other:?}"),
+            // Above its foot the shell of the spool is split, but is caught on the foot.
+            match (outcome(&moved(Scene::new(body, &upward), |p| *p *= size)), has_foot) {
+                (Outcome::Verified, false) => {}
+                (Outcome::Refused(said), true) => {
+                    assert!(said.contains("cannot be peeled"), "{said}");
+                }
+                (other, _) => panic!("{other:?}"),
             }
         }
     }

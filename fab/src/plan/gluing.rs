@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use mesh::bvh::SurfaceBvh;
 use mesh::measure::{bounds, triangle_area};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
@@ -46,6 +47,9 @@ pub struct Cut {
     pub outside: f64,
     /// Part of the area of the cores that is hidden [1].
     pub core: f64,
+    /// Part of the area of the cores from which the straight way to the plane leaves the
+    /// body: the mold around it stands there, as in the hole of a ring [1].
+    pub caught: f64,
     /// Largest depth over width of what is hidden of the cores [1].
     pub core_ratio: f64,
     /// Area that is glued [m²].
@@ -83,7 +87,7 @@ pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
             measured(skin, *normal, gluing.offset.unwrap_or((low.x + high.x) / 2.0))
         })
         .collect();
-    let hidden = |cut: &Cut| cut.outside + cut.core;
+    let hidden = |cut: &Cut| cut.outside + cut.core + cut.caught;
     let least = cuts.iter().map(hidden).fold(f64::INFINITY, f64::min);
     cuts.retain(|cut| hidden(cut) <= least + AS_GOOD);
     let thinnest = cuts.iter().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
@@ -177,10 +181,31 @@ fn measured(skin: &Skin, normal: Vec3, offset: f64) -> Cut {
         offset,
         outside: view.undercut(plane).share,
         core: core.fold(0.0, f64::max),
+        caught: caught(skin, &normal, offset),
         core_ratio: 0.0,
         glued: 0.0,
         thickness: high - low,
     }
+}
+
+/// Part of the cores' area from which the straight way to a plane leaves the body.
+fn caught(skin: &Skin, normal: &Vec3, offset: f64) -> f64 {
+    let bvh = SurfaceBvh::new(&skin.filled);
+    let (mut sum, mut total) = (0.0, 0.0);
+    for core in &skin.cores {
+        for t in 0..core.surface.triangles.len() {
+            let from = core.surface.centroid(t);
+            let height = offset - from.dot(normal);
+            let way = normal * height.signum();
+            let leaves = |s: f64| s > FLAT && s < height.abs() - FLAT;
+            let area = area(&core.surface, t);
+            total += area;
+            if bvh.ray(&from, &way).iter().any(|hit| leaves(hit.0)) {
+                sum += area;
+            }
+        }
+    }
+    sum / total
 }
 
 /// Adds what takes longer to measure.

@@ -11,6 +11,14 @@ use crate::layout;
 use crate::method::Method;
 use crate::skin::{CoreSkin, Inlet, Skin};
 
+/// Part of the area of the cores that may be caught by the mold: facets at inlets.
+const CAUGHT: f64 = 1e-3;
+
+/// Why a core would not come out of its mold.
+fn in_the_way(cut: &Cut) -> String {
+    format!("the mold around the body stands in the way of {:.1} % of the core", 100.0 * cut.caught)
+}
+
 /// Measures a body only as far as it is asked.
 pub struct Judge<'a> {
     skin: &'a Skin,
@@ -170,6 +178,9 @@ impl<'a> Judge<'a> {
         });
         let ratio = cut.core_ratio;
         let open = *share >= limit;
+        if open && cut.caught > CAUGHT {
+            return (false, format!("{words}; {}", in_the_way(cut)));
+        }
         let peels = ratio <= self.config.limits.peel;
         if open && !peels {
             let words = format!(
@@ -183,7 +194,7 @@ impl<'a> Judge<'a> {
     fn in_halves(&mut self) -> (bool, String) {
         let limit = self.config.limits.peel;
         let cut = self.halves();
-        let ratio = cut.core_ratio;
+        let (ratio, caught, way) = (cut.core_ratio, cut.caught, in_the_way(cut));
         let words = format!(
             "{}; below the core silicone must give way by {ratio:.2} of its width, limits.peel is {limit:.2}",
             cut.describe()
@@ -197,6 +208,9 @@ impl<'a> Judge<'a> {
                 "depth of what is caught below a half core over its width; the limit is a judgement"
                     .into(),
         });
+        if caught > CAUGHT {
+            return (false, format!("{words}; {way}"));
+        }
         (ratio <= limit, words)
     }
 

@@ -1,5 +1,7 @@
 //! Silicone gets in, air gets out, the core is held, keys engage.
 
+use std::f64::consts::PI;
+
 use mesh::Vec3;
 use mesh::solid::Solid;
 
@@ -18,8 +20,9 @@ const FILLED: f64 = 0.5;
 /// The ring around a bolt in which its pieces are looked for, in radii of its hole.
 const BESIDE: f64 = 1.5;
 
-/// Least part of that ring that a joined piece fills: a judgement.
-const HELD: f64 = 0.1;
+/// Least length over which a joined piece fills that ring: two threads of an M3 nut's four; a
+/// judgement [mm].
+const HELD: f64 = 2.0;
 
 /// Least length of a funnel's spigot in the sprue [mm].
 const INSERTED: f64 = 2.0;
@@ -72,7 +75,8 @@ fn joins(set: &Set, name: &str, outline: &Outline) -> Line {
     .exact();
     let shared = |solid: &Solid, with: &Solid| solid.intersection(with).volume();
     let blocked: f64 = set.parts().map(|part| shared(&part.solid, &hole)).sum();
-    let held = |solid: &Solid| shared(solid, &around) >= HELD * around.volume();
+    let ring = PI * (BESIDE * BESIDE - 1.0) * outline.base_radius.powi(2);
+    let held = |solid: &Solid| shared(solid, &around) >= HELD * ring;
     let joined: Vec<&str> =
         set.shells.iter().filter(|s| held(&s.solid)).map(|s| s.name.as_str()).collect();
     Line::new(
