@@ -3,7 +3,7 @@
 //! Binary STL keeps 24 bits of a coordinate. Rounding can merge vertices and fold
 //! needles over, so the rounded surface is welded and checked again before it is
 //! written. If it is no longer valid, the needles that cross others are taken out one by
-//! one ([`needles`]); if that is not enough, the solid is simplified first. Either way
+//! one; if that is not enough, the solid is simplified first. Either way
 //! the surface must stay where it was.
 
 mod needles;
