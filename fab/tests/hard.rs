@@ -69,48 +69,134 @@ const RING: Cubes = Cubes {
     cavity: |c| (ring(c) == 3 && c[2] == 2) || (c[0] == 7 && c[1] == 4 && c[2] < 2),
 };
 
-/// The outcomes of a body as it is, smaller, larger, lying on its side and turned anyhow;
-/// what is wrong is refused before anything is written.
-fn outcomes(body: &Cubes, config: &str) -> Vec<Outcome> {
-    let anyhow = Rotation3::from_axis_angle(&Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0)), 0.7);
-    let aside = Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
-    let maps = [
-        Matrix3::identity(),
-        Matrix3::identity() * 0.75,
-        Matrix3::identity() * 1.5,
-        aside,
-        anyhow.into_inner(),
-    ];
-    let found: Vec<Outcome> = maps
-        .iter()
-        .map(|map| {
-            let scene = moved(Scene::planned(body, config), |p| *p = map * *p);
-            outcome(&scene)
-        })
-        .collect();
-    let rejected = |outcome: &&Outcome| matches!(outcome, Outcome::Rejected(_));
-    assert_eq!(found.iter().find(rejected), None, "accepted by fab mold only");
-    found
+/// How bodies are moved: as they are and turned anyhow; in tests that take longer smaller,
+/// larger and lying on their sides, too.
+struct Cases {
+    maps: Vec<Matrix3<f64>>,
+    sizes: Vec<f64>,
 }
 
-fn all_verified(body: &Cubes, config: &str) {
-    for (i, outcome) in outcomes(body, config).into_iter().enumerate() {
-        assert_eq!(outcome, Outcome::Verified, "case {i}");
+impl Cases {
+    fn few() -> Self {
+        let axis = Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0));
+        let anyhow = Rotation3::from_axis_angle(&axis, 0.7).into_inner();
+        Self { maps: vec![Matrix3::identity(), anyhow], sizes: vec![1.0] }
     }
-}
 
-fn all_refused(body: &Cubes, config: &str, because: &str) {
-    for (i, outcome) in outcomes(body, config).into_iter().enumerate() {
-        match outcome {
-            Outcome::Refused(said) => assert!(said.contains(because), "case {i}: {said}"),
-            other => panic!("case {i}: {other:?}"),
+    fn others() -> Self {
+        let aside = Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        let sized = |size: f64| Matrix3::identity() * size;
+        Self { maps: vec![sized(0.75), sized(1.5), aside], sizes: vec![0.75, 1.5] }
+    }
+
+    /// The outcomes of a body; what is wrong is refused before anything is written.
+    fn outcomes(&self, body: &Cubes, config: &str) -> Vec<Outcome> {
+        let molded =
+            |map: &Matrix3<f64>| outcome(&moved(Scene::planned(body, config), |p| *p = map * *p));
+        let found: Vec<Outcome> = self.maps.iter().map(molded).collect();
+        let rejected = |outcome: &&Outcome| matches!(outcome, Outcome::Rejected(_));
+        assert_eq!(found.iter().find(rejected), None, "accepted by fab mold only");
+        found
+    }
+
+    fn all_verified(&self, body: &Cubes, config: &str) {
+        for (i, outcome) in self.outcomes(body, config).into_iter().enumerate() {
+            assert_eq!(outcome, Outcome::Verified, "case {i}");
+        }
+    }
+
+    fn all_refused(&self, body: &Cubes, config: &str, because: &str) {
+        for (i, outcome) in self.outcomes(body, config).into_iter().enumerate() {
+            match outcome {
+                Outcome::Refused(said) => assert!(said.contains(because), "case {i}: {said}"),
+                other => panic!("case {i}: {other:?}"),
+            }
+        }
+    }
+
+    fn a_ring(&self) {
+        self.all_verified(&RING, "");
+    }
+
+    fn two_cavities_and_two_inlets(&self) {
+        self.all_verified(&TWO_CHAMBERS, "");
+        // No core can be held from below: halves, or a refusal that says so.
+        self.all_refused(&OPPOSED, "method = \"soluble\"", "away from straight down");
+        self.all_verified(&OPPOSED, "method = \"halves\"");
+    }
+
+    fn a_closed_cavity(&self) {
+        self.all_verified(&CLOSED, "");
+        self.all_verified(&CLOSED, "method = \"halves\"");
+        self.all_refused(&CLOSED, "method = \"soluble\"", "is closed");
+    }
+
+    fn a_fin_too_thin_for_silicone(&self) {
+        // The sheet is pressed to a tenth.
+        let press = |p: &mut Vec3| {
+            if p.x > 5.5 * CELL {
+                p.y = 3.5 * CELL + 0.1 * (p.y - 3.5 * CELL);
+            }
+        };
+        let plane = "[parting]\nkind = \"plane\"";
+        for &size in &self.sizes {
+            let thickness = format!("{:.4} mm", 0.4 * size);
+            let pressed = |config: &str| {
+                moved(Scene::new(&FIN, config), |p| {
+                    press(p);
+                    *p *= size;
+                })
+            };
+            match outcome(&pressed(plane)) {
+                Outcome::Refused(said) => {
+                    assert!(said.contains("silicone: thinnest wall"), "{said}");
+                    assert!(said.contains(&thickness), "{said}");
+                }
+                other => panic!("{size}: {other:?}"),
+            }
+            let thinner = format!("{plane}\n[casting]\nleast_wall = 2.9e-4");
+            assert_eq!(outcome(&pressed(&thinner)), Outcome::Verified, "{size}");
+        }
+    }
+    fn mushrooms_and_spools(&self) {
+        for (body, has_foot) in [(&MUSHROOM, false), (&SPOOL, true)] {
+            // Shells that come off sideways meet no undercut.
+            self.all_verified(body, "");
+            // By 12 mm on both sides, the cap of 36 mm would have to give way: the shell above is
+            // split where that frees it.
+            for &size in &self.sizes {
+                let upward = "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
+                let upward = upward.replace("0.018", &format!("{}", 0.018 * size));
+                // Above its foot the shell of the spool is split, but is caught on the foot.
+                match (outcome(&moved(Scene::new(body, &upward), |p| *p *= size)), has_foot) {
+                    (Outcome::Verified, false) => {}
+                    (Outcome::Refused(said), true) => {
+                        assert!(said.contains("cannot be peeled"), "{said}");
+                    }
+                    (other, _) => panic!("{other:?}"),
+                }
+            }
+        }
+    }
+    fn a_height_field_along_the_stem_of_a_mushroom(&self) {
+        // What lies below the cap belongs to the lower shell, which leaves downward.
+        for &size in &self.sizes {
+            for cell in [6e-4, 8e-4, 1.1e-3] {
+                let upward =
+                    format!("[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\ncell = {cell}");
+                match outcome(&moved(Scene::new(&MUSHROOM, &upward), |p| *p *= size)) {
+                    Outcome::Rejected(lines) => panic!("{size}, {cell}: {lines:#?}"),
+                    Outcome::Refused(said) => eprintln!("{size}, {cell}: {said}"),
+                    Outcome::Verified => eprintln!("{size}, {cell}: verified"),
+                }
+            }
         }
     }
 }
 
 #[test]
 fn a_ring() {
-    all_verified(&RING, "");
+    Cases::few().a_ring();
 }
 
 /// Two chambers, one with an inlet from below and one from above.
@@ -129,17 +215,12 @@ const OPPOSED: Cubes = Cubes {
 
 #[test]
 fn two_cavities_and_two_inlets() {
-    all_verified(&TWO_CHAMBERS, "");
-    // No core can be held from below: halves, or a refusal that says so.
-    all_refused(&OPPOSED, "method = \"soluble\"", "away from straight down");
-    all_verified(&OPPOSED, "method = \"halves\"");
+    Cases::few().two_cavities_and_two_inlets();
 }
 
 #[test]
 fn a_closed_cavity() {
-    all_verified(&CLOSED, "");
-    all_verified(&CLOSED, "method = \"halves\"");
-    all_refused(&CLOSED, "method = \"soluble\"", "is closed");
+    Cases::few().a_closed_cavity();
 }
 
 /// The chamber with a sheet of 4 mm at its side, 40 mm long.
@@ -148,30 +229,7 @@ const FIN: Cubes =
 
 #[test]
 fn a_fin_too_thin_for_silicone() {
-    // The sheet is pressed to a tenth.
-    let press = |p: &mut Vec3| {
-        if p.x > 5.5 * CELL {
-            p.y = 3.5 * CELL + 0.1 * (p.y - 3.5 * CELL);
-        }
-    };
-    let plane = "[parting]\nkind = \"plane\"";
-    for (size, thickness) in [(0.75, "0.3000 mm"), (1.0, "0.4000 mm"), (1.5, "0.6000 mm")] {
-        let pressed = |config: &str| {
-            moved(Scene::new(&FIN, config), |p| {
-                press(p);
-                *p *= size;
-            })
-        };
-        match outcome(&pressed(plane)) {
-            Outcome::Refused(said) => {
-                assert!(said.contains("silicone: thinnest wall"), "{said}");
-                assert!(said.contains(thickness), "{said}");
-            }
-            other => panic!("{size}: {other:?}"),
-        }
-        let thinner = format!("{plane}\n[casting]\nleast_wall = 2.9e-4");
-        assert_eq!(outcome(&pressed(&thinner)), Outcome::Verified, "{size}");
-    }
+    Cases::few().a_fin_too_thin_for_silicone();
 }
 
 /// A stem of 12 mm under a cap of 36 mm, with a chamber in the stem.
@@ -206,40 +264,12 @@ const SPOOL: Cubes = Cubes { solid: |c| c[2] < 3 || (MUSHROOM.solid)(c), ..MUSHR
 
 #[test]
 fn mushrooms_and_spools() {
-    for (body, has_foot) in [(&MUSHROOM, false), (&SPOOL, true)] {
-        // Shells that come off sideways meet no undercut.
-        all_verified(body, "");
-        // By 12 mm on both sides, the cap of 36 mm would have to give way: the shell above is
-        // split where that frees it.
-        for size in [0.75, 1.0, 1.5] {
-            let upward = "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
-            let upward = upward.replace("0.018", &format!("{}", 0.018 * size));
-            // Above its foot the shell of the spool is split, but is caught on the foot.
-            match (outcome(&moved(Scene::new(body, &upward), |p| *p *= size)), has_foot) {
-                (Outcome::Verified, false) => {}
-                (Outcome::Refused(said), true) => {
-                    assert!(said.contains("cannot be peeled"), "{said}");
-                }
-                (other, _) => panic!("{other:?}"),
-            }
-        }
-    }
+    Cases::few().mushrooms_and_spools();
 }
 
 #[test]
 fn a_height_field_along_the_stem_of_a_mushroom() {
-    // What lies below the cap belongs to the lower shell, which leaves downward.
-    for size in [0.75, 1.0, 1.5] {
-        for cell in [6e-4, 8e-4, 1.1e-3] {
-            let upward =
-                format!("[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\ncell = {cell}");
-            match outcome(&moved(Scene::new(&MUSHROOM, &upward), |p| *p *= size)) {
-                Outcome::Rejected(lines) => panic!("{size}, {cell}: {lines:#?}"),
-                Outcome::Refused(said) => eprintln!("{size}, {cell}: {said}"),
-                Outcome::Verified => eprintln!("{size}, {cell}: verified"),
-            }
-        }
-    }
+    Cases::few().a_height_field_along_the_stem_of_a_mushroom();
 }
 
 /// Numbers in [-1, 1) that look random, with a fixed seed (Knuth's linear congruence).
@@ -280,6 +310,18 @@ fn a_scan_with_fine_noise_keeps_its_plan() {
     let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
     let sideways = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]";
     assert_eq!(outcome(&bent(&CHAMBER, sideways, shake)), Outcome::Verified);
+}
+
+#[test]
+#[ignore = "takes minutes: runs in make test-all"]
+fn other_sizes_and_directions() {
+    let others = Cases::others();
+    others.a_ring();
+    others.two_cavities_and_two_inlets();
+    others.a_closed_cavity();
+    others.a_fin_too_thin_for_silicone();
+    others.mushrooms_and_spools();
+    others.a_height_field_along_the_stem_of_a_mushroom();
 }
 
 /// A sheet of 288 × 288 × 3 cells with a flat chamber, whose boundary has 600 000 triangles.
