@@ -98,7 +98,7 @@ fn a_design_in_time_that_is_killed_ends_the_same() {
         let history = dir.text("out/history.jsonl");
         let line = |line: &str| {
             let mut line: Value = serde_json::from_str(line).unwrap();
-            for time in ["forward_s", "gradient_s"] {
+            for time in ["forward_s", "gradient_s", "time_s"] {
                 line.as_object_mut().unwrap().remove(time);
             }
             line

@@ -25,7 +25,7 @@ fn the_history_has_one_line_per_accepted_iteration() {
         [(1, 1), (2, 3)].iter().flat_map(|&(l, h)| (0..4).map(move |i| [l, h, i])).collect();
     assert_eq!(lines.iter().map(place).collect::<Vec<_>>(), expected);
     for line in &lines {
-        for key in ["gradient_norm", "forward_s", "gradient_s"] {
+        for key in ["gradient_norm", "forward_s", "gradient_s", "time_s"] {
             assert!(number(&line[key]) > 0.0, "{key} in {line}");
         }
         let terms = line["terms"].as_object().unwrap();

@@ -15,7 +15,7 @@ pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
     let history = dir.text("out/history.jsonl");
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();
-        for time in ["forward_s", "gradient_s"] {
+        for time in ["forward_s", "gradient_s", "time_s"] {
             assert!(line.as_object_mut().unwrap().remove(time).is_some());
         }
         line
