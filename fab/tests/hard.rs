@@ -180,17 +180,21 @@ impl Cases {
     }
     fn a_height_field_along_the_stem_of_a_mushroom(&self) {
         // What lies below the cap belongs to the lower shell, which leaves downward.
+        let mut verified = 0;
         for &size in &self.sizes {
             for cell in [6e-4, 8e-4, 1.1e-3] {
                 let upward =
                     format!("[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\ncell = {cell}");
                 match outcome(&moved(Scene::new(&MUSHROOM, &upward), |p| *p *= size)) {
-                    Outcome::Rejected(lines) => panic!("{size}, {cell}: {lines:#?}"),
-                    Outcome::Refused(said) => eprintln!("{size}, {cell}: {said}"),
-                    Outcome::Verified => eprintln!("{size}, {cell}: verified"),
+                    Outcome::Verified => verified += 1,
+                    // Sheets may touch after rounding.
+                    Outcome::Refused(said) => assert!(said.contains("after rounding"), "{said}"),
+                    other => panic!("{size}, {cell}: {other:?}"),
                 }
             }
         }
+        eprintln!("{verified} of {} verified", 3 * self.sizes.len());
+        assert!(verified > 0);
     }
 }
 
