@@ -316,7 +316,7 @@ fn check(case: &Case, forces: bool) {
     if case.hits() {
         assert!(case.fading(&system, &rest, &run) > 0, "no edges are nearly parallel");
         let size = |n: usize| -> f64 {
-            run.step(&system, &rest, n).sliding.iter().map(|s| s.force.abs()).sum()
+            run.step(&system, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
         };
         let rubbing = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
         assert!(case.steps == 1 || rubbing > 0, "nothing rubs");

@@ -1,4 +1,5 @@
-//! Contacts that rub, with a smoothed law of Coulomb.
+//! Lagged friction: contacts of the start of a time step, with a smoothed law of
+//! Coulomb.
 //!
 //! f₀(y) = y² (1 − y/(3ε)) / ε + ε/3 for y < ε, else y      [m/s]
 //! f₀′(y) = (y/ε)(2 − y/ε) for y < ε, else 1
@@ -18,7 +19,7 @@ use super::distance::tangents;
 /// force, and how velocities of its corners make a sliding velocity
 /// 𝒯ᵀ Σᵢ cᵢ vᵢ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sliding {
+pub struct LaggedContact {
     /// Collision vertices of the two features.
     pub corners: [usize; 4],
     /// Barycentric coefficients cᵢ of the closest points, negative on the second
@@ -31,7 +32,7 @@ pub struct Sliding {
     pub force: f64,
 }
 
-impl Sliding {
+impl LaggedContact {
     /// A contact of corners whose closest points are `offset` apart.
     #[must_use]
     pub fn new(corners: [usize; 4], coefficients: [f64; 4], offset: Vec3, force: f64) -> Self {
@@ -48,9 +49,9 @@ impl Sliding {
     }
 }
 
-/// Cotangents of a [`Sliding`] contact.
+/// Cotangents of a [`LaggedContact`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SlidingCotangent {
+pub struct LaggedContactCotangent {
     /// Of the coefficients.
     pub coefficients: [f64; 4],
     /// Of the normal n, a unit vector with 𝒯 𝒯ᵀ = I − n nᵀ.
@@ -59,7 +60,7 @@ pub struct SlidingCotangent {
     pub force: f64,
 }
 
-impl Sliding {
+impl LaggedContact {
     /// The normal n = 𝒯₁ × 𝒯₂, from the second feature to the first.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
@@ -70,7 +71,12 @@ impl Sliding {
     /// k = f₀′/y, y = |P w|, w = Σ cᵢ vᵢ and l = Σ cᵢ λᵢ, for velocities v [m/s] and
     /// any λ of all collision vertices.
     #[must_use]
-    pub fn power_vjp(&self, v: &[Vec3], lambda: &[Vec3], full_speed: f64) -> SlidingCotangent {
+    pub fn power_vjp(
+        &self,
+        v: &[Vec3],
+        lambda: &[Vec3],
+        full_speed: f64,
+    ) -> LaggedContactCotangent {
         let normal = self.normal();
         let sum = |of: &[Vec3]| -> Vec3 {
             self.corners.iter().zip(self.coefficients).map(|(&i, c)| c * of[i]).sum()
@@ -85,7 +91,7 @@ impl Sliding {
         let coefficient = |&i: &usize| self.force * (by_w.dot(&v[i]) + by_l.dot(&lambda[i]));
         let (wn, ln) = (w.dot(&normal), l.dot(&normal));
         let by_normal = -by * (ln * w + wn * l) - twice * power * wn * w;
-        SlidingCotangent {
+        LaggedContactCotangent {
             coefficients: [0, 1, 2, 3].map(|i| coefficient(&self.corners[i])),
             normal: self.force * by_normal,
             force: by * power,
@@ -140,7 +146,7 @@ mod tests {
     #[test]
     fn tangents_are_orthonormal() {
         for offset in [Vec3::x(), Vec3::new(-1e-5, 2e-5, 3e-6), Vec3::new(1.0, 1.0, -1.0)] {
-            let [a, b] = Sliding::new([0; 4], [0.0; 4], offset, 1.0).tangents;
+            let [a, b] = LaggedContact::new([0; 4], [0.0; 4], offset, 1.0).tangents;
             let parts = [a.norm() - 1.0, b.norm() - 1.0, a.dot(&b)];
             assert!(parts.iter().all(|p| p.abs() < 1e-15));
             assert!(a.dot(&offset).abs() + b.dot(&offset).abs() < 1e-15 * offset.norm() + 1e-20);

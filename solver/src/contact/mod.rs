@@ -11,7 +11,7 @@ pub mod pairs; // of features
 pub mod box_tree; // which boxes overlap
 pub mod candidates; // what may come close in a step
 pub mod ccd; // how far it may move
-pub mod friction; // what rubs
+pub mod friction; // lagged to the start of a time step
 pub mod potential; // of a rest shape
 pub mod surface; // what collides
 pub mod stencil; // what one pair adds

@@ -30,7 +30,7 @@ use crate::contact::candidates::{self, TooMany};
 use crate::contact::ccd;
 use crate::contact::certificate::{Intersection, certify};
 use crate::contact::distance::Closest;
-use crate::contact::friction::{Sliding, SlidingCotangent};
+use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
 use crate::contact::pairs::Pair;
 use crate::contact::stencil::Local;
 use crate::contact::surface::{BodyForce, Surface};
@@ -373,13 +373,13 @@ impl Energy for Contact {
         found.map(|intersection| intersection.to_string())
     }
 
-    fn sliding(&self, at: &Iterate) -> Vec<Sliding> {
+    fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
         let state = self.state(at);
         let one = |term: &Term| {
             let closest = self.local(&state, term).closest;
             let force = term.weight * self.normal_force(closest.d2)[0];
             let corners = term.stencil.corners;
-            Sliding::new(corners, closest.coefficients, closest.offset, force)
+            LaggedContact::new(corners, closest.coefficients, closest.offset, force)
         };
         state.rubbing().map(one).collect()
     }
@@ -407,10 +407,10 @@ impl Energy for Contact {
         self.add_to_rest(at, (&state, by_rest, &by_area), out);
     }
 
-    fn add_sliding_vjp(
+    fn add_lagged_contacts_vjp(
         &self,
         at: &Iterate,
-        cotangents: &[SlidingCotangent],
+        cotangents: &[LaggedContactCotangent],
         by_u: &mut [f64],
         by_rest: &mut [f64],
     ) {

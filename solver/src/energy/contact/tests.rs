@@ -442,11 +442,11 @@ fn steps_are_cut_where_surfaces_meet() {
 fn rubbing(form: Form, scale: f64) -> (Scene, Friction) {
     let mut scene = blocks(1, form, scale, 0.0);
     let history = scene.u.clone();
-    let sliding = scene.contact.sliding(&scene.here());
+    let lagged_contacts = scene.contact.lagged_contacts(&scene.here());
     let mut random = Random::new(9);
     // speeds from below to above the full one
     scene.u.iter_mut().for_each(|u| *u += 4e-3 * scale * random.uniform());
-    scene.step = Some(TimeStep { h: 0.01, history, free_flight: None, sliding });
+    scene.step = Some(TimeStep { h: 0.01, history, free_flight: None, lagged_contacts });
     let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.7, 0.4 * scale);
     (scene, friction)
 }
@@ -481,8 +481,8 @@ fn sliding_as_a_whole_has_the_force_of_coulomb() {
     let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
     let mut scene = Scene::new(1, &[mesh], vec![obstacle], barrier(Form::Convergent, 0.01), low);
     let normal = scene.contact.body_forces(&scene.here())[0].force;
-    let sliding = scene.contact.sliding(&scene.here());
-    let counted: f64 = sliding.iter().map(|s| s.force).sum();
+    let lagged_contacts = scene.contact.lagged_contacts(&scene.here());
+    let counted: f64 = lagged_contacts.iter().map(|s| s.force).sum();
     assert!((counted / normal.z - 1.0).abs() < 1e-12 && normal.xy().norm() < 1e-12 * normal.z);
     let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.5, 1e-3);
     let h = 0.1;
@@ -491,8 +491,8 @@ fn sliding_as_a_whole_has_the_force_of_coulomb() {
         // the floor itself moves along y
         let by = Vec3::new(relative, 0.003, 0.0) * h;
         scene.u = (0..scene.space.node_count()).flat_map(|_| <[f64; 3]>::from(by)).collect();
-        let (history, sliding) = (history.clone(), sliding.clone());
-        scene.step = Some(TimeStep { h, history, free_flight: None, sliding });
+        let (history, lagged_contacts) = (history.clone(), lagged_contacts.clone());
+        scene.step = Some(TimeStep { h, history, free_flight: None, lagged_contacts });
         let force = friction.body_forces(&scene.here())[0].force;
         let expected = Vec3::new(-0.5 * normal.z * share, 0.0, 0.0);
         assert!((force - expected).norm() < 1e-6 * expected.norm(), "{force} {expected}");
