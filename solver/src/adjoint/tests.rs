@@ -203,7 +203,9 @@ impl Case {
     /// Largest number of pairs of nearly parallel edges that repel each other in a step.
     fn fading(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
         let contact = self.barrier(&self.bodies().0, &system.space, system.fixed());
-        let at = |n: usize| contact.fading(&system.iterate(rest, &run.state(n).u, run.times[n]));
+        let at = |n: usize| {
+            contact.mollified_pairs(&system.iterate(rest, &run.state(n).u, run.times[n]))
+        };
         (1..=run.steps()).map(at).max().unwrap_or(0)
     }
 

@@ -1,5 +1,5 @@
-//! Lagged friction: contacts of the start of a time step, with a smoothed law of
-//! Coulomb.
+//! Lagged friction: a smoothed law of Coulomb between the contacts of the start of a time
+//! step, whose normal forces and closest points stay as they were there.
 //!
 //! f₀(y) = y² (1 − y/(3ε)) / ε + ε/3 for y < ε, else y      [m/s]
 //! f₀′(y) = (y/ε)(2 − y/ε) for y < ε, else 1
@@ -14,6 +14,8 @@
 use mesh::Vec3;
 
 use super::distance::tangents;
+use super::potential::{Contacts, add};
+use super::terms::Term;
 
 /// A contact with friction, as it was at the start of a time step: its normal
 /// force, and how velocities of its corners make a sliding velocity
@@ -111,6 +113,54 @@ pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
         [value, (2.0 - r) / full, curvature]
     } else {
         [y, 1.0 / y, -1.0 / (y * y * y)]
+    }
+}
+
+/// Cotangents of a state, given those of its lagged contacts.
+pub struct LaggedStateCotangent {
+    /// Of positions x of the collision vertices.
+    pub positions: Vec<Vec3>,
+    /// Of their rest positions X, for x that moves along with X.
+    pub rest: Vec<Vec3>,
+}
+
+impl Contacts<'_> {
+    /// The contacts with friction in a step that begins here. Mollified pairs, of nearly
+    /// parallel edges, have none: their closest points jump.
+    #[must_use]
+    pub fn lagged(&self) -> Vec<LaggedContact> {
+        let one = |term: &Term| {
+            let closest = self.local(term).closest;
+            let force = term.weight * self.normal_force(closest.d2)[0];
+            let corners = term.stencil.corners;
+            LaggedContact::new(corners, closest.coefficients, closest.offset, force)
+        };
+        self.with_friction().map(one).collect()
+    }
+
+    /// How [`Self::lagged`] follows the state.
+    #[must_use]
+    pub fn lagged_vjp(&self, cotangents: &[LaggedContactCotangent]) -> LaggedStateCotangent {
+        let (mut positions, mut by_area) = (self.zeros(), self.zero_areas());
+        for (term, by) in self.with_friction().zip(cotangents) {
+            let closest = self.local(term).closest;
+            let [force, force_slope] = self.normal_force(closest.d2);
+            let normal = closest.offset.normalize();
+            let turned = (by.normal - normal * normal.dot(&by.normal)) / closest.d2.sqrt();
+            let by_offset = turned + closest.offset * (2.0 * by.force * term.weight * force_slope);
+            let corners = term.stencil.gather(self.positions());
+            let by_closest = (&by.coefficients, &by_offset);
+            let pull = term.stencil.region.closest_vjp(&corners, &closest, by_closest);
+            add(&mut positions, &term.stencil.corners, pull);
+            self.add_by_area(term, by.force * force, &mut by_area);
+        }
+        let mut rest = positions.clone();
+        self.add_area_gradient(&by_area, &mut rest);
+        LaggedStateCotangent { positions, rest }
+    }
+
+    fn with_friction(&self) -> impl Iterator<Item = &Term> {
+        self.terms().iter().filter(|t| !t.stencil.mollified && t.weight != 0.0)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Friction of the contacts that were there at the start of a time step.
+//! Lagged friction: of the contacts that were there at the start of a time step.
 //!
 //! E(u) = h Σ_k μ N_k f₀(|τ_k|)      τ_k = 𝒯ᵀ Σᵢ cᵢ vᵢ,   v = W (u − history) / h
 //! ∂E/∂u = Σ_k μ N_k (f₀′/y) Γᵀ 𝒯 τ
@@ -23,7 +23,6 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::contact::add_block;
 use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
 use crate::contact::friction::{LaggedContact, LaggedContactCotangent, dissipation};
 use crate::contact::surface::{BodyForce, Surface};
@@ -58,7 +57,7 @@ impl Friction {
         forces
     }
 
-    /// Force between each two bodies that rub.
+    /// Force between each two bodies with friction.
     #[must_use]
     pub fn body_forces(&self, at: &Iterate) -> Vec<BodyForce> {
         self.surface.body_forces(&self.corner_forces(at))
@@ -129,7 +128,7 @@ impl Energy for Friction {
         };
         map_merge(step.lagged_contacts.len(), part, |range, blocks| {
             for (contact, block) in step.lagged_contacts[range].iter().zip(blocks) {
-                add_block(&self.surface, &contact.corners, &block, out);
+                self.surface.add_block(&contact.corners, &block, out);
             }
         });
     }

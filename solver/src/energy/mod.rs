@@ -11,7 +11,7 @@ mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
-pub use contact::{Closeness, Contact};
+pub use contact::{Contact, GapSummary};
 pub use elastic::Elastic;
 pub use friction::Friction;
 pub use inertia::Inertia;
