@@ -4,7 +4,7 @@
 //! where the past is what [`TimeStep`](crate::energy::TimeStep) holds:
 //!
 //! history = Σ αᵢ u₋ᵢ      free flight = Σ αᵢ (u₋ᵢ + h v₋ᵢ)
-//! contacts that rub: a function of u₋₁ and X      v_n = (u_n − history) / h
+//! lagged contacts:   a function of u₋₁ and X      v_n = (u_n − history) / h
 //!
 //! With ū_n, v̄_n the cotangents of the state that later steps and the objective have
 //! gathered, from the last step to the first:
@@ -246,14 +246,14 @@ fn hand_on(
             state.v[d] += alpha * h * flight;
         }
     }
-    if past.sliding.is_empty() {
+    if past.lagged_contacts.is_empty() {
         return;
     }
     let last = run.state(n - 1);
     let before = system.iterate(rest, &last.u, run.times[n - 1]);
     let state = states[n - 1].get_or_insert_with(|| zeros(system.len()));
     for energy in &system.energies {
-        energy.add_sliding_vjp(&before, &past.sliding, &mut state.u, rest_bar);
+        energy.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
     }
 }
 

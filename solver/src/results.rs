@@ -263,7 +263,7 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
 /// bodies the force on the first [N] and the sum of its magnitudes.
 #[must_use]
 pub fn collisions(collisions: &Collisions, at_: &Iterate) -> Value {
-    let closeness = collisions.contact.closeness(at_);
+    let gaps = collisions.contact.gaps(at_);
     let told = |forces: Vec<BodyForce>| -> Vec<Value> {
         let one = |f: BodyForce| {
             json!({
@@ -275,8 +275,8 @@ pub fn collisions(collisions: &Collisions, at_: &Iterate) -> Value {
         forces.into_iter().map(one).collect()
     };
     json!({
-        "pairs": closeness.pairs,
-        "smallest_gap": closeness.smallest.is_finite().then_some(closeness.smallest),
+        "pairs": gaps.pairs,
+        "smallest_gap": gaps.smallest.is_finite().then_some(gaps.smallest),
         "contact": told(collisions.contact.body_forces(at_)),
         "friction": told(collisions.friction.as_ref().map_or_else(Vec::new, |f| f.body_forces(at_))),
     })

@@ -203,7 +203,9 @@ impl Case {
     /// Largest number of pairs of nearly parallel edges that repel each other in a step.
     fn fading(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
         let contact = self.barrier(&self.bodies().0, &system.space, system.fixed());
-        let at = |n: usize| contact.fading(&system.iterate(rest, &run.state(n).u, run.times[n]));
+        let at = |n: usize| {
+            contact.mollified_pairs(&system.iterate(rest, &run.state(n).u, run.times[n]))
+        };
         (1..=run.steps()).map(at).max().unwrap_or(0)
     }
 
@@ -316,7 +318,7 @@ fn check(case: &Case, forces: bool) {
     if case.hits() {
         assert!(case.fading(&system, &rest, &run) > 0, "no edges are nearly parallel");
         let size = |n: usize| -> f64 {
-            run.step(&system, &rest, n).sliding.iter().map(|s| s.force.abs()).sum()
+            run.step(&system, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
         };
         let rubbing = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
         assert!(case.steps == 1 || rubbing > 0, "nothing rubs");

@@ -1,18 +1,15 @@
-//! Functions of a squared distance s that grow as surfaces come too close.
+//! The barrier κ σ b(d²) that keeps simulated surfaces apart: its numbers, and how its
+//! pairs are weighted.
 //!
-//! log         b(s, ŝ) = −(s − ŝ)² ln(s/ŝ) for 0 < s < ŝ, +∞ for s ≤ 0, else 0
-//! quadratic   q(s, ŝ) = (s − ŝ)²          for s < ŝ, else 0
-//!
-//! s, ŝ   squared distance and its activation value [m²];   b, q [m⁴]
-//!
-//! With a minimum distance d₀, s = d² − d₀² and ŝ = d̂² + 2 d₀ d̂, so that b acts
-//! for d₀ < d < d₀ + d̂. b is twice continuously differentiable, q once.
+//! b is the log barrier of [`density`](super::density).
 //!
 //! Sources: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6; scale of the
 //! convergent form: Li et al. 2023, "Convergent Incremental Potential Contact",
 //! arXiv:2307.15908.
 
 use serde::{Deserialize, Serialize};
+
+use super::density::{Density, Repulsion};
 
 /// How pairs are weighted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,10 +58,17 @@ pub struct Barrier {
 }
 
 impl Barrier {
+    /// b, which acts for d₀ < d < d₀ + d̂.
+    #[must_use]
+    pub fn repulsion(&self) -> Repulsion {
+        let (minimum, activation) = (self.thickness, self.activation);
+        Repulsion { density: Density::Log, minimum, activation }
+    }
+
     /// Distance below which it acts, d₀ + d̂ [m].
     #[must_use]
     pub fn range(&self) -> f64 {
-        self.thickness + self.activation
+        self.repulsion().range()
     }
 
     /// κ σ, with σ = 1 / (d̂ (d̂ + 2 d₀)²) where areas weigh, else one
@@ -77,35 +81,6 @@ impl Barrier {
             Form::Plain => self.stiffness,
         }
     }
-
-    /// b and its derivatives by d² at a squared distance.
-    #[must_use]
-    pub fn at(&self, d2: f64) -> [f64; 3] {
-        let full = self.activation + 2.0 * self.thickness;
-        log_barrier(d2 - self.thickness * self.thickness, self.activation * full)
-    }
-}
-
-/// b, ∂b/∂s and ∂²b/∂s²; b is +∞ with derivatives zero for s ≤ 0.
-#[must_use]
-pub fn log_barrier(s: f64, activation: f64) -> [f64; 3] {
-    if s <= 0.0 {
-        [f64::INFINITY, 0.0, 0.0]
-    } else if s < activation {
-        let (gap, ratio) = (s - activation, activation / s);
-        let log = (s / activation).ln();
-        let slope = -gap * (2.0 * log + gap / s);
-        [-gap * gap * log, slope, (ratio + 2.0) * ratio - 2.0 * log - 3.0]
-    } else {
-        [0.0; 3]
-    }
-}
-
-/// q, ∂q/∂s and ∂²q/∂s², which jumps at ŝ.
-#[must_use]
-pub fn quadratic(s: f64, activation: f64) -> [f64; 3] {
-    let gap = (s - activation).min(0.0);
-    [gap * gap, 2.0 * gap, if gap < 0.0 { 2.0 } else { 0.0 }]
 }
 
 #[cfg(test)]
@@ -122,33 +97,12 @@ mod tests {
             for (pressure, gap) in [(1e2, 0.9935), (1e3, 0.979), (1e4, 0.934), (6e4, 0.833)] {
                 let force = |gap: f64| {
                     let d = gap * activation;
-                    -barrier.scale() * barrier.at(d * d)[1] * 2.0 * d
+                    -barrier.scale() * barrier.repulsion().at(d * d)[1] * 2.0 * d
                 };
                 // the gaps are given to three or four digits
                 let digits = if gap > 0.99 { 0.5e-4 } else { 0.5e-3 };
                 assert!(force(gap - digits) > pressure && force(gap + digits) < pressure);
             }
         }
-    }
-
-    #[test]
-    fn derivatives_belong_to_their_functions() {
-        let log = (|s| log_barrier(s, 1.0)) as fn(f64) -> [f64; 3];
-        for function in [log, |s| quadratic(s, 1.0)] {
-            for s in [0.01, 0.3, 0.9, 0.999] {
-                let h = 1e-6 * s;
-                let (low, exact, high) = (function(s - h), function(s), function(s + h));
-                for k in 0..2 {
-                    let difference = (high[k] - low[k]) / (2.0 * h);
-                    // truncation h² b‴/6 is below 1e-9 b′, rounding 1e-16 b / h
-                    let error = (difference - exact[k + 1]).abs();
-                    assert!(error < 1e-8 * (1.0 + exact[k + 1].abs()));
-                }
-            }
-        }
-        assert_eq!(log_barrier(1.0, 1.0), [0.0; 3]);
-        assert!(log_barrier(1.0 - 1e-9, 1.0)[2].abs() < 1e-8, "the curvature is continuous");
-        assert_eq!(quadratic(1.0, 1.0), [0.0; 3]);
-        assert_eq!(log_barrier(0.0, 1.0)[0], f64::INFINITY);
     }
 }

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_ends_when_it_is_told_to() {
+    fn a_search_ends_when_its_callback_returns_false() {
         let boxes = [Bounds::around([Vec3::zeros()]); 100];
         let mut count = 0;
         BoxTree::new(&boxes).overlaps(&boxes[0], 0, &mut |_| {

@@ -1,5 +1,5 @@
-//! Pairs of features that may come close while their corners move on straight
-//! lines.
+//! Broad phase: candidate pairs of features, which may come close while their corners
+//! move on straight lines. What stands still is the case without motion.
 //!
 //! A pair is a candidate if the boxes around what its features sweep come closer
 //! than the radius, and
@@ -8,10 +8,13 @@
 //! other feature
 //!
 //! d   distance at the start [m]
-//! ℓ   the way that two of their points move towards each other, at most [m]
+//! ℓ   how far two of their points move towards each other, at most [m]
 //!
 //! So whatever moves along with what is near it is none. Without motion the
-//! candidates are the pairs that are closer than the radius.
+//! candidates are the pairs that are closer than the radius, up to rounding;
+//! [`close_within`] and [`close_between`] are exactly those.
+//!
+//! Overlapping boxes are found with a [`BoxTree`].
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -77,15 +80,45 @@ pub fn between_within(
 ) -> Result<Vec<Pair>, TooMany> {
     let Features { vertices, edges, triangles } = features;
     let search = Search { x0, x1, radius: radius + rounding(x0, x1), budget, seen: 0.into() };
-    let admit = |pair: Pair| (!skip(pair.corners())).then_some(pair);
-    let mut pairs = search.run(vertices, triangles, false, |&p, &[a, b, c]| {
-        (p != a && p != b && p != c).then_some(Pair::PointTriangle([p, a, b, c])).and_then(admit)
-    })?;
-    pairs.append(&mut search.run(edges, edges, true, |&[p, q], &[r, s]| {
-        let apart = p != r && p != s && q != r && q != s;
-        apart.then_some(Pair::EdgeEdge([p, q, r, s])).and_then(admit)
-    })?);
+    let admit = |pair: &Pair| !skip(pair.corners());
+    let point_triangle = |p: &_, t: &_| point_triangle(p, t).filter(admit);
+    let edge_edge = |a: &_, b: &_| edge_edge(a, b).filter(admit);
+    let mut pairs = search.run(vertices, triangles, false, point_triangle)?;
+    pairs.append(&mut search.run(edges, edges, true, edge_edge)?);
     Ok(pairs)
+}
+
+/// All pairs of two of `features` closer than `radius` [m] at positions `x` [m]:
+/// sorted, each once, without those that share a vertex.
+#[must_use]
+pub fn close_within(features: &Features, x: &[Vec3], radius: f64) -> Vec<Pair> {
+    let Features { vertices, edges, triangles } = features;
+    let search = Search::at_rest(x, radius);
+    let mut pairs = search.close(vertices, triangles, false, radius, point_triangle);
+    pairs.append(&mut search.close(edges, edges, true, radius, edge_edge));
+    pairs
+}
+
+/// All pairs of a feature of `a` and one of `b` closer than `radius` [m] at positions
+/// `x` [m]: vertices of `a` with triangles of `b`, vertices of `b` with triangles of
+/// `a`, and edges, each sorted, without those that share a vertex.
+#[must_use]
+pub fn close_between(a: &Features, b: &Features, x: &[Vec3], radius: f64) -> Vec<Pair> {
+    let search = Search::at_rest(x, radius);
+    let mut pairs = search.close(&a.vertices, &b.triangles, false, radius, point_triangle);
+    pairs.append(&mut search.close(&b.vertices, &a.triangles, false, radius, point_triangle));
+    pairs.append(&mut search.close(&a.edges, &b.edges, false, radius, edge_edge));
+    pairs
+}
+
+/// The pair of a vertex and a triangle that does not contain it.
+fn point_triangle(&p: &usize, &[a, b, c]: &[usize; 3]) -> Option<Pair> {
+    (p != a && p != b && p != c).then_some(Pair::PointTriangle([p, a, b, c]))
+}
+
+/// The pair of two edges without a common end.
+fn edge_edge(&[p, q]: &[usize; 2], &[r, s]: &[usize; 2]) -> Option<Pair> {
+    (p != r && p != s && q != r && q != s).then_some(Pair::EdgeEdge([p, q, r, s]))
 }
 
 /// How far positions may be off in the comparisons below [m].
@@ -94,7 +127,7 @@ fn rounding(x0: &[Vec3], x1: &[Vec3]) -> f64 {
     ROUNDING * largest(x0).max(largest(x1))
 }
 
-/// A search under way.
+/// A search that is going on.
 struct Search<'a> {
     x0: &'a [Vec3],
     x1: &'a [Vec3],
@@ -121,7 +154,27 @@ impl<const N: usize> Corners for [usize; N] {
     }
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// Of what does not move, without a budget: nothing is listed but close pairs.
+    fn at_rest(x: &'a [Vec3], radius: f64) -> Self {
+        let (radius, budget) = (radius + rounding(x, x), usize::MAX);
+        Self { x0: x, x1: x, radius, budget, seen: 0.into() }
+    }
+
+    /// The candidates of [`Self::run`] that are closer than `radius` at the start.
+    fn close<A: Corners, B: Corners>(
+        &self,
+        a: &[A],
+        b: &[B],
+        same: bool,
+        radius: f64,
+        pair: impl Fn(&A, &B) -> Option<Pair> + Sync,
+    ) -> Vec<Pair> {
+        let mut pairs = self.run(a, b, same, pair).unwrap_or_default();
+        pairs.retain(|p| p.closest(&p.gather(self.x0)).d2 < radius * radius);
+        pairs
+    }
+
     /// The candidates among `pair` of each of `a` and each of `b`, in that order;
     /// if the two are the same list, each pair once.
     fn run<A: Corners, B: Corners>(
@@ -173,124 +226,21 @@ impl Search<'_> {
         features.par_iter().map(swept).collect()
     }
 
-    /// Whether a pair is near enough at the start for the way it moves.
+    /// Whether a pair is near enough at the start for how far it moves.
     fn reachable(&self, pair: &Pair) -> bool {
         let (start, end) = (pair.gather(self.x0), pair.gather(self.x1));
         let first = pair.corners_of_first();
         let moved: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
-        let mut way2 = 0.0_f64;
+        let mut closing2 = 0.0_f64;
         for i in 0..first {
             for j in first..4 {
-                way2 = way2.max((moved[i] - moved[j]).norm_squared());
+                closing2 = closing2.max((moved[i] - moved[j]).norm_squared());
             }
         }
-        let reach = self.radius + way2.sqrt();
+        let reach = self.radius + closing2.sqrt();
         pair.closest(&start).d2 <= reach * reach
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::random::Random;
-
-    /// Triangles of different sizes, some with common vertices, and a motion.
-    fn cloud(seed: u64, way: f64) -> (Features, [Vec<Vec3>; 2]) {
-        let mut random = Random::new(seed);
-        let facets: Vec<[usize; 3]> = (0..60).map(|t| [2 * t, 2 * t + 1, 2 * t + 2]).collect();
-        let x0: Vec<Vec3> =
-            (0..121).map(|i| 2.0 * random.vector() * if i % 40 == 7 { 3.0 } else { 1.0 }).collect();
-        let drift = random.vector();
-        let x1 = x0.iter().map(|x| x + way * (drift + 0.2 * random.vector())).collect();
-        (Features::new(&facets), [x0, x1])
-    }
-
-    /// Every pair of features without a common vertex.
-    fn all_pairs(features: &Features) -> Vec<Pair> {
-        let Features { vertices, edges, triangles } = features;
-        let corners = |t: &[usize]| -> [usize; 4] { t.try_into().expect("four corners") };
-        let point_triangle = vertices.iter().flat_map(|&p| {
-            triangles.iter().map(move |t| Pair::PointTriangle(corners(&[&[p], &t[..]].concat())))
-        });
-        let edge_edge = edges.iter().enumerate().flat_map(|(i, a)| {
-            let later = edges.iter().skip(i + 1);
-            later.map(move |b| Pair::EdgeEdge(corners(&[&a[..], &b[..]].concat())))
-        });
-        let apart = |pair: &Pair| {
-            let mut corners = pair.corners();
-            corners.sort_unstable();
-            corners.windows(2).all(|w| w[0] != w[1])
-        };
-        point_triangle.chain(edge_edge).filter(apart).collect()
-    }
-
-    #[test]
-    fn without_motion_candidates_are_the_close_pairs() {
-        let (features, [x, _]) = cloud(1, 0.0);
-        for radius in [0.05, 0.3, 100.0] {
-            let close = |p: &Pair| p.closest(&p.gather(&x)).d2 < radius * radius;
-            let expected: Vec<Pair> = all_pairs(&features).into_iter().filter(close).collect();
-            assert!(expected.len() > 20, "{}", expected.len());
-            let found = between(&features, &x, &x, radius, |_| false);
-            assert_eq!(found, Ok(expected), "in this order");
-        }
-    }
-
-    /// Sampling in time finds no pair that is not among the candidates, and the
-    /// candidates are not simply all pairs.
-    #[test]
-    fn nothing_that_comes_close_on_the_way_is_missed() {
-        for (seed, way) in [(2, 0.1), (3, 1.0), (4, 30.0)] {
-            let (features, [x0, x1]) = cloud(seed, way);
-            let radius = 0.05;
-            let found = between(&features, &x0, &x1, radius, |_| false).expect("few");
-            let mut missed = all_pairs(&features);
-            let all = missed.len();
-            missed.retain(|p| !found.contains(p));
-            assert_eq!(missed.len() + found.len(), all);
-            assert!(way > 1.0 || found.len() < all / 2, "{} of {all}", found.len());
-            for step in 0..=50 {
-                let t = f64::from(step) / 50.0;
-                let x: Vec<Vec3> = x0.iter().zip(&x1).map(|(a, b)| a + t * (b - a)).collect();
-                for pair in &missed {
-                    assert!(pair.closest(&pair.gather(&x)).d2 >= radius * radius, "{pair:?} {t}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn what_moves_together_is_no_candidate() {
-        let (features, [x0, _]) = cloud(5, 0.0);
-        let x1: Vec<Vec3> = x0.iter().map(|x| x + Vec3::new(20.0, 20.0, 20.0)).collect();
-        let still = between(&features, &x0, &x0, 0.1, |_| false);
-        let moving = between(&features, &x0, &x1, 0.1, |_| false);
-        assert_eq!(still, moving);
-    }
-
-    #[test]
-    fn skipped_pairs_are_left_out_and_threads_change_nothing() {
-        let (features, [x0, x1]) = cloud(6, 0.3);
-        let skip = |corners: [usize; 4]| corners.iter().all(|&v| v < 60);
-        let run = || between(&features, &x0, &x1, 0.1, skip).expect("few");
-        let mut expected = between(&features, &x0, &x1, 0.1, |_| false).expect("few");
-        let all = expected.len();
-        expected.retain(|p| !skip(p.corners()));
-        assert!(expected.len() < all);
-        for threads in [1, 2, 7] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            assert_eq!(pool.expect("a thread pool").install(run), expected);
-        }
-    }
-
-    #[test]
-    fn a_step_that_is_too_long_is_refused() {
-        let (features, [x0, x1]) = cloud(7, 100.0);
-        let all = all_pairs(&features).len();
-        let run = |budget| between_within(budget, &features, &x0, &x1, 1e3, |_| false);
-        assert_eq!(run(all).map(|pairs| pairs.len()), Ok(all));
-        for budget in [0, 10, all - 1] {
-            assert_eq!(run(budget), Err(TooMany { budget }));
-        }
-    }
-}
+mod tests;

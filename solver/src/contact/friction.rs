@@ -1,4 +1,5 @@
-//! Contacts that rub, with a smoothed law of Coulomb.
+//! Lagged friction: a smoothed law of Coulomb between the contacts of the start of a time
+//! step, whose normal forces and closest points stay as they were there.
 //!
 //! f₀(y) = y² (1 − y/(3ε)) / ε + ε/3 for y < ε, else y      [m/s]
 //! f₀′(y) = (y/ε)(2 − y/ε) for y < ε, else 1
@@ -13,12 +14,14 @@
 use mesh::Vec3;
 
 use super::distance::tangents;
+use super::potential::{Contacts, add};
+use super::terms::Term;
 
 /// A contact with friction, as it was at the start of a time step: its normal
 /// force, and how velocities of its corners make a sliding velocity
 /// 𝒯ᵀ Σᵢ cᵢ vᵢ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sliding {
+pub struct LaggedContact {
     /// Collision vertices of the two features.
     pub corners: [usize; 4],
     /// Barycentric coefficients cᵢ of the closest points, negative on the second
@@ -31,7 +34,7 @@ pub struct Sliding {
     pub force: f64,
 }
 
-impl Sliding {
+impl LaggedContact {
     /// A contact of corners whose closest points are `offset` apart.
     #[must_use]
     pub fn new(corners: [usize; 4], coefficients: [f64; 4], offset: Vec3, force: f64) -> Self {
@@ -48,9 +51,9 @@ impl Sliding {
     }
 }
 
-/// Cotangents of a [`Sliding`] contact.
+/// Cotangents of a [`LaggedContact`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SlidingCotangent {
+pub struct LaggedContactCotangent {
     /// Of the coefficients.
     pub coefficients: [f64; 4],
     /// Of the normal n, a unit vector with 𝒯 𝒯ᵀ = I − n nᵀ.
@@ -59,7 +62,7 @@ pub struct SlidingCotangent {
     pub force: f64,
 }
 
-impl Sliding {
+impl LaggedContact {
     /// The normal n = 𝒯₁ × 𝒯₂, from the second feature to the first.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
@@ -70,7 +73,12 @@ impl Sliding {
     /// k = f₀′/y, y = |P w|, w = Σ cᵢ vᵢ and l = Σ cᵢ λᵢ, for velocities v [m/s] and
     /// any λ of all collision vertices.
     #[must_use]
-    pub fn power_vjp(&self, v: &[Vec3], lambda: &[Vec3], full_speed: f64) -> SlidingCotangent {
+    pub fn power_vjp(
+        &self,
+        v: &[Vec3],
+        lambda: &[Vec3],
+        full_speed: f64,
+    ) -> LaggedContactCotangent {
         let normal = self.normal();
         let sum = |of: &[Vec3]| -> Vec3 {
             self.corners.iter().zip(self.coefficients).map(|(&i, c)| c * of[i]).sum()
@@ -85,7 +93,7 @@ impl Sliding {
         let coefficient = |&i: &usize| self.force * (by_w.dot(&v[i]) + by_l.dot(&lambda[i]));
         let (wn, ln) = (w.dot(&normal), l.dot(&normal));
         let by_normal = -by * (ln * w + wn * l) - twice * power * wn * w;
-        SlidingCotangent {
+        LaggedContactCotangent {
             coefficients: [0, 1, 2, 3].map(|i| coefficient(&self.corners[i])),
             normal: self.force * by_normal,
             force: by * power,
@@ -105,6 +113,54 @@ pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
         [value, (2.0 - r) / full, curvature]
     } else {
         [y, 1.0 / y, -1.0 / (y * y * y)]
+    }
+}
+
+/// Cotangents of a state, given those of its lagged contacts.
+pub struct LaggedStateCotangent {
+    /// Of positions x of the collision vertices.
+    pub positions: Vec<Vec3>,
+    /// Of their rest positions X, for x that moves along with X.
+    pub rest: Vec<Vec3>,
+}
+
+impl Contacts<'_> {
+    /// The contacts with friction in a step that begins here. Mollified pairs, of nearly
+    /// parallel edges, have none: their closest points jump.
+    #[must_use]
+    pub fn lagged(&self) -> Vec<LaggedContact> {
+        let one = |term: &Term| {
+            let closest = self.local(term).closest;
+            let force = term.weight * self.normal_force(closest.d2)[0];
+            let corners = term.stencil.corners;
+            LaggedContact::new(corners, closest.coefficients, closest.offset, force)
+        };
+        self.with_friction().map(one).collect()
+    }
+
+    /// How [`Self::lagged`] follows the state.
+    #[must_use]
+    pub fn lagged_vjp(&self, cotangents: &[LaggedContactCotangent]) -> LaggedStateCotangent {
+        let (mut positions, mut by_area) = (self.zeros(), self.zero_areas());
+        for (term, by) in self.with_friction().zip(cotangents) {
+            let closest = self.local(term).closest;
+            let [force, force_slope] = self.normal_force(closest.d2);
+            let normal = closest.offset.normalize();
+            let turned = (by.normal - normal * normal.dot(&by.normal)) / closest.d2.sqrt();
+            let by_offset = turned + closest.offset * (2.0 * by.force * term.weight * force_slope);
+            let corners = term.stencil.gather(self.positions());
+            let by_closest = (&by.coefficients, &by_offset);
+            let pull = term.stencil.region.closest_vjp(&corners, &closest, by_closest);
+            add(&mut positions, &term.stencil.corners, pull);
+            self.add_by_area(term, by.force * force, &mut by_area);
+        }
+        let mut rest = positions.clone();
+        self.add_area_gradient(&by_area, &mut rest);
+        LaggedStateCotangent { positions, rest }
+    }
+
+    fn with_friction(&self) -> impl Iterator<Item = &Term> {
+        self.terms().iter().filter(|t| !t.stencil.mollified && t.weight != 0.0)
     }
 }
 
@@ -140,7 +196,7 @@ mod tests {
     #[test]
     fn tangents_are_orthonormal() {
         for offset in [Vec3::x(), Vec3::new(-1e-5, 2e-5, 3e-6), Vec3::new(1.0, 1.0, -1.0)] {
-            let [a, b] = Sliding::new([0; 4], [0.0; 4], offset, 1.0).tangents;
+            let [a, b] = LaggedContact::new([0; 4], [0.0; 4], offset, 1.0).tangents;
             let parts = [a.norm() - 1.0, b.norm() - 1.0, a.dot(&b)];
             assert!(parts.iter().all(|p| p.abs() < 1e-15));
             assert!(a.dot(&offset).abs() + b.dot(&offset).abs() < 1e-15 * offset.norm() + 1e-20);

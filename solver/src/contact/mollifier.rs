@@ -1,5 +1,5 @@
-//! Fades out pairs of edges where they become parallel, because their closest
-//! points jump there.
+//! The mollifier of parallel edges: takes a pair of edges out of the potential, smoothly,
+//! as they become parallel, because their closest points jump there.
 //!
 //! m(c, ε) = y (2 − y) for y < 1, else 1,   y = c / ε
 //! c = |a × b|²,   ε = 10⁻³ |ā|² |b̄|²
@@ -8,7 +8,7 @@
 //!        change with the displacement
 //! c, ε   [m⁴]
 //!
-//! An edge without rest length is faded only while c = 0 as well.
+//! An edge without rest length is mollified only while c = 0 as well.
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 24.
 
@@ -17,7 +17,7 @@ use mesh::Vec3;
 use super::distance::corners;
 use crate::math::tensor::{Mat3, Mat12, Vec12};
 
-/// sin² of the angle below which undeformed edges are faded [1].
+/// sin² of the angle below which undeformed edges are mollified [1].
 const THRESHOLD: f64 = 1e-3;
 
 /// m and its derivatives by c and ε.
@@ -36,7 +36,7 @@ pub struct Mollifier {
 }
 
 impl Mollifier {
-    /// One, for what is never faded.
+    /// One, for pairs that are never mollified.
     pub const ONE: Self = Self::constant(1.0);
 
     const fn constant(value: f64) -> Self {
@@ -61,9 +61,9 @@ impl Mollifier {
     }
 }
 
-/// Whether edges `x[0..2]` and `x[2..4]` are so parallel that they are faded.
+/// Whether edges `x[0..2]` and `x[2..4]` are so parallel that they are mollified.
 #[must_use]
-pub fn faded(x: &[Vec3; 4], rest: &[Vec3; 4]) -> bool {
+pub fn mollified(x: &[Vec3; 4], rest: &[Vec3; 4]) -> bool {
     let cross = cross(x);
     cross < threshold(rest) || cross == 0.0
 }
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_faded_range_has_the_derivatives_of_its_value() {
+    fn the_mollified_range_has_the_derivatives_of_its_value() {
         let e = 3e-7;
         for y in [1e-6, 0.2, 0.7, 0.99] {
             let (c, h) = (y * e, 1e-6 * y * e);

@@ -1,74 +1,300 @@
-//! Sum of a function of distance over pairs of features.
+//! Contact potential: the sum over all pairs of features that are close, with every
+//! derivative. What makes it a barrier or a substitute for it is its density.
 //!
-//! E(x) = Σ_k m_k β(d_k²)
+//! B(x; X) = s Σ_k w_k m_k β(d_k²)        e_k = m_k β(d_k²)
 //!
-//! d_k   distance of pair k [m]
-//! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
-//! β     function of the squared distance, e.g. a barrier [m⁴]
+//! x, X   positions and rest positions of the collision vertices [m]
+//! d      distance of a pair: vertex and triangle, or two edges [m]
+//! β      [`density`](super::density), e.g. a log barrier [m⁴]
+//! m      [`mollifier`](super::mollifier) of parallel edges, whose threshold ε is of
+//!        the rest shape [1]
+//! w      [weights](super::terms) of pairs, of areas A of the rest shape [m²]; a number
+//!        in the plain form
+//! s      scale: κ σ of the barrier [J/m⁶]
 //!
-//! Every pair has the same weight whatever the size of its features, so E grows
-//! with the number of facets.
+//! ∂B/∂x        = s Σ_k w ∂e/∂x
+//! ∂²B/∂x²      = s Σ_k w ∂²e/∂x²
+//! λᵀ ∂²B/∂x∂X  = s Σ_k w (λ · ∂²e/∂x∂ε) ∂ε/∂X + (λ · ∂e/∂x) ∂w/∂X
+//!
+//! and, where x = X + W u, what X moves along with it: + λᵀ ∂²B/∂x². What one pair adds
+//! is in [`stencil`](super::stencil).
+//!
+//! A potential is evaluated in three steps, each in a fixed order, so that no bit
+//! depends on the number of threads:
+//!
+//! 1. candidate pairs, which may be close ([broad phase](super::candidates));
+//! 2. close pairs, those within the range of β;
+//! 3. [`Contacts`]: weighted stencils, of which values and derivatives are sums.
+//!
+//! Sources: Li et al. 2020, "Incremental Potential Contact",
+//! doi:10.1145/3386569.3392425; convergent form: Li et al. 2023, arXiv:2307.15908;
+//! other densities: Gjoka et al. 2024, equations (13) to (15).
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::mollifier::{Mollifier, cross, cross_gradient, threshold, threshold_gradient};
+use super::barrier::Form;
+use super::candidates::{self, TooMany};
+use super::density::Repulsion;
+use super::distance::{Closest, corners};
 use super::pairs::Pair;
+use super::stencil::Local;
+use super::surface::Surface;
+use super::terms::{Term, Terms};
+use super::weights::Adjacency;
+use crate::math::sparse::BlockMatrix;
+use crate::math::tensor::{Mat12, Vec12};
+use crate::parallel::map_merge;
 
-/// β(d²) and its derivative.
-pub type Density<'a> = &'a (dyn Fn(f64) -> (f64, f64) + Sync);
-
-/// E [unit of β].
-#[must_use]
-pub fn value(pairs: &[Pair], x: &[Vec3], density: Density) -> f64 {
-    let part = |range: Range<usize>| pairs[range].iter().map(|p| pair_value(p, x, density)).sum();
-    let mut total = 0.0;
-    crate::parallel::map_merge(pairs.len(), part, |_, part: f64| total += part);
-    total
+/// Which features repel each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partners {
+    /// All of which one can move, those of one body included.
+    All,
+    /// Those of different bodies.
+    OtherBodies,
 }
 
-/// Adds `weight` ∂E/∂x, three components per vertex. E must be finite.
-pub fn add_gradient(pairs: &[Pair], x: &[Vec3], density: Density, weight: f64, out: &mut [f64]) {
-    let part = |range: Range<usize>| -> Vec<[Vec3; 4]> {
-        pairs[range].iter().map(|p| pair_gradient(p, x, density)).collect()
-    };
-    crate::parallel::map_merge(pairs.len(), part, |range, gradients| {
-        for (pair, gradient) in pairs[range].iter().zip(gradients) {
-            for (v, g) in pair.corners().into_iter().zip(gradient) {
-                for k in 0..3 {
-                    out[3 * v + k] += weight * g[k];
-                }
+/// The potential of a collision surface.
+pub struct Potential {
+    surface: Arc<Surface>,
+    adjacency: Adjacency,
+    form: Form,
+    repulsion: Repulsion,
+    scale: f64,
+    partners: Partners,
+}
+
+impl Potential {
+    /// The potential s Σ w m β of a surface, with weights of a form and s = `scale`.
+    #[must_use]
+    pub fn new(
+        surface: Arc<Surface>,
+        partners: Partners,
+        form: Form,
+        repulsion: Repulsion,
+        scale: f64,
+    ) -> Self {
+        let adjacency = Adjacency::new(&surface);
+        Self { surface, adjacency, form, repulsion, scale, partners }
+    }
+
+    /// The collision surface.
+    #[must_use]
+    pub fn surface(&self) -> &Arc<Surface> {
+        &self.surface
+    }
+
+    /// β.
+    #[must_use]
+    pub fn repulsion(&self) -> &Repulsion {
+        &self.repulsion
+    }
+
+    /// Candidate pairs: all that come closer than `radius` [m] while collision vertices
+    /// move from `x0` to `x1` [m], and some that do not.
+    ///
+    /// # Errors
+    /// [`TooMany`] where there are more than memory is meant for.
+    pub fn candidates(&self, x0: &[Vec3], x1: &[Vec3], radius: f64) -> Result<Vec<Pair>, TooMany> {
+        let indifferent = |corners: [usize; 4]| match self.partners {
+            Partners::All => self.surface.immovable(&corners),
+            Partners::OtherBodies => {
+                let body = self.surface.body(corners[0]);
+                corners.iter().all(|&v| self.surface.body(v) == body)
             }
-        }
-    });
-}
+        };
+        candidates::between(self.surface.features(), x0, x1, radius, indifferent)
+    }
 
-fn pair_value(pair: &Pair, x: &[Vec3], density: Density) -> f64 {
-    let corners = pair.gather(x);
-    let (beta, _) = density(pair.closest(&corners).d2);
-    match pair {
-        // also where the edges are parallel: touching is not admissible
-        _ if beta.is_infinite() => beta,
-        Pair::PointTriangle(_) => beta,
-        Pair::EdgeEdge(_) => Mollifier::new(cross(&corners), threshold(&corners)).value * beta,
+    /// The candidates within the range of β at positions `x`, in their order.
+    #[must_use]
+    pub fn close_pairs(&self, candidates: &[Pair], x: &[Vec3]) -> Vec<(Pair, Closest)> {
+        let range2 = self.repulsion.range().powi(2);
+        let near = |range: Range<usize>| -> Vec<(Pair, Closest)> {
+            let closest = candidates[range].iter().map(|p| (*p, p.closest(&p.gather(x))));
+            closest.filter(|(_, closest)| closest.d2 < range2).collect()
+        };
+        let mut close = Vec::new();
+        map_merge(candidates.len(), near, |_, mut part| close.append(&mut part));
+        close
+    }
+
+    /// What interacts at positions and rest positions of the collision vertices [m],
+    /// where these pairs are close.
+    #[must_use]
+    pub fn contacts(
+        &self,
+        close: &[(Pair, Closest)],
+        x: Vec<Vec3>,
+        rest: Vec<Vec3>,
+    ) -> Contacts<'_> {
+        let on = (&*self.surface, &self.adjacency);
+        let terms = Terms::new(on, self.form, close, (&x, &rest), self.repulsion.range());
+        Contacts { potential: self, x, rest, terms }
     }
 }
 
-fn pair_gradient(pair: &Pair, x: &[Vec3], density: Density) -> [Vec3; 4] {
-    let corners = pair.gather(x);
-    let closest = pair.closest(&corners);
-    let (beta, slope) = density(closest.d2);
-    let d2 = closest.d2_gradient();
-    match pair {
-        Pair::PointTriangle(_) => d2.map(|g| slope * g),
-        Pair::EdgeEdge(_) => {
-            let m = Mollifier::new(cross(&corners), threshold(&corners));
-            // the rest shape is this shape, so that both c and ε change
-            let dm = m.by_cross * cross_gradient(&corners)
-                + m.by_threshold * threshold_gradient(&corners);
-            let dm = |i: usize| dm.fixed_rows::<3>(3 * i).into_owned();
-            std::array::from_fn(|i| m.value * slope * d2[i] + beta * dm(i))
-        }
+/// The potential at one state: weighted stencils with their sums.
+pub struct Contacts<'a> {
+    potential: &'a Potential,
+    /// Positions of the collision vertices [m].
+    x: Vec<Vec3>,
+    /// Their rest positions [m].
+    rest: Vec<Vec3>,
+    terms: Terms,
+}
+
+impl Contacts<'_> {
+    /// Positions of the collision vertices [m].
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.x
     }
+
+    /// The weighted stencils, in a fixed order.
+    #[must_use]
+    pub fn terms(&self) -> &[Term] {
+        &self.terms.terms
+    }
+
+    /// e of one stencil, with its derivatives.
+    #[must_use]
+    pub fn local(&self, term: &Term) -> Local {
+        Local::new(&term.stencil, &self.x, &self.rest, &self.potential.repulsion)
+    }
+
+    /// B.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        let mut sum = 0.0;
+        self.for_each_term(|_, local, weight| weight * local.value(), |_, value| sum += value);
+        sum
+    }
+
+    /// Calls `f` with the corners of each stencil and what it adds to ∂B/∂x there.
+    pub fn for_each_gradient(&self, mut f: impl FnMut([usize; 4], [Vec3; 4])) {
+        let gradient = |_: &Term, local: &Local, weight: f64| local.gradient() * weight;
+        self.for_each_term(gradient, |term, gradient| {
+            f(term.stencil.corners, [0, 1, 2, 3].map(|i| corner(&gradient, i)));
+        });
+    }
+
+    /// ∂B/∂x.
+    #[must_use]
+    pub fn gradient(&self) -> Vec<Vec3> {
+        let mut sum = self.zeros();
+        self.for_each_gradient(|corners, gradient| add(&mut sum, &corners, gradient));
+        sum
+    }
+
+    /// Adds Wᵀ ∂²B/∂x² W of the nodes.
+    pub fn add_hessian(&self, out: &mut BlockMatrix) {
+        self.add_blocks(|local, weight| local.hessian() * weight, out);
+    }
+
+    /// The same with the second derivative of each stencil made positive semidefinite.
+    pub fn add_projected_hessian(&self, out: &mut BlockMatrix) {
+        self.add_blocks(Local::projected_hessian, out);
+    }
+
+    /// ∂²B/∂x² λ.
+    #[must_use]
+    pub fn hessian_times(&self, lambda: &[Vec3]) -> Vec<Vec3> {
+        let image = |term: &Term, local: &Local, weight: f64| {
+            local.hessian() * corners(term.stencil.gather(lambda)) * weight
+        };
+        let mut sum = self.zeros();
+        self.for_each_term(image, |term, image| add_vector(&mut sum, term, &image));
+        sum
+    }
+
+    /// λᵀ ∂²B/∂x∂X for x that moves along with X, one to one.
+    #[must_use]
+    pub fn shape_vjp(&self, lambda: &[Vec3]) -> Vec<Vec3> {
+        let by_shape = |term: &Term, local: &Local, weight: f64| {
+            let l = corners(term.stencil.gather(lambda));
+            let mut by_corners = local.hessian() * l * weight;
+            if let Some((by_threshold, threshold)) = local.by_threshold() {
+                by_corners += threshold * (weight * by_threshold.dot(&l));
+            }
+            (by_corners, self.potential.scale * local.gradient().dot(&l))
+        };
+        let (mut by_rest, mut by_area) = (self.zeros(), self.zero_areas());
+        self.for_each_term(by_shape, |term, (by_corners, by_weight)| {
+            add_vector(&mut by_rest, term, &by_corners);
+            self.add_by_area(term, by_weight, &mut by_area);
+        });
+        self.add_area_gradient(&by_area, &mut by_rest);
+        by_rest
+    }
+
+    /// Normal force per weight at a squared distance, N = −2 s β′ d, and ∂N/∂d².
+    pub(super) fn normal_force(&self, d2: f64) -> [f64; 2] {
+        let [_, slope, curvature] = self.potential.repulsion.at(d2);
+        let (scale, d) = (self.potential.scale, d2.sqrt());
+        [-2.0 * scale * slope * d, -scale * (2.0 * curvature * d + slope / d)]
+    }
+
+    /// Zero at each collision vertex.
+    pub(super) fn zeros(&self) -> Vec<Vec3> {
+        vec![Vec3::zeros(); self.x.len()]
+    }
+
+    /// Zero for each area that weights are made of.
+    pub(crate) fn zero_areas(&self) -> Vec<f64> {
+        vec![0.0; self.potential.adjacency.area_count()]
+    }
+
+    /// Adds `by_weight` ∂w/∂A of a term.
+    pub(crate) fn add_by_area(&self, term: &Term, by_weight: f64, by_area: &mut [f64]) {
+        self.terms.add_by_area(term, by_weight, by_area);
+    }
+
+    /// Adds Σ `by_area` ∂A/∂X.
+    pub(super) fn add_area_gradient(&self, by_area: &[f64], by_rest: &mut [Vec3]) {
+        self.potential.adjacency.add_gradient(&self.rest, by_area, by_rest);
+    }
+
+    /// Adds `block` of each stencil and its weight s w, unless that is zero.
+    fn add_blocks(&self, block: impl Fn(&Local, f64) -> Mat12 + Sync, out: &mut BlockMatrix) {
+        let block =
+            |_: &Term, local: &Local, weight: f64| (weight != 0.0).then(|| block(local, weight));
+        self.for_each_term(block, |term, block| {
+            if let Some(block) = block {
+                self.potential.surface.add_block(&term.stencil.corners, &block, out);
+            }
+        });
+    }
+
+    /// Calls `map` on all terms, with their weight s w, in parallel, and `merge` on the
+    /// results in order.
+    fn for_each_term<T: Send>(
+        &self,
+        map: impl Fn(&Term, &Local, f64) -> T + Sync,
+        mut merge: impl FnMut(&Term, T),
+    ) {
+        let (terms, scale) = (self.terms(), self.potential.scale);
+        let part = |range: Range<usize>| -> Vec<T> {
+            terms[range].iter().map(|t| map(t, &self.local(t), scale * t.weight)).collect()
+        };
+        map_merge(terms.len(), part, |range, part| {
+            terms[range].iter().zip(part).for_each(|(term, value)| merge(term, value));
+        });
+    }
+}
+
+fn corner(vector: &Vec12, i: usize) -> Vec3 {
+    vector.fixed_rows::<3>(3 * i).into_owned()
+}
+
+/// Adds vectors of four collision vertices to a list over all of them.
+pub(super) fn add(list: &mut [Vec3], corners: &[usize; 4], vectors: [Vec3; 4]) {
+    corners.iter().zip(vectors).for_each(|(&v, vector)| list[v] += vector);
+}
+
+fn add_vector(list: &mut [Vec3], term: &Term, vector: &Vec12) {
+    add(list, &term.stencil.corners, [0, 1, 2, 3].map(|i| corner(vector, i)));
 }

@@ -1,10 +1,13 @@
 //! What one pair adds to the contact potential, with derivatives.
 //!
-//! e = m(c, ε) b(d²)
-//! ∂e/∂x  = m b′ ∇d² + b m_c ∇c
-//! ∂²e/∂x² = m (b″ ∇d² ∇d²ᵀ + b′ ∇²d²) + m_c b′ (∇d² ∇cᵀ + ∇c ∇d²ᵀ)
-//!           + b (m_cc ∇c ∇cᵀ + m_c ∇²c)
-//! ∂²e/∂x∂ε = m_ε b′ ∇d² + b m_cε ∇c
+//! e = m(c, ε) β(d²)
+//! ∂e/∂x  = m β′ ∇d² + β m_c ∇c
+//! ∂²e/∂x² = m (β″ ∇d² ∇d²ᵀ + β′ ∇²d²) + m_c β′ (∇d² ∇cᵀ + ∇c ∇d²ᵀ)
+//!           + β (m_cc ∇c ∇cᵀ + m_c ∇²c)
+//! ∂²e/∂x∂ε = m_ε β′ ∇d² + β m_cε ∇c
+//!
+//! d   distance [m];   β   its [`density`](super::density) [m⁴]
+//! m   [`mollifier`](super::mollifier) of parallel edges [1], of c and ε [m⁴]
 //!
 //! m is one unless the pair is one of edges that are nearly parallel. Such a pair
 //! keeps both edges; any other is reduced to the corners that its closest points
@@ -13,7 +16,7 @@
 
 use mesh::Vec3;
 
-use super::barrier::Barrier;
+use super::density::Repulsion;
 use super::distance::{Closest, Region, corners};
 use super::mollifier::{
     Mollifier, cross, cross_gradient, cross_hessian, threshold, threshold_gradient,
@@ -28,8 +31,8 @@ pub struct Stencil {
     pub corners: [usize; 4],
     /// Which corners the closest points lie between.
     pub region: Region,
-    /// Whether these are edges that fade out as they become parallel.
-    pub faded: bool,
+    /// Whether these are edges so parallel that they are mollified.
+    pub mollified: bool,
 }
 
 impl Stencil {
@@ -53,14 +56,14 @@ impl Stencil {
         ordered[..a].copy_from_slice(&parts[0][..a]);
         ordered[a..a + b].copy_from_slice(&parts[1][..b]);
         let region = Region { first: a, active: std::array::from_fn(|i| i < a + b) };
-        Self { corners: ordered, region, faded: false }
+        Self { corners: ordered, region, mollified: false }
     }
 
     /// Two edges that are nearly parallel; their corners must be ordered by
     /// [`ordered_edges`].
     #[must_use]
-    pub fn faded(corners: [usize; 4], region: Region) -> Self {
-        Self { corners, region, faded: true }
+    pub fn mollified(corners: [usize; 4], region: Region) -> Self {
+        Self { corners, region, mollified: true }
     }
 
     /// The corners' entries of a list over all collision vertices.
@@ -70,7 +73,7 @@ impl Stencil {
     }
 }
 
-/// The corners of two edges in the order of a faded stencil.
+/// The corners of two edges in the order of a mollified stencil.
 #[must_use]
 pub fn ordered_edges(mut a: [usize; 2], mut b: [usize; 2]) -> [usize; 4] {
     a.sort_unstable();
@@ -86,55 +89,46 @@ pub struct Local {
     rest: Option<[Vec3; 4]>,
     /// Closest points.
     pub closest: Closest,
-    fade: Mollifier,
-    barrier: [f64; 3],
+    mollifier: Mollifier,
+    /// β and its first two derivatives by d².
+    beta: [f64; 3],
 }
 
 impl Local {
     /// The stencil at positions and rest positions of all collision vertices.
     #[must_use]
-    pub fn new(stencil: &Stencil, x: &[Vec3], rest: &[Vec3], barrier: &Barrier) -> Self {
-        Self::with(stencil, x, rest, |d2| barrier.at(d2))
-    }
-
-    /// The same with another function of d² in place of b, given with its first two
-    /// derivatives.
-    #[must_use]
-    pub fn with(
-        stencil: &Stencil,
-        x: &[Vec3],
-        rest: &[Vec3],
-        density: impl Fn(f64) -> [f64; 3],
-    ) -> Self {
+    pub fn new(stencil: &Stencil, x: &[Vec3], rest: &[Vec3], repulsion: &Repulsion) -> Self {
         let (x, region) = (stencil.gather(x), stencil.region);
-        let rest = stencil.faded.then(|| stencil.gather(rest));
-        let fade = |rest: &_| Mollifier::new(cross(&x), threshold(rest));
-        let fade = rest.as_ref().map_or(Mollifier::ONE, fade);
+        let rest = stencil.mollified.then(|| stencil.gather(rest));
+        let mollifier = |rest: &_| Mollifier::new(cross(&x), threshold(rest));
+        let mollifier = rest.as_ref().map_or(Mollifier::ONE, mollifier);
         let closest = region.closest(&x);
-        Self { region, x, rest, closest, fade, barrier: density(closest.d2) }
+        Self { region, x, rest, closest, mollifier, beta: repulsion.at(closest.d2) }
     }
 
     /// e [m⁴].
     #[must_use]
     pub fn value(&self) -> f64 {
-        self.fade.value * self.barrier[0]
+        self.mollifier.value * self.beta[0]
     }
 
     /// ∂e/∂x [m³].
     #[must_use]
     pub fn gradient(&self) -> Vec12 {
-        let distance = corners(self.closest.d2_gradient()) * (self.fade.value * self.barrier[1]);
+        let distance = corners(self.closest.d2_gradient()) * (self.mollifier.value * self.beta[1]);
         match self.rest {
             None => distance,
-            Some(_) => distance + cross_gradient(&self.x) * (self.barrier[0] * self.fade.by_cross),
+            Some(_) => {
+                distance + cross_gradient(&self.x) * (self.beta[0] * self.mollifier.by_cross)
+            }
         }
     }
 
     /// ∂²e/∂x² [m²].
     #[must_use]
     pub fn hessian(&self) -> Mat12 {
-        let [b, slope, curvature] = self.barrier;
-        let m = &self.fade;
+        let [beta, slope, curvature] = self.beta;
+        let m = &self.mollifier;
         let by_d2 = corners(self.closest.d2_gradient());
         let mut hessian = self.region.d2_hessian(&self.x, &self.closest) * (m.value * slope);
         hessian += by_d2 * (by_d2 * (m.value * curvature)).transpose();
@@ -142,15 +136,15 @@ impl Local {
             let by_cross = cross_gradient(&self.x);
             let mixed = by_d2 * (by_cross * (m.by_cross * slope)).transpose();
             hessian += mixed + mixed.transpose();
-            hessian += by_cross * (by_cross * (b * m.by_cross_twice)).transpose();
-            hessian += cross_hessian(&self.x) * (b * m.by_cross);
+            hessian += by_cross * (by_cross * (beta * m.by_cross_twice)).transpose();
+            hessian += cross_hessian(&self.x) * (beta * m.by_cross);
         }
         hessian
     }
 
     /// `weight` ∂²e/∂x² with its negative eigenvalues set to zero.
     ///
-    /// Unless edges fade, the Hessian maps into the few directions c ⊗ a and
+    /// Unless edges are mollified, the Hessian maps into the few directions c ⊗ a and
     /// eₖ ⊗ r of [`distance`](super::distance), a any vector, so that a matrix of
     /// their number is decomposed.
     #[must_use]
@@ -164,14 +158,14 @@ impl Local {
         basis * project_positive(&inner) * basis.transpose()
     }
 
-    /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a pair that fades.
+    /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a mollified pair.
     #[must_use]
     pub fn by_threshold(&self) -> Option<(Vec12, Vec12)> {
         let rest = self.rest.as_ref()?;
-        let [b, slope, _] = self.barrier;
+        let [beta, slope, _] = self.beta;
         let by_d2 = corners(self.closest.d2_gradient());
-        let by = by_d2 * (self.fade.by_threshold * slope)
-            + cross_gradient(&self.x) * (b * self.fade.by_both);
+        let by = by_d2 * (self.mollifier.by_threshold * slope)
+            + cross_gradient(&self.x) * (beta * self.mollifier.by_both);
         Some((by, threshold_gradient(rest)))
     }
 }
@@ -179,7 +173,7 @@ impl Local {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::barrier::Form;
+    use crate::contact::density::Density;
     use crate::contact::distance::{edge_edge, point_triangle};
     use crate::math::random::Random;
 
@@ -199,8 +193,7 @@ mod tests {
     #[test]
     fn the_projected_hessian_is_that_of_all_components() {
         let mut random = Random::new(6);
-        let form = Form::Convergent;
-        let barrier = Barrier { form, activation: 1.5, stiffness: 1.0, thickness: 0.1 };
+        let repulsion = Repulsion { density: Density::Log, minimum: 0.1, activation: 1.5 };
         let mut seen = std::collections::BTreeSet::new();
         for k in 0..400 {
             let x: Vec<Vec3> = (0..4).map(|_| random.vector()).collect();
@@ -212,7 +205,7 @@ mod tests {
             }
             let stencil = Stencil::reduced([0, 1, 2, 3], Region::of(first, &closest));
             seen.insert(stencil.region);
-            let local = Local::new(&stencil, &x, &x, &barrier);
+            let local = Local::new(&stencil, &x, &x, &repulsion);
             for weight in [2.0, -3.0] {
                 let hessian = local.hessian() * weight;
                 let error = local.projected_hessian(weight) - project_positive(&hessian);

@@ -22,6 +22,8 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::pairs::Features;
 use crate::element::{FunctionSpace, add_at, at};
+use crate::math::sparse::BlockMatrix;
+use crate::math::tensor::Mat12;
 
 /// Displacement [m] of a point of an obstacle, given its rest position [m] and
 /// the load t.
@@ -180,6 +182,31 @@ impl Surface {
         for (row, vector) in self.rows.iter().zip(vectors) {
             for &(node, weight) in row {
                 add_at(out, node, &(weight * vector));
+            }
+        }
+    }
+
+    /// Adds to rest vertices, three components each, what vectors by the rest positions of
+    /// the collision vertices make of them: Πᵀ Wᵀ.
+    pub fn add_to_rest(&self, space: &FunctionSpace, vectors: &[Vec3], out: &mut [f64]) {
+        let mut nodal = vec![0.0; 3 * space.node_count()];
+        self.add_to_nodes(vectors, &mut nodal);
+        space.add_to_vertices(&nodal, out);
+    }
+
+    /// Adds a second derivative by four collision vertices to the nodes they depend on.
+    pub fn add_block(&self, corners: &[usize; 4], block: &Mat12, out: &mut BlockMatrix) {
+        for (i, &a) in corners.iter().enumerate() {
+            for (j, &b) in corners.iter().enumerate() {
+                let block = block.fixed_view::<3, 3>(3 * i, 3 * j);
+                if block.iter().all(|v| *v == 0.0) {
+                    continue;
+                }
+                for &(row, by_row) in self.row(a) {
+                    for &(column, by_column) in self.row(b) {
+                        out.add_lower(row, column, &(block * (by_row * by_column)));
+                    }
+                }
             }
         }
     }

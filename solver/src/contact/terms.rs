@@ -13,8 +13,8 @@
 //! − vertices v and w:         ¼ A_v if w is inside the surface and no neighbour,
 //!                             and the same with v and w exchanged
 //! − edge e and vertex v:      −¼ A_e (n − 1), n edges at v that do not touch e and
-//!                             are not faded with it; for each of those that are,
-//!                             −¼ A_e times the faded pair at the distance of v
+//!                             are not mollified with it; for each of those that are,
+//!                             −¼ A_e times the mollified pair at the distance of v
 //!
 //! Equal stencils are merged. Weights may be negative. In the even form the ¼ of
 //! vertices and of edges are replaced by [`Form::shares`].
@@ -28,7 +28,7 @@ use mesh::Vec3;
 
 use super::barrier::Form;
 use super::distance::{Closest, Region, edge_edge, point_edge};
-use super::mollifier::faded;
+use super::mollifier::mollified;
 use super::pairs::Pair;
 use super::stencil::{Stencil, ordered_edges};
 use super::surface::Surface;
@@ -172,13 +172,13 @@ impl Collector<'_> {
         match *pair {
             Pair::PointTriangle(corners) => Stencil::reduced(corners, Region::of(1, closest)),
             Pair::EdgeEdge(corners) => {
-                if !faded(&pair.gather(self.x), &pair.gather(self.rest)) {
+                if !mollified(&pair.gather(self.x), &pair.gather(self.rest)) {
                     return Stencil::reduced(corners, Region::of(2, closest));
                 }
                 let [a, b, c, d] = corners;
                 let ordered = ordered_edges([a, b], [c, d]);
                 let closest = edge_edge(&ordered.map(|v| self.x[v]));
-                Stencil::faded(ordered, Region::of(2, &closest))
+                Stencil::mollified(ordered, Region::of(2, &closest))
             }
         }
     }
@@ -239,14 +239,14 @@ impl Collector<'_> {
             }
             let corners = ordered_edges(ends, other);
             let x = corners.map(|v| self.x[v]);
-            if !faded(&x, &corners.map(|v| self.rest[v])) {
+            if !mollified(&x, &corners.map(|v| self.rest[v])) {
                 kept += 1.0;
                 continue;
             }
             let point = (0..4).find(|&i| corners[i] == p).expect("an end of one edge");
             let edge = if point < 2 { [2, 3] } else { [0, 1] };
             let region = Region::of(2, &point_edge(&x, point, edge));
-            self.add(Stencil::faded(corners, region), area, -self.by_edge);
+            self.add(Stencil::mollified(corners, region), area, -self.by_edge);
         }
         let (corners, closest) = self.point_edge(p, ends);
         let stencil = Stencil::reduced(corners, Region::of(1, &closest));

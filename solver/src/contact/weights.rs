@@ -103,6 +103,12 @@ impl Adjacency {
         self.rim.len() + edge
     }
 
+    /// Number of areas: of vertices and edges.
+    #[must_use]
+    pub fn area_count(&self) -> usize {
+        self.obstacle.len()
+    }
+
     /// Areas of the vertices, then of the edges, at rest positions of the
     /// collision vertices [m²].
     #[must_use]
@@ -147,7 +153,7 @@ impl Adjacency {
     }
 
     fn own_areas(&self, rest: &[Vec3]) -> Vec<f64> {
-        let mut areas = vec![0.0; self.obstacle.len()];
+        let mut areas = vec![0.0; self.area_count()];
         for (triangle, edges) in self.triangles.iter().zip(&self.triangle_edges) {
             let [a, b, c] = triangle.map(|v| rest[v]);
             let third = mesh::measure::triangle_area(a, b, c) / 3.0;

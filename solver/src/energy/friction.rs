@@ -1,18 +1,18 @@
-//! Friction of the contacts that were there at the start of a time step.
+//! Lagged friction: of the contacts that were there at the start of a time step.
 //!
 //! E(u) = h Σ_k μ N_k f₀(|τ_k|)      τ_k = 𝒯ᵀ Σᵢ cᵢ vᵢ,   v = W (u − history) / h
 //! ∂E/∂u = Σ_k μ N_k (f₀′/y) Γᵀ 𝒯 τ
 //! ∂²E/∂u² = (1/h) Σ_k μ N_k Γᵀ 𝒯 [(f₀′/y) I + ((f₀″ − f₀′/y)/y²) τ τᵀ] 𝒯ᵀ Γ
 //!
-//! N, 𝒯 and c (as Γ) are those of [`Sliding`] and do not change with u, so that
+//! N, 𝒯 and c (as Γ) are those of [`LaggedContact`] and do not change with u, so that
 //! friction has a potential. Vertices of obstacles have the mean velocity of their
 //! last h. Without a step in time there is no friction.
 //!
-//! u and X enter at fixed `Sliding` through v alone, and v does not depend on the
+//! u and X enter at fixed lagged contacts through v alone, and v does not depend on the
 //! rest shape: the mixed derivative vanishes. The normal forces, closest points and
 //! weights at the start of the step change with the rest shape and with the last
 //! state: `add_past_vjp` says how the forces follow them, and the contact that
-//! made them ([`Energy::add_sliding_vjp`]) how they follow its state.
+//! made them ([`Energy::add_lagged_contacts_vjp`]) how they follow its state.
 //!
 //! Its one parameter is μ.
 //!
@@ -23,9 +23,8 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::contact::add_block;
 use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
-use crate::contact::friction::{Sliding, SlidingCotangent, dissipation};
+use crate::contact::friction::{LaggedContact, LaggedContactCotangent, dissipation};
 use crate::contact::surface::{BodyForce, Surface};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
@@ -58,7 +57,7 @@ impl Friction {
         forces
     }
 
-    /// Force between each two bodies that rub.
+    /// Force between each two bodies with friction.
     #[must_use]
     pub fn body_forces(&self, at: &Iterate) -> Vec<BodyForce> {
         self.surface.body_forces(&self.corner_forces(at))
@@ -75,17 +74,17 @@ impl Friction {
     fn corner_forces(&self, at: &Iterate) -> Vec<([usize; 4], [Vec3; 4])> {
         let Some(step) = at.step else { return Vec::new() };
         let v = self.velocities(at, step);
-        let force = |contact: &Sliding| {
+        let force = |contact: &LaggedContact| {
             let [a, b] = contact.velocity(&v);
             let by = dissipation(a.hypot(b), self.full_speed)[1];
             let pull = (contact.tangents[0] * a + contact.tangents[1] * b)
                 * (self.coefficient * contact.force * by);
             (contact.corners, contact.coefficients.map(|c| -c * pull))
         };
-        step.sliding.iter().map(force).collect()
+        step.lagged_contacts.iter().map(force).collect()
     }
 
-    fn hessian(&self, contact: &Sliding, v: &[Vec3], h: f64, kind: Hessian) -> Mat12 {
+    fn hessian(&self, contact: &LaggedContact, v: &[Vec3], h: f64, kind: Hessian) -> Mat12 {
         let velocity = Vec2::from(contact.velocity(v));
         let [_, by, twice] = dissipation(velocity.norm(), self.full_speed);
         let mut inner = Mat2::identity() * by + velocity * (velocity * twice).transpose();
@@ -109,11 +108,11 @@ impl Energy for Friction {
     fn value(&self, at: &Iterate) -> f64 {
         let Some(step) = at.step else { return 0.0 };
         let v = self.velocities(at, step);
-        let work = |contact: &Sliding| {
+        let work = |contact: &LaggedContact| {
             let [a, b] = contact.velocity(&v);
             contact.force * dissipation(a.hypot(b), self.full_speed)[0]
         };
-        step.h * self.coefficient * step.sliding.iter().map(work).sum::<f64>()
+        step.h * self.coefficient * step.lagged_contacts.iter().map(work).sum::<f64>()
     }
 
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
@@ -125,18 +124,18 @@ impl Energy for Friction {
         let Some(step) = at.step else { return };
         let v = self.velocities(at, step);
         let part = |range: Range<usize>| -> Vec<Mat12> {
-            step.sliding[range].iter().map(|c| self.hessian(c, &v, step.h, kind)).collect()
+            step.lagged_contacts[range].iter().map(|c| self.hessian(c, &v, step.h, kind)).collect()
         };
-        map_merge(step.sliding.len(), part, |range, blocks| {
-            for (contact, block) in step.sliding[range].iter().zip(blocks) {
-                add_block(&self.surface, &contact.corners, &block, out);
+        map_merge(step.lagged_contacts.len(), part, |range, blocks| {
+            for (contact, block) in step.lagged_contacts[range].iter().zip(blocks) {
+                self.surface.add_block(&contact.corners, &block, out);
             }
         });
     }
 
     fn couplings(&self, at: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
-        let sliding = at.step.map_or(&[][..], |step| &step.sliding);
-        let corners: Vec<_> = sliding.iter().map(|contact| contact.corners).collect();
+        let lagged_contacts = at.step.map_or(&[][..], |step| &step.lagged_contacts);
+        let corners: Vec<_> = lagged_contacts.iter().map(|contact| contact.corners).collect();
         self.surface.couplings(&corners)
     }
 
@@ -146,8 +145,8 @@ impl Energy for Friction {
         let Some(step) = at.step else { return };
         let (v, lambda) = (self.velocities(at, step), self.surface.trace(lambda));
         let mut pull = vec![Vec3::zeros(); v.len()];
-        out.sliding.resize(step.sliding.len(), SlidingCotangent::default());
-        for (contact, out) in step.sliding.iter().zip(&mut out.sliding) {
+        out.lagged_contacts.resize(step.lagged_contacts.len(), LaggedContactCotangent::default());
+        for (contact, out) in step.lagged_contacts.iter().zip(&mut out.lagged_contacts) {
             // v = (u − history) / h
             let l = crate::contact::distance::corners(contact.corners.map(|i| lambda[i]));
             let by_velocity = self.hessian(contact, &v, step.h, Hessian::Exact) * l;

@@ -11,7 +11,7 @@ mod wall;
 
 pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
-pub use contact::{Closeness, Contact};
+pub use contact::{Contact, GapSummary};
 pub use elastic::Elastic;
 pub use friction::Friction;
 pub use inertia::Inertia;
@@ -21,7 +21,7 @@ pub use wall::Wall;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::friction::{Sliding, SlidingCotangent};
+use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
 use crate::element::FunctionSpace;
 use crate::math::sparse::BlockMatrix;
 
@@ -53,8 +53,8 @@ pub struct TimeStep {
     /// ũ = Σ αᵢ (u₋ᵢ + h v₋ᵢ), where the body would go without forces [m]; none
     /// where inertia is neglected.
     pub free_flight: Option<Vec<f64>>,
-    /// Contacts that rub, as they were at the start of the step.
-    pub sliding: Vec<Sliding>,
+    /// Contacts with friction, lagged: as they were at the start of the step.
+    pub lagged_contacts: Vec<LaggedContact>,
 }
 
 /// Cotangents of what a [`TimeStep`] looks back to.
@@ -64,15 +64,15 @@ pub struct PastCotangent {
     pub history: Vec<f64>,
     /// Of the free flight, three components per node.
     pub free_flight: Vec<f64>,
-    /// Of the contacts that rub, in their order; empty if nothing looked at them.
-    pub sliding: Vec<SlidingCotangent>,
+    /// Of the lagged contacts, in their order; empty if nothing looked at them.
+    pub lagged_contacts: Vec<LaggedContactCotangent>,
 }
 
 impl PastCotangent {
     /// Zero, for a number of degrees of freedom.
     #[must_use]
     pub fn zeros(len: usize) -> Self {
-        Self { history: vec![0.0; len], free_flight: vec![0.0; len], sliding: Vec::new() }
+        Self { history: vec![0.0; len], free_flight: vec![0.0; len], lagged_contacts: Vec::new() }
     }
 }
 
@@ -146,8 +146,8 @@ pub trait Energy: Send + Sync {
     fn objection(&self, _: &Iterate) -> Option<String> {
         None
     }
-    /// The contacts here that will rub in the next step.
-    fn sliding(&self, _: &Iterate) -> Vec<Sliding> {
+    /// The contacts here whose friction acts in the next step (lagged friction).
+    fn lagged_contacts(&self, _: &Iterate) -> Vec<LaggedContact> {
         Vec::new()
     }
     /// The volume that the term prescribes, if any.
@@ -156,14 +156,14 @@ pub trait Energy: Send + Sync {
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
-    /// Adds λᵀ ∂²E/∂u∂(history, free flight, contacts that rub).
+    /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts).
     fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
-    /// Adds to `by_u` and `by_rest` what cotangents of its [`Self::sliding`] here make
-    /// of this state; of all terms of a system at most one has contacts that rub.
-    fn add_sliding_vjp(
+    /// Adds to `by_u` and `by_rest` what cotangents of its [`Self::lagged_contacts`] make
+    /// of this state; of all terms of a system at most one has lagged contacts.
+    fn add_lagged_contacts_vjp(
         &self,
         _at: &Iterate,
-        _cotangents: &[SlidingCotangent],
+        _cotangents: &[LaggedContactCotangent],
         _by_u: &mut [f64],
         _by_rest: &mut [f64],
     ) {

@@ -105,7 +105,7 @@ impl Integrator {
             let velocity = sum(|s| &s.v);
             history.iter().zip(&velocity).map(|(u, v)| u + h * v).collect()
         });
-        TimeStep { h, history, free_flight, sliding: Vec::new() }
+        TimeStep { h, history, free_flight, lagged_contacts: Vec::new() }
     }
 
     /// Goes to the end `u` [m] of a step.

@@ -165,9 +165,10 @@ impl March {
             // inertia keeps what comes near what was, and a guide near what it did
             self.progress.increment = 1.0;
         }
-        let sliding = system.sliding(rest, self.progress.reached(), self.progress.load());
+        let lagged_contacts =
+            system.lagged_contacts(rest, self.progress.reached(), self.progress.load());
         let step = self.progress.integrator.step(end - self.progress.time);
-        system.step = Some(TimeStep { sliding, ..step });
+        system.step = Some(TimeStep { lagged_contacts, ..step });
     }
 
     /// A state near the next one, that surfaces can reach, and its load: where a guide

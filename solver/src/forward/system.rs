@@ -5,7 +5,7 @@ use std::time::Instant;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::friction::Sliding;
+use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
 use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne, TimeStep};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
@@ -165,11 +165,11 @@ impl System {
         found
     }
 
-    /// The contacts at a state that will rub in the next step.
+    /// The contacts at a state whose friction acts in the next step.
     #[must_use]
-    pub fn sliding(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<Sliding> {
+    pub fn lagged_contacts(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<LaggedContact> {
         let at = self.iterate(rest, u, load);
-        self.energies.iter().flat_map(|e| e.sliding(&at)).collect()
+        self.energies.iter().flat_map(|e| e.lagged_contacts(&at)).collect()
     }
 
     /// Starts the multipliers of prescribed volumes, as the energies number them.

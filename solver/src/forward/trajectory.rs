@@ -83,11 +83,11 @@ impl Trajectory {
         Integrator { method: self.method, states }
     }
 
-    /// Step n ≥ 1 with the contacts that rub in it.
+    /// Step n ≥ 1 with its lagged contacts.
     #[must_use]
     pub fn step(&self, system: &System, rest: &[Vec3], n: usize) -> TimeStep {
         let (before, end) = (self.times[n - 1], self.times[n]);
-        let sliding = system.sliding(rest, &self.state(n - 1).u, before);
-        TimeStep { sliding, ..self.past(n).step(end - before) }
+        let lagged_contacts = system.lagged_contacts(rest, &self.state(n - 1).u, before);
+        TimeStep { lagged_contacts, ..self.past(n).step(end - before) }
     }
 }

@@ -6,7 +6,7 @@
 //!       vertex [m]
 //! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
 //! d̂     activation distance [m]
-//! b     log barrier of [`barrier`](crate::contact::barrier) [m⁴]
+//! b     log barrier of [`density`](crate::contact::density) [m⁴]
 //!
 //! J is in m⁴: with d̂ = 5·10⁻⁵ m and weight one, as in the published scenes, it
 //! is about 10⁻¹⁷ and only its becoming infinite matters. Facets that have
@@ -18,15 +18,16 @@
 use mesh::Vec3;
 
 use super::{Equilibrium, Objective};
-use crate::contact::barrier::log_barrier;
-use crate::contact::pairs::{Features, Pair, pairs_within};
-use crate::contact::potential;
+use crate::contact::candidates::close_within;
+use crate::contact::density::{Density, Repulsion};
+use crate::contact::pairs::{Features, Pair};
+use crate::contact::rest_potential;
 
 /// Barrier between parts of one surface.
 pub struct Clearance {
     name: String,
     surface: Features,
-    activation: f64,
+    repulsion: Repulsion,
 }
 
 impl Clearance {
@@ -34,25 +35,23 @@ impl Clearance {
     /// `activation` [m].
     #[must_use]
     pub fn new(name: &str, facets: &[[usize; 3]], activation: f64) -> Self {
-        Self { name: name.to_owned(), surface: Features::new(facets), activation }
+        let repulsion = Repulsion { density: Density::Log, minimum: 0.0, activation };
+        Self { name: name.to_owned(), surface: Features::new(facets), repulsion }
     }
 
     /// J at rest positions; infinite where two features touch.
     #[must_use]
     pub fn value_at(&self, rest: &[Vec3]) -> f64 {
-        let pairs = pairs_within(&self.surface, rest, self.activation);
-        potential::value(&pairs, rest, &|d2| self.density(d2))
+        rest_potential::value(&self.pairs(rest), rest, &self.repulsion)
     }
 
     /// Adds `weight` ∂J/∂X, three components per vertex; J must be finite.
     pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        let pairs = pairs_within(&self.surface, rest, self.activation);
-        potential::add_gradient(&pairs, rest, &|d2| self.density(d2), weight, out);
+        rest_potential::add_gradient(&self.pairs(rest), rest, &self.repulsion, weight, out);
     }
 
-    fn density(&self, d2: f64) -> (f64, f64) {
-        let [b, slope, _] = log_barrier(d2, self.activation * self.activation);
-        (b, slope)
+    fn pairs(&self, rest: &[Vec3]) -> Vec<Pair> {
+        close_within(&self.surface, rest, self.repulsion.range())
     }
 }
 
@@ -62,8 +61,8 @@ impl Objective for Clearance {
     }
 
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        let pairs = pairs_within(&self.surface, rest, self.activation);
-        let touches = |p: &&Pair| p.closest(&p.gather(rest)).d2 == 0.0;
+        let pairs = self.pairs(rest);
+        let touches = |p: &&Pair| self.repulsion.is_violated(p.closest(&p.gather(rest)).d2);
         let Some(first) = pairs.iter().find(touches) else { return Ok(()) };
         let p = rest[first.corners()[0]];
         Err(format!(

@@ -14,7 +14,7 @@
 use mesh::Vec3;
 
 use super::{Equilibrium, Objective};
-use crate::element::{add_at, at};
+use crate::element;
 
 /// What of the forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl ContactForce {
     }
 
     fn sum(&self, f: &[f64]) -> Vec3 {
-        self.nodes.iter().map(|&n| at(f, n)).sum()
+        self.nodes.iter().map(|&n| element::at(f, n)).sum()
     }
 }
 
@@ -58,12 +58,12 @@ impl Objective for ContactForce {
         &self.name
     }
 
-    fn value(&self, at_: &Equilibrium) -> f64 {
+    fn value(&self, at: &Equilibrium) -> f64 {
         match self.resultant {
-            Resultant::Along(direction) => direction.dot(&self.sum(at_.contact)),
-            Resultant::Squared => self.sum(at_.contact).norm_squared(),
+            Resultant::Along(direction) => direction.dot(&self.sum(at.contact)),
+            Resultant::Squared => self.sum(at.contact).norm_squared(),
             Resultant::SumOfSquares => {
-                self.nodes.iter().map(|&n| at(at_.contact, n).norm_squared()).sum()
+                self.nodes.iter().map(|&n| element::at(at.contact, n).norm_squared()).sum()
             }
         }
     }
@@ -74,15 +74,15 @@ impl Objective for ContactForce {
         true
     }
 
-    fn add_dcontact(&self, at_: &Equilibrium, weight: f64, out: &mut [f64]) {
-        let sum = self.sum(at_.contact);
+    fn add_dcontact(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        let sum = self.sum(at.contact);
         for &n in &self.nodes {
             let by = match self.resultant {
                 Resultant::Along(direction) => direction,
                 Resultant::Squared => 2.0 * sum,
-                Resultant::SumOfSquares => 2.0 * at(at_.contact, n),
+                Resultant::SumOfSquares => 2.0 * element::at(at.contact, n),
             };
-            add_at(out, n, &(weight * by));
+            element::add_at(out, n, &(weight * by));
         }
     }
 

@@ -2,12 +2,10 @@
 //! afar.
 //!
 //! J(u, X) = Σ_n |f_n|²      f = ∂B/∂x
-//! B = σ Σ_k w_k m_k β(d_k²)     σ = 1/d̂³
 //!
 //! n   nodes of the chosen parts
-//! w   weights of the convergent form, see [`terms`](crate::contact::terms) [m²]
-//! m   mollifier of parallel edges [1]
-//! β   log barrier, or (d² − d̂²)² [m⁴]
+//! B   [`Potential`] of the convergent form, with the scale 1/d̂³ [m³]
+//! β   its density, log barrier or (d² − d̂²)² [m⁴]
 //! d̂   distance from which on parts feel each other [m], larger than that of the
 //!     contact which is simulated
 //!
@@ -17,30 +15,21 @@
 //! derivatives, as long as they are farther apart than d̂: a target or a position
 //! must bring them together first.
 //!
-//! ∂J/∂x = 2 (∂²B/∂x²) f;  by the rest shape also through w and the threshold of
-//! m, as in [`energy::Contact`](crate::energy::Contact).
+//! ∂J/∂x = 2 (∂²B/∂x²) f      ∂J/∂X = 2 fᵀ ∂²B/∂x∂X
 //!
 //! Source: Gjoka et al. 2024, equation (13), in the form of the published scenes:
 //! the square of the sum at a node, not the sum of the squares over pairs.
 
-use std::ops::Range;
+use std::sync::Arc;
 
 use mesh::Vec3;
 
 use super::{Equilibrium, Objective};
-use crate::contact::barrier::{Form, log_barrier, quadratic};
-use crate::contact::candidates;
-use crate::contact::distance::{Closest, corners};
-use crate::contact::pairs::Pair;
-use crate::contact::stencil::Local;
+use crate::contact::barrier::Form;
+use crate::contact::density::{Density, Repulsion};
+use crate::contact::potential::{Contacts, Partners, Potential};
 use crate::contact::surface::Surface;
-use crate::contact::terms::{Term, Terms};
-use crate::contact::weights::Adjacency;
 use crate::element::FunctionSpace;
-use crate::math::tensor::Vec12;
-use crate::parallel::map_merge;
-
-use super::Density;
 
 /// Parts have vertices in common.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -60,19 +49,7 @@ pub struct PartsTouch {
 /// The squared norm of the forces of a barrier between parts of the surface.
 pub struct ContactProxy {
     name: String,
-    surface: Surface,
-    adjacency: Adjacency,
-    density: Density,
-    activation: f64,
-}
-
-/// Collision vertices at a state.
-struct State {
-    x: Vec<Vec3>,
-    rest: Vec<Vec3>,
-    terms: Terms,
-    /// f [m²].
-    force: Vec<Vec3>,
+    potential: Potential,
 }
 
 impl ContactProxy {
@@ -103,97 +80,31 @@ impl ContactProxy {
         // with as many parts per edge as the degree, collision vertices are nodes
         let surface =
             Surface::new(space, (&parts.concat(), &bodies), Vec::new(), space.degree(), &free);
-        let adjacency = Adjacency::new(&surface);
-        Ok(Self { name: name.to_owned(), surface, adjacency, density, activation })
-    }
-
-    /// σ [1/m³].
-    fn scale(&self) -> f64 {
-        self.activation.powi(-3)
-    }
-
-    fn beta(&self, d2: f64) -> [f64; 3] {
-        let activation = self.activation * self.activation;
-        match self.density {
-            Density::Log => log_barrier(d2, activation),
-            Density::Quadratic => quadratic(d2, activation),
-        }
+        let repulsion = Repulsion { density, minimum: 0.0, activation };
+        let (surface, partners) = (Arc::new(surface), Partners::OtherBodies);
+        let scale = activation.powi(-3);
+        let potential = Potential::new(surface, partners, Form::Convergent, repulsion, scale);
+        Ok(Self { name: name.to_owned(), potential })
     }
 
     /// None where parts touch.
-    fn state(&self, at: &Equilibrium) -> Option<State> {
-        let x = self.surface.positions(at.space, at.rest, at.u, at.load);
-        let rest = self.surface.rest(at.space, at.rest);
-        let same = |corners: [usize; 4]| {
-            corners.iter().all(|&v| self.surface.body(v) == self.surface.body(corners[0]))
-        };
-        let features = self.surface.features();
-        let pairs = candidates::between(features, &x, &x, self.activation, same).ok()?;
-        let closest = |pair: Pair| (pair, pair.closest(&pair.gather(&x)));
-        let range2 = self.activation * self.activation;
-        let active: Vec<(Pair, Closest)> =
-            pairs.into_iter().map(closest).filter(|(_, closest)| closest.d2 < range2).collect();
-        if active.iter().any(|(_, closest)| closest.d2 == 0.0) {
+    fn contacts(&self, at: &Equilibrium) -> Option<Contacts<'_>> {
+        let (surface, repulsion) = (self.potential.surface(), self.potential.repulsion());
+        let x = surface.positions(at.space, at.rest, at.u, at.load);
+        let candidates = self.potential.candidates(&x, &x, repulsion.range()).ok()?;
+        let close = self.potential.close_pairs(&candidates, &x);
+        if close.iter().any(|(_, closest)| repulsion.is_violated(closest.d2)) {
             return None;
         }
-        let on = (&self.surface, &self.adjacency);
-        let terms = Terms::new(on, Form::Convergent, &active, (&x, &rest), self.activation);
-        let force = vec![Vec3::zeros(); x.len()];
-        let mut state = State { x, rest, terms, force };
-        let mut force = std::mem::take(&mut state.force);
-        self.for_each_term(&state, Local::gradient, |term, gradient| {
-            let weight = self.scale() * term.weight;
-            add(&mut force, &term.stencil.corners, &(gradient * weight));
-        });
-        state.force = force;
-        Some(state)
-    }
-
-    /// Calls `map` on all terms in parallel, and `merge` on their results in
-    /// order.
-    fn for_each_term<T: Send>(
-        &self,
-        state: &State,
-        map: impl Fn(&Local) -> T + Sync,
-        mut merge: impl FnMut(&Term, T),
-    ) {
-        let terms = &state.terms.terms;
-        let local = |t: &Term| Local::with(&t.stencil, &state.x, &state.rest, |d2| self.beta(d2));
-        let part = |range: Range<usize>| -> Vec<T> {
-            terms[range].iter().map(|t| map(&local(t))).collect()
-        };
-        map_merge(terms.len(), part, |range, part| {
-            terms[range].iter().zip(part).for_each(|(term, value)| merge(term, value));
-        });
-    }
-
-    /// ∂J/∂x of the collision vertices, and the rest of ∂J/∂X of their rest
-    /// positions.
-    fn derivatives(&self, state: &State) -> [Vec<Vec3>; 2] {
-        let zero = || vec![Vec3::zeros(); state.x.len()];
-        let (mut by_x, mut by_rest) = (zero(), zero());
-        let mut by_area = vec![0.0; self.adjacency.areas(&state.rest).len()];
-        let force = &state.force;
-        let map = |local: &Local| (local.hessian(), local.gradient(), local.by_threshold());
-        self.for_each_term(state, map, |term, (hessian, gradient, by_threshold)| {
-            let own = &term.stencil.corners;
-            let l = 2.0 * self.scale() * corners(term.stencil.gather(force));
-            add(&mut by_x, own, &(hessian * l * term.weight));
-            if let Some((by_threshold, threshold)) = by_threshold {
-                add(&mut by_rest, own, &(threshold * (term.weight * by_threshold.dot(&l))));
-            }
-            state.terms.add_by_area(term, gradient.dot(&l), &mut by_area);
-        });
-        self.adjacency.add_gradient(&state.rest, &by_area, &mut by_rest);
-        [by_x, by_rest]
+        Some(self.potential.contacts(&close, x, surface.rest(at.space, at.rest)))
     }
 }
 
-/// Adds the components of four collision vertices to a list over all of them.
-fn add(list: &mut [Vec3], corners: &[usize; 4], values: &Vec12) {
-    for (i, &v) in corners.iter().enumerate() {
-        list[v] += values.fixed_rows::<3>(3 * i);
-    }
+/// `weight` ∂J/∂f = 2 `weight` f.
+fn by_forces(contacts: &Contacts, weight: f64) -> Vec<Vec3> {
+    let mut forces = contacts.gradient();
+    forces.iter_mut().for_each(|f| *f *= 2.0 * weight);
+    forces
 }
 
 impl Objective for ContactProxy {
@@ -202,24 +113,20 @@ impl Objective for ContactProxy {
     }
 
     fn value(&self, at: &Equilibrium) -> f64 {
-        let sum = |state: State| state.force.iter().map(Vec3::norm_squared).sum();
-        self.state(at).map_or(f64::INFINITY, sum)
+        let Some(contacts) = self.contacts(at) else { return f64::INFINITY };
+        contacts.gradient().iter().map(Vec3::norm_squared).sum()
     }
 
     fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        let Some(state) = self.state(at) else { return };
-        let [mut by_x, _] = self.derivatives(&state);
-        by_x.iter_mut().for_each(|g| *g *= weight);
-        self.surface.add_to_nodes(&by_x, out);
+        let Some(contacts) = self.contacts(at) else { return };
+        let by_x = contacts.hessian_times(&by_forces(&contacts, weight));
+        self.potential.surface().add_to_nodes(&by_x, out);
     }
 
     fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        let Some(state) = self.state(at) else { return };
-        let [by_x, by_rest] = self.derivatives(&state);
-        let both: Vec<Vec3> = by_x.iter().zip(&by_rest).map(|(a, b)| weight * (a + b)).collect();
-        let mut nodal = vec![0.0; at.u.len()];
-        self.surface.add_to_nodes(&both, &mut nodal);
-        at.space.add_to_vertices(&nodal, out);
+        let Some(contacts) = self.contacts(at) else { return };
+        let by_rest = contacts.shape_vjp(&by_forces(&contacts, weight));
+        self.potential.surface().add_to_rest(at.space, &by_rest, out);
     }
 }
 
@@ -229,6 +136,7 @@ mod tests {
     use mesh::TetMesh;
 
     use super::*;
+    use crate::contact::density::log_barrier;
     use crate::math::random::Random;
     use crate::objective::tests::Case;
     use crate::testing::cube;
@@ -259,7 +167,7 @@ mod tests {
     fn derivatives_belong_to_the_value() {
         let (gap, range) = (0.1, 0.15);
         for (degree, scale) in [(1, 1.0), (2, 1.0), (2, 1e-3), (3, 1e-3)] {
-            for (shift, noise, fades) in [(0.23, 0.02, false), (0.0, 1e-3, true)] {
+            for (shift, noise, parallel) in [(0.23, 0.02, false), (0.0, 1e-3, true)] {
                 let mut case = Case::of(&cubes(gap, shift), degree, scale);
                 let parts = faces(&case, gap);
                 let mut random = Random::new(4);
@@ -269,14 +177,16 @@ mod tests {
                     let activation = range * scale;
                     let term =
                         ContactProxy::new("c", &case.space, &parts, density, activation).unwrap();
-                    let terms = &term.state(&case.at()).unwrap().terms.terms;
-                    let faded = terms.iter().filter(|t| t.stencil.faded && t.weight != 0.0).count();
+                    let contacts = term.contacts(&case.at()).unwrap();
+                    let terms = contacts.terms();
+                    let mollified =
+                        terms.iter().filter(|t| t.stencil.mollified && t.weight != 0.0).count();
                     assert!(
-                        !fades || faded > 10,
-                        "{faded} pairs of parallel edges of {}",
+                        !parallel || mollified > 10,
+                        "{mollified} pairs of parallel edges of {}",
                         terms.len()
                     );
-                    // closest points, and pairs that fade, change within 1e-5
+                    // closest points, and mollified pairs, change within 1e-5
                     case.check_near(&term, 4e-6);
                 }
             }

@@ -21,6 +21,7 @@ mod wall_thickness;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
+pub use crate::contact::density::{Density, Repulsion};
 use crate::element::{FunctionSpace, at};
 
 pub use clearance::Clearance;
@@ -36,7 +37,7 @@ pub use stress::Stress;
 pub use surface_integral::Patch;
 pub use target::Target;
 pub use volume::Volume;
-pub use wall_thickness::{Limits, SidesTouch, WallThickness};
+pub use wall_thickness::{SidesTouch, WallThickness};
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,17 +48,6 @@ pub enum Measure {
     Rest,
     /// The deformed one.
     Deformed,
-}
-
-/// A function of a squared distance that is zero from the activation distance on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Density {
-    /// A log barrier, infinite where surfaces touch or come closer than they may.
-    #[default]
-    Log,
-    /// (d² − d̂²)².
-    Quadratic,
 }
 
 /// Everything an objective may look at: a rest shape and its equilibrium.

@@ -8,7 +8,7 @@
 //!       or an edge of each [m]
 //! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
 //! d̂     activation distance [m];   d₀ minimum distance [m]
-//! b     log barrier of [`barrier`](crate::contact::barrier) [m⁴]
+//! b     log barrier of [`density`](crate::contact::density) [m⁴]
 //!
 //! J is in m⁴, of the flat triangles between vertices at rest or displaced. Both
 //! forms are in *squared* distances and every pair counts once, as in the
@@ -26,10 +26,11 @@
 use mesh::bvh::SurfaceBvh;
 use mesh::{Vec3, topology};
 
-use super::{Density, Equilibrium, Measure, Objective};
-use crate::contact::barrier::{log_barrier, quadratic};
-use crate::contact::pairs::{Features, Pair, pairs_between};
-use crate::contact::potential;
+use super::{Equilibrium, Measure, Objective};
+use crate::contact::candidates::close_between;
+use crate::contact::density::{Density, Repulsion};
+use crate::contact::pairs::{Features, Pair};
+use crate::contact::rest_potential;
 use crate::element::at;
 
 /// Two parts have vertices in common.
@@ -45,39 +46,11 @@ pub struct SidesTouch {
     pub first: usize,
 }
 
-/// How thin walls may be.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// The function of distance.
-    pub density: Density,
-    /// d₀; zero for the quadratic form [m].
-    pub minimum: f64,
-    /// d̂ [m].
-    pub activation: f64,
-}
-
-impl Limits {
-    /// Distance from which on the term is zero [m].
-    fn range(&self) -> f64 {
-        self.minimum + self.activation
-    }
-
-    /// β and ∂β/∂d² at a squared distance.
-    fn at(&self, d2: f64) -> (f64, f64) {
-        let s = d2 - self.minimum * self.minimum;
-        let full = self.activation * (self.activation + 2.0 * self.minimum);
-        let [value, slope, _] = match self.density {
-            Density::Quadratic => quadratic(s, full),
-            Density::Log => log_barrier(s, full),
-        };
-        (value, slope)
-    }
-}
-
 /// Penalty on thin walls.
 pub struct WallThickness {
     name: String,
-    limits: Limits,
+    /// How thin walls may be: β with d₀ and d̂.
+    limits: Repulsion,
     measure: Measure,
     /// Parts, each with what it is compared with.
     sides: Vec<[Features; 2]>,
@@ -92,7 +65,7 @@ impl WallThickness {
         name: &str,
         inner: &[[usize; 3]],
         outer: &[[usize; 3]],
-        limits: Limits,
+        limits: Repulsion,
         measure: Measure,
     ) -> Result<Self, SidesTouch> {
         let sides = vec![apart(inner, outer)?];
@@ -106,7 +79,7 @@ impl WallThickness {
     pub fn among(
         name: &str,
         parts: &[Vec<[usize; 3]>],
-        limits: Limits,
+        limits: Repulsion,
         measure: Measure,
     ) -> Result<Self, SidesTouch> {
         let later = |i: usize| parts[i + 1..].concat();
@@ -118,12 +91,12 @@ impl WallThickness {
     /// J at positions of the vertices.
     #[must_use]
     pub fn value_at(&self, x: &[Vec3]) -> f64 {
-        potential::value(&self.pairs(x), x, &|d2| self.limits.at(d2))
+        rest_potential::value(&self.pairs(x), x, &self.limits)
     }
 
     /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
     pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
-        potential::add_gradient(&self.pairs(x), x, &|d2| self.limits.at(d2), weight, out);
+        rest_potential::add_gradient(&self.pairs(x), x, &self.limits, weight, out);
     }
 
     /// Smallest distance between two parts [m]; infinite if there are none.
@@ -133,7 +106,7 @@ impl WallThickness {
     }
 
     fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
-        let between = |[a, b]: &[Features; 2]| pairs_between(a, b, x, self.limits.range());
+        let between = |[a, b]: &[Features; 2]| close_between(a, b, x, self.limits.range());
         self.sides.iter().flat_map(between).collect()
     }
 
@@ -173,7 +146,7 @@ fn min_distance([inner, outer]: &[Features; 2], x: &[Vec3]) -> f64 {
     let to_outer = |&v: &usize| surface.closest(&x[v]).distance;
     // no pair but the closest ones is nearer than any vertex is
     let bound = inner.vertices.iter().map(to_outer).fold(f64::INFINITY, f64::min);
-    let pairs = pairs_between(inner, outer, x, bound);
+    let pairs = close_between(inner, outer, x, bound);
     pairs.iter().map(|p| p.closest(&p.gather(x)).d2.sqrt()).fold(bound, f64::min)
 }
 
@@ -229,14 +202,14 @@ mod tests {
         (x, a.triangles, outer)
     }
 
-    const QUADRATIC: Limits =
-        Limits { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
-    const LOG: Limits = Limits { density: Density::Log, minimum: 0.04, activation: 0.12 };
+    const QUADRATIC: Repulsion =
+        Repulsion { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
+    const LOG: Repulsion = Repulsion { density: Density::Log, minimum: 0.04, activation: 0.12 };
 
     fn rest(
         inner: &[[usize; 3]],
         outer: &[[usize; 3]],
-        limits: Limits,
+        limits: Repulsion,
     ) -> Result<WallThickness, SidesTouch> {
         WallThickness::between("wall", inner, outer, limits, Measure::Rest)
     }
@@ -267,7 +240,7 @@ mod tests {
         ]
         .map(Vec3::from);
         let value = |density, minimum, activation| {
-            let limits = Limits { density, minimum, activation };
+            let limits = Repulsion { density, minimum, activation };
             rest(&[[0, 1, 2]], &[[3, 4, 5]], limits).unwrap().value_at(&x)
         };
         let quadratic = value(Density::Quadratic, 0.0, 0.12);
@@ -309,7 +282,8 @@ mod tests {
             let side = |z: f64| case.facets_where(|x| (x.z - z).abs() < 1e-9);
             let (inner, outer) = (side(0.0), side(1.0));
             for (density, minimum) in [(Density::Quadratic, 0.0), (Density::Log, 0.8)] {
-                let limits = Limits { density, minimum: minimum * scale, activation: 1.3 * scale };
+                let limits =
+                    Repulsion { density, minimum: minimum * scale, activation: 1.3 * scale };
                 for measure in [Measure::Rest, Measure::Deformed] {
                     let (a, b) = (&inner, &outer);
                     case.check(&WallThickness::between("w", a, b, limits, measure).unwrap());

@@ -12,8 +12,8 @@ use crate::body::{Body, Part};
 use crate::config::{BODY, ForceForm, Names, ObjectiveConfig, axes, beside};
 use crate::element::FunctionSpace;
 use crate::objective::{
-    Clearance, ContactForce, ContactProxy, DistanceField, DistanceKind, Limits, Motion, Objective,
-    Patch, Quantity, Resultant, Smoothness, StrainLimit, Stress, Target, Volume, WallThickness,
+    Clearance, ContactForce, ContactProxy, DistanceField, DistanceKind, Motion, Objective, Patch,
+    Quantity, Repulsion, Resultant, Smoothness, StrainLimit, Stress, Target, Volume, WallThickness,
 };
 use crate::schedule::Field;
 
@@ -139,7 +139,7 @@ impl<'a> ObjectiveBuilder<'a> {
                 ..
             } => {
                 let minimum = minimum.unwrap_or(0.0);
-                let limits = Limits { density: *density, minimum, activation: *activation };
+                let limits = Repulsion { density: *density, minimum, activation: *activation };
                 if against.is_empty() {
                     Box::new(WallThickness::among(name, &each(body, on)?, limits, *measure)?)
                 } else {

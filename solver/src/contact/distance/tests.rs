@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::mollifier::faded;
+use crate::contact::mollifier::mollified;
 use crate::math::random::Random;
 
 const SCALES: [f64; 3] = [1.0, 1e-3, 1e3];
@@ -106,7 +106,7 @@ fn distance_is_continuously_differentiable_across_regions() {
 }
 
 /// Bisects to the border of two regions between `from` and `to`, if there
-/// is one and the pair is not faded there.
+/// is one and the pair is not mollified there.
 fn check_border(
     at: &dyn Fn(f64) -> [Vec3; 4],
     distance: Distance,
@@ -116,7 +116,7 @@ fn check_border(
 ) -> bool {
     let region = |t: f64| distance(&at(t)).coefficients.map(|c| c != 0.0);
     let start = region(from);
-    if region(to) == start || faded(&at(from), &at(from)) {
+    if region(to) == start || mollified(&at(from), &at(from)) {
         return false;
     }
     while to - from > 1e-13 {

@@ -3,12 +3,16 @@ use mesh::{SurfaceMesh, TetMesh};
 use super::*;
 use crate::contact::barrier::Form;
 use crate::contact::surface::Obstacle;
+use crate::contact::terms::Term;
 use crate::element::{FunctionSpace, at};
-use crate::energy::{Friction, TimeStep};
+use crate::energy::TimeStep;
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::sparse::Pattern;
 use crate::testing::{check_gradient, cube, flat, points, square};
+
+mod friction;
+mod weights;
 
 /// Bodies with contact, at a displacement.
 struct Scene {
@@ -118,7 +122,7 @@ fn barrier(form: Form, activation: f64) -> Barrier {
     Barrier { form, activation, stiffness, thickness: 0.0 }
 }
 
-/// A block on another, turned by so little that their edges are faded, and a
+/// A block on another, turned by so little that their edges are mollified, and a
 /// large plate beside them; touching in a thousand ways.
 fn blocks(degree: usize, form: Form, scale: f64, thickness: f64) -> Scene {
     // the more features, the nearer one is to where closest points change their kind
@@ -145,22 +149,22 @@ fn blocks(degree: usize, form: Form, scale: f64, thickness: f64) -> Scene {
 
 impl Contact {
     /// Number of pairs of nearly parallel edges that repel each other.
-    pub(crate) fn fading(&self, at: &Iterate) -> usize {
-        let state = self.state(at);
+    pub(crate) fn mollified_pairs(&self, at: &Iterate) -> usize {
+        let contacts = self.contacts(at);
         let matters =
-            |t: &&Term| t.weight != 0.0 && t.stencil.faded && self.local(&state, t).value() > 0.0;
-        state.terms.terms.iter().filter(matters).count()
+            |t: &&Term| t.weight != 0.0 && t.stencil.mollified && contacts.local(t).value() > 0.0;
+        contacts.terms().iter().filter(matters).count()
     }
 }
 
-/// Numbers of faded terms that matter, of terms with negative weight, and of all.
+/// Numbers of mollified terms that matter, of terms with negative weight, and of all.
 fn census(scene: &Scene) -> [usize; 3] {
-    let state = scene.contact.state(&scene.here());
+    let contacts = scene.contact.contacts(&scene.here());
     let count = |wanted: &dyn Fn(&Term) -> bool| {
-        state.terms.terms.iter().filter(|t| t.weight != 0.0 && wanted(t)).count()
+        contacts.terms().iter().filter(|t| t.weight != 0.0 && wanted(t)).count()
     };
-    let fading = scene.contact.fading(&scene.here());
-    [fading, count(&|t| t.weight < 0.0), count(&|_| true)]
+    let mollified = scene.contact.mollified_pairs(&scene.here());
+    [mollified, count(&|t| t.weight < 0.0), count(&|_| true)]
 }
 
 #[test]
@@ -175,8 +179,8 @@ fn every_derivative_belongs_to_the_energy_at_any_scale() {
         (1, 1.0, Form::Even, 0.0),
     ] {
         let scene = blocks(degree, form, scale, thickness);
-        let [faded, negative, all] = census(&scene);
-        assert!(faded >= 5 && all > 50, "{faded} faded of {all}");
+        let [mollified, negative, all] = census(&scene);
+        assert!(mollified >= 5 && all > 50, "{mollified} mollified of {all}");
         assert!(form == Form::Plain || negative > 0, "{negative} of {all} negative");
         scene.check(&scene.contact, scale);
     }
@@ -260,146 +264,6 @@ fn couplings_are_all_that_the_hessian_couples() {
     assert!(coupled > 20);
 }
 
-/// A flat skin above a floor of two triangles, away from the floor's edges:
-/// only its vertices are in range, and E = ¼ A κ σ b whatever the mesh.
-#[test]
-fn a_flat_contact_has_the_same_potential_for_two_meshes() {
-    let energy = |n: usize| {
-        let mesh = cube(n, 0.2);
-        let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
-        let surface = square(1, 0.0);
-        let vertices = surface.vertices.iter().map(floor).collect();
-        let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
-        let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
-        let barrier = barrier(Form::Convergent, 0.01);
-        let scene = Scene::new(1, &[mesh], vec![obstacle], barrier, low);
-        assert_eq!(scene.contact.closeness(&scene.here()).pairs, (n + 1) * (n + 1));
-        assert!((scene.contact.closeness(&scene.here()).smallest - 0.6).abs() < 1e-12);
-        scene.contact.value(&scene.here())
-    };
-    let barrier = barrier(Form::Convergent, 0.01);
-    let expected = 0.25 * barrier.scale() * barrier.at(0.006 * 0.006)[0];
-    for n in [3, 8] {
-        assert!((energy(n) / expected - 1.0).abs() < 1e-12);
-    }
-}
-
-/// Two skins of one square: the published weights count every crossing of edges,
-/// from 1.5 to 2.7 times the area for these; those of the even form hardly.
-#[test]
-fn two_flat_skins_have_the_same_potential_for_any_two_meshes_in_the_even_form() {
-    let skin = |cells: usize, bend: f64, lift: f64| {
-        let mut mesh = cube(cells, 0.0);
-        for v in &mut mesh.vertices {
-            let [x, y] = [v.x, v.y].map(|c| (std::f64::consts::PI * c).sin());
-            *v += Vec3::new(bend * x * y, -0.7 * bend * x * y, lift);
-        }
-        mesh
-    };
-    let barrier = |form: Form| Barrier { form, ..barrier(Form::Convergent, 0.01) };
-    let energy = |form: Form, below: (usize, f64), above: (usize, f64)| {
-        let meshes = [skin(below.0, below.1, -1.0), skin(above.0, above.1, 0.006)];
-        let inner = |x: [Vec3; 3]| x.iter().all(|x| x.z.abs() < 0.01);
-        let scene = Scene::new(1, &meshes, Vec::new(), barrier(form), inner);
-        let one = barrier(form).scale() * barrier(form).at(0.006 * 0.006)[0];
-        scene.contact.value(&scene.here()) / one
-    };
-    let pairs = [
-        ((3, 0.0), (3, 0.0)),
-        ((4, 0.0), (4, 0.06)),
-        ((3, 0.03), (4, -0.05)),
-        ((5, 0.02), (7, 0.07)),
-        ((3, 0.0), (8, 0.04)),
-        ((2, 0.05), (9, 0.0)),
-    ];
-    let mut published = (f64::INFINITY, 0.0_f64);
-    for (below, above) in pairs {
-        let [convergent, even] = [Form::Convergent, Form::Even].map(|f| energy(f, below, above));
-        eprintln!("{below:?} on {above:?}: convergent {convergent:.3}, even {even:.4}");
-        assert!((even - 1.0).abs() < 0.01, "{below:?} {above:?}: {even}");
-        published = (published.0.min(convergent), published.1.max(convergent));
-    }
-    // else there would be no need for the even form
-    assert!(published.1 > 1.5 * published.0, "{published:?}");
-}
-
-/// Wherever a tip points at flat ground, at a facet, an edge or a vertex, all
-/// pairs of its area together count the distance to the ground once.
-#[test]
-fn pairs_that_meet_in_an_edge_or_a_vertex_count_once() {
-    let tip = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.5], [-0.1, 0.1, 0.5], [-0.1, -0.1, 0.5]];
-    let tip = TetMesh { vertices: tip.map(Vec3::from).to_vec(), tets: vec![[0, 2, 1, 3]] };
-    let ground = square(6, 0.3);
-    let obstacle = |surface: SurfaceMesh| Obstacle { surface, motion: None };
-    let barrier = barrier(Form::Convergent, 0.1);
-    let scene = Scene::new(1, &[tip], vec![obstacle(ground.clone())], barrier, |_| true);
-    let mut random = Random::new(2);
-    let mut terms_seen = 0;
-    for k in 0..60 {
-        // over vertices, over edges, and anywhere
-        let [a, b] = scene.contact.surface.features().edges[10 + k].map(|v| {
-            let inside = |c: f64| c > 0.2 && c < 0.8;
-            let x = scene.contact.surface.rest(&scene.space, &scene.rest)[v];
-            if inside(x.x) && inside(x.y) { x } else { Vec3::new(0.5, 0.45, 0.0) }
-        });
-        let place = [a, 0.3 * a + 0.7 * b, 0.5 * (a + b) + 0.1 * random.vector()][k % 3];
-        let u = Vec3::new(place.x, place.y, 0.04);
-        let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(u)).collect();
-        let state = scene.contact.state(&scene.at(&scene.rest, &u));
-        let mut by_area = scene.contact.adjacency.areas(&state.rest);
-        by_area.fill(0.0);
-        for term in &state.terms.terms {
-            let value = scene.contact.local(&state, term).value();
-            state.terms.add_by_area(term, value, &mut by_area);
-        }
-        terms_seen += state.terms.terms.len();
-        let lowest = state.x.iter().position(|x| x.z == 0.04).expect("the tip");
-        let expected = 0.25 * barrier.at(0.04 * 0.04)[0];
-        assert!((by_area[lowest] / expected - 1.0).abs() < 1e-9, "{k}");
-    }
-    assert!(terms_seen > 120);
-}
-
-/// A tetrahedron flies low over a crease. dE/dt changes by what the step is long,
-/// also where the closest points change their kind.
-#[test]
-fn the_energy_is_continuously_differentiable_wherever_features_meet() {
-    let tet = TetMesh {
-        vertices: [[0.0, 0.0, 0.0], [1.0, 0.1, 0.15], [0.2, 0.9, 0.1], [0.3, 0.4, 0.8]]
-            .map(|v| 0.3 * Vec3::from(v))
-            .to_vec(),
-        tets: vec![[0, 1, 2, 3]],
-    };
-    for form in [Form::Convergent, Form::Plain] {
-        let mut ground = square(3, 0.3);
-        ground.vertices.iter_mut().for_each(|v| v.z = -0.3 * (v.x - 0.5).abs());
-        let obstacle = Obstacle { surface: ground, motion: None };
-        let scene =
-            Scene::new(1, std::slice::from_ref(&tet), vec![obstacle], barrier(form, 0.1), |_| true);
-        let roughness = |steps: usize| {
-            let (mut last, mut jump, mut size) = (None, 0.0_f64, 0.0_f64);
-            let mut kinds = std::collections::BTreeSet::new();
-            for k in 0..=steps {
-                let t = k as f64 / steps as f64;
-                let place = Vec3::new(0.8 * t, 0.3 + 0.2 * t, 0.03);
-                let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(place)).collect();
-                let gradient = scene.gradient(&scene.contact, &scene.rest, &u);
-                let slope: f64 =
-                    (0..4).map(|i| at(&gradient, i).dot(&Vec3::new(0.8, 0.2, 0.0))).sum();
-                jump = jump.max(last.map_or(0.0, |last: f64| (slope - last).abs()));
-                size = size.max(slope.abs());
-                last = Some(slope);
-                let state = scene.contact.state(&scene.at(&scene.rest, &u));
-                kinds.extend(state.terms.terms.iter().map(|t| t.stencil));
-            }
-            assert!(kinds.len() > 25, "{}", kinds.len());
-            jump / size
-        };
-        let (coarse, fine) = (roughness(2000), roughness(8000));
-        assert!(fine < 0.3 * coarse && fine < 0.05, "{coarse:e} {fine:e}");
-    }
-}
-
 #[test]
 fn surfaces_at_their_minimum_distance_are_not_admissible() {
     let mut scene = blocks(1, Form::Convergent, 1.0, 0.03);
@@ -423,8 +287,8 @@ fn steps_are_cut_where_surfaces_meet() {
             let one = |x: &Vec3| if x.z > 1.02 { by } else { zero };
             positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
         };
-        for (way, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
-            let step = upper(&scene, way);
+        for (direction, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
+            let step = upper(&scene, direction);
             let to: Vec<f64> = scene.u.iter().zip(&step).map(|(u, s)| u + s).collect();
             let share = scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &to));
             assert!((share == 1.0) == free && share > 0.02, "{share}");
@@ -432,69 +296,9 @@ fn steps_are_cut_where_surfaces_meet() {
             scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
             assert!(scene.contact.value(&scene.here()).is_finite());
             assert_eq!(scene.contact.objection(&scene.here()), None);
-            let left = scene.contact.closeness(&scene.here()).smallest;
+            let left = scene.contact.gaps(&scene.here()).smallest;
             assert!(free || (left > 0.0 && left < 0.2), "{left}");
             scene.u = start;
         }
-    }
-}
-
-fn rubbing(form: Form, scale: f64) -> (Scene, Friction) {
-    let mut scene = blocks(1, form, scale, 0.0);
-    let history = scene.u.clone();
-    let sliding = scene.contact.sliding(&scene.here());
-    let mut random = Random::new(9);
-    // speeds from below to above the full one
-    scene.u.iter_mut().for_each(|u| *u += 4e-3 * scale * random.uniform());
-    scene.step = Some(TimeStep { h: 0.01, history, free_flight: None, sliding });
-    let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.7, 0.4 * scale);
-    (scene, friction)
-}
-
-#[test]
-fn friction_has_its_derivatives_and_no_resultant() {
-    for (form, scale) in [(Form::Convergent, 1.0), (Form::Plain, 1e-3), (Form::Convergent, 1e3)] {
-        let (scene, friction) = rubbing(form, scale);
-        scene.check(&friction, scale);
-        let forces = friction.forces(&scene.here());
-        let size: f64 = forces.iter().map(Vec3::norm).sum();
-        assert!(size > 0.0 && forces.iter().sum::<Vec3>().norm() < 1e-13 * size);
-        let mut random = Random::new(8);
-        for _ in 0..20 {
-            let q = random.numbers(scene.u.len());
-            assert!(dot(&q, &scene.times_hessian(&friction, Hessian::Projected, &q)) >= 0.0);
-        }
-    }
-}
-
-/// A flat skin slides on a floor as a whole: |T| = μ N f₀′(y).
-#[test]
-fn sliding_as_a_whole_has_the_force_of_coulomb() {
-    let mesh = cube(3, 0.2);
-    let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
-    let surface = square(1, 0.0);
-    let vertices = surface.vertices.iter().map(floor).collect();
-    let obstacle = Obstacle {
-        surface: SurfaceMesh { vertices, ..surface },
-        motion: Some(Box::new(|_, t| Vec3::new(0.0, 0.003, 0.0) * t)),
-    };
-    let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
-    let mut scene = Scene::new(1, &[mesh], vec![obstacle], barrier(Form::Convergent, 0.01), low);
-    let normal = scene.contact.body_forces(&scene.here())[0].force;
-    let sliding = scene.contact.sliding(&scene.here());
-    let counted: f64 = sliding.iter().map(|s| s.force).sum();
-    assert!((counted / normal.z - 1.0).abs() < 1e-12 && normal.xy().norm() < 1e-12 * normal.z);
-    let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.5, 1e-3);
-    let h = 0.1;
-    let history = scene.u.clone();
-    for (relative, share) in [(0.25e-3, 0.4375), (1e-3, 1.0), (5e-3, 1.0), (1e-9, 2e-6)] {
-        // the floor itself moves along y
-        let by = Vec3::new(relative, 0.003, 0.0) * h;
-        scene.u = (0..scene.space.node_count()).flat_map(|_| <[f64; 3]>::from(by)).collect();
-        let (history, sliding) = (history.clone(), sliding.clone());
-        scene.step = Some(TimeStep { h, history, free_flight: None, sliding });
-        let force = friction.body_forces(&scene.here())[0].force;
-        let expected = Vec3::new(-0.5 * normal.z * share, 0.0, 0.0);
-        assert!((force - expected).norm() < 1e-6 * expected.norm(), "{force} {expected}");
     }
 }

@@ -54,7 +54,8 @@ fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> (System, Vec
     ];
     let still = vec![0.0; fixed.len()];
     let free_flight = h.map(|_| still.clone());
-    let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, sliding: Vec::new() };
+    let step =
+        TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, lagged_contacts: Vec::new() };
     let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { way } else { 0.0 }).collect();
     let mut system = System::new(space, energies, &fixed).with_displacement(&up);
     system.step = Some(step);
