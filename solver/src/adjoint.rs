@@ -29,8 +29,8 @@ use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, PastCotangent};
-use crate::forward::{State, System, Trajectory, is_contact};
+use crate::energy::{Constraint, ParameterGradients, PastCotangent, Term};
+use crate::forward::{State, System, Trajectory};
 use crate::math::linear::{dot, norm};
 
 /// Relative residual of the adjoint system that is too large.
@@ -60,8 +60,8 @@ pub struct Partials {
 pub struct Gradient {
     /// By rest vertices, three components per vertex.
     pub rest: Vec<f64>,
-    /// By the parameters of each energy, for each time step.
-    pub parameters: Vec<Vec<Vec<f64>>>,
+    /// By the numbers that the energies are made with.
+    pub parameters: ParameterGradients,
     /// By the state at t = 0.
     pub start: State,
 }
@@ -81,7 +81,7 @@ pub fn sweep(
 ) -> Result<Gradient, Singular> {
     let (len, steps) = (system.len(), run.steps());
     let mut rest_bar = vec![0.0; 3 * rest.len()];
-    let mut parameters = vec![Vec::new(); steps];
+    let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
         let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
@@ -94,7 +94,8 @@ pub fn sweep(
         let sweep = Step { by_velocity: v, partials: own };
         let factored = linearized && n == steps;
         let solution = sweep.solve(system, &at, factored)?;
-        let past = sweep.pull_back(system, &at, &solution, &mut rest_bar, &mut parameters[n - 1]);
+        let into = (&mut rest_bar[..], &mut parameters);
+        let past = sweep.pull_back(system, &at, &solution, n, into);
         hand_on(system, rest, run, n, &past, &mut states, &mut rest_bar);
     }
     let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
@@ -164,20 +165,22 @@ impl Step {
         system: &System,
         at: &Moment,
         Solution { lambda, mu }: &Solution,
-        rest_bar: &mut [f64],
-        parameters: &mut Vec<Vec<f64>>,
+        n: usize,
+        (rest_bar, parameters): (&mut [f64], &mut ParameterGradients),
     ) -> PastCotangent {
         let iterate = system.iterate(at.rest, at.u, at.load);
         let mut past = PastCotangent::zeros(at.u.len());
         let by_contact = &self.partials.by_contact;
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
-        for energy in &system.energies {
-            let lambda = if is_contact(&**energy) { &in_contact } else { lambda };
+        for Term { kind, energy } in system.energies.terms() {
+            let lambda = if kind.is_contact() { &in_contact } else { lambda };
             energy.add_mixed_vjp(&iterate, lambda, rest_bar);
             energy.add_past_vjp(&iterate, lambda, &mut past);
             let mut by = energy.parameter_vjp(&iterate, lambda);
             by.extend(energy.constraint_vjp(&iterate, mu, rest_bar));
-            parameters.push(by);
+            if let Some(id) = kind.parameter() {
+                parameters.add(n - 1, id, by);
+            }
         }
         let h = system.step.as_ref().expect("set by the sweep").h;
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
@@ -252,7 +255,7 @@ fn hand_on(
     let last = run.state(n - 1);
     let before = system.iterate(rest, &last.u, run.times[n - 1]);
     let state = states[n - 1].get_or_insert_with(|| zeros(system.len()));
-    for energy in &system.energies {
+    for energy in system.energies.iter() {
         energy.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
     }
 }

@@ -8,10 +8,10 @@ use mesh::io::vtu;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::energy::{Chamber, Iterate};
+use crate::energy::Iterate;
 use crate::forward::{LoadStep, Progress, System, Timings};
 use crate::results;
-use crate::scene::{Collisions, Scene};
+use crate::scene::Scene;
 
 /// One line per reported step.
 pub const STEPS: &str = "steps.jsonl";
@@ -89,7 +89,6 @@ pub struct Recorder<'a> {
     folder: PathBuf,
     /// Whether every step gets its picture.
     pictures: bool,
-    collisions: Option<Collisions>,
     /// What was told of each step.
     pub lines: Vec<Value>,
     work: Work,
@@ -99,7 +98,7 @@ impl<'a> Recorder<'a> {
     /// Begins with nothing, or after the first `done` lines of the folder.
     ///
     /// # Errors
-    /// When they cannot be read, or a chamber is wrong.
+    /// When they cannot be read.
     pub fn new(
         scene: &'a Scene,
         system: &mut System,
@@ -107,7 +106,7 @@ impl<'a> Recorder<'a> {
         pictures: bool,
         done: Option<&Checkpoint>,
     ) -> Result<Self> {
-        let mut work = Work::new(scene, system)?;
+        let mut work = Work::new(scene, system);
         let mut lines = Vec::new();
         if let Some(done) = done {
             let path = folder.join(STEPS);
@@ -128,8 +127,7 @@ impl<'a> Recorder<'a> {
             let so_far = lines.last().and_then(|line: &Value| line["work_of_loads"].as_f64());
             work.resume(scene, system, &done.progress, so_far.unwrap_or(0.0));
         }
-        let collisions = scene.collisions(&scene.body, &system.space, system.fixed())?;
-        Ok(Self { scene, folder: folder.to_path_buf(), pictures, collisions, lines, work })
+        Ok(Self { scene, folder: folder.to_path_buf(), pictures, lines, work })
     }
 
     /// Follows the work of the loads through every load step.
@@ -158,10 +156,6 @@ impl<'a> Recorder<'a> {
         let body = &self.scene.body;
         let mut line = results::step(self.scene, body, system, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
-        if let Some(collisions) = &self.collisions {
-            let here = system.iterate(&body.mesh.vertices, &step.u, step.load);
-            line["collisions"] = results::collisions(collisions, &here);
-        }
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
@@ -191,8 +185,6 @@ fn time(line: &Value) -> f64 {
 /// trapezoidal rule [J]: second order in the load increment, so it meets the
 /// elastic energy only roughly.
 struct Work {
-    chambers: Vec<(String, Chamber)>,
-    fixed: Vec<bool>,
     /// Pairs of a force and the quantity it works on, at the last step: gas on
     /// volumes, dead loads and supports on displacements.
     last: Vec<[f64; 2]>,
@@ -200,15 +192,13 @@ struct Work {
 }
 
 impl Work {
-    fn new(scene: &Scene, system: &mut System) -> Result<Self> {
-        let chambers = scene.chambers(&scene.body, &system.space)?;
-        let fixed = system.fixed().to_vec();
-        let mut work = Self { chambers, fixed, last: Vec::new(), total: 0.0 };
+    fn new(scene: &Scene, system: &mut System) -> Self {
+        let mut work = Self { last: Vec::new(), total: 0.0 };
         let multipliers = system.multipliers.clone();
         system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
         work.last = work.pairs(scene, system, (0.0, &vec![0.0; system.len()]));
         system.multipliers = multipliers;
-        Ok(work)
+        work
     }
 
     fn resume(&mut self, scene: &Scene, system: &mut System, progress: &Progress, total: f64) {
@@ -232,17 +222,16 @@ impl Work {
         let (reactions, _) = system.gradient(rest, u, load);
         let here: Iterate = system.iterate(rest, u, load);
         let mut dead = vec![0.0; u.len()];
-        for energy in &system.energies {
-            if ["body_force", "traction"].contains(&energy.name()) {
-                energy.add_gradient(&here, &mut dead);
-            }
+        for term in system.energies.terms().filter(|term| term.kind.is_dead_load()) {
+            term.energy.add_gradient(&here, &mut dead);
         }
-        let gas = self.chambers.iter().map(|(_, chamber)| {
-            let (volume, gas) = chamber.state(&here);
+        let gas = system.energies.chambers().map(|(_, named)| {
+            let (volume, gas) = named.chamber.state(&here);
             [gas.pressure, volume]
         });
+        let fixed = system.fixed();
         let dofs = (0..u.len()).map(|dof| {
-            let reaction = if self.fixed[dof] { reactions[dof] } else { 0.0 };
+            let reaction = if fixed[dof] { reactions[dof] } else { 0.0 };
             [reaction - dead[dof], u[dof]]
         });
         gas.chain(dofs).collect()

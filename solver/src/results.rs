@@ -12,11 +12,11 @@ use serde_json::{Value, json};
 use crate::body::Body;
 use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
-use crate::energy::{Chamber, Iterate};
+use crate::energy::{Chamber, Energies, Iterate, Kind, Term};
 use crate::forward::{LoadStep, System};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
-use crate::scene::{Collisions, Scene};
+use crate::scene::Scene;
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize)]
@@ -145,7 +145,7 @@ pub fn step(
         // there is no full load of which it would be a fraction
         report.remove("load");
     }
-    report["walls"] = json!(walls(scene, body, system, &step.u, step.load)?);
+    report["walls"] = json!(walls(system, &body.mesh.vertices, &step.u, step.load));
     let mut moved = BTreeMap::new();
     for name in body.used_tags() {
         let report = displacements(body, &system.space, &body.facets(name)?, &step.u);
@@ -156,52 +156,42 @@ pub fn step(
     report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
     report["energies"] = json!(energies(system, &body.mesh.vertices, &step.u, step.load));
     if let Some(v) = v {
-        report["energies"]["kinetic"] = json!(kinetic_energy(scene, system, v)?);
-        report["momentum"] = json!(<[f64; 3]>::from(momentum(scene, system, v)?));
+        let (space, rest) = (&system.space, &body.mesh.vertices);
+        report["energies"]["kinetic"] = json!(kinetic_energy(&system.energies, space, rest, v));
+        let momentum = momentum(&system.energies, space, rest, v);
+        report["momentum"] = json!(<[f64; 3]>::from(momentum));
+    }
+    let here = system.iterate(&body.mesh.vertices, &step.u, step.load);
+    if let Some(collisions) = collisions(scene, &system.energies, &here) {
+        report["collisions"] = collisions;
     }
     Ok(report)
 }
 
-/// ½ vᵀ M v of all bodies [J].
-///
-/// # Errors
-/// When a density is not known.
-pub fn kinetic_energy(scene: &Scene, system: &System, v: &[f64]) -> Result<f64> {
-    let rest = &scene.body.mesh.vertices;
-    let inertia = scene.inertia(&scene.body, &system.space)?;
-    Ok(inertia.iter().map(|i| i.kinetic_energy(&system.space, rest, v)).sum())
+/// ½ vᵀ M v of all bodies with inertia [J].
+#[must_use]
+pub fn kinetic_energy(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> f64 {
+    energies.inertia().map(|i| i.kinetic_energy(space, rest, v)).sum()
 }
 
-/// ∫ ρ v dX of all bodies [kg m/s].
-///
-/// # Errors
-/// When a density is not known.
-pub fn momentum(scene: &Scene, system: &System, v: &[f64]) -> Result<Vec3> {
-    let rest = &scene.body.mesh.vertices;
-    let inertia = scene.inertia(&scene.body, &system.space)?;
-    Ok(inertia.iter().map(|i| i.momentum(&system.space, rest, v)).sum())
+/// ∫ ρ v dX of all bodies with inertia [kg m/s].
+#[must_use]
+pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> Vec3 {
+    energies.inertia().map(|i| i.momentum(space, rest, v)).sum()
 }
 
 /// Measures every chamber at a load.
-///
-/// # Errors
-/// When a tag is missing.
-pub fn walls(
-    scene: &Scene,
-    body: &Body,
-    system: &System,
-    u: &[f64],
-    load: f64,
-) -> Result<BTreeMap<String, WallReport>> {
-    let here = system.iterate(&body.mesh.vertices, u, load);
+#[must_use]
+pub fn walls(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> BTreeMap<String, WallReport> {
+    let here = system.iterate(rest, u, load);
     let report = |chamber: &Chamber| {
         let (volume, gas) = chamber.state(&here);
         let volume_rest = chamber.rest_volume(&here);
         let closed = chamber.wall.is_closed();
         WallReport { volume_rest, volume, pressure: gas.pressure, closed }
     };
-    let chambers = scene.chambers(body, &system.space)?;
-    Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
+    let chambers = system.energies.chambers();
+    chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
 }
 
 /// Energies of a state by kind, and their sum `total` [J]. What inertia and
@@ -216,8 +206,7 @@ pub fn energies(
     let at = system.iterate(rest, u, load);
     // those that a scene may lack are reported, too
     let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
-    let not_stored = ["inertia", "tiny_mass", "friction"];
-    for energy in system.energies.iter().filter(|e| !not_stored.contains(&e.name())) {
+    for Term { energy, .. } in system.energies.terms().filter(|term| term.kind.is_stored()) {
         let value = energy.value(&at);
         *energies.entry(energy.name()).or_insert(0.0) += value;
         *energies.entry("total").or_insert(0.0) += value;
@@ -233,7 +222,8 @@ pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Valu
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("pressure", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
-    for energy in system.energies.iter().filter(|e| e.name() != "elastic") {
+    let is_elastic = |term: &Term| matches!(term.kind, Kind::Elastic(_));
+    for Term { energy, .. } in system.energies.terms().filter(|term| !is_elastic(term)) {
         let mut gradient = vec![0.0; system.len()];
         energy.add_gradient(&system.iterate(rest, u, load), &mut gradient);
         *loads.entry(energy.name()).or_default() -= resultant(&gradient);
@@ -260,40 +250,41 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
 }
 
 /// Forces between surfaces at a state: how close they are, and for each pair of
-/// bodies the force on the first [N] and the sum of its magnitudes.
+/// bodies the force on the first [N] and the sum of its magnitudes; none where the
+/// scene has no contact.
 #[must_use]
-pub fn collisions(collisions: &Collisions, at_: &Iterate) -> Value {
-    let gaps = collisions.contact.gaps(at_);
-    let told = |forces: Vec<BodyForce>| -> Vec<Value> {
+pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Value> {
+    let contact = energies.contact.as_ref()?;
+    let names = scene.surface_names();
+    let gaps = contact.gaps(at);
+    let report = |forces: Vec<BodyForce>| -> Vec<Value> {
         let one = |f: BodyForce| {
             json!({
-                "bodies": f.bodies.map(|b| &collisions.names[b]),
+                "bodies": f.bodies.map(|b| names[b]),
                 "force": <[f64; 3]>::from(f.force),
                 "magnitude": f.magnitude,
             })
         };
         forces.into_iter().map(one).collect()
     };
-    json!({
+    let friction = energies.friction.as_ref();
+    Some(json!({
         "pairs": gaps.pairs,
         "smallest_gap": gaps.smallest.is_finite().then_some(gaps.smallest),
-        "contact": told(collisions.contact.body_forces(at_)),
-        "friction": told(collisions.friction.as_ref().map_or_else(Vec::new, |f| f.body_forces(at_))),
-    })
+        "contact": report(contact.body_forces(at)),
+        "friction": report(friction.map_or_else(Vec::new, |f| f.body_forces(at))),
+    }))
 }
 
 /// [`grid`] with the forces of contact and friction on the nodes [N].
 #[must_use]
 pub fn grid_with_forces(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> vtu::Grid {
     let mut grid = grid(&system.space, rest, u);
-    for energy in &system.energies {
-        let Some(name) = ["contact", "friction"].iter().find(|name| **name == energy.name()) else {
-            continue;
-        };
+    for energy in system.energies.contact_terms() {
         let mut values = vec![0.0; u.len()];
         energy.add_gradient(&system.iterate(rest, u, load), &mut values);
         values.iter_mut().for_each(|f| *f = -*f);
-        let (name, unit) = (format!("{name}_force"), "N".to_owned());
+        let (name, unit) = (format!("{}_force", energy.name()), "N".to_owned());
         grid.point_fields.push(vtu::Field { name, unit, components: 3, values });
     }
     grid

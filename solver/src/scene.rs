@@ -5,10 +5,10 @@ mod chambers;
 mod contact;
 mod objectives;
 
-pub use contact::Collisions;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
@@ -16,7 +16,7 @@ use mesh::Vec3;
 use crate::body::{Body, Part};
 use crate::config::{BodyConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
-use crate::energy::{BodyForce, Elastic, Energy, Inertia, Traction};
+use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
 use crate::forward::{Integrator, Newton, State, Stepping, System};
 use crate::material::Specification;
 use crate::memory;
@@ -146,7 +146,7 @@ impl Scene {
         let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
         let supports = self.supports(body, &space)?;
         let energies = self.energies(body, &space, &supports).with_context(context)?;
-        let multipliers = self.multipliers(body, &space)?;
+        let multipliers = self.multipliers(body, &space, &energies);
         let system = System::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
         system.memory().check(memory::available()).with_context(context)?;
         if supports.move_at_all() {
@@ -186,18 +186,6 @@ impl Scene {
             .with_context(|| self.path.display().to_string())
     }
 
-    /// Inertia of each body.
-    ///
-    /// # Errors
-    /// When a density is not known.
-    pub fn inertia(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Inertia>> {
-        let parts = self.parts.iter().zip(&body.parts);
-        let one = |(part, own): (&ScenePart, &Part)| {
-            Ok(Inertia::new(space, self.density(part)?, own.tets.clone()))
-        };
-        parts.map(one).collect()
-    }
-
     /// The bodies at t = 0, and how they go on.
     #[must_use]
     pub fn integrator(&self, body: &Body, system: &System) -> Integrator {
@@ -227,42 +215,23 @@ impl Scene {
         body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
-    ) -> Result<Vec<Box<dyn Energy>>> {
-        let mut energies: Vec<Box<dyn Energy>> = Vec::new();
-        let gravity = &self.config.gravity;
-        for (part, own) in self.parts.iter().zip(&body.parts) {
-            let tets = own.tets.clone();
-            energies.push(Box::new(Elastic::part(part.material.build(), tets.clone())));
-            if gravity.0.iter().any(|g| !g.is_zero()) {
-                let density = self.density(part)?;
-                let weight = BodyForce::weight(gravity.clone(), density, tets.clone());
-                energies.push(Box::new(weight));
-            }
-        }
-        if self.config.method().has_inertia() {
-            let inertia = self.inertia(body, space)?.into_iter();
-            energies.extend(inertia.map(|i| Box::new(i) as Box<dyn Energy>));
-        } else {
-            for (part, own) in self.parts.iter().zip(&body.parts) {
-                if supports.leave_loose(space, &own.vertices) {
-                    let density = part.material.density.unwrap_or(WATER);
-                    energies.push(Box::new(Inertia::tiny(space, density, own.tets.clone())));
-                }
-            }
-        }
+    ) -> Result<Energies> {
+        let bodies = self.parts.iter().zip(&body.parts);
+        let bodies = bodies.map(|(part, own)| self.body_energies(part, own, space, supports));
+        let mut energies = Energies::bodies(bodies.collect::<Result<_>>()?);
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
-            energies.push(Box::new(chamber));
+            energies = energies.with_chamber(name, chamber);
         }
         if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
-            energies.push(Box::new(collisions.contact));
-            energies.extend(collisions.friction.map(|f| Box::new(f) as Box<dyn Energy>));
+            energies.contact = Some(Arc::new(collisions.contact));
+            energies.friction = collisions.friction;
         }
         let nodes = space.node_positions(&body.mesh.vertices);
-        self.check_field("gravity", gravity, &nodes)?;
+        self.check_field("gravity", &self.config.gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
-            energies.push(Box::new(BodyForce::whole(load.force.clone())));
+            energies.body_forces.push(BodyForce::whole(load.force.clone()));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;
@@ -270,9 +239,42 @@ impl Scene {
             let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
             let name = format!("[[traction]] on \"{}\": traction", load.on);
             self.check_field(&name, &load.traction, &places)?;
-            energies.push(Box::new(Traction::new(space, &facets, load.traction.clone())));
+            energies.tractions.push(Traction::new(space, &facets, load.traction.clone()));
         }
         Ok(energies)
+    }
+
+    /// The terms of one body.
+    fn body_energies(
+        &self,
+        part: &ScenePart,
+        own: &Part,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<BodyEnergies> {
+        let (gravity, tets) = (&self.config.gravity, own.tets.clone());
+        let falls = gravity.0.iter().any(|g| !g.is_zero());
+        let weight = falls.then(|| {
+            let density = self.density(part)?;
+            Ok::<_, anyhow::Error>(BodyForce::weight(gravity.clone(), density, tets.clone()))
+        });
+        let inertia = if self.config.method().has_inertia() {
+            Some(Inertia::new(space, self.density(part)?, tets.clone()))
+        } else if supports.leave_loose(space, &own.vertices) {
+            let density = part.material.density.unwrap_or(WATER);
+            Some(Inertia::tiny(space, density, tets.clone()))
+        } else {
+            None
+        };
+        let elastic = Elastic::part(part.material.build(), tets);
+        Ok(BodyEnergies { elastic, weight: weight.transpose()?, inertia })
+    }
+
+    /// Names of all surfaces that may touch: bodies, then obstacles.
+    #[must_use]
+    pub fn surface_names(&self) -> Vec<&str> {
+        let bodies = self.parts.iter().map(|part| &part.config.name[..]);
+        bodies.chain(self.config.obstacle.iter().map(|o| &o.name[..])).collect()
     }
 
     /// Whether a load is defined at all these positions, at the ends of all time

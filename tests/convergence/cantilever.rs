@@ -5,7 +5,7 @@
 //! held along all axes is stiffer by what cubic elements find.
 
 use mesh::{TetMesh, Vec3};
-use solver::energy::{Elastic, Energy, Traction};
+use solver::energy::{Energies, Traction};
 use tests::block;
 use tests::equilibrium::{MODULI, Problem, SILICONE, facets_where, mean};
 
@@ -50,12 +50,10 @@ impl End {
 fn ratio(end_held: End, degree: usize, cells: usize) -> f64 {
     let mesh = bar(cells);
     let end = facets_where(&mesh, |p| p.x > LENGTH - 1e-9);
-    let energies = |space: &_| -> Vec<Box<dyn Energy>> {
+    let energies = |space: &_| {
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
-        vec![
-            Box::new(Elastic::whole(Box::new(SILICONE))),
-            Box::new(Traction::new(space, &end, shear.into())),
-        ]
+        let tractions = vec![Traction::new(space, &end, shear.into())];
+        Energies { tractions, ..Energies::elastic(Box::new(SILICONE)) }
     };
     let mut problem = Problem::new(mesh, degree, energies, |p| end_held.held(p));
     problem.solve(1.0);

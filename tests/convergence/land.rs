@@ -6,9 +6,11 @@
 //! The load has a free rim, hence no potential: it is found as the limit of dead
 //! loads, each of which is the follower load of the equilibrium before.
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 use solver::element::at;
-use solver::energy::{Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Wall};
+use solver::energy::{Chamber, Energies, Energy, GasLaw, Hessian, Iterate, Wall};
 use solver::forward::Newton;
 use solver::material::{Kinematics, Material};
 use solver::math::sparse::BlockMatrix;
@@ -105,9 +107,8 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let edge = 1e-3 / cells as f64;
     let mesh = block([10 * cells, cells, cells], edge, |_| false, |p| p);
     let below = facets_where(&mesh, |p| p.z < 1e-9);
-    let energies =
-        |_: &_| -> Vec<Box<dyn Energy>> { vec![Box::new(Elastic::whole(Box::new(Guccione)))] };
-    let mut problem = Problem::new(mesh, degree, energies, |p| [p.x < 1e-9; 3]);
+    let elastic = |_: &_| Energies::elastic(Box::new(Guccione));
+    let mut problem = Problem::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&problem.system.space, &below);
     let gas = Chamber { wall, gas: GasLaw::Isobaric { pressure: 4.0.into() } };
     let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0 };
@@ -120,8 +121,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
         let mut force = vec![0.0; problem.u.len()];
         gas.add_gradient(&problem.system.iterate(&problem.rest, &problem.u, load), &mut force);
         force.iter_mut().for_each(|f| *f = -*f);
-        problem.system.energies.truncate(1);
-        problem.system.energies.push(Box::new(Dead { force }));
+        problem.system.energies.others = vec![Arc::new(Dead { force })];
         newton.solve(&mut problem.system, &problem.rest, &mut problem.u, 1.0).unwrap();
         let now = 1e3 * (1e-3 + at(&problem.u, node).z);
         if load == 1.0 && (now - last).abs() < 1e-5 {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use mesh::Vec3;
 use solver::element::{FunctionSpace, add_at, at, quadrature, tabulate};
-use solver::energy::{Elastic, Energy, Hessian, Iterate};
+use solver::energy::{Energies, Energy, Hessian, Iterate};
 use solver::forward::{Newton, System};
 use solver::material::{Kinematics, Material, MooneyRivlin};
 use solver::math::sparse::BlockMatrix;
@@ -127,8 +127,7 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let fixed: Vec<bool> = nodes.iter().flat_map(|p| [on_boundary(p); 3]).collect();
     let mut u: Vec<f64> = nodes.iter().flat_map(|&p| <[f64; 3]>::from(displacement(p))).collect();
     let forcing = Forcing::new(&space, &rest);
-    let energies: Vec<Box<dyn Energy>> =
-        vec![Box::new(Elastic::whole(Box::new(LAW))), Box::new(forcing)];
+    let energies = Energies::elastic(Box::new(LAW)).with(forcing);
     let mut system = System::new(space, energies, &fixed);
     let newton = Newton { iterations: 20, relative: 1e-11, absolute: 0.0 };
     newton.solve(&mut system, &rest, &mut u, 1.0).unwrap();

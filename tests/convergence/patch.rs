@@ -3,7 +3,7 @@
 
 use mesh::Vec3;
 use solver::element::{FunctionSpace, at};
-use solver::energy::{Elastic, Energy};
+use solver::energy::Energies;
 use solver::forward::{Newton, Stepping, System, solve};
 use tests::block;
 use tests::equilibrium::SILICONE;
@@ -27,7 +27,7 @@ fn constant_strain_is_exact_for_every_degree() {
                 fixed[3 * node..3 * node + 3].fill(true);
             }
         }
-        let energies: Vec<Box<dyn Energy>> = vec![Box::new(Elastic::whole(Box::new(SILICONE)))];
+        let energies = Energies::elastic(Box::new(SILICONE));
         let mut system = System::new(space, energies, &fixed).with_displacement(&exact);
         let newton = Newton { iterations: 30, relative: 1e-15, absolute: 1e-12 };
         let stepping = Stepping { first: 0.5, largest: 1.0, smallest: 1e-3, newton };

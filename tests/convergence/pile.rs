@@ -75,7 +75,6 @@ fn throw(seed: u64, steps: usize) -> f64 {
     let clock = Instant::now();
     let mut pile = thrown(seed);
     let (mut smallest, mut pairs) = (f64::INFINITY, 0);
-    let fixed = vec![false; pile.system.len()];
     let scene_body = pile.scene.body.mesh.vertices.clone();
     for step in 1..=steps {
         pile.go(1);
@@ -88,8 +87,7 @@ fn throw(seed: u64, steps: usize) -> f64 {
             assert!(inside, "seed {seed}: {x:?} at step {step}");
         }
     }
-    let collisions = pile.scene.collisions(&pile.scene.body, &pile.system.space, &fixed);
-    let contact = collisions.unwrap().unwrap().contact;
+    let contact = pile.system.energies.contact.clone().expect("the scene has contact");
     let surface = contact.surface();
     let x = surface.positions(&pile.system.space, &scene_body, pile.u(), pile.march.progress.time);
     let proof = certify(&surface.features().triangles, &x, |v| !surface.immovable(&[v]));

@@ -5,7 +5,7 @@
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
 use mesh::Vec3;
-use solver::energy::{Elastic, Energy, GasLaw, Multiplier, Prescribed};
+use solver::energy::{Energies, GasLaw, Multiplier, Prescribed};
 use solver::forward::{Newton, Stepping, solve_in_time};
 use solver::material::{Lame, Material, NeoHookean};
 use solver::schedule::Schedule;
@@ -48,9 +48,7 @@ impl Shell {
         let mesh = shell_octant(A, B, n, layers);
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
         let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.clone());
-        let energies = |space: &_| -> Vec<Box<dyn Energy>> {
-            vec![Box::new(Elastic::whole(material())), Box::new(gas(space))]
-        };
+        let energies = |space: &_| Energies::elastic(material()).with(gas(space));
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let problem = Problem::new(mesh, degree, energies, on_plane);
         let gas = gas(&problem.system.space);

@@ -1,50 +1,48 @@
 //! Newton's method at the end of its digits, and the softest motion.
 
 use mesh::Vec3;
-use solver::energy::{BodyForce, Elastic, Energy, Hessian, Iterate};
+use solver::energy::{BodyForce, Energies};
 use solver::forward::{Failure, Newton, Softness};
+use solver::material::{Kinematics, Material, MooneyRivlin};
 use solver::math::linear::{Precision, SparseSolver, Symmetric};
-use solver::math::sparse::BlockMatrix;
+use solver::math::tensor::{Mat3, Mat9};
 use tests::block;
 use tests::equilibrium::{Problem, SILICONE};
 
-/// Forces that are wrong in their ninth digit, in a way that changes with every
-/// bit of u.
-struct Blurred(Elastic);
+/// A law whose stresses are wrong in their ninth digit, in a way that changes with
+/// every bit of F.
+struct Blurred(MooneyRivlin);
 
-impl Energy for Blurred {
-    fn name(&self) -> &'static str {
-        "elastic"
+impl Material for Blurred {
+    fn energy_density(&self, k: &Kinematics) -> f64 {
+        self.0.energy_density(k)
     }
-    fn value(&self, at: &Iterate) -> f64 {
-        self.0.value(at)
+    fn first_piola(&self, k: &Kinematics) -> Mat3 {
+        self.0.first_piola(k).zip_map(&k.f, |stress, f| {
+            let hash = f.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
+            stress * (1.0 + 1e-9 * (hash as f64 / 2.0_f64.powi(52) - 1.0))
+        })
     }
-    fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        let mut exact = vec![0.0; out.len()];
-        self.0.add_gradient(at, &mut exact);
-        for ((out, exact), u) in out.iter_mut().zip(exact).zip(at.u) {
-            let hash = u.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
-            *out += exact * (1.0 + 1e-9 * (hash as f64 / 2.0_f64.powi(52) - 1.0));
-        }
+    fn tangent(&self, k: &Kinematics) -> Mat9 {
+        self.0.tangent(k)
     }
-    fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        self.0.add_hessian(at, kind, out);
+    fn parameter_count(&self) -> usize {
+        self.0.parameter_count()
     }
-    fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        self.0.add_mixed_vjp(at, lambda, out);
+    fn add_parameter_vjp(&self, k: &Kinematics, bar: &Mat3, out: &mut [f64]) {
+        self.0.add_parameter_vjp(k, bar, out);
     }
-}
-
-fn elastic() -> Elastic {
-    Elastic::whole(Box::new(SILICONE))
 }
 
 /// A bar of square section that bends under its weight.
-fn bar(cells: [usize; 3], edge: f64, force: f64, term: fn() -> Box<dyn Energy>) -> Problem {
+fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>) -> Problem {
     Problem::new(
         block(cells, edge, |_| false, |p| p),
         2,
-        |_| vec![term(), Box::new(BodyForce::whole(Vec3::new(0.0, 0.0, -force).into()))],
+        |_| {
+            let body_forces = vec![BodyForce::whole(Vec3::new(0.0, 0.0, -force).into())];
+            Energies { body_forces, ..Energies::elastic(law()) }
+        },
         |p| [p.x < 1e-9; 3],
     )
 }
@@ -62,7 +60,7 @@ fn the_rounding_floor_is_where_residuals_end() {
         ([12, 1, 1], 1e-2, 1e2),
         ([40, 1, 1], 1e-3, 1e2),
     ] {
-        let mut bar = bar(cells, edge, force, || Box::new(elastic()));
+        let mut bar = bar(cells, edge, force, || Box::new(SILICONE));
         let (system, rest) = (&mut bar.system, &bar.rest);
         let end = UNREACHABLE.solve(system, rest, &mut bar.u, 1.0).unwrap();
         let floor = end.floor.expect("nobody reaches 1e-20");
@@ -73,7 +71,7 @@ fn the_rounding_floor_is_where_residuals_end() {
 
 #[test]
 fn forces_that_are_not_accurate_stagnate_above_the_floor() {
-    let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(elastic())));
+    let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(SILICONE)));
     let newton = Newton { iterations: 40, relative: 1e-12, absolute: 0.0 };
     let failure = newton.solve(&mut bar.system, &bar.rest, &mut bar.u, 1.0).unwrap_err();
     let Failure::Stagnated { iterations, residual, wanted, floor, scale } = failure else {
@@ -93,7 +91,7 @@ fn the_softest_motion_of_a_bar_bends_it() {
         let mut bar = Problem::new(
             block([length, 1, 1], 1e-2, |_| false, |p| p),
             2,
-            |_| vec![Box::new(elastic()) as Box<dyn Energy>],
+            |_| Energies::elastic(Box::new(SILICONE)),
             |p| [held && p.x < 1e-9; 3],
         );
         let zero = vec![0.0; bar.system.len()];

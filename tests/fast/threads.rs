@@ -31,7 +31,7 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
         ("projected".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Projected).lower),
     ];
     let mut mixed = vec![0.0; 3 * rest.len()];
-    for energy in &system.energies {
+    for energy in system.energies.iter() {
         energy.add_mixed_vjp(&system.iterate(&rest, &u, 1.0), &u, &mut mixed);
     }
     found.push(("mixed".to_owned(), mixed));

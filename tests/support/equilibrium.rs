@@ -2,7 +2,7 @@
 
 use mesh::{TetMesh, Vec3};
 use solver::element::{FunctionSpace, at};
-use solver::energy::Energy;
+use solver::energy::Energies;
 use solver::forward::{Newton, System, certificate};
 use solver::material::MooneyRivlin;
 
@@ -28,7 +28,7 @@ impl Problem {
     pub fn new(
         mesh: TetMesh,
         degree: usize,
-        energies: impl Fn(&FunctionSpace) -> Vec<Box<dyn Energy>>,
+        energies: impl Fn(&FunctionSpace) -> Energies,
         held: impl Fn(Vec3) -> [bool; 3],
     ) -> Self {
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);

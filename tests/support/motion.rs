@@ -95,24 +95,15 @@ impl Motion {
     pub fn report(&mut self) -> Value {
         let step = self.last.as_ref().expect("a step was made");
         let v = self.march.progress.integrator.last().v.clone();
-        let (body, fixed) = (&self.scene.body, self.system.fixed().to_vec());
         let v = self.march.progress.integrator.method.has_inertia().then_some(&v[..]);
-        let mut report =
-            results::step(&self.scene, body, &mut self.system, step, v).expect("tags are known");
-        let collisions = self.scene.collisions(body, &self.system.space, &fixed);
-        if let Some(collisions) = collisions.expect("the scene was accepted") {
-            let here = self.system.iterate(&body.mesh.vertices, &step.u, step.load);
-            report["collisions"] = results::collisions(&collisions, &here);
-        }
-        report
+        results::step(&self.scene, &self.scene.body, &mut self.system, step, v)
+            .expect("tags are known")
     }
 
     /// ∫ ρ w dX of a nodal field over all bodies, e.g. momentum [kg m/s].
-    ///
-    /// # Panics
-    /// When a density is missing.
     #[must_use]
     pub fn momentum(&self, w: &[f64]) -> Vec3 {
-        results::momentum(&self.scene, &self.system, w).expect("densities are known")
+        let rest = &self.scene.body.mesh.vertices;
+        results::momentum(&self.system.energies, &self.system.space, rest, w)
     }
 }

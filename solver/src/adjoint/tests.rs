@@ -10,8 +10,8 @@ use crate::contact::barrier::{Barrier, Form};
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
 use crate::energy::{
-    BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Multiplier,
-    Prescribed, Wall,
+    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, GasLaw, Inertia,
+    Multiplier, ParameterId, Prescribed, Wall,
 };
 use crate::forward::{Integrator, March, Method, Newton, Stepping};
 use crate::material::MooneyRivlin;
@@ -147,14 +147,17 @@ impl Case {
         let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
         let [c1, c2, c3, d1] = numbers.law;
         let law = MooneyRivlin { c1, c2, c3, d1 };
-        let mut energies: Vec<Box<dyn Energy>> = vec![Box::new(Elastic::whole(Box::new(law)))];
-        if self.method.has_inertia() {
-            energies.push(Box::new(Inertia::new(&space, numbers.density, 0..count)));
-        } else if self.hits() {
-            energies.push(Box::new(Inertia::tiny(&space, 1e9, upper..count)));
-        }
         let gravity = Field(["2".parse(), "1".parse(), "-9.8".parse()].map(|s| s.expect("fine")));
-        energies.push(Box::new(BodyForce::weight(gravity, numbers.density, 0..count)));
+        let inertia = if self.method.has_inertia() {
+            Some(Inertia::new(&space, numbers.density, 0..count))
+        } else {
+            self.hits().then(|| Inertia::tiny(&space, 1e9, upper..count))
+        };
+        let mut energies = Energies::bodies(vec![BodyEnergies {
+            elastic: Elastic::whole(Box::new(law)),
+            weight: Some(BodyForce::weight(gravity, numbers.density, 0..count)),
+            inertia,
+        }]);
         if !wall.is_empty() {
             let number = numbers.pressure;
             let gas = match self.inside {
@@ -171,7 +174,8 @@ impl Case {
                     GasLaw::Volume { prescribed, multiplier: 0 }
                 }
             };
-            energies.push(Box::new(Chamber { wall: Wall::new(&space, &wall), gas }));
+            let chamber = Chamber { wall: Wall::new(&space, &wall), gas };
+            energies = energies.with_chamber("hole", chamber);
         }
         let held = !wall.is_empty() && matches!(self.inside, Inside::Volume | Inside::Factor);
         let penalty = 10.0 * 2.0 * (numbers.law[0] + numbers.law[1]) / 3e-7;
@@ -180,8 +184,8 @@ impl Case {
         if self.hits() {
             let contact = self.barrier(&mesh, &space, &fixed);
             let surface = Arc::clone(contact.surface());
-            energies.push(Box::new(contact));
-            energies.push(Box::new(Friction::new(surface, numbers.friction, 0.05)));
+            energies.contact = Some(Arc::new(contact));
+            energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
         }
         (System::new(space, energies, &fixed).with_multipliers(multipliers), rest)
     }
@@ -300,15 +304,6 @@ impl Probe {
     }
 }
 
-/// Sum over steps of one energy's parameters.
-fn summed(gradient: &Gradient, energy: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; gradient.parameters[0][energy].len()];
-    for step in &gradient.parameters {
-        sum.iter_mut().zip(&step[energy]).for_each(|(s, p)| *s += p);
-    }
-    sum
-}
-
 fn check(case: &Case, forces: bool) {
     let (mut system, rest) = case.system(&NUMBERS);
     let start = case.start(&system, &rest);
@@ -334,11 +329,8 @@ fn check(case: &Case, forces: bool) {
         probe.value(&mut system, &rest, &run)
     });
     // numbers, each relative to itself
-    let names: Vec<&str> = system.energies.iter().map(|e| e.name()).collect();
-    let of = |name: &str| {
-        let mine = (0..names.len()).filter(|&i| names[i] == name);
-        mine.map(|i| summed(&gradient, i)).next()
-    };
+    let of = |id: ParameterId| gradient.parameters.total(id);
+    let one = |id: ParameterId| of(id).first().copied().unwrap_or(0.0);
     let with = |p: &[f64], by: &[f64]| {
         check_gradient(p, by, 1e-3 * size, |p| {
             let scaled = |k: usize, x: f64| x * p[k];
@@ -353,12 +345,13 @@ fn check(case: &Case, forces: bool) {
             probe.value(&mut system, &rest, &run)
         });
     };
-    let mut by: Vec<f64> =
-        of("elastic").expect("there").iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
-    let density = ["inertia", "body_force"].map(|n| of(n).map_or(0.0, |g| g[0]));
-    by.push(density.iter().sum::<f64>() * NUMBERS.density);
-    by.push(of("friction").map_or(0.0, |g| g[0]) * NUMBERS.friction);
-    let pressure = of("pressure").map_or(0.0, |g| g[0]);
+    let law = of(ParameterId::Material(0));
+    assert_eq!(law.len(), NUMBERS.law.len());
+    let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
+    by.push(one(ParameterId::Density(0)) * NUMBERS.density);
+    by.push(one(ParameterId::Friction) * NUMBERS.friction);
+    let chamber = system.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    let pressure = chamber.map_or(0.0, one);
     let per_number = match case.inside {
         Inside::Pressure | Inside::Gas => 1.0,
         Inside::Volume => CHANGE,

@@ -259,7 +259,8 @@ fn fill(
     let elastic = energies["elastic"];
     report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
     if march.progress.integrator.method.has_inertia() {
-        let kinetic = results::kinetic_energy(scene, system, &march.progress.integrator.last().v)?;
+        let v = &march.progress.integrator.last().v;
+        let kinetic = results::kinetic_energy(&system.energies, &system.space, rest, v);
         report["energy_balance"]["kinetic"] = json!(kinetic);
     } else {
         let gap = (work - elastic) / elastic.max(f64::MIN_POSITIVE);
@@ -268,7 +269,7 @@ fn fill(
     report["energies"] = json!(energies);
     report["force_balance"] = results::balance(system, rest, u, end);
     report["tags"] = json!(results::tags(scene, &scene.body, system, u, end)?);
-    report["walls"] = json!(results::walls(scene, &scene.body, system, u, end)?);
+    report["walls"] = json!(results::walls(system, rest, u, end));
     report["stretch_range"] = json!(stretches(scene, system, u));
     report["timings"] = json!(system.timings);
     Ok(())

@@ -19,6 +19,7 @@ use crate::math::sparse::BlockMatrix;
 use crate::schedule::Field;
 
 /// A force per rest volume.
+#[derive(Clone)]
 pub struct BodyForce {
     /// f over `factor`, [N/m³] unless it is gravity.
     force: Field,

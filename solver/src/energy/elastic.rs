@@ -13,6 +13,7 @@
 //! Analysis of Structural Systems".
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use mesh::Vec3;
 
@@ -25,9 +26,10 @@ use crate::math::tensor::{Mat3, project_positive, vec9};
 use crate::parallel::{map_merge, map_merge_waves};
 
 /// Elastic energy of elements with one law.
+#[derive(Clone)]
 pub struct Elastic {
     /// The law.
-    pub material: Box<dyn Material>,
+    pub material: Arc<dyn Material>,
     /// The elements; none means all.
     elements: Option<Range<usize>>,
 }
@@ -77,13 +79,13 @@ impl Elastic {
     /// All elements have one law.
     #[must_use]
     pub fn whole(material: Box<dyn Material>) -> Self {
-        Self { material, elements: None }
+        Self { material: material.into(), elements: None }
     }
 
     /// The law of consecutive elements.
     #[must_use]
     pub fn part(material: Box<dyn Material>, elements: Range<usize>) -> Self {
-        Self { material, elements: Some(elements) }
+        Self { material: material.into(), elements: Some(elements) }
     }
 
     fn elements(&self, space: &FunctionSpace) -> Range<usize> {

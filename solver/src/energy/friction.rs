@@ -31,6 +31,7 @@ use crate::math::tensor::{Mat12, Vec12};
 use crate::parallel::map_merge;
 
 /// Friction on a collision surface.
+#[derive(Clone)]
 pub struct Friction {
     surface: Arc<Surface>,
     coefficient: f64,

@@ -34,6 +34,7 @@ use crate::parallel::{map_merge, map_merge_waves};
 const HOLD: f64 = 1.0;
 
 /// Inertia of elements with one density.
+#[derive(Clone)]
 pub struct Inertia {
     density: f64,
     /// Whether it is the tiny mass of a loose body.
@@ -57,6 +58,12 @@ impl Inertia {
     #[must_use]
     pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { tiny: true, ..Self::new(space, density, elements) }
+    }
+
+    /// Whether it is the tiny mass of a loose body.
+    #[must_use]
+    pub fn is_tiny(&self) -> bool {
+        self.tiny
     }
 
     /// 1/h² and ũ.

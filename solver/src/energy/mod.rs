@@ -4,8 +4,10 @@ mod body_force;
 mod chamber;
 mod contact;
 mod elastic;
+mod energies;
 mod friction;
 mod inertia;
+mod springs;
 mod traction;
 mod wall;
 
@@ -13,8 +15,12 @@ pub use body_force::BodyForce;
 pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
 pub use contact::{Contact, GapSummary};
 pub use elastic::Elastic;
+pub use energies::{
+    BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId, Term,
+};
 pub use friction::Friction;
 pub use inertia::Inertia;
+pub use springs::{Spring, Springs};
 pub use traction::Traction;
 pub use wall::Wall;
 

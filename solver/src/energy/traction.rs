@@ -15,6 +15,7 @@ use crate::math::sparse::BlockMatrix;
 use crate::schedule::Field;
 
 /// A force per rest area of some facets.
+#[derive(Clone)]
 pub struct Traction {
     /// t [Pa].
     pub traction: Field,

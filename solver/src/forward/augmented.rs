@@ -23,9 +23,7 @@
 use mesh::Vec3;
 
 use super::{Newton, System};
-use crate::energy::{Energy, Hessian, Iterate};
-use crate::math::sparse::BlockMatrix;
-use crate::math::tensor::Mat3;
+use crate::energy::{Hessian, Spring, Springs};
 
 /// Relative residual at which the multipliers are renewed.
 const ROUGH: f64 = 1e-3;
@@ -67,13 +65,8 @@ pub(super) fn pull_supports(
         return None;
     }
     system.fix(&kept);
-    let springs = Springs::new(
-        system,
-        rest,
-        (start, load),
-        (0..fixed.len()).filter(|&d| released(d)),
-        &places,
-    );
+    let springs =
+        springs(system, rest, (start, load), (0..fixed.len()).filter(|&d| released(d)), &places);
     let found = approach(system, rest, start, load, newton, springs, residuals);
     system.fix(&fixed);
     found
@@ -92,9 +85,9 @@ fn approach(
     let rough = Newton { relative: newton.relative.max(ROUGH), ..*newton };
     let (mut u, mut iterations, mut last) = (start.to_vec(), 0, f64::INFINITY);
     for minimum in 0..MINIMA {
-        system.energies.push(Box::new(springs.clone()));
+        system.energies.springs = Some(springs.clone());
         let converged = rough.trace(system, rest, &mut u, load, residuals);
-        system.energies.pop();
+        system.energies.springs = None;
         iterations += converged.ok()?.iterations;
         let left = springs.longest(&u);
         log::debug!("supports pulled {minimum}  {left:.2e} m left");
@@ -106,97 +99,30 @@ fn approach(
         if left >= last {
             return None;
         }
-        springs.renew(&u, if left > SLOW * last { GROWTH } else { 1.0 });
+        springs = springs.renewed(&u, if left > SLOW * last { GROWTH } else { 1.0 });
         last = left;
     }
     None
 }
 
-/// What pulls released degrees of freedom to their places.
-#[derive(Clone)]
-struct Springs(Vec<Spring>);
-
-#[derive(Clone)]
-struct Spring {
-    dof: usize,
-    /// b [m].
-    place: f64,
-    /// s k [N/m].
-    stiffness: f64,
-    /// λ [N].
-    force: f64,
-}
-
-impl Springs {
-    fn new(
-        system: &mut System,
-        rest: &[Vec3],
-        (u, load): (&[f64], f64),
-        dofs: impl Iterator<Item = usize>,
-        places: &[f64],
-    ) -> Self {
-        let hessian = system.hessian(rest, u, load, Hessian::Projected).lower;
-        let diagonal: Vec<f64> = system.diagonal().iter().map(|&d| hessian[d]).collect();
-        let stiffness = system.prolong(&diagonal);
-        let spring = |dof: usize| Spring {
-            dof,
-            place: places[dof],
-            stiffness: START * stiffness[dof],
-            force: 0.0,
-        };
-        Self(dofs.map(spring).collect())
-    }
-
-    /// Length [m] and pull [N] of each spring, with it.
-    fn pulls<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = (&'a Spring, f64, f64)> {
-        self.0.iter().map(|s| {
-            let length = u[s.dof] - s.place;
-            (s, length, s.force + s.stiffness * length)
-        })
-    }
-
-    fn longest(&self, u: &[f64]) -> f64 {
-        self.pulls(u).map(|(_, length, _)| length.abs()).fold(0.0, f64::max)
-    }
-
-    fn placed(&self, u: &[f64]) -> Vec<f64> {
-        let mut placed = u.to_vec();
-        self.0.iter().for_each(|s| placed[s.dof] = s.place);
-        placed
-    }
-
-    /// Renews the multipliers, and stiffens the springs.
-    fn renew(&mut self, u: &[f64], growth: f64) {
-        for spring in &mut self.0 {
-            spring.force += spring.stiffness * (u[spring.dof] - spring.place);
-            spring.stiffness *= growth;
-        }
-    }
-}
-
-impl Energy for Springs {
-    fn name(&self) -> &'static str {
-        "springs"
-    }
-
-    fn value(&self, at: &Iterate) -> f64 {
-        self.pulls(at.u).map(|(s, length, pull)| 0.5 * (s.force + pull) * length).sum()
-    }
-
-    fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        self.pulls(at.u).for_each(|(s, _, pull)| out[s.dof] += pull);
-    }
-
-    fn add_hessian(&self, _: &Iterate, _: Hessian, out: &mut BlockMatrix) {
-        for spring in &self.0 {
-            let (node, axis) = (spring.dof / 3, spring.dof % 3);
-            let mut block = Mat3::zeros();
-            block[(axis, axis)] = spring.stiffness;
-            out.add_lower(node, node, &block);
-        }
-    }
-
-    fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {}
+/// Springs with START times the stiffness of the Hessian where they pull.
+fn springs(
+    system: &mut System,
+    rest: &[Vec3],
+    (u, load): (&[f64], f64),
+    dofs: impl Iterator<Item = usize>,
+    places: &[f64],
+) -> Springs {
+    let hessian = system.hessian(rest, u, load, Hessian::Projected).lower;
+    let diagonal: Vec<f64> = system.diagonal().iter().map(|&d| hessian[d]).collect();
+    let stiffness = system.prolong(&diagonal);
+    let spring = |dof: usize| Spring {
+        dof,
+        place: places[dof],
+        stiffness: START * stiffness[dof],
+        force: 0.0,
+    };
+    Springs::new(dofs.map(spring).collect())
 }
 
 #[cfg(test)]

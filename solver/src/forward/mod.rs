@@ -23,6 +23,6 @@ pub use softness::Softness;
 pub use stepping::{
     Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
 };
-pub use system::{System, Timings, is_contact};
+pub use system::{System, Timings};
 pub use tangent::follow;
 pub use trajectory::Trajectory;

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne, TimeStep};
+use crate::energy::{
+    Constraint, Energies, Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep,
+};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
@@ -60,7 +62,7 @@ pub struct System {
     /// Where displacements live.
     pub space: FunctionSpace,
     /// Terms of the potential energy.
-    pub energies: Vec<Box<dyn Energy>>,
+    pub energies: Energies,
     /// Factorisation, kept from the last Newton step.
     pub linear: SparseSolver,
     /// Time spent so far.
@@ -87,7 +89,7 @@ impl System {
     /// Orders and factors symbolically. `fixed` has one entry per degree of
     /// freedom.
     #[must_use]
-    pub fn new(space: FunctionSpace, energies: Vec<Box<dyn Energy>>, fixed: &[bool]) -> Self {
+    pub fn new(space: FunctionSpace, energies: Energies, fixed: &[bool]) -> Self {
         let (pattern, free, linear) = symbolic(&space, fixed, &[]);
         Self {
             space,
@@ -322,7 +324,7 @@ impl System {
         let at = self.iterate(rest, u, load);
         let mut total = vec![0.0; self.len()];
         let mut scale = 0.0_f64;
-        for energy in &self.energies {
+        for energy in self.energies.iter() {
             let mut part = vec![0.0; self.len()];
             energy.add_gradient(&at, &mut part);
             scale = scale.max(crate::math::linear::norm(&self.free.restrict(&part)));
@@ -349,7 +351,7 @@ impl System {
     fn assemble(&self, rest: &[Vec3], u: &[f64], load: f64, kind: Hessian) -> BlockMatrix<'_> {
         let at = self.iterate(rest, u, load);
         let mut matrix = BlockMatrix::zeros(&self.pattern);
-        for energy in &self.energies {
+        for energy in self.energies.iter() {
             energy.add_hessian(&at, kind, &mut matrix);
         }
         matrix
@@ -380,12 +382,7 @@ impl System {
     /// Forces of contact and friction on the nodes [N], three components per node.
     #[must_use]
     pub fn contact_forces(&self, rest: &[Vec3], u: &[f64], load: f64) -> Vec<f64> {
-        let at = self.iterate(rest, u, load);
-        let mut pull = vec![0.0; self.len()];
-        let contact = self.energies.iter().filter(|e| is_contact(&***e));
-        contact.for_each(|e| e.add_gradient(&at, &mut pull));
-        pull.iter_mut().for_each(|p| *p = -*p);
-        pull
+        self.energies.contact_forces(&self.iterate(rest, u, load))
     }
 
     /// The exact Hessian of contact and friction times a vector; none if that is
@@ -403,7 +400,7 @@ impl System {
         self.make_room(rest, u, load);
         let at = self.iterate(rest, u, load);
         let mut matrix = BlockMatrix::zeros(&self.pattern);
-        let contact = self.energies.iter().filter(|e| is_contact(&***e));
+        let contact = self.energies.contact_terms();
         contact.for_each(|e| e.add_hessian(&at, Hessian::Exact, &mut matrix));
         Some(matrix.multiply(vector))
     }
@@ -420,8 +417,8 @@ impl System {
         let positions = self.space.node_positions(rest);
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
         let mut noise = vec![0.0; u.len()];
-        for energy in &self.energies {
-            let from = if energy.name() == "elastic" { u } else { &x };
+        for Term { kind, energy } in self.energies.terms() {
+            let from = if matches!(kind, Kind::Elastic(_)) { u } else { &x };
             let mut matrix = BlockMatrix::zeros(&self.pattern);
             energy.add_hessian(&at, Hessian::Exact, &mut matrix);
             let part = matrix.multiply_magnitudes(from);
@@ -453,12 +450,6 @@ impl System {
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         self.free.prolong(free, self.len())
     }
-}
-
-/// Whether forces of a term count as those of contact.
-#[must_use]
-pub fn is_contact(energy: &dyn Energy) -> bool {
-    matches!(energy.name(), "contact" | "friction")
 }
 
 /// Where the Hessian has entries, and its factorisation without numbers.

@@ -14,7 +14,7 @@ use crate::body::Body;
 use crate::config::{DesignConfig, Interior, LevelConfig};
 use crate::design::{Extension, Patch, Sweeps};
 use crate::element::at;
-use crate::forward::System;
+use crate::energy::{Energies, ParameterGradients};
 use crate::scene::Scene;
 
 /// The map of one level.
@@ -41,7 +41,7 @@ impl DesignMap {
         design: &DesignConfig,
         level: &LevelConfig,
         body: &Body,
-        system: &System,
+        energies: &Energies,
     ) -> Result<Self> {
         let rest = body.mesh.vertices.clone();
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
@@ -57,7 +57,7 @@ impl DesignMap {
         let extension = if moving.is_empty() { None } else { Some(Extension::new(&body.mesh)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
         let (pressures, parameters) = (&design.pressure, &design.parameter);
-        let loads = LoadMap::new(scene, pressures, parameters, (body, system), mean_edge)?;
+        let loads = LoadMap::new(scene, pressures, parameters, energies, mean_edge)?;
         Ok(Self { rest, patches, extension, interior, loads, moving, mean_edge })
     }
 
@@ -122,9 +122,9 @@ impl DesignMap {
         self.rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
     }
 
-    /// Gives the system the loads of θ.
-    pub fn set_loads(&self, theta: &[f64], system: &mut System) {
-        self.loads.apply(&theta[self.shape_variables()..], system);
+    /// Gives the chambers the loads of θ.
+    pub fn set_loads(&self, theta: &[f64], energies: &mut Energies) {
+        self.loads.apply(&theta[self.shape_variables()..], energies);
     }
 
     /// Tag and pressures P_0, …, P_N of each designed pressure [Pa].
@@ -159,14 +159,13 @@ impl DesignMap {
         loads.fold(largest, f64::max)
     }
 
-    /// dJ/dθ from dJ/dX, three components per vertex, and dJ/dp, for each step and
-    /// energy.
+    /// dJ/dθ from dJ/dX, three components per vertex, and dJ/dp.
     #[must_use]
     pub fn pull_back(
         &self,
         theta: &[f64],
         by_rest: &[f64],
-        by_parameters: &[Vec<Vec<f64>>],
+        by_parameters: &ParameterGradients,
     ) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();

@@ -101,7 +101,7 @@ impl Level {
     ) -> Result<Self> {
         let system = scene.system(&body)?;
         let terms = objectives.build(&body, &system.space)?;
-        let map = DesignMap::new(scene, design, level, &body, &system)?;
+        let map = DesignMap::new(scene, design, level, &body, &system.energies)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         Ok(Self {
@@ -158,7 +158,7 @@ impl Level {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        self.map.set_loads(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system.energies);
         let (run, newton_iterations) = match start {
             Start::Next(u) => self.run_next_to(&rest, u)?,
             Start::Guided(guide) => self.run(&rest, Some(Arc::clone(guide)))?,
@@ -212,7 +212,7 @@ impl Level {
         theta: &[f64],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Evaluation, E> {
-        self.map.set_loads(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system.energies);
         let rest = self.map.shape(theta);
         let mut run = Trajectory::begin(&self.start, self.state_memory);
         for (&end, u) in self.times.iter().zip(displacements) {
@@ -268,13 +268,6 @@ impl Level {
         self.system.contact_forces(rest, &run.state(n).u, run.times[n])
     }
 
-    /// Indices of the energies with a name.
-    #[must_use]
-    pub fn energies_named(&self, name: &str) -> Vec<usize> {
-        let energies = self.system.energies.iter().enumerate();
-        energies.filter(|(_, e)| e.name() == name).map(|(i, _)| i).collect()
-    }
-
     /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
     #[must_use]
     pub fn by_velocity(&self, part: usize, by_nodes: &[f64]) -> [f64; 3] {
@@ -299,7 +292,7 @@ impl Level {
     /// evaluation alone, not on how it was reached: an interrupted search goes on with
     /// the same bits.
     pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
-        self.map.set_loads(theta, &mut self.system);
+        self.map.set_loads(theta, &mut self.system.energies);
         if !self.transient {
             self.system.step = Some(at.run.step(&self.system, &at.rest, 1));
             let u = at.run.last();

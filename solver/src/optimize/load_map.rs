@@ -8,11 +8,9 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::body::Body;
 use crate::config::{ParameterDesign, PressureDesign};
 use crate::design::{PressureCurve, Scalar};
-use crate::energy::{Chamber, GasLaw};
-use crate::forward::System;
+use crate::energy::{ChamberId, Energies, GasLaw, NamedChamber, ParameterGradients};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
@@ -22,20 +20,18 @@ pub struct LoadMap {
     times: Vec<f64>,
     curves: Vec<Curve>,
     numbers: Vec<Number>,
-    /// Chambers in whose schedules such numbers occur.
-    named: Vec<(usize, Chamber)>,
+    /// Chambers in whose schedules such numbers occur, with the scene's gas laws.
+    named: Vec<(ChamberId, GasLaw)>,
     /// All parameters of the scene.
     parameters: BTreeMap<String, f64>,
 }
 
 /// A pressure that the design sets.
 struct Curve {
-    /// Tag of the wall.
+    /// Name of the chamber.
     on: String,
-    /// Index among the energies.
-    energy: usize,
+    chamber: ChamberId,
     curve: PressureCurve,
-    chamber: Chamber,
     /// Largest change of a variable in one iteration.
     change: f64,
 }
@@ -49,7 +45,8 @@ struct Number {
 }
 
 impl LoadMap {
-    /// The map on a body whose moving surface has edges of about `edge` [m].
+    /// The map to the chambers of a body whose moving surface has edges of about `edge`
+    /// [m].
     ///
     /// # Errors
     /// When the scene has no such pressure or parameter, or one outside its bounds.
@@ -57,7 +54,7 @@ impl LoadMap {
         scene: &Scene,
         pressures: &[PressureDesign],
         parameters: &[ParameterDesign],
-        (body, system): (&Body, &System),
+        energies: &Energies,
         edge: f64,
     ) -> Result<Self> {
         let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
@@ -71,49 +68,39 @@ impl LoadMap {
         if pressures.is_empty() && parameters.is_empty() {
             return Ok(map);
         }
-        let energies = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "pressure");
-        let energies = energies.map(|(i, _)| i);
-        let chambers = scene.chambers(body, &system.space)?.into_iter();
-        let chambers: Vec<(usize, (String, Chamber))> = energies.zip(chambers).collect();
         for design in pressures {
-            map.add_curve(design, &chambers, edge)?;
+            map.add_curve(design, energies, edge)?;
         }
         for design in parameters {
             map.add_number(design, scene, edge)?;
         }
-        for (energy, (on, chamber)) in chambers {
+        for (id, NamedChamber { name: on, chamber }) in energies.chambers() {
             let schedule = chamber.gas.schedule();
             if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
                 continue;
             }
             ensure!(
-                map.curves.iter().all(|c| c.energy != energy),
+                map.curves.iter().all(|c| c.chamber != id),
                 "[[pressure]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
             );
-            map.named.push((energy, chamber));
+            map.named.push((id, chamber.gas.clone()));
         }
         Ok(map)
     }
 
-    fn add_curve(
-        &mut self,
-        design: &PressureDesign,
-        chambers: &[(usize, (String, Chamber))],
-        edge: f64,
-    ) -> Result<()> {
+    fn add_curve(&mut self, design: &PressureDesign, energies: &Energies, edge: f64) -> Result<()> {
         let on = design.on.clone();
-        let Some((energy, (_, chamber))) = chambers.iter().find(|(_, (name, _))| *name == on)
-        else {
+        let Some((id, found)) = energies.chambers().find(|(_, found)| found.name == on) else {
             bail!("[[pressure]] on \"{on}\": the scene has no [[pressure]] there");
         };
-        let GasLaw::Isobaric { pressure } = &chamber.gas else {
+        let GasLaw::Isobaric { pressure } = &found.chamber.gas else {
             bail!(
                 "[[pressure]] on \"{on}\": the scene has a closed chamber there; needed is a \
                  [[pressure]]"
             );
         };
         ensure!(
-            self.curves.iter().all(|c| c.energy != *energy),
+            self.curves.iter().all(|c| c.chamber != id),
             "[[pressure]] on \"{on}\" is there twice"
         );
         let times = &self.times;
@@ -134,7 +121,7 @@ impl LoadMap {
             );
         }
         let change = design.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
-        self.curves.push(Curve { on, energy: *energy, curve, chamber: chamber.clone(), change });
+        self.curves.push(Curve { on, chamber: id, curve, change });
         Ok(())
     }
 
@@ -216,49 +203,49 @@ impl LoadMap {
         self.each_number(theta).map(|(n, y)| (n.name.clone(), n.scalar.value(y))).collect()
     }
 
-    /// The chambers with the numbers of θ in their schedules.
-    fn bound(&self, theta: &[f64]) -> Vec<(usize, Chamber)> {
+    /// The gas laws with the numbers of θ in their schedules.
+    fn bound(&self, theta: &[f64]) -> Vec<(ChamberId, GasLaw)> {
         let mut parameters = self.parameters.clone();
         parameters.extend(self.numbers(theta));
-        let bind = |(energy, chamber): &(usize, Chamber)| {
-            let mut chamber = chamber.clone();
-            let bound = chamber.gas.schedule_mut().bind(&parameters);
+        let bind = |(id, gas): &(ChamberId, GasLaw)| {
+            let mut gas = gas.clone();
+            let bound = gas.schedule_mut().bind(&parameters);
             bound.expect("the scene's own names");
-            (*energy, chamber)
+            (*id, gas)
         };
         self.named.iter().map(bind).collect()
     }
 
-    /// Gives the system the loads of θ.
-    pub fn apply(&self, theta: &[f64], system: &mut System) {
-        for (Curve { curve, chamber, energy, .. }, own) in self.each_curve(theta) {
+    /// Gives the chambers the loads of θ.
+    pub fn apply(&self, theta: &[f64], energies: &mut Energies) {
+        for (Curve { curve, chamber, .. }, own) in self.each_curve(theta) {
             let pressure = Schedule::table(&self.times, &curve.values(own))
                 .expect("times of the scene, and finite values");
-            let (wall, gas) = (chamber.wall.clone(), GasLaw::Isobaric { pressure });
-            system.energies[*energy] = Box::new(Chamber { wall, gas });
+            energies.set_gas_law(*chamber, GasLaw::Isobaric { pressure });
         }
-        for (energy, chamber) in self.bound(theta) {
-            system.energies[energy] = Box::new(chamber);
+        for (id, gas) in self.bound(theta) {
+            energies.set_gas_law(id, gas);
         }
     }
 
-    /// dJ/dθ from dJ/dp, for each step and energy.
+    /// dJ/dθ from dJ/dp.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], by_parameters: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    pub fn pull_back(&self, theta: &[f64], by_parameters: &ParameterGradients) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
-        for curve in &self.curves {
-            let by: Vec<f64> = by_parameters.iter().map(|step| step[curve.energy][0]).collect();
-            gradient.extend(curve.curve.pull_back(&by));
+        let steps = 0..by_parameters.steps();
+        for Curve { curve, chamber, .. } in &self.curves {
+            let by = |step: usize| by_parameters.chamber(step, *chamber);
+            gradient.extend(curve.pull_back(&steps.clone().map(by).collect::<Vec<_>>()));
         }
         let bound = self.bound(theta);
         for Number { name, scalar, .. } in &self.numbers {
-            let in_step = |(step, &t): (&Vec<Vec<f64>>, &f64)| -> f64 {
-                let by = |(energy, chamber): &(usize, Chamber)| {
-                    step[*energy][0] * chamber.gas.schedule().by_parameter(name, t)
+            let in_step = |(step, &t): (usize, &f64)| -> f64 {
+                let by = |(id, gas): &(ChamberId, GasLaw)| {
+                    by_parameters.chamber(step, *id) * gas.schedule().by_parameter(name, t)
                 };
                 bound.iter().map(by).sum()
             };
-            let bar: f64 = by_parameters.iter().zip(&self.times[1..]).map(in_step).sum();
+            let bar: f64 = steps.clone().zip(&self.times[1..]).map(in_step).sum();
             gradient.push(scalar.pull_back(bar));
         }
         gradient

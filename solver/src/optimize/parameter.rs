@@ -6,6 +6,7 @@ use anyhow::Result;
 use super::{Evaluation, Level, Rejected};
 use crate::adjoint::Gradient;
 use crate::config::{DesignConfig, LevelConfig};
+use crate::energy::ParameterId;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// A group of numbers.
@@ -78,14 +79,6 @@ impl Parameter {
     #[must_use]
     pub fn gradient(&self, scene: &Scene, level: &Level, swept: &Gradient) -> Vec<f64> {
         let shape = level.map().shape_variables();
-        let sum = |energy: usize| -> Vec<f64> {
-            let mut sum = vec![0.0; swept.parameters[0][energy].len()];
-            for step in &swept.parameters {
-                sum.iter_mut().zip(&step[energy]).for_each(|(s, p)| *s += p);
-            }
-            sum
-        };
-        let first = |name: &str, nth: usize| level.energies_named(name).get(nth).copied();
         let zero = || vec![0.0; level.variables()];
         match self {
             Self::Shape => {
@@ -97,23 +90,25 @@ impl Parameter {
                 level.map().pull_back(&zero(), &swept.rest, &swept.parameters)[shape..].to_vec()
             }
             Self::Material(part) => {
-                let by = first("elastic", *part).map_or_else(Vec::new, sum);
+                let by = swept.parameters.total(ParameterId::Material(*part));
                 by.iter().zip(&scene.parts[*part].material.values).map(|(g, p)| g * p).collect()
             }
             Self::Density(part) => {
-                let inertia = first("inertia", *part).into_iter();
-                let has_weight = scene.config.gravity.0.iter().any(|g| !g.is_zero());
-                let weight = first("body_force", *part).filter(|_| has_weight);
                 let density = scene.parts[*part].material.density.unwrap_or(0.0);
-                vec![inertia.chain(weight).map(|e| sum(e)[0]).sum::<f64>() * density]
+                relative(swept.parameters.total(ParameterId::Density(*part)), density)
             }
             Self::Friction => {
                 let mu = scene.config.contact.as_ref().map_or(0.0, |c| c.friction);
-                vec![first("friction", 0).map_or(0.0, |e| sum(e)[0]) * mu]
+                relative(swept.parameters.total(ParameterId::Friction), mu)
             }
             Self::Velocity(part) => level.by_velocity(*part, &swept.start.v).to_vec(),
         }
     }
+}
+
+/// dJ by the relative change of numbers that are all `value`.
+fn relative(by: Vec<f64>, value: f64) -> Vec<f64> {
+    by.into_iter().map(|by| by * value).collect()
 }
 
 /// Evaluates a design problem with changed parameters.

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use super::Scene;
 use crate::body::Body;
 use crate::element::FunctionSpace;
-use crate::energy::{Chamber, GasLaw, Multiplier, Prescribed, Wall};
+use crate::energy::{Chamber, Energies, GasLaw, Multiplier, Prescribed, Wall};
 use crate::supports::Supports;
 
 /// Penalty of a prescribed volume in shear moduli per rest volume.
@@ -18,7 +18,11 @@ impl Scene {
     ///
     /// # Errors
     /// When a tag is missing or closes no volume that gas could fill.
-    pub fn chambers(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<(String, Chamber)>> {
+    pub(super) fn chambers(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Vec<(String, Chamber)>> {
         let context = || self.path.display().to_string();
         let nodes = space.node_positions(&body.mesh.vertices);
         let mut chambers = Vec::new();
@@ -73,17 +77,17 @@ impl Scene {
         &self,
         body: &Body,
         space: &FunctionSpace,
-    ) -> Result<Vec<Multiplier>> {
+        energies: &Energies,
+    ) -> Vec<Multiplier> {
         let nodes = space.node_positions(&body.mesh.vertices);
         let shears = self.parts.iter().map(|part| part.material.moduli().shear);
         let shear = shears.fold(0.0, f64::max);
-        let one = |(_, chamber): &(String, Chamber)| Multiplier {
+        let one = |chamber: &Chamber| Multiplier {
             pressure: 0.0,
             penalty: PENALTY * shear / chamber.wall.volume(space, &nodes),
         };
-        let chambers = self.chambers(body, space)?;
-        let volumes = chambers.iter().filter(|c| matches!(c.1.gas, GasLaw::Volume { .. }));
-        Ok(volumes.map(one).collect())
+        let chambers = energies.chambers().map(|(_, named)| &named.chamber);
+        chambers.filter(|c| matches!(c.gas, GasLaw::Volume { .. })).map(one).collect()
     }
 }
 

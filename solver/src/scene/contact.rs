@@ -14,13 +14,11 @@ use crate::element::FunctionSpace;
 use crate::energy::{Contact, Friction};
 
 /// Contact of a scene.
-pub struct Collisions {
+pub(super) struct Collisions {
     /// The barrier between surfaces.
     pub contact: Contact,
-    /// How they rub, if they do.
+    /// Friction between them, if there is any.
     pub friction: Option<Friction>,
-    /// Names of the bodies, obstacles last.
-    pub names: Vec<String>,
 }
 
 impl Scene {
@@ -30,7 +28,7 @@ impl Scene {
     /// # Errors
     /// When an obstacle cannot be read, surfaces are too coarse for the
     /// activation distance, intersect at rest or are closer than the thickness.
-    pub fn collisions(
+    pub(super) fn collisions(
         &self,
         body: &Body,
         space: &FunctionSpace,
@@ -69,21 +67,16 @@ impl Scene {
                 self.path.display()
             );
         }
-        let bodies = self.parts.iter().map(|part| part.config.name.clone());
-        let obstacles = self.config.obstacle.iter().map(|o| o.name.clone());
-        let collisions = Collisions { contact, friction, names: bodies.chain(obstacles).collect() };
-        collisions.check_gap(&rest, barrier.thickness).with_context(context)?;
-        Ok(Some(collisions))
+        self.check_gap(&contact, &rest, barrier.thickness).with_context(context)?;
+        Ok(Some(Collisions { contact, friction }))
     }
-}
 
-impl Collisions {
     /// Surfaces must be farther apart at rest than they may ever come.
-    fn check_gap(&self, rest: &[Vec3], thickness: f64) -> Result<()> {
-        let Some((pair, distance)) = self.contact.closest(rest) else { return Ok(()) };
-        let corners = pair.corners();
+    fn check_gap(&self, contact: &Contact, rest: &[Vec3], thickness: f64) -> Result<()> {
+        let Some((pair, distance)) = contact.closest(rest) else { return Ok(()) };
+        let (corners, names) = (pair.corners(), self.surface_names());
         let [first, second] = [corners[0], corners[3]].map(|v| {
-            let name = &self.names[self.contact.surface().body(v)];
+            let name = names[contact.surface().body(v)];
             (name, rest[v])
         });
         ensure!(

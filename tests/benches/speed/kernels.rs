@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
 use solver::body::Body;
-use solver::energy::Hessian;
+use solver::energy::{Energy, Hessian};
 use solver::forward::{System, certificate};
 use solver::math::linear::{Precision, Symmetric};
 use solver::math::sparse::{BlockMatrix, Pattern};
@@ -148,8 +148,7 @@ impl<'a> Kernels<'a> {
     fn chamber(&mut self, p: &Problem) -> Result<()> {
         let space = &p.system.space;
         let at = p.system.iterate(&p.body.mesh.vertices, &p.u, 1.0);
-        // the first energy is the elastic one
-        let walls = || p.system.energies.iter().skip(1);
+        let walls = || p.system.energies.chambers().map(|(_, named)| &named.chamber);
         let [gradient, hessian] = CHAMBER.map(|what| Step::per_dof(what, p));
         let mut force = vec![0.0; p.system.len()];
         self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;

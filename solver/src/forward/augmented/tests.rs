@@ -6,11 +6,12 @@ use super::*;
 use crate::contact::barrier::{Barrier, Form};
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
-use crate::energy::{Contact, Elastic, Inertia, TimeStep};
+use crate::energy::{Contact, Energies, Energy, Inertia, TimeStep};
 use crate::forward::Failure;
 use crate::forward::stepping::{Failed, attempt};
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::norm;
+use crate::math::sparse::BlockMatrix;
 use crate::testing::{check_gradient, cube, square};
 
 const EDGE: f64 = 0.01;
@@ -47,11 +48,9 @@ fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> (System, Vec
     let barrier = Barrier { form, activation, stiffness, thickness: 0.0 };
     let elements = 0..space.tets().len();
     let mass = if h.is_some() { Inertia::new } else { Inertia::tiny };
-    let energies: Vec<Box<dyn Energy>> = vec![
-        Box::new(Elastic::whole(Box::new(NeoHookean(Lame::new(1e5, 0.35))))),
-        Box::new(mass(&space, 1e3, elements)),
-        Box::new(Contact::new(Arc::new(surface), barrier).certified()),
-    ];
+    let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(1e5, 0.35))));
+    energies.bodies[0].inertia = Some(mass(&space, 1e3, elements));
+    energies.contact = Some(Arc::new(Contact::new(Arc::new(surface), barrier).certified()));
     let still = vec![0.0; fixed.len()];
     let free_flight = h.map(|_| still.clone());
     let step =
@@ -104,14 +103,14 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
 #[test]
 fn places_out_of_reach_are_given_up_with_everything_as_before() {
     let (mut system, rest) = pusher(1, 2.0 * EDGE, Some(0.1), 2.0 * GAP);
-    let (fixed, count) = (system.fixed().to_vec(), system.energies.len());
+    let (fixed, count) = (system.fixed().to_vec(), system.energies.iter().count());
     let zero = vec![0.0; system.len()];
     let failed = attempt(&mut system, &rest, (zero.clone(), 0.0), 1.0, &NEWTON).err();
     let Some(Failed { failure: Failure::Blocked { free }, u, .. }) = failed else {
         panic!("it was not blocked");
     };
     assert!(free < 0.1 && u == zero, "{free}");
-    assert!(system.fixed() == fixed && system.energies.len() == count);
+    assert!(system.fixed() == fixed && system.energies.iter().count() == count);
 }
 
 #[test]
@@ -121,9 +120,9 @@ fn springs_have_their_derivatives() {
     let places = system.displacement_of_supports(1.0);
     system.fix(&vec![false; u.len()]);
     let dofs = (0..u.len()).step_by(7);
-    let mut springs = Springs::new(&mut system, &rest, (&u, 1.0), dofs, &places);
-    assert!(springs.0.iter().all(|s| s.stiffness > 0.0));
-    springs.renew(&u, 2.0);
+    let springs = springs(&mut system, &rest, (&u, 1.0), dofs, &places);
+    assert!(springs.each().iter().all(|s| s.stiffness > 0.0));
+    let springs = springs.renewed(&u, 2.0);
     let value = |u: &[f64]| springs.value(&system.iterate(&rest, u, 1.0));
     let gradient = |u: &[f64]| {
         let mut gradient = vec![0.0; u.len()];
