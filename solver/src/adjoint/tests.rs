@@ -205,7 +205,7 @@ impl Case {
     }
 
     /// Largest number of pairs of nearly parallel edges that repel each other in a step.
-    fn fading(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
+    fn mollified_pairs(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
         let contact = self.barrier(&self.bodies().0, &system.space, system.fixed());
         let at = |n: usize| {
             contact.mollified_pairs(&system.iterate(rest, &run.state(n).u, run.times[n]))
@@ -311,7 +311,7 @@ fn check(case: &Case, forces: bool) {
     let probe = Probe::new(system.len(), forces);
     let gradient = probe.gradient(&mut system, &rest, &run);
     if case.hits() {
-        assert!(case.fading(&system, &rest, &run) > 0, "no edges are nearly parallel");
+        assert!(case.mollified_pairs(&system, &rest, &run) > 0, "no edges are nearly parallel");
         let size = |n: usize| -> f64 {
             run.step(&system, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
         };

@@ -1,4 +1,5 @@
-//! How far features may move on straight lines before they touch.
+//! Continuous collision detection (CCD): how far features may move on straight lines
+//! before they touch.
 //!
 //! Two convex features A and B are at least as far apart as they are along any
 //! direction n, |n| = 1,
@@ -16,7 +17,7 @@
 //!
 //! Only differences of positions enter and all thresholds are relative, so that
 //! neither place nor scale matters. Directions may be inaccurate: that makes the
-//! way shorter, never too long.
+//! step shorter, never too long.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -43,7 +44,7 @@ const RENEWALS: usize = 100;
 
 /// A time in [0, 1] until which the features of a pair keep more than `thickness`
 /// and about [`KEPT`] of their gap beyond it, when their corners move from
-/// `start` to `end` [m]: 1 if they do all the way, 0 if they are no further
+/// `start` to `end` [m]: 1 if they do all along, 0 if they are no further
 /// apart than `thickness` from the start, or numbers are not finite.
 #[must_use]
 pub fn time_of_impact(pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64) -> f64 {

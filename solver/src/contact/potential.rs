@@ -61,8 +61,11 @@ pub enum Partners {
 pub struct Potential {
     surface: Arc<Surface>,
     adjacency: Adjacency,
+    /// How pairs are weighted, w.
     form: Form,
+    /// β.
     repulsion: Repulsion,
+    /// s.
     scale: f64,
     partners: Partners,
 }

@@ -1,6 +1,7 @@
-//! The weighted stencils of the contact potential.
+//! The weighted stencils of the contact [`potential`](super::potential), and their
+//! weights w.
 //!
-//! E = κ σ Σ_k w_k e_k
+//! B = s Σ_k w_k e_k
 //!
 //! Plain: each pair of a vertex and a triangle or of two edges counts one.
 //!

@@ -1,5 +1,5 @@
 //! Random paths of features, checked by an independent formula of the distance:
-//! between two times it changes by no more than the way of the corners, so that
+//! between two times it changes by no more than the path of the corners, so that
 //! few samples prove that nothing touches in between.
 
 use twofloat::TwoFloat;
