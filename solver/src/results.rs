@@ -34,9 +34,9 @@ pub struct TagReport {
     pub max_displacement: f64,
 }
 
-/// Measures of one chamber wall.
+/// Measures of one chamber.
 #[derive(Clone, Debug, Serialize)]
-pub struct WallReport {
+pub struct ChamberReport {
     /// Volume behind the rest wall; an open one is closed by a cap over its rim
     /// [m³].
     pub volume_rest: f64,
@@ -145,7 +145,7 @@ pub fn step(
         // there is no full load of which it would be a fraction
         report.remove("load");
     }
-    report["walls"] = json!(walls(scene, body, system, &step.u, step.load)?);
+    report["chambers"] = json!(chambers(scene, body, system, &step.u, step.load)?);
     let mut moved = BTreeMap::new();
     for name in body.used_tags() {
         let report = displacements(body, &system.space, &body.facets(name)?, &step.u);
@@ -186,19 +186,19 @@ pub fn momentum(scene: &Scene, system: &System, v: &[f64]) -> Result<Vec3> {
 ///
 /// # Errors
 /// When a tag is missing.
-pub fn walls(
+pub fn chambers(
     scene: &Scene,
     body: &Body,
     system: &System,
     u: &[f64],
     load: f64,
-) -> Result<BTreeMap<String, WallReport>> {
+) -> Result<BTreeMap<String, ChamberReport>> {
     let here = system.iterate(&body.mesh.vertices, u, load);
     let report = |chamber: &Chamber| {
         let (volume, gas) = chamber.state(&here);
         let volume_rest = chamber.rest_volume(&here);
         let closed = chamber.wall.is_closed();
-        WallReport { volume_rest, volume, pressure: gas.pressure, closed }
+        ChamberReport { volume_rest, volume, pressure: gas.pressure, closed }
     };
     let chambers = scene.chambers(body, &system.space)?;
     Ok(chambers.iter().map(|(name, chamber)| (name.clone(), report(chamber))).collect())
@@ -215,7 +215,7 @@ pub fn energies(
 ) -> BTreeMap<&'static str, f64> {
     let at = system.iterate(rest, u, load);
     // those that a scene may lack are reported, too
-    let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
+    let mut energies = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
     let not_stored = ["inertia", "tiny_mass", "friction"];
     for energy in system.energies.iter().filter(|e| !not_stored.contains(&e.name())) {
         let value = energy.value(&at);
@@ -231,7 +231,7 @@ pub fn energies(
 pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Value {
     let nodes = system.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
-    let mut loads = BTreeMap::from([("pressure", Vec3::zeros())]);
+    let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
     for energy in system.energies.iter().filter(|e| e.name() != "elastic") {
         let mut gradient = vec![0.0; system.len()];

@@ -53,7 +53,7 @@ fn lies_between(mesh: &mesh::TetMesh, low: [f64; 3], high: [f64; 3]) {
 }
 
 fn pressure(scene: &Scene, on: &str, t: f64) -> f64 {
-    scene.config.pressure.iter().find(|p| p.on == on).unwrap().pressure.at(t)
+    scene.config.chamber.iter().find(|c| c.on == on).unwrap().gas.pressure().unwrap().at(t)
 }
 
 fn close(found: f64, expected: f64, relative: f64) {
@@ -234,7 +234,7 @@ fn the_optimisations_of_worm_and_walker() {
     let Some((dir, _)) = imported("walker/run_walker.json", &Options::default()) else { return };
     let design: DesignConfig = toml::from_str(&dir.text("design.toml")).unwrap();
     let slopes: Vec<(&str, [f64; 2])> =
-        design.pressure.iter().map(|p| (p.on.as_str(), p.slope)).collect();
+        design.chamber.iter().map(|p| (p.on.as_str(), p.slope)).collect();
     assert!(design.shape.is_none() && slopes.len() == 2, "{slopes:?}");
     assert!(slopes.iter().all(|s| s.1 == [-5e3, 5e3]), "{slopes:?}");
 }

@@ -188,7 +188,7 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     if tables.is_empty() {
         return Ok(());
     }
-    let text = toml::to_string(&toml::Table::from_iter([("pressure".to_owned(), tables.into())]))?;
+    let text = toml::to_string(&toml::Table::from_iter([("chamber".to_owned(), tables.into())]))?;
     mesh::io::write_atomic(&folder.join("pressures.toml"), |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }

@@ -5,15 +5,17 @@ mod chamber;
 mod contact;
 mod elastic;
 mod friction;
+pub mod gas_law;
 mod inertia;
 mod traction;
 mod wall;
 
 pub use body_force::BodyForce;
-pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
+pub use chamber::Chamber;
 pub use contact::{Closeness, Contact};
 pub use elastic::Elastic;
 pub use friction::Friction;
+pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use inertia::Inertia;
 pub use traction::Traction;
 pub use wall::Wall;
@@ -77,7 +79,7 @@ impl PastCotangent {
 }
 
 /// What holds a prescribed volume.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Multiplier {
     /// Gauge pressure at the wanted volume [Pa].
     pub pressure: f64,

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 use anyhow::{Result, bail, ensure};
 
 use crate::body::Body;
-use crate::config::{ParameterDesign, PressureDesign};
+use crate::config::{ChamberDesign, ParameterDesign};
 use crate::design::{PressureCurve, Scalar};
-use crate::energy::{Chamber, GasLaw};
+use crate::energy::{Chamber, Isobaric};
 use crate::forward::System;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -55,7 +55,7 @@ impl LoadMap {
     /// When the scene has no such pressure or parameter, or one outside its bounds.
     pub fn new(
         scene: &Scene,
-        pressures: &[PressureDesign],
+        pressures: &[ChamberDesign],
         parameters: &[ParameterDesign],
         (body, system): (&Body, &System),
         edge: f64,
@@ -71,7 +71,7 @@ impl LoadMap {
         if pressures.is_empty() && parameters.is_empty() {
             return Ok(map);
         }
-        let energies = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "pressure");
+        let energies = (0..).zip(&system.energies).filter(|(_, e)| e.name() == "chamber");
         let energies = energies.map(|(i, _)| i);
         let chambers = scene.chambers(body, &system.space)?.into_iter();
         let chambers: Vec<(usize, (String, Chamber))> = energies.zip(chambers).collect();
@@ -88,7 +88,7 @@ impl LoadMap {
             }
             ensure!(
                 map.curves.iter().all(|c| c.energy != energy),
-                "[[pressure]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
+                "[[chamber]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
             );
             map.named.push((energy, chamber));
         }
@@ -97,24 +97,25 @@ impl LoadMap {
 
     fn add_curve(
         &mut self,
-        design: &PressureDesign,
+        design: &ChamberDesign,
         chambers: &[(usize, (String, Chamber))],
         edge: f64,
     ) -> Result<()> {
         let on = design.on.clone();
         let Some((energy, (_, chamber))) = chambers.iter().find(|(_, (name, _))| *name == on)
         else {
-            bail!("[[pressure]] on \"{on}\": the scene has no [[pressure]] there");
+            bail!("[[chamber]] on \"{on}\": the scene has no [[chamber]] there");
         };
-        let GasLaw::Isobaric { pressure } = &chamber.gas else {
+        let Some(pressure) = chamber.gas.pressure() else {
             bail!(
-                "[[pressure]] on \"{on}\": the scene has a closed chamber there; needed is a \
-                 [[pressure]]"
+                "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; needed is \
+                 pressure",
+                chamber.gas.key()
             );
         };
         ensure!(
             self.curves.iter().all(|c| c.energy != *energy),
-            "[[pressure]] on \"{on}\" is there twice"
+            "[[chamber]] on \"{on}\" is there twice"
         );
         let times = &self.times;
         let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
@@ -126,7 +127,7 @@ impl LoadMap {
         for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
             ensure!(
                 low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
-                "[[pressure]] on \"{on}\": in time step {} the scene's pressure has a slope of \
+                "[[chamber]] on \"{on}\": in time step {} the scene's pressure has a slope of \
                  {:.4e} Pa/s, which slope = {:?} Pa/s does not allow",
                 n + 1,
                 (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
@@ -155,7 +156,7 @@ impl LoadMap {
             "[[parameter]] \"{name}\" is there twice"
         );
         let mut config = scene.config.clone();
-        let chambers = config.pressure.len() + config.gas.len() + config.volume.len();
+        let chambers = config.chamber.len();
         let (mut found, mut elsewhere) = (false, None);
         for (i, (what, _, schedule)) in config.schedules().into_iter().enumerate() {
             if schedule.uses(name) {
@@ -166,10 +167,10 @@ impl LoadMap {
         if let Some(what) = elsewhere {
             bail!(
                 "[[parameter]] \"{name}\" occurs in {what}, by which there is no gradient; it may \
-                 occur in [[pressure]], [[gas]] and [[volume]]"
+                 occur in [[chamber]]"
             );
         }
-        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[pressure]], [[gas]] or [[volume]]");
+        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[chamber]]");
         let scalar = Scalar::new(start, *bounds, edge);
         let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
         self.numbers.push(Number { name: name.clone(), scalar, change });
@@ -234,8 +235,8 @@ impl LoadMap {
         for (Curve { curve, chamber, energy, .. }, own) in self.each_curve(theta) {
             let pressure = Schedule::table(&self.times, &curve.values(own))
                 .expect("times of the scene, and finite values");
-            let (wall, gas) = (chamber.wall.clone(), GasLaw::Isobaric { pressure });
-            system.energies[*energy] = Box::new(Chamber { wall, gas });
+            let gas = Box::new(Isobaric { pressure });
+            system.energies[*energy] = Box::new(Chamber { gas, ..chamber.clone() });
         }
         for (energy, chamber) in self.bound(theta) {
             system.energies[energy] = Box::new(chamber);
