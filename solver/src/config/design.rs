@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::{ChamberDesign, Names, ObjectiveConfig, superseded};
+use super::{ChamberDesign, ObjectiveConfig, superseded};
+use crate::body::Names;
 use crate::design::Sweeps;
 
 /// A design problem: what may change in a scene, and what is wanted.
