@@ -15,12 +15,12 @@ use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
-pub use objective::{ForceForm, Names, ObjectiveConfig, axes};
+pub use objective::ObjectiveConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
 use crate::material::Specification;
-use crate::schedule::Field;
+use crate::schedule::{Field, axes};
 use crate::silicone;
 pub use design::{
     DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
