@@ -101,7 +101,7 @@ build/compression/pictures/force.svg: build/compression/baseline/report.json bui
 		--x-title "compression [mm]" --y-title "force [N]" -o $@
 
 build/compression/pictures/pressure.svg: build/compression/baseline/report.json | setup
-	$(BIN)/solver plot $< --x "load*10" --y "walls.cavity.pressure*1e-3" --labels "trapped air" \
+	$(BIN)/solver plot $< --x "load*10" --y "chambers.cavity.pressure*1e-3" --labels "trapped air" \
 		--x-title "compression [mm]" --y-title "gauge pressure [kPa]" -o $@
 
 build/compression/pictures/pressed.png: build/compression/vented/report.json build/compression/baseline/report.json | setup

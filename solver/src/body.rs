@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use anyhow::{Result, bail, ensure};
 use mesh::{Tags, TetMesh};
+use serde::{Deserialize, Serialize};
 
 /// One or several bodies in one mesh, with named parts of their boundary.
 #[derive(Clone)]
@@ -27,6 +28,27 @@ pub struct Part {
     pub tets: Range<usize>,
     /// Its vertices.
     pub vertices: Range<usize>,
+}
+
+/// A name of a tag or a body, or several.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "needed is a name in quotes, or a list of names")]
+pub enum Names {
+    /// One name.
+    One(String),
+    /// A list of names.
+    Several(Vec<String>),
+}
+
+impl Names {
+    /// All names.
+    #[must_use]
+    pub fn all(&self) -> &[String] {
+        match self {
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Several(names) => names,
+        }
+    }
 }
 
 impl Body {

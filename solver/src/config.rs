@@ -2,9 +2,11 @@
 //!
 //! Everything is SI. Paths are relative to the file that names them.
 
+mod chamber;
 mod check;
 mod design;
 mod objective;
+mod superseded;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,16 +14,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
-pub use objective::{ForceForm, Names, ObjectiveConfig, axes};
+pub use chamber::{ChamberConfig, ChamberDesign};
+pub use objective::ObjectiveConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
 use crate::material::Specification;
-use crate::schedule::{Field, Schedule};
+use crate::schedule::{Field, axes};
 use crate::silicone;
 pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, PressureDesign,
-    ShapeConfig,
+    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
 };
 
 /// Name of the body in a scene with one.
@@ -57,15 +59,9 @@ pub struct SimConfig {
     pub gravity: Field,
     /// What happens where surfaces meet; without it they pass through each other.
     pub contact: Option<ContactConfig>,
-    /// Chambers with a prescribed pressure.
+    /// Chambers; their energies have the order of the file.
     #[serde(default)]
-    pub pressure: Vec<PressureConfig>,
-    /// Closed chambers with a fixed amount of gas.
-    #[serde(default)]
-    pub gas: Vec<GasConfig>,
-    /// Closed chambers with a prescribed volume.
-    #[serde(default)]
-    pub volume: Vec<VolumeConfig>,
+    pub chamber: Vec<ChamberConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,
@@ -83,6 +79,15 @@ pub struct SimConfig {
 }
 
 impl SimConfig {
+    /// Reads a scene's file.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        superseded::refuse_in_scene(path)?;
+        Ok(mesh::io::read_toml(path)?)
+    }
+
     /// All bodies; the one without a name of its own is called [`BODY`].
     ///
     /// # Errors
@@ -283,42 +288,6 @@ pub struct TractionConfig {
     pub on: String,
     /// Force per area [Pa].
     pub traction: Field,
-}
-
-/// A chamber wall with gas behind it.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PressureConfig {
-    /// Tag name of the wall.
-    pub on: String,
-    /// Gauge pressure; positive inflates [Pa].
-    pub pressure: Schedule,
-}
-
-/// A chamber that is filled in its rest shape and closed.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GasConfig {
-    /// Tag name of the wall.
-    pub on: String,
-    /// Gauge pressure of the fill in the rest volume [Pa].
-    pub fill: Schedule,
-    /// Ambient pressure [Pa].
-    pub ambient: f64,
-    /// Polytropic exponent: 1 isothermal, 1.4 adiabatic for air [1].
-    pub exponent: f64,
-}
-
-/// A chamber whose volume is prescribed by one of two keys.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VolumeConfig {
-    /// Tag name of the wall.
-    pub on: String,
-    /// Volume minus rest volume [m³].
-    pub change: Option<Schedule>,
-    /// Volume over rest volume [1].
-    pub factor: Option<Schedule>,
 }
 
 /// Numerical settings of the equilibrium.

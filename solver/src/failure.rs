@@ -270,7 +270,9 @@ fn advice(
         ));
         return advice;
     }
-    let pressed = scene.config.pressure.iter().any(|p| p.pressure.at(unreached.attempt.load) > 0.0);
+    let load = unreached.attempt.load;
+    let mut pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
+    let pressed = pressures.any(|pressure| pressure.at(load) > 0.0);
     let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
         || softening(at_rest, reached).is_some_and(|times| times > SOFT);
     if soft {

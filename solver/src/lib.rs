@@ -1,5 +1,5 @@
 //! Finite elements of pressurised silicone, adjoint gradients, and shape
-//! optimisation of air cavities.
+//! optimisation of air chambers.
 //!
 //! Modules in dependency order; each uses only those before it:
 

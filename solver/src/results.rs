@@ -34,9 +34,9 @@ pub struct TagReport {
     pub max_displacement: f64,
 }
 
-/// Measures of one chamber wall.
+/// Measures of one chamber.
 #[derive(Clone, Debug, Serialize)]
-pub struct WallReport {
+pub struct ChamberReport {
     /// Volume behind the rest wall; an open one is closed by a cap over its rim
     /// [m³].
     pub volume_rest: f64,
@@ -145,7 +145,7 @@ pub fn step(
         // there is no full load of which it would be a fraction
         report.remove("load");
     }
-    report["walls"] = json!(walls(system, &body.mesh.vertices, &step.u, step.load));
+    report["chambers"] = json!(chambers(system, &body.mesh.vertices, &step.u, step.load));
     let mut moved = BTreeMap::new();
     for name in body.used_tags() {
         let report = displacements(body, &system.space, &body.facets(name)?, &step.u);
@@ -182,13 +182,18 @@ pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[
 
 /// Measures every chamber at a load.
 #[must_use]
-pub fn walls(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> BTreeMap<String, WallReport> {
+pub fn chambers(
+    system: &System,
+    rest: &[Vec3],
+    u: &[f64],
+    load: f64,
+) -> BTreeMap<String, ChamberReport> {
     let here = system.iterate(rest, u, load);
     let report = |chamber: &Chamber| {
         let (volume, gas) = chamber.state(&here);
         let volume_rest = chamber.rest_volume(&here);
         let closed = chamber.wall.is_closed();
-        WallReport { volume_rest, volume, pressure: gas.pressure, closed }
+        ChamberReport { volume_rest, volume, pressure: gas.pressure, closed }
     };
     let chambers = system.energies.chambers();
     chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
@@ -205,7 +210,7 @@ pub fn energies(
 ) -> BTreeMap<&'static str, f64> {
     let at = system.iterate(rest, u, load);
     // those that a scene may lack are reported, too
-    let mut energies = BTreeMap::from([("elastic", 0.0), ("pressure", 0.0), ("total", 0.0)]);
+    let mut energies = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
     for Term { energy, .. } in system.energies.terms().filter(|term| term.kind.is_stored()) {
         let value = energy.value(&at);
         *energies.entry(energy.name()).or_insert(0.0) += value;
@@ -220,7 +225,7 @@ pub fn energies(
 pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Value {
     let nodes = system.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
-    let mut loads = BTreeMap::from([("pressure", Vec3::zeros())]);
+    let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
     let is_elastic = |term: &Term| matches!(term.kind, Kind::Elastic(_));
     for Term { energy, .. } in system.energies.terms().filter(|term| !is_elastic(term)) {

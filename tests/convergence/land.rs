@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 use solver::element::at;
-use solver::energy::{Chamber, Energies, Energy, GasLaw, Hessian, Iterate, Wall};
+use solver::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Wall};
 use solver::forward::Newton;
 use solver::material::{Kinematics, Material};
 use solver::math::sparse::BlockMatrix;
@@ -110,7 +110,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let elastic = |_: &_| Energies::elastic(Box::new(Guccione));
     let mut problem = Problem::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&problem.system.space, &below);
-    let gas = Chamber { wall, gas: GasLaw::Isobaric { pressure: 4.0.into() } };
+    let gas = Chamber { wall, gas: Box::new(Isobaric { pressure: 4.0.into() }), multiplier: None };
     let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0 };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
     let node = problem.nodes().iter().position(tip).expect("an even number of halves");

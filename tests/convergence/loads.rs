@@ -5,7 +5,7 @@ use mesh::Vec3;
 use solver::body::Body;
 use solver::element::{FunctionSpace, at};
 use solver::energy::{
-    BodyForce, Chamber, Elastic, Energy, GasLaw, Hessian, Iterate, Traction, Wall,
+    BodyForce, Chamber, Elastic, Energy, Hessian, Isobaric, Iterate, Traction, Wall,
 };
 use solver::math::random::Random;
 use solver::math::sparse::{BlockMatrix, Pattern};
@@ -30,7 +30,11 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
         Box::new(Elastic::whole(Box::new(SILICONE))),
-        Box::new(Chamber { wall, gas: GasLaw::Isobaric { pressure: 20e3.into() } }),
+        Box::new(Chamber {
+            wall,
+            gas: Box::new(Isobaric { pressure: 20e3.into() }),
+            multiplier: None,
+        }),
         Box::new(BodyForce::whole(FORCE.into())),
         Box::new(BodyForce::whole(field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]))),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),

@@ -6,7 +6,7 @@
 
 use mesh::Vec3;
 use solver::element::FunctionSpace;
-use solver::energy::{Energies, GasLaw};
+use solver::energy::{Energies, GasLaw, Isobaric};
 use solver::material::{Lame, Material, NeoHookean};
 use tests::equilibrium::{Problem, SILICONE, facets_where, mean};
 use tests::meshes::ring_quarter;
@@ -21,10 +21,10 @@ fn ring(
     pressure: f64,
 ) -> Problem {
     let mesh = ring_quarter(1.0, 1.5, HEIGHT, n);
-    let law = GasLaw::Isobaric { pressure: pressure.into() };
+    let law = Isobaric { pressure: pressure.into() };
     let inner = facets_where(&mesh, |p| p.xy().norm() < 1.0 + 1e-9);
     let energies = |space: &FunctionSpace| {
-        let gas = SymmetricGas::new(space, &inner, Planes::Slab, law.clone());
+        let gas = SymmetricGas::new(space, &inner, Planes::Slab, law.boxed());
         Energies::elastic(material()).with(gas)
     };
     Problem::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])

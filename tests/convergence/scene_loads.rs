@@ -34,7 +34,7 @@ force = [0.0, 0.0, -9810.0]
 on = "top"
 traction = [100.0, 0.0, -300.0]
 
-[[pressure]]
+[[chamber]]
 on = "hole"
 pressure = 2e3
 "#;
@@ -70,7 +70,7 @@ fn reactions_balance_every_load() {
     let balance = results::balance(&mut system, &rest, &solution.u, 1.0);
     let weight = 9810.0 * (45.0 - 1.0) * 1e-6;
     let [body_force, traction, pressure, reaction] =
-        ["body_force", "traction", "pressure", "reaction"].map(|key| vector(&balance[key]));
+        ["body_force", "traction", "chamber", "reaction"].map(|key| vector(&balance[key]));
     assert!((body_force + weight * Vec3::z()).norm() < 1e-12);
     assert!((traction - 15e-4 * Vec3::new(100.0, 0.0, -300.0)).norm() < 1e-12);
     assert!(pressure.norm() < 1e-12, "a closed wall has no resultant: {pressure}");
@@ -99,7 +99,7 @@ fn a_wall_whose_rim_leaves_its_plane_is_refused() {
     let scene = |components: &str| {
         let rest = format!(
             "[[fixed]]\non = \"end\"\n[[fixed]]\non = \"mouth\"\ncomponents = \"{components}\"\n\
-             [[pressure]]\non = \"hole\"\npressure = 1e3\n"
+             [[chamber]]\non = \"hole\"\npressure = 1e3\n"
         );
         std::fs::write(&path, format!("{material}{rest}")).unwrap();
         let scene = Scene::read(&path).unwrap();

@@ -11,7 +11,7 @@ const SAME: f64 = 1e-8;
 #[test]
 fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
     let loads = "[time]\nmethod = \"quasistatic\"\nat = [0.5, 1.0, 3.0]\n\
-                 [[pressure]]\non = \"left\"\npressure = \"20e3*sin(pi*t/6)\"\n\
+                 [[chamber]]\non = \"left\"\npressure = \"20e3*sin(pi*t/6)\"\n\
                  [[body_force]]\nforce = [0, 0, -9810]\n\
                  [[traction]]\non = \"top\"\ntraction = [\"200*t\", 0, 0]\n";
     let timed = simulate(&format!("{HELD}{loads}"));
@@ -22,7 +22,7 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
         let pressure = 20e3 * (std::f64::consts::PI * t / 6.0).sin();
         // a number stands from the first step on
         let loads = format!(
-            "[[pressure]]\non = \"left\"\npressure = {pressure:e}\n\
+            "[[chamber]]\non = \"left\"\npressure = {pressure:e}\n\
              [[body_force]]\nforce = [0, 0, -9810]\n\
              [[traction]]\non = \"top\"\ntraction = [{:e}, 0, 0]\n",
             200.0 * t
@@ -38,7 +38,7 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
 fn a_table_is_the_expression_of_its_lines() {
     let with = |pressure: &str| {
         simulate(&format!(
-            "{HELD}[time]\nmethod = \"quasistatic\"\nend = 0.4\nsteps = 5\n[[pressure]]\non = \"left\"\npressure = {pressure}\n"
+            "{HELD}[time]\nmethod = \"quasistatic\"\nend = 0.4\nsteps = 5\n[[chamber]]\non = \"left\"\npressure = {pressure}\n"
         ))
     };
     let table = with("{ t = [0, 0.1, 0.3, 0.4], value = [0, 0, 30e3, 30e3] }");
@@ -63,7 +63,7 @@ fn a_time_step_is_cut_where_it_is_too_long() {
     let with = |solver: &str| {
         simulate(&format!(
             "{HELD}[time]\nmethod = \"quasistatic\"\nat = [1.0, 4.0]\n\
-             [[pressure]]\non = \"left\"\npressure = {{ t = [0, 1, 4], value = [0, 5e3, 90e3] }}\n{solver}"
+             [[chamber]]\non = \"left\"\npressure = {{ t = [0, 1, 4], value = [0, 5e3, 90e3] }}\n{solver}"
         ))
     };
     let cut = with("[solver]\nfirst_load_step = 1.0\nnewton_iterations = 3\n");

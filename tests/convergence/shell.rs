@@ -5,7 +5,7 @@
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
 use mesh::Vec3;
-use solver::energy::{Energies, GasLaw, Multiplier, Prescribed};
+use solver::energy::{Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume};
 use solver::forward::{Newton, Stepping, solve_in_time};
 use solver::material::{Lame, Material, NeoHookean};
 use solver::schedule::Schedule;
@@ -35,7 +35,7 @@ struct Shell {
 
 impl Shell {
     fn new(degree: usize, n: usize, layers: usize, pressure: f64) -> Self {
-        let gas = GasLaw::Isobaric { pressure: pressure.into() };
+        let gas = Isobaric { pressure: pressure.into() };
         Self::with(|| Box::new(SILICONE), degree, [n, layers], &gas)
     }
 
@@ -43,11 +43,11 @@ impl Shell {
         material: impl Fn() -> Box<dyn Material>,
         degree: usize,
         [n, layers]: [usize; 2],
-        law: &GasLaw,
+        law: &dyn GasLaw,
     ) -> Self {
         let mesh = shell_octant(A, B, n, layers);
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
-        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.clone());
+        let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.boxed());
         let energies = |space: &_| Energies::elastic(material()).with(gas(space));
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let problem = Problem::new(mesh, degree, energies, on_plane);
@@ -145,7 +145,7 @@ fn gas_in_a_closed_shell_comes_to_the_pressure_of_its_radial_solution() {
     eprintln!("closed shell, P2, 10 arcs, 3 layers: γ, kPa, P V/V0, errors in %");
     for [exponent, kpa, reference @ ..] in CLOSED {
         let fill = 1e3 * kpa;
-        let law = GasLaw::Ideal { fill: fill.into(), ambient: AMBIENT, exponent };
+        let law = IdealGas { fill: fill.into(), ambient: AMBIENT, exponent };
         let mut shell = Shell::with(|| Box::new(SILICONE), 2, [10, 3], &law);
         [0.5, 1.0].into_iter().for_each(|load| shell.problem.solve(load));
         let Problem { rest, system, u } = &shell.problem;
@@ -178,7 +178,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
     };
     let mut factor: Schedule = "(1 + t)^3".parse().unwrap();
     factor.begin(0.1);
-    let gas = GasLaw::Volume { prescribed: Prescribed::Factor(factor), multiplier: 0 };
+    let gas = PrescribedVolume::Factor(factor);
     let Shell { problem, gas } = Shell::with(law, 2, [6, 2], &gas);
     let octant = std::f64::consts::PI / 6.0 * A.powi(3);
     let start = Multiplier { pressure: 0.0, penalty: 10.0 * mu / octant };

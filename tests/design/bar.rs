@@ -13,7 +13,7 @@ scene = "moving.toml"
 iterations = 30
 first_step = 1.0
 
-[[pressure]]
+[[chamber]]
 on = "cavity"
 slope = [-2e5, 2e5]
 change = 8e4
@@ -62,13 +62,13 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
     assert!((mean / 1e-4 - 1.0).abs() < 0.05, "{mean}");
 
     let pressures: toml::Table = toml::from_str(&dir.text("out/pressures.toml")).unwrap();
-    let curve = &pressures["pressure"][0]["pressure"];
+    let curve = &pressures["chamber"][0]["pressure"];
     let numbers = |key: &str| -> Vec<f64> {
         curve[key].as_array().unwrap().iter().map(|v| v.as_float().unwrap()).collect()
     };
     let (t, p) = (numbers("t"), numbers("value"));
     assert_eq!(
-        (t.len(), p.len(), pressures["pressure"][0]["on"].as_str()),
+        (t.len(), p.len(), pressures["chamber"][0]["on"].as_str()),
         (21, 21, Some("cavity"))
     );
     for n in 1..t.len() {
@@ -78,7 +78,7 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
 
     // the table, put into the scene, gives what was promised
     let scene = dir.text("moving.toml");
-    let without = &scene[..scene.find("[[pressure]]").unwrap()];
+    let without = &scene[..scene.find("[[chamber]]").unwrap()];
     dir.write("moving.toml", &format!("{without}{}", dir.text("out/pressures.toml")));
     let again = DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-2.1e5, 2.1e5]");
     dir.write("design.toml", &again);

@@ -25,7 +25,7 @@ on = "chamber.seat"
 [[fixed]]
 on = "block.far"
 
-[[pressure]]
+[[chamber]]
 on = "chamber.cavity"
 pressure = "1.2e4*t"
 

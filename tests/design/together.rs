@@ -19,7 +19,7 @@ fn scene(peak: f64, delay: f64) -> String {
 fn volumes(dir: &Workdir) -> Vec<f64> {
     let volume = |line: &str| {
         let line: Value = serde_json::from_str(line).unwrap();
-        line["walls"]["cavity"]["volume"].as_f64().unwrap()
+        line["chambers"]["cavity"]["volume"].as_f64().unwrap()
     };
     dir.text("out/steps.jsonl").lines().map(volume).collect()
 }
@@ -62,8 +62,8 @@ fn shape_and_volume_are_designed_together() {
     let dir = chamber::workdir();
     let sim = chamber::SIM.replace("degree = 2", "degree = 1");
     let pumped = sim.replace(
-        "[[pressure]]\non = \"cavity\"\npressure = 8e3",
-        "[parameters]\nmore = 0.1\n[[volume]]\non = \"cavity\"\nfactor = \"1 + more*t\"",
+        "[[chamber]]\non = \"cavity\"\npressure = 8e3",
+        "[parameters]\nmore = 0.1\n[[chamber]]\non = \"cavity\"\nvolume_factor = \"1 + more*t\"",
     );
     dir.write("sim.toml", &pumped);
     let parameter = "[[parameter]]\nname = \"more\"\nbounds = [0.0, 0.5]\n";
@@ -80,8 +80,8 @@ fn shape_and_volume_are_designed_together() {
     dir.write("sim.toml", &pumped.replace("more = 0.1", &format!("more = {more:?}")));
     dir.solver("-q simulate sim.toml --mesh out/design.msh -o again").assert_good();
     let again = dir.json("again/report.json");
-    let factor = again["walls"]["cavity"]["volume"].as_f64().unwrap()
-        / again["walls"]["cavity"]["volume_rest"].as_f64().unwrap();
+    let factor = again["chambers"]["cavity"]["volume"].as_f64().unwrap()
+        / again["chambers"]["cavity"]["volume_rest"].as_f64().unwrap();
     assert!((factor - 1.0 - more).abs() < 1e-6, "{factor} and {more}");
 }
 

@@ -84,7 +84,7 @@ fn a_balloon_is_told_from_a_bad_mesh() {
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
     let law = "[material]\nkind = \"neo-hookean\"\nyoung = 3e5\npoisson = 0.45\n";
     let stepping = "[solver]\nnewton_iterations = 12\nsmallest_load_step = 0.004\n";
-    let loads = "[[fixed]]\non = \"seat\"\n[[pressure]]\non = \"cavity\"\npressure = 150e3\n";
+    let loads = "[[fixed]]\non = \"seat\"\n[[chamber]]\non = \"cavity\"\npressure = 150e3\n";
     dir.write("sim.toml", &format!("mesh = \"body.msh\"\ndegree = 1\n{law}{loads}{stepping}"));
     let (run, report) = failing(&dir, "sim.toml");
     run.assert_refused(1, &["balloons", "prescribe the volume", "times what it did at rest"]);
@@ -136,7 +136,7 @@ fn parts_that_do_not_touch_are_refused_at_once() {
     let body = tag(block([3, 1, 1], 1e-2, middle, |p| p), &[("seat", &|p: Vec3| p.x < 1e-9)]);
     let dir = Workdir::new();
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    let scene = &SIM[..SIM.find("[[pressure]]").unwrap()];
+    let scene = &SIM[..SIM.find("[[chamber]]").unwrap()];
     dir.write("sim.toml", scene);
     let run = dir.solver("simulate sim.toml -o out");
     run.assert_refused(2, &["sim.toml", "2 parts that do not touch", "(0.02500, ", "can still"]);
@@ -183,7 +183,7 @@ fn a_factor_that_does_not_fit_is_refused_before_it_is_made() {
     let dir = chamber::workdir();
     let body = tag(block([14, 14, 14], 1e-3, |_| false, |p| p), &[("seat", &|p| p.z < 1e-9)]);
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    dir.write("sim.toml", &SIM[..SIM.find("[[pressure]]").unwrap()]);
+    dir.write("sim.toml", &SIM[..SIM.find("[[chamber]]").unwrap()]);
     let solver = dir.command("simulate sim.toml -o out --threads 1");
     let mut limited = Command::new("bash");
     limited.args(["-c", "ulimit -v 600000; exec \"$0\" \"$@\""]).arg(solver.get_program());

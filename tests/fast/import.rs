@@ -53,7 +53,7 @@ fn lies_between(mesh: &mesh::TetMesh, low: [f64; 3], high: [f64; 3]) {
 }
 
 fn pressure(scene: &Scene, on: &str, t: f64) -> f64 {
-    scene.config.pressure.iter().find(|p| p.on == on).unwrap().pressure.at(t)
+    scene.config.chamber.iter().find(|c| c.on == on).unwrap().gas.pressure().unwrap().at(t)
 }
 
 fn close(found: f64, expected: f64, relative: f64) {
@@ -206,16 +206,15 @@ fn the_optimisation_of_the_gripper() {
             "quadratic_contact_force_norm"
         ]
     );
-    let ObjectiveConfig::ContactProxy { weight, over, on, .. } = &design.objective[6] else {
-        panic!("{:?}", design.objective[6])
-    };
-    assert_eq!((*weight, over), (-1e4, &TimeIntegral::Steps(vec![53, 54])));
-    assert_eq!(on.all(), ["cylinder_to_grasp_coarse.s50", "gripper_bellows_thick.s4"]);
-    let ObjectiveConfig::Target { weight, target, on, .. } = &design.objective[0] else {
-        panic!("{:?}", design.objective[0])
-    };
-    assert_eq!((*weight, on.all()), (1e6, &["gripper_bellows_thick.s4".to_owned()][..]));
-    assert_eq!(target, Path::new("targets/cylinder_smaller_target_v2.obj"));
+    let [proxy, target] = [6, 0].map(|i| &design.objective[i]);
+    let key = |term: &ObjectiveConfig, key: &str| toml::Table::try_from(term).unwrap()[key].clone();
+    let kinds = [proxy, target].map(|term| term.kind().key);
+    assert_eq!(kinds, ["contact-proxy", "target"]);
+    assert_eq!((proxy.weight(), proxy.over()), (-1e4, &TimeIntegral::Steps(vec![53, 54])));
+    let on = ["cylinder_to_grasp_coarse.s50", "gripper_bellows_thick.s4"];
+    assert_eq!(key(proxy, "on"), toml::Value::from(on.to_vec()));
+    assert_eq!((target.weight(), key(target, "on")), (1e6, on[1].into()));
+    assert_eq!(target.files(), [Path::new("targets/cylinder_smaller_target_v2.obj")]);
     let read = |path: PathBuf| std::fs::read(path).unwrap();
     let from = tests::shared(&format!("{FOLDER}/gripper_bellows/cylinder_smaller_target_v2.obj"));
     assert_eq!(read(dir.path("targets/cylinder_smaller_target_v2.obj")), read(from.unwrap()));
@@ -234,7 +233,7 @@ fn the_optimisations_of_worm_and_walker() {
     let Some((dir, _)) = imported("walker/run_walker.json", &Options::default()) else { return };
     let design: DesignConfig = toml::from_str(&dir.text("design.toml")).unwrap();
     let slopes: Vec<(&str, [f64; 2])> =
-        design.pressure.iter().map(|p| (p.on.as_str(), p.slope)).collect();
+        design.chamber.iter().map(|p| (p.on.as_str(), p.slope)).collect();
     assert!(design.shape.is_none() && slopes.len() == 2, "{slopes:?}");
     assert!(slopes.iter().all(|s| s.1 == [-5e3, 5e3]), "{slopes:?}");
 }

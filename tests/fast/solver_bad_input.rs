@@ -124,10 +124,10 @@ fn schedules() {
 
 #[test]
 fn times_and_volumes() {
-    let volume = |text: &str| format!("[[volume]]\non = \"cavity\"\n{text}\n");
+    let volume = |text: &str| format!("[[chamber]]\non = \"cavity\"\n{text}\n");
     let dir = chamber::workdir();
     let sound = dir.text("p1.toml");
-    let body = sound.replace("[[pressure]]\non = \"cavity\"\npressure = 8e3\n", "");
+    let body = sound.replace("[[chamber]]\non = \"cavity\"\npressure = 8e3\n", "");
     assert_ne!(sound, body);
     for (scene, words) in [
         (
@@ -141,15 +141,34 @@ fn times_and_volumes() {
         (sound.clone() + "[time]\nat = [0.5, 0.5]\n", &["0.5 s after 0.5 s", "increase from 0"]),
         (sound.clone() + "[time]\nat = [0.0, 0.5]\n", &["0 s after 0 s"]),
         (sound.clone() + "[time]\nat = [nan]\n", &["NaN s after 0 s", "finite"]),
-        (sound.clone() + &volume("factor = 1.1"), &["\"cavity\" is the wall of two chambers"]),
+        (
+            sound.clone() + &volume("volume_factor = 1.1"),
+            &["\"cavity\" is the wall of two chambers"],
+        ),
         (
             body.clone() + &volume(""),
-            &["[[volume]] on \"cavity\"", "one of change [m³] and factor"],
+            &[
+                "[[chamber]] on \"cavity\"",
+                "exactly one of",
+                "volume_change [m³], volume_factor [1]",
+            ],
         ),
-        (body.clone() + &volume("change = 1e-9\nfactor = 1.1"), &["one of change [m³] and factor"]),
-        (body.clone() + &volume("factor = -0.1"), &["1.600e-5 m³ would have -1.600e-6 m³ at t = "]),
-        (body.clone() + &volume("factor = \"y\""), &["factor = \"y\": must depend on t alone"]),
-        (body.clone() + &volume("factor = nan"), &["[[volume]] on \"cavity\": factor: NaN"]),
+        (
+            body.clone() + &volume("volume_change = 1e-9\nvolume_factor = 1.1"),
+            &["exactly one of", "found volume_change and volume_factor"],
+        ),
+        (
+            body.clone() + &volume("volume_factor = -0.1"),
+            &["1.600e-5 m³ would have -1.600e-6 m³ at t = "],
+        ),
+        (
+            body.clone() + &volume("volume_factor = \"y\""),
+            &["volume_factor = \"y\": must depend on t alone"],
+        ),
+        (
+            body.clone() + &volume("volume_factor = nan"),
+            &["[[chamber]] on \"cavity\": volume_factor: NaN"],
+        ),
     ] {
         dir.write("changed.toml", &scene);
         let run = dir.solver("simulate changed.toml -o out");
@@ -267,8 +286,35 @@ fn tolerances_that_accept_anything() {
 /// Two pressures on one wall add up, and the report can show only one.
 #[test]
 fn two_pressures_on_one_wall() {
-    let twice = "[[pressure]]\non = \"cavity\"\npressure = 1e3\n\n[[pressure]]";
-    refuse("simulate", "p1.toml", &[("[[pressure]]", twice, &["\"cavity\""])]);
+    let twice = "[[chamber]]\non = \"cavity\"\npressure = 1e3\n\n[[chamber]]";
+    refuse("simulate", "p1.toml", &[("[[chamber]]", twice, &["\"cavity\""])]);
+}
+
+/// The three tables of older scenes, and the one of older designs.
+#[test]
+fn tables_of_older_programs() {
+    let now = "is now [[chamber]]: write\n\n[[chamber]]\non = \"cavity\"\n";
+    refuse(
+        "simulate",
+        "p1.toml",
+        &[
+            ("[[chamber]]", "[[pressure]]", &["[[pressure]]", now, "\npressure = 8000.0"]),
+            (
+                "[[chamber]]\non = \"cavity\"\npressure = 8e3",
+                "[[volume]]\non = \"cavity\"\nfactor = \"1 + t\"",
+                &["[[volume]]", now, "\nvolume_factor = \"1 + t\""],
+            ),
+        ],
+    );
+    refuse(
+        "optimize",
+        "design.toml",
+        &[(
+            "[shape]",
+            "[[pressure]]\non = \"cavity\"\nslope = [-1e3, 1e3]\n\n[shape]",
+            &["[[pressure]]", now, "slope = [-1000.0, 1000.0]"],
+        )],
+    );
 }
 
 /// The program ran, but there is no result: exit code 1 and a report that says so.

@@ -34,7 +34,7 @@ fn the_report_has_what_is_documented() {
         for key in ["newton_iterations", "wall_s", "peak_rss_mb"] {
             assert!(number(&report[key]) > 0.0, "{key} = {}", report[key]);
         }
-        for key in ["elastic", "pressure", "total"] {
+        for key in ["elastic", "chamber", "total"] {
             assert!(number(&report["energies"][key]) != 0.0, "energies.{key}");
         }
         assert_eq!(report["tags"].as_object().unwrap().len(), 4);
@@ -47,7 +47,7 @@ fn the_report_has_what_is_documented() {
             assert!(mean <= number(max), "{tag} {found}");
             vector(&found["reaction"]);
         }
-        let wall = &report["walls"]["cavity"];
+        let wall = &report["chambers"]["cavity"];
         assert_eq!(number(&wall["pressure"]), PRESSURE);
         assert!(number(&wall["volume"]) > number(&wall["volume_rest"]), "{wall}");
         let mut expected = vec!["displacement.npy", "nodes.npy", "report.json"];
@@ -71,18 +71,18 @@ fn reactions_balance_the_gas() {
         let differs = vector(found).iter().zip(expected).any(|(f, e)| (f - e).abs() > 1e-9 * force);
         assert!(!differs, "{found} is not {expected:?}");
     };
-    near(&report["force_balance"]["pressure"], [force, 0.0, 0.0]);
+    near(&report["force_balance"]["chamber"], [force, 0.0, 0.0]);
     near(&report["tags"]["seat"]["reaction"], [-force, 0.0, 0.0]);
     assert!(number(&report["force_balance"]["out_of_balance"]) < 1e-9 * force);
     // work of the gas by the trapezoidal rule over three load steps
     assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.01);
     let energies = &report["energies"];
-    let sum = number(&energies["elastic"]) + number(&energies["pressure"]);
+    let sum = number(&energies["elastic"]) + number(&energies["chamber"]);
     assert!((sum - number(&energies["total"])).abs() < 1e-15);
     // −P ΔV is the potential of the gas
-    let wall = &report["walls"]["cavity"];
+    let wall = &report["chambers"]["cavity"];
     let swelling = number(&wall["volume"]) - number(&wall["volume_rest"]);
-    let gap = number(&energies["pressure"]) / (-PRESSURE * swelling) - 1.0;
+    let gap = number(&energies["chamber"]) / (-PRESSURE * swelling) - 1.0;
     assert!(gap.abs() < 1e-9, "{gap}");
 }
 
@@ -160,7 +160,7 @@ fn a_scene_with_time_has_one_result_per_time_step() {
     {
         assert_eq!(number(&step["t"]), t);
         assert!(step["load"].is_null(), "there is no full load");
-        let wall = &step["walls"]["cavity"];
+        let wall = &step["chambers"]["cavity"];
         assert!((number(&wall["pressure"]) / pressure - 1.0).abs() < 1e-12, "{wall}");
         for key in ["newton_iterations", "residual", "smallest_volume_ratio"] {
             assert!(number(&step[key]) > 0.0, "{key}");
@@ -171,9 +171,9 @@ fn a_scene_with_time_has_one_result_per_time_step() {
         assert!(number(&step["force_balance"]["out_of_balance"]) < 1e-9);
     }
     // the last state is the result
-    assert!((number(&report["walls"]["cavity"]["pressure"]) / 2e3 - 1.0).abs() < 1e-12);
+    assert!((number(&report["chambers"]["cavity"]["pressure"]) / 2e3 - 1.0).abs() < 1e-12);
     assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.05);
-    assert_eq!(report["config"]["pressure"][0]["pressure"]["value"][1], 8e3);
+    assert_eq!(report["config"]["chamber"][0]["pressure"]["value"][1], 8e3);
     let pvd = dir.text("out/result.pvd");
     for (i, t) in ["0.1", "0.2", "0.6", "1.0"].iter().enumerate() {
         let entry = format!("timestep=\"{t}\" part=\"0\" file=\"step_{i:03}.vtu\"");
@@ -189,20 +189,20 @@ fn a_scene_with_time_has_one_result_per_time_step() {
 #[test]
 fn a_prescribed_volume_reports_its_pressure() {
     let dir = chamber::workdir();
-    let pressure = "[[pressure]]\non = \"cavity\"\npressure = 8e3";
-    let volume = "[[volume]]\non = \"cavity\"\nchange = 1e-6";
+    let pressure = "[[chamber]]\non = \"cavity\"\npressure = 8e3";
+    let volume = "[[chamber]]\non = \"cavity\"\nvolume_change = 1e-6";
     dir.write("volume.toml", &dir.text("sim.toml").replace(pressure, volume));
     dir.solver("simulate volume.toml -o out").assert_good();
     let report = dir.json("out/report.json");
-    let wall = &report["walls"]["cavity"];
+    let wall = &report["chambers"]["cavity"];
     let change = number(&wall["volume"]) - number(&wall["volume_rest"]);
     assert!((change / 1e-6 - 1.0).abs() < 1e-8, "{wall}");
     let pressure = number(&wall["pressure"]);
-    let force = vector(&report["force_balance"]["pressure"])[0];
+    let force = vector(&report["force_balance"]["chamber"])[0];
     assert!(pressure > 1e3 && (force / (pressure * MOUTH * MOUTH) - 1.0).abs() < 1e-8, "{wall}");
     // the work done on the volume is the elastic energy
     assert!(number(&report["energy_balance"]["relative_gap"]).abs() < 0.01);
-    assert!(number(&report["energies"]["pressure"]).abs() < 1e-8 * pressure * 1e-6);
+    assert!(number(&report["energies"]["chamber"]).abs() < 1e-8 * pressure * 1e-6);
 }
 
 #[test]

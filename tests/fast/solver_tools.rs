@@ -71,24 +71,27 @@ fn a_tensile_test_becomes_a_material() {
 fn columns_of_runs_are_drawn() {
     let dir = chamber::workdir();
     dir.solver("simulate p1.toml -o out").assert_good();
-    let plot = "plot out/report.json --x load --y walls.cavity.volume*1e6 -o volume.svg";
+    let plot = "plot out/report.json --x load --y chambers.cavity.volume*1e6 -o volume.svg";
     dir.solver(plot).assert_good();
-    assert!(dir.text("volume.svg").contains("walls.cavity.volume*1e6"));
-    let run = dir.solver("plot out/report.json --y walls.hole.volume -o none.svg");
+    assert!(dir.text("volume.svg").contains("chambers.cavity.volume*1e6"));
+    let run = dir.solver("plot out/report.json --y chambers.hole.volume -o none.svg");
     run.assert_refused(2, &["out/report.json", "\"hole\"", "cavity"]);
     assert!(!dir.path("none.svg").exists());
+    // as older programs called it
+    let run = dir.solver("plot out/report.json --y walls.cavity.volume -o none.svg");
+    run.assert_refused(2, &["is now \"chambers.cavity.volume\""]);
 }
 
 /// Gas keeps to P V = const, and presses less than a supply once it has spread.
 #[test]
 fn enclosed_gas_follows_its_volume() {
     let dir = chamber::workdir();
-    let gas = "[[gas]]\non = \"cavity\"\nfill = 8e3\nambient = 101.3e3\nexponent = 1.0\n";
+    let gas = "[[chamber]]\non = \"cavity\"\nfill = 8e3\nambient = 101.3e3\nexponent = 1.0\n";
     let sim = dir.text("sim.toml");
-    let pressure = &sim[sim.find("[[pressure]]").unwrap()..];
+    let pressure = &sim[sim.find("[[chamber]]").unwrap()..];
     dir.write("gas.toml", &sim.replace(pressure, gas));
     dir.solver("simulate gas.toml -o out").assert_good();
-    let wall = &dir.json("out/report.json")["walls"]["cavity"];
+    let wall = &dir.json("out/report.json")["chambers"]["cavity"];
     let [rest, volume, pressure] =
         ["volume_rest", "volume", "pressure"].map(|key| number(&wall[key]));
     assert!(volume > 1.001 * rest, "{wall}");

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mesh::Vec3;
 use solver::forward::{LoadStep, Solution, System, solve_in_time};
-use solver::results::{self, WallReport};
+use solver::results::{self, ChamberReport};
 use solver::scene::Scene;
 
 use crate::{block, tag};
@@ -80,19 +80,19 @@ impl Simulated {
     ///
     /// # Panics
     /// Never for a scene that was solved.
-    pub fn walls(&mut self, step: &LoadStep) -> BTreeMap<String, WallReport> {
+    pub fn chambers(&mut self, step: &LoadStep) -> BTreeMap<String, ChamberReport> {
         self.system.multipliers.clone_from(&step.multipliers);
         let rest = &self.scene.body.mesh.vertices;
-        results::walls(&self.system, rest, &step.u, step.load)
+        results::chambers(&self.system, rest, &step.u, step.load)
     }
 
     /// The chambers at the end.
     ///
     /// # Panics
     /// Never for a scene that was solved.
-    pub fn last_walls(&mut self) -> BTreeMap<String, WallReport> {
+    pub fn last_chambers(&mut self) -> BTreeMap<String, ChamberReport> {
         let last = self.ends().pop().expect("there is a step");
-        self.walls(&last)
+        self.chambers(&last)
     }
 }
 

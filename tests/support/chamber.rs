@@ -29,7 +29,7 @@ d1 = 1e6
 [[fixed]]
 on = "seat"
 
-[[pressure]]
+[[chamber]]
 on = "cavity"
 pressure = 8e3
 "#;

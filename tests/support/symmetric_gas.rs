@@ -2,7 +2,9 @@
 
 use mesh::Vec3;
 use solver::element::{FunctionSpace, at};
-use solver::energy::{Constraint, Energy, GasLaw, Hessian, Iterate, Potential, RankOne, Wall};
+use solver::energy::{
+    Constraint, Energy, GasLaw, Hessian, Iterate, Multiplier, Potential, RankOne, Wall,
+};
 use solver::math::sparse::BlockMatrix;
 
 /// Where the planes are, on which the rim of the wall slides.
@@ -19,7 +21,7 @@ pub enum Planes {
 /// of the wall are the same.
 pub struct SymmetricGas {
     wall: Wall,
-    gas: GasLaw,
+    gas: Box<dyn GasLaw>,
     facets: Vec<Vec<usize>>,
     planes: Planes,
 }
@@ -27,7 +29,12 @@ pub struct SymmetricGas {
 impl SymmetricGas {
     /// Gas behind facets (vertex ids, oriented out of the solid).
     #[must_use]
-    pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], planes: Planes, gas: GasLaw) -> Self {
+    pub fn new(
+        space: &FunctionSpace,
+        facets: &[[usize; 3]],
+        planes: Planes,
+        gas: Box<dyn GasLaw>,
+    ) -> Self {
         let wall = Wall::new(space, facets);
         let facets = facets.iter().map(|&f| space.facet_nodes(f)).collect();
         Self { wall, gas, facets, planes }
@@ -60,7 +67,8 @@ impl SymmetricGas {
     pub fn state(&self, at_: &Iterate) -> (f64, f64, Potential) {
         let rest = self.volume(at_.space, &at_.space.node_positions(at_.rest));
         let volume = self.volume(at_.space, &deformed(at_));
-        (volume, rest, self.gas.at(volume, rest, at_.load, at_.multipliers))
+        let multiplier = at_.multipliers.first().map_or_else(Multiplier::default, |m| *m);
+        (volume, rest, self.gas.at(volume, rest, at_.load, multiplier))
     }
 }
 
@@ -71,7 +79,7 @@ fn deformed(at_: &Iterate) -> Vec<Vec3> {
 
 impl Energy for SymmetricGas {
     fn name(&self) -> &'static str {
-        "pressure"
+        "chamber"
     }
     fn value(&self, at: &Iterate) -> f64 {
         self.state(at).2.value
@@ -91,12 +99,11 @@ impl Energy for SymmetricGas {
         (scale != 0.0).then_some(RankOne { scale, vector })
     }
     fn constraint(&self, at: &Iterate) -> Option<Constraint> {
-        let GasLaw::Volume { prescribed, multiplier } = &self.gas else { return None };
         let (volume, rest, _) = self.state(at);
-        let wanted = prescribed.at(rest, at.load).0;
+        let wanted = self.gas.wanted(rest, at.load)?.volume;
         let mut gradient = vec![0.0; at.u.len()];
         self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut gradient);
-        Some(Constraint { multiplier: *multiplier, volume, wanted, gradient })
+        Some(Constraint { multiplier: 0, volume, wanted, gradient })
     }
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
         unreachable!("no shape is varied here")

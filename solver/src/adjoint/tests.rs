@@ -10,8 +10,8 @@ use crate::contact::barrier::{Barrier, Form};
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
 use crate::energy::{
-    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, GasLaw, Inertia,
-    Multiplier, ParameterId, Prescribed, Wall,
+    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, GasLaw, IdealGas,
+    Inertia, Isobaric, Multiplier, ParameterId, PrescribedVolume, Wall,
 };
 use crate::forward::{Integrator, March, Method, Newton, Stepping};
 use crate::material::MooneyRivlin;
@@ -52,7 +52,7 @@ const ON_DISK: f64 = 0.0;
 enum Shape {
     /// One element on one of its facets, with gas behind the others.
     Tet,
-    /// A block with a cavity.
+    /// A block with a chamber.
     Hollow,
     /// The same, three times as long as it is wide.
     Bar,
@@ -60,7 +60,7 @@ enum Shape {
     Blocks,
 }
 
-/// What is in the cavity of a block.
+/// What is in the chamber of a block.
 #[derive(Clone, Copy, PartialEq)]
 enum Inside {
     Pressure,
@@ -138,6 +138,10 @@ impl Case {
         schedule
     }
 
+    fn prescribes_volume(&self) -> bool {
+        matches!(self.inside, Inside::Volume | Inside::Factor)
+    }
+
     fn system(&self, numbers: &Numbers) -> (System, Vec<Vec3>) {
         let (mesh, upper, wall) = self.bodies();
         let TetMesh { vertices: rest, tets } = mesh.clone();
@@ -160,24 +164,20 @@ impl Case {
         }]);
         if !wall.is_empty() {
             let number = numbers.pressure;
-            let gas = match self.inside {
+            let gas: Box<dyn GasLaw> = match self.inside {
                 Inside::Gas => {
-                    GasLaw::Ideal { fill: self.steady(number), ambient: 101.3e3, exponent: 1.4 }
+                    let fill = self.steady(number);
+                    Box::new(IdealGas { fill, ambient: 101.3e3, exponent: 1.4 })
                 }
-                Inside::Pressure => GasLaw::Isobaric { pressure: self.steady(number) },
-                Inside::Volume => {
-                    let prescribed = Prescribed::Change(self.steady(CHANGE * number));
-                    GasLaw::Volume { prescribed, multiplier: 0 }
-                }
-                Inside::Factor => {
-                    let prescribed = Prescribed::Factor(self.steady(FACTOR * number));
-                    GasLaw::Volume { prescribed, multiplier: 0 }
-                }
+                Inside::Pressure => Box::new(Isobaric { pressure: self.steady(number) }),
+                Inside::Volume => Box::new(PrescribedVolume::Change(self.steady(CHANGE * number))),
+                Inside::Factor => Box::new(PrescribedVolume::Factor(self.steady(FACTOR * number))),
             };
-            let chamber = Chamber { wall: Wall::new(&space, &wall), gas };
+            let multiplier = self.prescribes_volume().then_some(0);
+            let chamber = Chamber { wall: Wall::new(&space, &wall), gas, multiplier };
             energies = energies.with_chamber("hole", chamber);
         }
-        let held = !wall.is_empty() && matches!(self.inside, Inside::Volume | Inside::Factor);
+        let held = !wall.is_empty() && self.prescribes_volume();
         let penalty = 10.0 * 2.0 * (numbers.law[0] + numbers.law[1]) / 3e-7;
         let multipliers =
             if held { vec![Multiplier { pressure: 0.0, penalty }] } else { Vec::new() };

@@ -1,48 +1,82 @@
 //! `solver list`: what a scene or a design problem may name.
 
+mod markdown;
+
 use std::io::Write;
 
 use anyhow::Result;
 use serde_json::{Value, json};
+use solver::energy::gas_law::{GAS_LAWS, Row};
 use solver::material::{LAWS, Law};
-use solver::objective::{KINDS, Kind};
+use solver::objective::{COMMON_KEYS, KINDS, Kind};
 use solver::silicone::{self, Fit, Silicone};
 
 /// Characters in a line.
 const WIDTH: usize = 96;
 
-/// List the material laws, or the silicones, that a scene may name, or objectives
+/// List the material laws, silicones or gas laws that a scene may name, or objectives
 ///
 /// A law is the kind of a table [material]; a silicone is named by
-/// material = "its-name"; an objective is the kind of an [[objective]] of a design
-/// problem.
+/// material = "its-name"; a gas law is selected by a key of a [[chamber]]; an objective is
+/// the kind of an [[objective]] of a design problem.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The silicones in place of the laws
     #[arg(long)]
     silicones: bool,
-    /// The objectives of design problems in place of the laws
+    /// The gas laws of chambers in place of the material laws
     #[arg(long, conflicts_with = "silicones")]
+    gas_laws: bool,
+    /// The objectives of design problems in place of the laws
+    #[arg(long, conflicts_with_all = ["silicones", "gas_laws"])]
     objectives: bool,
     /// As JSON
     #[arg(long)]
     json: bool,
+    /// As the table in the README
+    #[arg(long, conflicts_with_all = ["json", "silicones"])]
+    markdown: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    let text = match (arguments.silicones, arguments.json) {
-        (_, false) if arguments.objectives => {
-            KINDS.iter().map(kind_text).collect::<Vec<_>>().join("\n") + &common_keys()
-        }
-        (_, true) if arguments.objectives => pretty(KINDS.iter().map(kind_json).collect())?,
-        (false, false) => LAWS.iter().map(law_text).collect::<Vec<_>>().join("\n"),
-        (true, false) => silicone::all().iter().map(silicone_text).collect::<Vec<_>>().join("\n"),
-        (false, true) => pretty(LAWS.iter().map(law_json).collect())?,
-        (true, true) => pretty(silicone::all().iter().map(silicone_json).collect())?,
+    let Arguments { silicones, gas_laws, objectives, json, markdown } = *arguments;
+    let text = if objectives {
+        rows(KINDS, (json, kind_json), (markdown, markdown::objectives), |kinds| {
+            joined(kinds, kind_text) + &common_keys()
+        })?
+    } else if gas_laws {
+        rows(GAS_LAWS, (json, gas_law_json), (markdown, markdown::gas_laws), |laws| {
+            joined(laws, gas_law_text)
+        })?
+    } else if silicones {
+        rows(silicone::all(), (json, silicone_json), (false, |_| String::new()), |silicones| {
+            joined(silicones, silicone_text)
+        })?
+    } else {
+        rows(LAWS, (json, law_json), (markdown, markdown::materials), |laws| {
+            joined(laws, law_text)
+        })?
     };
-    write!(out, "{text}")?;
+    write!(std::io::stdout().lock(), "{text}")?;
     Ok(())
+}
+
+/// Rows as JSON, as a table, or as text.
+fn rows<T>(
+    all: &[T],
+    (as_json, json): (bool, fn(&T) -> Value),
+    (as_table, table): (bool, fn(&[T]) -> String),
+    text: impl Fn(&[T]) -> String,
+) -> Result<String> {
+    match (as_json, as_table) {
+        (true, _) => pretty(all.iter().map(json).collect()),
+        (_, true) => Ok(table(all)),
+        _ => Ok(text(all)),
+    }
+}
+
+fn joined<T>(all: &[T], text: fn(&T) -> String) -> String {
+    all.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
 fn pretty(rows: Vec<Value>) -> Result<String> {
@@ -62,15 +96,7 @@ fn kind_text(kind: &Kind) -> String {
 /// Keys of every objective.
 fn common_keys() -> String {
     let mut text = "\nall\n".to_owned();
-    for (key, meaning) in [
-        ("name", "as reports call it"),
-        ("weight", "of the value, in the inverse of its unit"),
-        (
-            "over",
-            "the time: \"final\" (default), { steps = [2, 5] } for their mean, or a sum [s]: \
-             \"uniform\", \"trapezoid\", \"simpson\"",
-        ),
-    ] {
+    for (key, meaning) in COMMON_KEYS {
         text += &wrapped(&format!("  {key:12} "), meaning);
     }
     text
@@ -84,6 +110,28 @@ fn kind_json(kind: &Kind) -> Value {
         "unit": kind.unit,
         "keys": keys.collect::<Vec<_>>(),
         "may_be_maximised": kind.may_be_maximised,
+    })
+}
+
+fn gas_law_text(law: &Row) -> String {
+    let mut text = format!("{}\n  {}\n", law.name, law.formula);
+    for key in law.keys {
+        let label = format!("  {:14} {:5} ", key.name, format!("[{}]", key.unit));
+        let selects = if key.selects { "; selects this law" } else { "" };
+        text += &wrapped(&label, &format!("{}{selects}", key.meaning));
+    }
+    text + &wrapped("source: ", law.source)
+}
+
+fn gas_law_json(law: &Row) -> Value {
+    let keys = law.keys.iter().map(|key| {
+        json!({ "key": key.name, "unit": key.unit, "meaning": key.meaning, "selects": key.selects })
+    });
+    json!({
+        "law": law.name,
+        "formula": law.formula,
+        "keys": keys.collect::<Vec<_>>(),
+        "source": law.source,
     })
 }
 

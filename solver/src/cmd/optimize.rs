@@ -8,13 +8,13 @@ use anyhow::{Context, Result};
 use mesh::cli::Unusable;
 use mesh::io::vtu;
 use serde_json::{Value, json};
-use solver::config::{DesignConfig, ObjectiveConfig, beside};
+use solver::config::{DesignConfig, beside};
 use solver::failure;
 use solver::optimize::{Cascade, Checkpoint, Finished, mesh_file};
 use solver::results;
 use solver::scene::{ObjectiveBuilder, Scene};
 
-/// Optimise shapes of cavities and pressures over time
+/// Optimise shapes of chambers and pressures over time
 ///
 /// Writes to the output folder: design.msh (tagged; design.NAME.msh for each of
 /// several bodies), pressures.toml and parameters.toml (designed loads, as tables of a scene),
@@ -140,8 +140,8 @@ fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<Stri
         hashes.push(mesh::io::sha256_file(&part.mesh_path)?);
     }
     for objective in &design.objective {
-        if let ObjectiveConfig::Target { target, .. } = objective {
-            hashes.push(mesh::io::sha256_file(&beside(path, target))?);
+        for file in objective.files() {
+            hashes.push(mesh::io::sha256_file(&beside(path, file))?);
         }
     }
     Ok(hashes.join(" "))
@@ -188,7 +188,7 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     if tables.is_empty() {
         return Ok(());
     }
-    let text = toml::to_string(&toml::Table::from_iter([("pressure".to_owned(), tables.into())]))?;
+    let text = toml::to_string(&toml::Table::from_iter([("chamber".to_owned(), tables.into())]))?;
     mesh::io::write_atomic(&folder.join("pressures.toml"), |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }

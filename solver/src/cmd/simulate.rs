@@ -269,7 +269,7 @@ fn fill(
     report["energies"] = json!(energies);
     report["force_balance"] = results::balance(system, rest, u, end);
     report["tags"] = json!(results::tags(scene, &scene.body, system, u, end)?);
-    report["walls"] = json!(results::walls(system, rest, u, end));
+    report["chambers"] = json!(results::chambers(system, rest, u, end));
     report["stretch_range"] = json!(stretches(scene, system, u));
     report["timings"] = json!(system.timings);
     Ok(())

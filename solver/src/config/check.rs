@@ -120,17 +120,8 @@ impl SimConfig {
     /// and whether they may change with the position; those of chambers come first.
     pub fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
         let mut all = Vec::new();
-        for c in &mut self.pressure {
-            all.push((format!("pressure on \"{}\"", c.on), false, &mut c.pressure));
-        }
-        for c in &mut self.gas {
-            all.push((format!("gas on \"{}\": fill", c.on), false, &mut c.fill));
-        }
-        for c in &mut self.volume {
-            for (key, value) in [("change", &mut c.change), ("factor", &mut c.factor)] {
-                let name = format!("[[volume]] on \"{}\": {key}", c.on);
-                all.extend(value.as_mut().map(|value| (name, false, value)));
-            }
+        for c in &mut self.chamber {
+            all.push((format!("{}: {}", c.title(), c.gas.key()), false, c.gas.schedule_mut()));
         }
         for c in &mut self.fixed {
             for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
@@ -162,42 +153,13 @@ impl SimConfig {
     }
 
     fn check_chambers(&self) -> Result<()> {
-        for gas in &self.gas {
+        let moments = self.moments();
+        for (i, chamber) in self.chamber.iter().enumerate() {
+            chamber.gas.check(&moments).with_context(|| chamber.title())?;
             ensure!(
-                gas.ambient > 0.0
-                    && gas.exponent >= 1.0
-                    && (gas.ambient + gas.exponent).is_finite(),
-                "gas on \"{}\": ambient = {} Pa must be positive, exponent = {} at least 1, both finite",
-                gas.on,
-                gas.ambient,
-                gas.exponent
-            );
-            for t in self.moments() {
-                let fill = gas.fill.at(t);
-                ensure!(
-                    fill + gas.ambient > 0.0,
-                    "gas on \"{}\": ambient + fill = {} Pa at t = {t} must be positive",
-                    gas.on,
-                    fill + gas.ambient
-                );
-            }
-        }
-        for volume in &self.volume {
-            ensure!(
-                volume.change.is_some() != volume.factor.is_some(),
-                "[[volume]] on \"{}\": needed is one of change [m³] and factor [1]",
-                volume.on
-            );
-        }
-        let pressure = self.pressure.iter().map(|c| &c.on);
-        let gas = self.gas.iter().map(|c| &c.on);
-        let volume = self.volume.iter().map(|c| &c.on);
-        let walls: Vec<&String> = pressure.chain(gas).chain(volume).collect();
-        if let Some(twice) = walls.iter().enumerate().find(|(i, w)| walls[..*i].contains(w)) {
-            bail!(
-                "\"{}\" is the wall of two chambers: keep one of [[pressure]], [[gas]] and \
-                 [[volume]]",
-                twice.1
+                self.chamber[..i].iter().all(|other| other.on != chamber.on),
+                "\"{}\" is the wall of two chambers: keep one [[chamber]] on it",
+                chamber.on
             );
         }
         Ok(())

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::{Names, ObjectiveConfig};
+use super::{ChamberDesign, ObjectiveConfig, superseded};
+use crate::body::Names;
 use crate::design::Sweeps;
 
 /// A design problem: what may change in a scene, and what is wanted.
@@ -17,9 +18,9 @@ pub struct DesignConfig {
     /// What may move, and in which levels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<ShapeConfig>,
-    /// Pressures that may change over time, together with the shape or alone.
+    /// Chambers whose pressure over time may change, together with the shape or alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub pressure: Vec<PressureDesign>,
+    pub chamber: Vec<ChamberDesign>,
     /// Numbers in the scene's `[parameters]` that may change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameter: Vec<ParameterDesign>,
@@ -121,19 +122,6 @@ pub struct LevelConfig {
     pub time_limit: Option<f64>,
 }
 
-/// A pressure of the scene whose slopes over time may change, one for each time step.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PressureDesign {
-    /// Tag of a wall that has a `[[pressure]]` in the scene.
-    pub on: String,
-    /// Smallest and largest slope [Pa/s].
-    pub slope: [f64; 2],
-    /// Largest change of a slope in one iteration [Pa/s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub change: Option<f64>,
-}
-
 /// A number of the scene that may change, such as a peak pressure or a delay.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -153,6 +141,7 @@ impl DesignConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
+        superseded::refuse_in_design(path)?;
         let design: Self = mesh::io::read_toml(path)?;
         design.check().with_context(|| path.display().to_string())?;
         Ok(design)
@@ -185,8 +174,8 @@ impl DesignConfig {
     fn check(&self) -> Result<()> {
         ensure!(!self.objective.is_empty(), "no [[objective]]: needed is what to minimise");
         match (&self.shape, self.optimizer.iterations) {
-            (None, _) if self.pressure.is_empty() && self.parameter.is_empty() => {
-                bail!("no [shape], [[pressure]] or [[parameter]]: needed is what may change")
+            (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {
+                bail!("no [shape], [[chamber]] or [[parameter]]: needed is what may change")
             }
             (None, None) => {
                 bail!("no iterations in [optimizer]: a design without [shape] needs their number")
@@ -211,21 +200,7 @@ impl DesignConfig {
             );
             self.optimizer_of(&level).check()?;
         }
-        for pressure in &self.pressure {
-            let [low, high] = pressure.slope;
-            ensure!(
-                low < high && low.is_finite() && high.is_finite(),
-                "[[pressure]] on \"{}\": slope = [{low}, {high}] Pa/s; needed are two numbers, \
-                 the smaller first",
-                pressure.on
-            );
-            ensure!(
-                pressure.change.is_none_or(|c| c.is_finite() && c > 0.0),
-                "[[pressure]] on \"{}\": change = {:?} Pa/s must be positive",
-                pressure.on,
-                pressure.change.unwrap_or(f64::NAN)
-            );
-        }
+        self.chamber.iter().try_for_each(ChamberDesign::check)?;
         for parameter in &self.parameter {
             let ParameterDesign { name, bounds: [low, high], change } = parameter;
             ensure!(

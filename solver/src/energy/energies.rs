@@ -221,7 +221,7 @@ impl Energies {
     }
 
     /// Gives a chamber another gas law.
-    pub fn set_gas_law(&mut self, id: ChamberId, gas: GasLaw) {
+    pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
         self.chambers[id.0].chamber.gas = gas;
     }
 

@@ -6,19 +6,21 @@ mod contact;
 mod elastic;
 mod energies;
 mod friction;
+pub mod gas_law;
 mod inertia;
 mod springs;
 mod traction;
 mod wall;
 
 pub use body_force::BodyForce;
-pub use chamber::{Chamber, GasLaw, Potential, Prescribed};
+pub use chamber::Chamber;
 pub use contact::{Contact, GapSummary};
 pub use elastic::Elastic;
 pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId, Term,
 };
 pub use friction::Friction;
+pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use inertia::Inertia;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;
@@ -83,7 +85,7 @@ impl PastCotangent {
 }
 
 /// What holds a prescribed volume.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Multiplier {
     /// Gauge pressure at the wanted volume [Pa].
     pub pressure: f64,

@@ -78,7 +78,7 @@ pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<
     for load in items("pressure_boundary") {
         let value = value(&load, at, "pressure, with the opposite sign")?.negated();
         for on in named(&load, at)? {
-            text.table("[[pressure]]").name("on", &on).key("pressure", &value.toml());
+            text.table("[[chamber]]").name("on", &on).key("pressure", &value.toml());
         }
     }
     for load in items("neumann_boundary") {

@@ -15,13 +15,47 @@
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, applied to the rest shape.
 
-use mesh::Vec3;
+use std::path::Path;
 
+use anyhow::Result;
+use mesh::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Builder, Kind, Specification, positive, read};
 use super::{Equilibrium, Objective};
 use crate::contact::candidates::close_within;
 use crate::contact::density::{Density, Repulsion};
 use crate::contact::pairs::{Features, Pair};
 use crate::contact::rest_potential;
+
+pub(super) const KIND: Kind = Kind {
+    key: "clearance",
+    formula: "log barrier between parts of the rest surface that are not neighbours",
+    unit: "m⁴",
+    keys: &[("activation", "distance below which it acts [m]")],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    activation: f64,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        positive("activation", self.activation)
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let activation = self.activation;
+        Ok(Box::new(move |name, bodies| {
+            Ok(Box::new(Clearance::new(name, bodies.body.boundary(), activation)))
+        }))
+    }
+}
 
 /// Barrier between parts of one surface.
 pub struct Clearance {

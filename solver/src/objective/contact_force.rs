@@ -11,10 +11,81 @@
 //! opposite sides, F cancels and the sum of squares does not; the latter depends
 //! on the mesh, as a force is shared by more nodes on a finer one.
 
-use mesh::Vec3;
+use std::path::Path;
 
+use anyhow::{Result, bail, ensure};
+use mesh::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Builder, Kind, Specification, TAGS, read};
 use super::{Equilibrium, Objective};
+use crate::body::Names;
 use crate::element;
+
+pub(super) const KIND: Kind = Kind {
+    key: "contact-force",
+    formula: "of the force F of contact and friction on nodes: d·F, |F|², or Σ |f_n|²",
+    unit: "N or N²",
+    keys: &[
+        TAGS,
+        ("form", "\"along\", \"squared\" (default) or \"sum-of-squares\""),
+        ("direction", "d, for \"along\""),
+    ],
+    may_be_maximised: true,
+    needs_contact: true,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Names,
+    #[serde(default)]
+    form: Form,
+    /// Of any length [1].
+    direction: Option<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Form {
+    Along,
+    #[default]
+    Squared,
+    SumOfSquares,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        match (self.form, &self.direction) {
+            (Form::Along, None) => bail!("form = \"along\" needs direction = [x, y, z]"),
+            (Form::Along, Some(d)) => ensure!(
+                d.iter().all(|x| x.is_finite()) && d.iter().any(|x| *x != 0.0),
+                "direction = {d:?}: must be finite, and not zero"
+            ),
+            (_, direction) => ensure!(
+                direction.is_none(),
+                "direction is for form = \"along\" only; remove one of them"
+            ),
+        }
+        Ok(())
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let on = self.on.clone();
+        let direction = self.direction.map_or_else(Vec3::zeros, Vec3::from);
+        let resultant = match self.form {
+            Form::Along => Resultant::Along(direction),
+            Form::Squared => Resultant::Squared,
+            Form::SumOfSquares => Resultant::SumOfSquares,
+        };
+        Ok(Box::new(move |name, bodies| {
+            let facets = bodies.facets(&on)?;
+            let nodes = facets.iter().flat_map(|&f| bodies.space.facet_nodes(f)).collect();
+            Ok(Box::new(ContactForce::new(name, nodes, resultant)))
+        }))
+    }
+}
 
 /// What of the forces.
 #[derive(Clone, Copy, Debug, PartialEq)]

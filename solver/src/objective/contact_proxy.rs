@@ -20,16 +20,67 @@
 //! Source: Gjoka et al. 2024, equation (13), in the form of the published scenes:
 //! the square of the sum at a node, not the sum of the squares over pairs.
 
+use std::path::Path;
 use std::sync::Arc;
 
+use anyhow::{Result, ensure};
 use mesh::Vec3;
+use serde::{Deserialize, Serialize};
 
+use super::kind::{Builder, Kind, Specification, positive, read};
 use super::{Equilibrium, Objective};
+use crate::body::Names;
 use crate::contact::barrier::Form;
 use crate::contact::density::{Density, Repulsion};
 use crate::contact::potential::{Contacts, Partners, Potential};
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
+
+pub(super) const KIND: Kind = Kind {
+    key: "contact-proxy",
+    formula: "Σ |f_n|² of the forces of a wide barrier between parts of the surface",
+    unit: "m⁴",
+    keys: &[
+        ("on", "two or more tags that are apart"),
+        ("density", "\"log\" (default) or \"quadratic\""),
+        (
+            "activation",
+            "distance from which on they feel each other [m], wider than that of contact",
+        ),
+    ],
+    may_be_maximised: true,
+    needs_contact: true,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Names,
+    #[serde(default)]
+    density: Density,
+    activation: f64,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        positive("activation", self.activation)?;
+        ensure!(
+            self.on.all().len() > 1,
+            "on = {:?}: needed are two tags or more that should press on each other",
+            self.on.all()
+        );
+        Ok(())
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, density, activation } = self.clone();
+        Ok(Box::new(move |name, bodies| {
+            let parts = bodies.each(&on)?;
+            Ok(Box::new(ContactProxy::new(name, bodies.space, &parts, density, activation)?))
+        }))
+    }
+}
 
 /// Parts have vertices in common.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

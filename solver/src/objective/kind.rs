@@ -1,7 +1,34 @@
-//! What a design problem may ask for.
+//! A row of the table of objectives.
 
-/// A row of the table of objectives.
-#[derive(Clone, Copy, Debug)]
+use std::fmt::Debug;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Context, KINDS, Objective};
+
+/// Keys that every `[[objective]]` has besides `kind`, with what they mean.
+pub const COMMON_KEYS: [(&str, &str); 3] = [
+    ("name", "as reports call it"),
+    ("weight", "of the value, in the inverse of its unit"),
+    (
+        "over",
+        "the time: \"final\" (default), { steps = [2, 5] } for their mean, or a sum [s]: \
+         \"uniform\", \"trapezoid\", \"simpson\"",
+    ),
+];
+
+/// Keys that several kinds have.
+pub(super) const TAGS: (&str, &str) = ("on", "tag, body, or list of them");
+pub(super) const MEASURE: (&str, &str) = ("measure", "\"rest\" (default) or \"deformed\"");
+pub(super) const AXES: (&str, &str) = ("components", "axes that count, such as \"xz\" (\"xyz\")");
+pub(super) const BODY: (&str, &str) = ("on", "body; all if not given");
+
+/// A kind of objective: what to write, what it means, how to read it.
+#[derive(Debug)]
 pub struct Kind {
     /// `kind` in an `[[objective]]`.
     pub key: &'static str,
@@ -9,123 +36,95 @@ pub struct Kind {
     pub formula: &'static str,
     /// SI unit of its value; a weight has the inverse.
     pub unit: &'static str,
-    /// Keys besides kind, name, weight and over, with what they mean.
+    /// Keys besides `kind` and [`COMMON_KEYS`], with what they mean.
     pub keys: &'static [(&'static str, &'static str)],
     /// Whether its weight may be negative, so that it is maximised.
     pub may_be_maximised: bool,
+    /// Whether it looks at forces between surfaces, so that it needs `[contact]`.
+    pub needs_contact: bool,
+    /// Its own keys from a table of them, and the same with all defaults written.
+    pub(super) read: fn(toml::Table) -> Result<Read>,
 }
 
-/// Keys that several kinds have.
-const TAGS: (&str, &str) = ("on", "tag, body, or list of them");
-const MEASURE: (&str, &str) = ("measure", "\"rest\" (default) or \"deformed\"");
-const AXES: (&str, &str) = ("components", "axes that count, such as \"xz\" (\"xyz\")");
-const BODY: (&str, &str) = ("on", "body; all if not given");
+/// The keys of one kind, and the same as a table.
+pub type Read = (Arc<dyn Specification>, toml::Table);
 
-/// All kinds, in the order in which they are listed.
-pub const KINDS: &[Kind] = &[
-    Kind {
-        key: "target",
-        formula: "∫ d̃²(x) dA, d̃ the distance of deformed points to a surface",
-        unit: "m⁴",
-        keys: &[
-            TAGS,
-            ("target", "surface file in metres"),
-            (
-                "distance",
-                "\"squared\" (default), \"unsigned\" (published), \"signed\" (closed target)",
-            ),
-            ("spacing", "of the distance's lattice [m] (1e-3)"),
-            MEASURE,
-        ],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "displacement",
-        formula: "∫ Σ (u_i − w_i)² dA",
-        unit: "m⁴",
-        keys: &[TAGS, ("displacement", "w, numbers, expressions or tables [m]"), AXES, MEASURE],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "position",
-        formula: "∫ Σ (x_i − w_i)² dA, x = X + u",
-        unit: "m⁴",
-        keys: &[TAGS, ("position", "w, numbers, expressions or tables [m]"), AXES, MEASURE],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "contact-force",
-        formula: "of the force F of contact and friction on nodes: d·F, |F|², or Σ |f_n|²",
-        unit: "N or N²",
-        keys: &[
-            TAGS,
-            ("form", "\"along\", \"squared\" (default) or \"sum-of-squares\""),
-            ("direction", "d, for \"along\""),
-        ],
-        may_be_maximised: true,
-    },
-    Kind {
-        key: "contact-proxy",
-        formula: "Σ |f_n|² of the forces of a wide barrier between parts of the surface",
-        unit: "m⁴",
-        keys: &[
-            ("on", "two or more tags that are apart"),
-            ("density", "\"log\" (default) or \"quadratic\""),
-            ("activation", "distance from which on they feel each other [m]"),
-        ],
-        may_be_maximised: true,
-    },
-    Kind {
-        key: "wall-thickness",
-        formula: "barrier on walls thinner than minimum + activation",
-        unit: "m⁴",
-        keys: &[
-            TAGS,
-            ("against", "tags of the other side; without them, each two of on"),
-            ("density", "\"log\" (default), infinite at minimum, or \"quadratic\", without it"),
-            ("minimum", "thinnest wall [m]"),
-            ("activation", "[m]"),
-            MEASURE,
-        ],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "smoothness",
-        formula: "Σ_v |Σ_w (X_v − X_w)|² / (Σ_w |X_v − X_w|)², plain: over the number of w",
-        unit: "1 or m²",
-        keys: &[TAGS, ("form", "\"scale-invariant\" (default) or \"plain\"")],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "clearance",
-        formula: "log barrier between parts of the rest surface that are not neighbours",
-        unit: "m⁴",
-        keys: &[("activation", "[m]")],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "volume",
-        formula: "V, or (V − V*)²",
-        unit: "m³ or m⁶",
-        keys: &[
-            ("on", "a tag: the chamber behind it; a body; all bodies if not given"),
-            ("volume", "V* [m³]"),
-            MEASURE,
-        ],
-        may_be_maximised: true,
-    },
-    Kind {
-        key: "stress",
-        formula: "∫ |P|^q dX, P the force per rest area",
-        unit: "Pa^q m³",
-        keys: &[BODY, ("power", "q ≥ 2 (2)")],
-        may_be_maximised: false,
-    },
-    Kind {
-        key: "strain-limit",
-        formula: "∫ Σ (λ_i − largest)₊² + (smallest − λ_i)₊² dX of the principal stretches",
-        unit: "m³",
-        keys: &[BODY, ("largest", "[1]"), ("smallest", "[1] (0)")],
-        may_be_maximised: false,
-    },
-];
+/// Builds a term with a name on a body; the files that the term names have been read.
+pub type Builder = Box<dyn Fn(&str, &Context) -> Result<Box<dyn Objective>> + Send + Sync>;
+
+/// One kind of `[[objective]]` as it is written, without the keys of all kinds.
+pub trait Specification: Debug + Send + Sync {
+    /// Checks what can be checked without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
+    /// Whether a negative weight has a sense, if it has for this kind.
+    fn may_be_maximised(&self) -> bool {
+        true
+    }
+    /// The files that it names, from the folder of the design.
+    fn files(&self) -> Vec<&Path> {
+        Vec::new()
+    }
+    /// Reads its files, from the folder of the design.
+    ///
+    /// # Errors
+    /// When one cannot be read, or does not fit.
+    fn prepare(&self, folder: &Path) -> Result<Builder>;
+}
+
+impl Kind {
+    /// The kind that is called so.
+    ///
+    /// # Errors
+    /// When there is none; the message lists those there are.
+    pub fn find(key: &str) -> Result<&'static Self> {
+        KINDS.iter().find(|kind| kind.key == key).with_context(|| {
+            let known: Vec<String> = KINDS.iter().map(|kind| format!("`{}`", kind.key)).collect();
+            format!(
+                "unknown kind `{key}`, expected one of {}\n  `solver list --objectives` explains \
+                 them",
+                known.join(", ")
+            )
+        })
+    }
+
+    /// Reads the keys of this kind alone.
+    ///
+    /// # Errors
+    /// When one is unknown, missing or of the wrong type.
+    pub fn read(&self, keys: toml::Table) -> Result<Read> {
+        let own = || self.keys.iter().map(|(key, _)| *key);
+        if let Some(unknown) = keys.keys().find(|name| !own().any(|key| key == *name)) {
+            let common = COMMON_KEYS.iter().map(|(key, _)| *key);
+            let known: Vec<String> = common.chain(own()).map(|key| format!("`{key}`")).collect();
+            bail!(
+                "kind = \"{}\": unknown field `{unknown}`, expected one of {}",
+                self.key,
+                known.join(", ")
+            );
+        }
+        (self.read)(keys).with_context(|| format!("kind = \"{}\"", self.key))
+    }
+}
+
+/// Reads the keys of a kind as `S`.
+pub(super) fn read<S>(keys: toml::Table) -> Result<Read>
+where
+    S: Specification + Serialize + DeserializeOwned + 'static,
+{
+    let found: S = keys
+        .try_into()
+        .map_err(|e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))?;
+    let table = toml::Table::try_from(&found)?;
+    Ok((Arc::new(found), table))
+}
+
+/// Refuses a length that is not positive.
+pub(super) fn positive(key: &str, length: f64) -> Result<()> {
+    anyhow::ensure!(length.is_finite() && length > 0.0, "{key} = {length} m must be positive");
+    Ok(())
+}

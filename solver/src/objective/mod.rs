@@ -1,10 +1,14 @@
 //! What to minimise, each term at one equilibrium.
+//!
+//! One kind of term per file, with its keys in `[[objective]]`; one row per kind in
+//! [`KINDS`].
 
 #[cfg(test)]
 mod tests;
 mod clearance;
 mod contact_force;
 mod contact_proxy;
+mod context;
 mod distance_field;
 mod integral;
 mod kind;
@@ -27,9 +31,10 @@ use crate::element::{FunctionSpace, at};
 pub use clearance::Clearance;
 pub use contact_force::{ContactForce, Resultant};
 pub use contact_proxy::{ContactProxy, PartsTouch};
+pub use context::Context;
 pub use distance_field::{DistanceField, DistanceKind};
 pub use integral::TimeIntegral;
-pub use kind::{KINDS, Kind};
+pub use kind::{Builder, COMMON_KEYS, Kind, Specification};
 pub use motion::{Motion, Quantity};
 pub use smoothness::{Smoothness, SmoothnessForm};
 pub use strain_limit::StrainLimit;
@@ -38,6 +43,21 @@ pub use surface_integral::Patch;
 pub use target::Target;
 pub use volume::Volume;
 pub use wall_thickness::{SidesTouch, WallThickness};
+
+/// All kinds, in the order in which they are listed.
+pub const KINDS: &[Kind] = &[
+    target::KIND,
+    motion::DISPLACEMENT,
+    motion::POSITION,
+    contact_force::KIND,
+    contact_proxy::KIND,
+    wall_thickness::KIND,
+    smoothness::KIND,
+    clearance::KIND,
+    volume::KIND,
+    stress::KIND,
+    strain_limit::KIND,
+];
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,11 +12,116 @@
 //!
 //! Source: Gjoka et al. 2024, the worm's and the walker's objective.
 
-use mesh::Vec3;
+use std::path::Path;
 
+use anyhow::{Result, ensure};
+use mesh::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{AXES, Builder, Kind, MEASURE, Specification, TAGS, read};
 use super::surface_integral::{Density, Patch, Place};
-use super::{Equilibrium, Objective};
-use crate::schedule::Field;
+use super::{Equilibrium, Measure, Objective};
+use crate::body::Names;
+use crate::schedule::{Field, axes};
+
+const WANTED: &str = "w [m]: numbers, expressions in t, x, y, z, or tables";
+
+pub(super) const DISPLACEMENT: Kind = Kind {
+    key: "displacement",
+    formula: "∫ Σ (u_i − w_i)² dA",
+    unit: "m⁴",
+    keys: &[TAGS, ("displacement", WANTED), AXES, MEASURE],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<DisplacementKeys>,
+};
+
+pub(super) const POSITION: Kind = Kind {
+    key: "position",
+    formula: "∫ Σ (x_i − w_i)² dA, x = X + u",
+    unit: "m⁴",
+    keys: &[TAGS, ("position", WANTED), AXES, MEASURE],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<PositionKeys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DisplacementKeys {
+    on: Names,
+    displacement: Field,
+    #[serde(default = "all_axes")]
+    components: String,
+    #[serde(default)]
+    measure: Measure,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PositionKeys {
+    on: Names,
+    position: Field,
+    #[serde(default = "all_axes")]
+    components: String,
+    #[serde(default)]
+    measure: Measure,
+}
+
+fn all_axes() -> String {
+    "xyz".to_owned()
+}
+
+impl Specification for DisplacementKeys {
+    fn check(&self) -> Result<()> {
+        check_components(&self.components)
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, displacement, components, measure } = self.clone();
+        Ok(builder(Quantity::Displacement, displacement, on, &components, measure))
+    }
+}
+
+impl Specification for PositionKeys {
+    fn check(&self) -> Result<()> {
+        check_components(&self.components)
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, position, components, measure } = self.clone();
+        Ok(builder(Quantity::Position, position, on, &components, measure))
+    }
+}
+
+fn check_components(components: &str) -> Result<()> {
+    let count = axes(components).iter().filter(|axis| **axis).count();
+    ensure!(
+        components.len() == count && !components.is_empty(),
+        "components = \"{components}\": must be some of x, y, z, each once"
+    );
+    Ok(())
+}
+
+fn builder(
+    quantity: Quantity,
+    wanted: Field,
+    on: Names,
+    components: &str,
+    measure: Measure,
+) -> Builder {
+    let axes = axes(components);
+    let key = match quantity {
+        Quantity::Displacement => DISPLACEMENT.key,
+        Quantity::Position => POSITION.key,
+    };
+    Box::new(move |name, bodies| {
+        let facets = bodies.facets(&on)?;
+        bodies.check_wanted(key, &wanted, &facets)?;
+        let patch = Patch::new(bodies.space, &facets, measure);
+        Ok(Box::new(Motion::new(name, patch, quantity, wanted.clone(), axes)))
+    })
+}
 
 /// What of a point is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +191,6 @@ impl Objective for Motion {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::objective::Measure;
     use crate::objective::tests::Case;
 
     const AXES: [bool; 3] = [true, false, true];

@@ -14,10 +14,42 @@
 //! Source: Huang et al., "Differentiable solver for time-dependent deformation
 //! problems with contact", arXiv:2205.13643, scale-invariant smoothing.
 
+use std::path::Path;
+
+use anyhow::Result;
 use mesh::{Vec3, topology};
 use serde::{Deserialize, Serialize};
 
+use super::kind::{Builder, Kind, Specification, TAGS, read};
 use super::{Equilibrium, Objective};
+use crate::body::Names;
+
+pub(super) const KIND: Kind = Kind {
+    key: "smoothness",
+    formula: "Σ_v |Σ_w (X_v − X_w)|² / (Σ_w |X_v − X_w|)², plain: over the number of w",
+    unit: "1 or m²",
+    keys: &[TAGS, ("form", "\"scale-invariant\" (default) or \"plain\"")],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Names,
+    #[serde(default)]
+    form: SmoothnessForm,
+}
+
+impl Specification for Keys {
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, form } = self.clone();
+        Ok(Box::new(move |name, bodies| {
+            Ok(Box::new(Smoothness::new(name, &bodies.facets(&on)?, form)))
+        }))
+    }
+}
 
 /// How the neighbour vector is normalised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

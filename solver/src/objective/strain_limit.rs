@@ -11,9 +11,54 @@
 //! ∂J/∂F = Σ_i g′(λ_i) n_i N_iᵀ with F N_i = λ_i n_i.
 
 use std::ops::Range;
+use std::path::Path;
 
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::kind::{BODY, Builder, Kind, Specification, read};
 use super::{Equilibrium, Objective, solid_integral};
 use crate::math::tensor::Mat3;
+
+pub(super) const KIND: Kind = Kind {
+    key: "strain-limit",
+    formula: "∫ Σ (λ_i − largest)₊² + (smallest − λ_i)₊² dX of the principal stretches",
+    unit: "m³",
+    keys: &[BODY, ("largest", "[1]"), ("smallest", "[1] (0)")],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Option<String>,
+    largest: f64,
+    #[serde(default)]
+    smallest: f64,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let Self { largest, smallest, .. } = self;
+        ensure!(
+            (0.0..1.0).contains(smallest) && largest.is_finite() && *largest > 1.0,
+            "largest = {largest}, smallest = {smallest}: stretches, the largest must be above 1 \
+             and the smallest from 0 to 1"
+        );
+        Ok(())
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, largest, smallest } = self.clone();
+        Ok(Box::new(move |name, bodies| {
+            let parts = bodies.parts(on.as_deref())?.into_iter();
+            let elements = parts.map(|(_, elements)| elements).collect();
+            Ok(Box::new(StrainLimit::new(name, elements, [smallest, largest])))
+        }))
+    }
+}
 
 /// Penalty on large and small stretches.
 pub struct StrainLimit {

@@ -10,10 +10,54 @@
 //! one.
 
 use std::ops::Range;
+use std::path::Path;
 
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::kind::{BODY, Builder, Kind, Specification, read};
 use super::{Equilibrium, Objective, solid_integral};
 use crate::material::{Kinematics, Material};
 use crate::math::tensor::{Mat3, vec9};
+
+pub(super) const KIND: Kind = Kind {
+    key: "stress",
+    formula: "∫ |P|^q dX, P the force per rest area; the larger q, the more the largest counts",
+    unit: "Pa^q m³",
+    keys: &[BODY, ("power", "q ≥ 2 (2)")],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Option<String>,
+    #[serde(default = "two")]
+    power: f64,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let power = self.power;
+        ensure!(power.is_finite() && power >= 2.0, "power = {power}: must be 2 or more");
+        Ok(())
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, power } = self.clone();
+        Ok(Box::new(move |name, bodies| {
+            let parts = bodies.parts(on.as_deref())?.into_iter();
+            let parts = parts.map(|(law, elements)| (law.build(), elements)).collect();
+            Ok(Box::new(Stress::new(name, parts, power)))
+        }))
+    }
+}
 
 /// A norm of the stress in bodies.
 pub struct Stress {

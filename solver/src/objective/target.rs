@@ -8,8 +8,89 @@
 //! Source: Gjoka et al. 2024, equation (16); the published scenes have the rest
 //! measure.
 
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+use mesh::SurfaceMesh;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, positive, read};
 use super::surface_integral::{Density, Patch, Place};
-use super::{DistanceField, Equilibrium, Objective};
+use super::{DistanceField, DistanceKind, Equilibrium, Measure, Objective};
+use crate::body::Names;
+
+pub(super) const KIND: Kind = Kind {
+    key: "target",
+    formula: "∫ d̃²(x) dA, d̃ the distance of deformed points to a surface",
+    unit: "m⁴",
+    keys: &[
+        TAGS,
+        ("target", "surface file in metres"),
+        ("distance", "\"squared\" (default), \"unsigned\" (published), \"signed\" (closed target)"),
+        ("spacing", "of the distance's lattice [m] (1e-3)"),
+        MEASURE,
+    ],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Names,
+    target: PathBuf,
+    #[serde(default)]
+    distance: DistanceKind,
+    #[serde(default = "a_millimetre")]
+    spacing: f64,
+    #[serde(default)]
+    measure: Measure,
+}
+
+fn a_millimetre() -> f64 {
+    1e-3
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        positive("spacing", self.spacing)
+    }
+
+    fn files(&self) -> Vec<&Path> {
+        vec![&self.target]
+    }
+
+    /// The distance field is made once and shared by all bodies.
+    fn prepare(&self, folder: &Path) -> Result<Builder> {
+        let path = folder.join(&self.target);
+        let surface = mesh::io::read_surface(&path)?;
+        check_target(&surface, self.distance).with_context(|| path.display().to_string())?;
+        let field = DistanceField::new(&surface, self.spacing, self.distance);
+        let (on, measure) = (self.on.clone(), self.measure);
+        Ok(Box::new(move |name, bodies| {
+            let patch = Patch::new(bodies.space, &bodies.facets(&on)?, measure);
+            Ok(Box::new(Target::new(name, patch, field.clone())))
+        }))
+    }
+}
+
+/// The signed distance needs an inside.
+fn check_target(surface: &SurfaceMesh, distance: DistanceKind) -> Result<()> {
+    let rim = mesh::topology::boundary_edges(&surface.triangles).len();
+    ensure!(
+        distance != DistanceKind::Signed || rim == 0,
+        "{rim} edges on the rim of an open surface, which has no inside: distance = \"signed\" \
+         needs a closed target; take \"squared\""
+    );
+    let volume = mesh::measure::enclosed_volume(surface);
+    ensure!(
+        distance != DistanceKind::Signed || volume > 0.0,
+        "the triangles face inwards (volume {volume:.3e} m³): distance = \"signed\" needs a \
+         target that faces outwards; turn its triangles around"
+    );
+    Ok(())
+}
 
 /// Squared distance of a part of the surface to a target surface.
 pub struct Target {
@@ -61,7 +142,6 @@ impl Objective for Target {
 mod tests {
     use super::*;
     use crate::objective::tests::Case;
-    use crate::objective::{DistanceKind, Measure};
     use crate::testing::sphere;
 
     #[test]

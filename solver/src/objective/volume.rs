@@ -7,9 +7,67 @@
 //! close them, of the rest shape or the deformed one. The closed surface of a
 //! body seen from outside encloses −V.
 
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Builder, Kind, MEASURE, Specification, read};
 use super::{Equilibrium, Measure, Objective};
 use crate::element::FunctionSpace;
 use crate::energy::Wall;
+
+pub(super) const KIND: Kind = Kind {
+    key: "volume",
+    formula: "V, or (V − V*)²",
+    unit: "m³ or m⁶",
+    keys: &[
+        ("on", "a tag: the chamber behind it; a body; all bodies if not given"),
+        ("volume", "V* [m³]"),
+        MEASURE,
+    ],
+    may_be_maximised: true,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Option<String>,
+    volume: Option<f64>,
+    #[serde(default)]
+    measure: Measure,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let sound = self.volume.is_none_or(|volume| volume.is_finite() && volume > 0.0);
+        ensure!(sound, "volume = {} m³ must be positive", self.volume.unwrap_or_default());
+        Ok(())
+    }
+
+    fn may_be_maximised(&self) -> bool {
+        self.volume.is_none()
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, volume, measure } = self.clone();
+        Ok(Box::new(move |name, bodies| {
+            let space = bodies.space;
+            Ok(Box::new(match on.as_ref().filter(|name| !bodies.is_body(name)) {
+                Some(tag) => {
+                    let facets = bodies.body.facets(tag)?;
+                    Volume::behind(name, space, &facets, measure, volume)
+                }
+                None => {
+                    let facets = bodies.boundary(on.as_deref())?;
+                    Volume::within(name, space, &facets, measure, volume)
+                }
+            }))
+        }))
+    }
+}
 
 /// A volume, or its squared difference to a wanted one.
 pub struct Volume {

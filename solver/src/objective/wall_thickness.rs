@@ -17,21 +17,91 @@
 //! region.
 //!
 //! Parts must not touch: next to a common rim every pair would be "thin",
-//! whatever the shape. An open cavity is therefore compared with the outer skin
+//! whatever the shape. An open chamber is therefore compared with the outer skin
 //! only, and the seat that holds its rim belongs to neither side.
 //!
 //! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
 //! the rest shape.
 
+use std::path::Path;
+
+use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::{Vec3, topology};
+use serde::{Deserialize, Serialize};
 
+use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, positive, read};
 use super::{Equilibrium, Measure, Objective};
+use crate::body::Names;
 use crate::contact::candidates::close_between;
 use crate::contact::density::{Density, Repulsion};
 use crate::contact::pairs::{Features, Pair};
 use crate::contact::rest_potential;
 use crate::element::at;
+
+pub(super) const KIND: Kind = Kind {
+    key: "wall-thickness",
+    formula: "barrier on walls thinner than minimum + activation",
+    unit: "m⁴",
+    keys: &[
+        TAGS,
+        ("against", "tags of the other side, no common vertex; without them, each two of on"),
+        ("density", "\"log\" (default), infinite at minimum, or \"quadratic\", without it"),
+        ("minimum", "thinnest wall [m]"),
+        ("activation", "[m]"),
+        MEASURE,
+    ],
+    may_be_maximised: false,
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: Names,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    against: Vec<String>,
+    #[serde(default)]
+    density: Density,
+    /// Of the log barrier [m].
+    minimum: Option<f64>,
+    activation: f64,
+    #[serde(default)]
+    measure: Measure,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        self.minimum.map_or(Ok(()), |minimum| positive("minimum", minimum))?;
+        positive("activation", self.activation)?;
+        ensure!(
+            !self.against.is_empty() || self.on.all().len() > 1,
+            "on = {:?}: one side of a wall; name the other by against = [...], or two tags or \
+             more in on",
+            self.on.all()
+        );
+        ensure!(
+            self.minimum.is_some() == (self.density == Density::Log),
+            "density = \"log\" needs a minimum [m], \"quadratic\" has none"
+        );
+        Ok(())
+    }
+
+    fn prepare(&self, _: &Path) -> Result<Builder> {
+        let Self { on, against, density, minimum, activation, measure } = self.clone();
+        let limits = Repulsion { density, minimum: minimum.unwrap_or(0.0), activation };
+        let others = Names::Several(against);
+        Ok(Box::new(move |name, bodies| {
+            Ok(Box::new(if others.all().is_empty() {
+                WallThickness::among(name, &bodies.each(&on)?, limits, measure)?
+            } else {
+                let outer = bodies.facets(&others)?;
+                WallThickness::between(name, &bodies.facets(&on)?, &outer, limits, measure)?
+            }))
+        }))
+    }
+}
 
 /// Two parts have vertices in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -56,8 +56,8 @@ impl DesignMap {
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(&body.mesh)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
-        let (pressures, parameters) = (&design.pressure, &design.parameter);
-        let loads = LoadMap::new(scene, pressures, parameters, energies, mean_edge)?;
+        let (chambers, parameters) = (&design.chamber, &design.parameter);
+        let loads = LoadMap::new(scene, chambers, parameters, energies, mean_edge)?;
         Ok(Self { rest, patches, extension, interior, loads, moving, mean_edge })
     }
 

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::config::{ParameterDesign, PressureDesign};
+use crate::config::{ChamberDesign, ParameterDesign};
 use crate::design::{PressureCurve, Scalar};
-use crate::energy::{ChamberId, Energies, GasLaw, NamedChamber, ParameterGradients};
+use crate::energy::{ChamberId, Energies, GasLaw, Isobaric, NamedChamber, ParameterGradients};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
@@ -21,7 +21,7 @@ pub struct LoadMap {
     curves: Vec<Curve>,
     numbers: Vec<Number>,
     /// Chambers in whose schedules such numbers occur, with the scene's gas laws.
-    named: Vec<(ChamberId, GasLaw)>,
+    named: Vec<(ChamberId, Box<dyn GasLaw>)>,
     /// All parameters of the scene.
     parameters: BTreeMap<String, f64>,
 }
@@ -52,7 +52,7 @@ impl LoadMap {
     /// When the scene has no such pressure or parameter, or one outside its bounds.
     pub fn new(
         scene: &Scene,
-        pressures: &[PressureDesign],
+        pressures: &[ChamberDesign],
         parameters: &[ParameterDesign],
         energies: &Energies,
         edge: f64,
@@ -81,27 +81,30 @@ impl LoadMap {
             }
             ensure!(
                 map.curves.iter().all(|c| c.chamber != id),
-                "[[pressure]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
+                "[[chamber]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
             );
             map.named.push((id, chamber.gas.clone()));
         }
         Ok(map)
     }
 
-    fn add_curve(&mut self, design: &PressureDesign, energies: &Energies, edge: f64) -> Result<()> {
+    fn add_curve(&mut self, design: &ChamberDesign, energies: &Energies, edge: f64) -> Result<()> {
         let on = design.on.clone();
-        let Some((id, found)) = energies.chambers().find(|(_, found)| found.name == on) else {
-            bail!("[[pressure]] on \"{on}\": the scene has no [[pressure]] there");
+        let Some((id, NamedChamber { chamber, .. })) =
+            energies.chambers().find(|(_, found)| found.name == on)
+        else {
+            bail!("[[chamber]] on \"{on}\": the scene has no [[chamber]] there");
         };
-        let GasLaw::Isobaric { pressure } = &found.chamber.gas else {
+        let Some(pressure) = chamber.gas.pressure() else {
             bail!(
-                "[[pressure]] on \"{on}\": the scene has a closed chamber there; needed is a \
-                 [[pressure]]"
+                "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; needed is \
+                 pressure",
+                chamber.gas.key()
             );
         };
         ensure!(
             self.curves.iter().all(|c| c.chamber != id),
-            "[[pressure]] on \"{on}\" is there twice"
+            "[[chamber]] on \"{on}\" is there twice"
         );
         let times = &self.times;
         let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
@@ -113,7 +116,7 @@ impl LoadMap {
         for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
             ensure!(
                 low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
-                "[[pressure]] on \"{on}\": in time step {} the scene's pressure has a slope of \
+                "[[chamber]] on \"{on}\": in time step {} the scene's pressure has a slope of \
                  {:.4e} Pa/s, which slope = {:?} Pa/s does not allow",
                 n + 1,
                 (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
@@ -142,7 +145,7 @@ impl LoadMap {
             "[[parameter]] \"{name}\" is there twice"
         );
         let mut config = scene.config.clone();
-        let chambers = config.pressure.len() + config.gas.len() + config.volume.len();
+        let chambers = config.chamber.len();
         let (mut found, mut elsewhere) = (false, None);
         for (i, (what, _, schedule)) in config.schedules().into_iter().enumerate() {
             if schedule.uses(name) {
@@ -153,10 +156,10 @@ impl LoadMap {
         if let Some(what) = elsewhere {
             bail!(
                 "[[parameter]] \"{name}\" occurs in {what}, by which there is no gradient; it may \
-                 occur in [[pressure]], [[gas]] and [[volume]]"
+                 occur in [[chamber]]"
             );
         }
-        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[pressure]], [[gas]] or [[volume]]");
+        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[chamber]]");
         let scalar = Scalar::new(start, *bounds, edge);
         let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
         self.numbers.push(Number { name: name.clone(), scalar, change });
@@ -204,10 +207,10 @@ impl LoadMap {
     }
 
     /// The gas laws with the numbers of θ in their schedules.
-    fn bound(&self, theta: &[f64]) -> Vec<(ChamberId, GasLaw)> {
+    fn bound(&self, theta: &[f64]) -> Vec<(ChamberId, Box<dyn GasLaw>)> {
         let mut parameters = self.parameters.clone();
         parameters.extend(self.numbers(theta));
-        let bind = |(id, gas): &(ChamberId, GasLaw)| {
+        let bind = |(id, gas): &(ChamberId, Box<dyn GasLaw>)| {
             let mut gas = gas.clone();
             let bound = gas.schedule_mut().bind(&parameters);
             bound.expect("the scene's own names");
@@ -221,7 +224,7 @@ impl LoadMap {
         for (Curve { curve, chamber, .. }, own) in self.each_curve(theta) {
             let pressure = Schedule::table(&self.times, &curve.values(own))
                 .expect("times of the scene, and finite values");
-            energies.set_gas_law(*chamber, GasLaw::Isobaric { pressure });
+            energies.set_gas_law(*chamber, Box::new(Isobaric { pressure }));
         }
         for (id, gas) in self.bound(theta) {
             energies.set_gas_law(id, gas);
@@ -240,7 +243,7 @@ impl LoadMap {
         let bound = self.bound(theta);
         for Number { name, scalar, .. } in &self.numbers {
             let in_step = |(step, &t): (usize, &f64)| -> f64 {
-                let by = |(id, gas): &(ChamberId, GasLaw)| {
+                let by = |(id, gas): &(ChamberId, Box<dyn GasLaw>)| {
                     by_parameters.chamber(step, *id) * gas.schedule().by_parameter(name, t)
                 };
                 bound.iter().map(by).sum()

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use super::Scene;
 use crate::body::Body;
 use crate::element::FunctionSpace;
-use crate::energy::{Chamber, Energies, GasLaw, Multiplier, Prescribed, Wall};
+use crate::energy::{Chamber, Energies, Multiplier, Wall};
 use crate::supports::Supports;
 
 /// Penalty of a prescribed volume in shear moduli per rest volume.
@@ -14,7 +14,7 @@ const PENALTY: f64 = 10.0;
 const FLAT: f64 = 1e-9;
 
 impl Scene {
-    /// The chambers of a body, by the tags of their walls.
+    /// The chambers of a body, by the tags of their walls, in the order of the scene.
     ///
     /// # Errors
     /// When a tag is missing or closes no volume that gas could fill.
@@ -25,49 +25,34 @@ impl Scene {
     ) -> Result<Vec<(String, Chamber)>> {
         let context = || self.path.display().to_string();
         let nodes = space.node_positions(&body.mesh.vertices);
-        let mut chambers = Vec::new();
-        for (on, gas) in self.gas_laws() {
+        let moments = self.config.moments();
+        let (mut chambers, mut prescribed) = (Vec::new(), 0);
+        for config in &self.config.chamber {
+            let on = &config.on;
             let wall = Wall::new(space, &body.facets(on).with_context(context)?);
             let volume = wall.volume(space, &nodes);
-            if !matches!(gas, GasLaw::Isobaric { .. }) && volume <= 0.0 {
+            if config.gas.pressure().is_none() && volume <= 0.0 {
                 bail!(
                     "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
                      positive\n  the tag is not the wall of a chamber",
                     self.path.display()
                 );
             }
-            if let GasLaw::Volume { prescribed, .. } = &gas {
-                for t in self.config.moments() {
-                    let (wanted, _) = prescribed.at(volume, t);
-                    ensure!(
-                        wanted > 0.0,
-                        "{}: [[volume]] on \"{on}\": the chamber of {volume:.3e} m³ would have \
-                         {wanted:.3e} m³ at t = {t}; must be positive",
-                        self.path.display()
-                    );
-                }
+            let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
+            for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {
+                ensure!(
+                    wanted > 0.0,
+                    "{}: {}: the chamber of {volume:.3e} m³ would have {wanted:.3e} m³ at t = {t}; \
+                     must be positive",
+                    self.path.display(),
+                    config.title()
+                );
             }
-            chambers.push((on.clone(), Chamber { wall, gas }));
+            let multiplier = config.gas.wanted(volume, 0.0).map(|_| prescribed);
+            prescribed += usize::from(multiplier.is_some());
+            chambers.push((on.clone(), Chamber { wall, gas: config.gas.clone(), multiplier }));
         }
         Ok(chambers)
-    }
-
-    /// What is behind each wall.
-    fn gas_laws(&self) -> Vec<(&String, GasLaw)> {
-        let mut laws = Vec::new();
-        for c in &self.config.pressure {
-            laws.push((&c.on, GasLaw::Isobaric { pressure: c.pressure.clone() }));
-        }
-        for c in &self.config.gas {
-            let (ambient, exponent) = (c.ambient, c.exponent);
-            laws.push((&c.on, GasLaw::Ideal { fill: c.fill.clone(), ambient, exponent }));
-        }
-        for (multiplier, c) in self.config.volume.iter().enumerate() {
-            let change = c.change.clone().map(Prescribed::Change);
-            let prescribed = change.or_else(|| c.factor.clone().map(Prescribed::Factor));
-            laws.extend(prescribed.map(|p| (&c.on, GasLaw::Volume { prescribed: p, multiplier })));
-        }
-        laws
     }
 
     /// Of the prescribed volumes at rest, with a penalty well above what a wall
@@ -87,7 +72,7 @@ impl Scene {
             penalty: PENALTY * shear / chamber.wall.volume(space, &nodes),
         };
         let chambers = energies.chambers().map(|(_, named)| &named.chamber);
-        chambers.filter(|c| matches!(c.gas, GasLaw::Volume { .. })).map(one).collect()
+        chambers.filter(|c| c.multiplier.is_some()).map(one).collect()
     }
 }
 

@@ -280,6 +280,12 @@ impl Default for Field {
     }
 }
 
+/// Which of x, y, z are named.
+#[must_use]
+pub fn axes(components: &str) -> [bool; 3] {
+    ['x', 'y', 'z'].map(|axis| components.contains(axis))
+}
+
 impl Field {
     /// Whether it depends on the position.
     #[must_use]

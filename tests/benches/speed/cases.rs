@@ -62,7 +62,7 @@ fn settings(degree: &str, law: &str, fixed: &str, chambers: &[String], pressure:
          [material]\n{law}\n[[fixed]]\non = \"{fixed}\"\n"
     );
     for chamber in chambers {
-        text += &format!("[[pressure]]\non = \"{chamber}\"\npressure = {pressure}\n");
+        text += &format!("[[chamber]]\non = \"{chamber}\"\npressure = {pressure}\n");
     }
     text
 }

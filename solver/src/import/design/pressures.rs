@@ -8,7 +8,7 @@ use crate::import::text::{list, number, quoted};
 
 /// Why pressures are left.
 const REASON: &str = "a pressure changes by slopes within bounds, one for each time step, in a \
-     table [[pressure]] here";
+     table [[chamber]] here";
 
 /// A pressure that changes.
 struct Controlled {
@@ -36,8 +36,8 @@ impl Writer<'_> {
         }
         let Some(limits) = limits.filter(|_| !found.is_empty()) else { return Ok(false) };
         let bounds = limits.need("bounds", "smallest and largest variable")?;
-        let bounds = bounds.becomes("[[pressure]] slope").numbers(2)?;
-        let change = limits.get("max_change").map(|k| k.becomes("[[pressure]] change").number());
+        let bounds = bounds.becomes("[[chamber]] slope").numbers(2)?;
+        let change = limits.get("max_change").map(|k| k.becomes("[[chamber]] change").number());
         let change = change.transpose()?;
         if alone {
             let iterations = iterations(root, "[optimizer] iterations")?.unwrap_or(ITERATIONS);
@@ -48,7 +48,7 @@ impl Writer<'_> {
             let mut slope = [-scale * bounds[0], -scale * bounds[1]];
             slope.sort_by(f64::total_cmp);
             for on in on {
-                self.text.table("[[pressure]]").key("on", &quoted(&on));
+                self.text.table("[[chamber]]").key("on", &quoted(&on));
                 self.text.key("slope", &list(slope.map(number)));
                 if let Some(change) = change {
                     self.text.number("change", (scale * change).abs());
@@ -63,10 +63,10 @@ impl Writer<'_> {
         let maps = variable.get("composition").map(|key| key.items()).unwrap_or_default();
         let (mut scale, mut is_slope) = (1.0, false);
         for map in &maps {
-            match map.get("type").map(|k| k.becomes("[[pressure]]")).as_ref().map(Key::text) {
+            match map.get("type").map(|k| k.becomes("[[chamber]]")).as_ref().map(Key::text) {
                 Some(Ok("slice")) => {}
                 Some(Ok("scale")) => {
-                    let value = map.need("value", "the factor")?.becomes("[[pressure]] slope");
+                    let value = map.need("value", "the factor")?.becomes("[[chamber]] slope");
                     scale *= value.number()?;
                 }
                 Some(Ok("scalar-velocity-parametrization")) => {
@@ -77,10 +77,10 @@ impl Writer<'_> {
                 _ => return Ok(None),
             }
         }
-        let ids = variable.need("surface_selection", "the walls")?.becomes("[[pressure]] on");
+        let ids = variable.need("surface_selection", "the walls")?.becomes("[[chamber]] on");
         let on: Vec<String> = ids.ids()?.iter().flat_map(|&id| self.tags(id)).collect();
-        let _ = variable.get("type").map(|k| k.becomes("[[pressure]]"));
-        let _ = variable.get("composite_map_type").map(|k| k.becomes("[[pressure]]"));
+        let _ = variable.get("type").map(|k| k.becomes("[[chamber]]"));
+        let _ = variable.get("composite_map_type").map(|k| k.becomes("[[chamber]]"));
         Ok((is_slope && !on.is_empty()).then_some(Controlled { on, scale }))
     }
 }

@@ -92,7 +92,7 @@ fn an_optimisation_becomes_a_design_problem() {
     assert_eq!(why("scale-invariant and quadratic"), "/functionals/7");
     assert_eq!(why("not negative"), "/functionals/8");
     assert_eq!(why("no such objective"), "/functionals/9");
-    assert_eq!(why("a table [[pressure]]"), "/variable_to_simulation/0");
+    assert_eq!(why("a table [[chamber]]"), "/variable_to_simulation/0");
     assert!(left.keys().all(|why| !why.contains("unknown key")), "{left:?}");
     let notes = imported.scene.notes.join("\n");
     for words in [
@@ -158,7 +158,7 @@ fn pressures_change_by_bounded_slopes() {
     let config: DesignConfig = toml::from_str(&design.text).expect("sound");
     assert!(config.shape.is_none());
     assert_eq!(config.optimizer.iterations, Some(40));
-    let pressure = &config.pressure[0];
+    let pressure = &config.chamber[0];
     assert_eq!((pressure.on.as_str(), pressure.slope), ("s3", [-4000.0, 5000.0]));
     assert_eq!((pressure.change, config.objective.len()), (Some(1000.0), 9));
     let left = imported.left();

@@ -1,4 +1,4 @@
-use mesh::{SurfaceMesh, Tags};
+use mesh::{SurfaceMesh, Tags, Vec3};
 
 use super::*;
 use crate::objective::Equilibrium;

@@ -1,0 +1,88 @@
+//! `[[chamber]]`: a pressurised chamber, in scenes with its gas, in designs with what may
+//! change of its pressure.
+
+use anyhow::{Result, ensure};
+use serde::de::Error as _;
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::energy::GasLaw;
+use crate::energy::gas_law;
+
+/// A chamber of a scene: the tag of its wall, and the keys of one of the laws in
+/// [`gas_law::GAS_LAWS`].
+#[derive(Clone, Debug)]
+pub struct ChamberConfig {
+    /// Tag name of the wall.
+    pub on: String,
+    /// What is behind it.
+    pub gas: Box<dyn GasLaw>,
+}
+
+impl ChamberConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> String {
+        title(&self.on)
+    }
+}
+
+fn title(on: &str) -> String {
+    format!("[[chamber]] on \"{on}\"")
+}
+
+impl Serialize for ChamberConfig {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("on", &self.on)?;
+        for (key, value) in self.gas.table() {
+            map.serialize_entry(&key, &value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for ChamberConfig {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut keys = toml::Table::deserialize(deserializer)?;
+        let on = keys.remove("on").ok_or_else(|| D::Error::missing_field("on"))?;
+        let on: String = on.try_into().map_err(|e| D::Error::custom(format!("on: {e}")))?;
+        let gas = gas_law::read(keys)
+            .map_err(|what| D::Error::custom(format!("{}: {what}", title(&on))))?;
+        Ok(Self { on, gas })
+    }
+}
+
+/// A chamber of a design: its pressure in the scene follows slopes over time, one for each
+/// time step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChamberDesign {
+    /// Tag of its wall; the scene prescribes the pressure there.
+    pub on: String,
+    /// Smallest and largest slope [Pa/s].
+    pub slope: [f64; 2],
+    /// Largest change of a slope in one iteration [Pa/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
+impl ChamberDesign {
+    /// Checks what can be checked without a scene.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub(super) fn check(&self) -> Result<()> {
+        let ([low, high], title) = (self.slope, title(&self.on));
+        ensure!(
+            low < high && low.is_finite() && high.is_finite(),
+            "{title}: slope = [{low}, {high}] Pa/s; needed are two numbers, the smaller first"
+        );
+        ensure!(
+            self.change.is_none_or(|c| c.is_finite() && c > 0.0),
+            "{title}: change = {:?} Pa/s must be positive",
+            self.change.unwrap_or(f64::NAN)
+        );
+        Ok(())
+    }
+}

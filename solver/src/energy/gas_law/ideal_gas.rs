@@ -1,0 +1,109 @@
+//! A fixed amount of ideal gas.
+//!
+//! Φ' = p_a − (P₀ + p_a)(V₀/V)^γ
+//!
+//! P₀   gauge pressure of the fill in the rest volume [Pa]
+//! p_a  ambient pressure [Pa]
+//! γ    1 isothermal, 1.4 adiabatic for air
+
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::{GasLaw, Key, Multiplier, Potential, Row, read_as, written};
+use crate::schedule::Schedule;
+
+pub(super) const ROW: Row = Row {
+    name: "ideal gas",
+    formula: "P = (P₀ + p_a)(V₀/V)^γ − p_a",
+    keys: &[
+        Key {
+            name: "fill",
+            unit: "Pa",
+            meaning: "P₀, gauge pressure in the rest volume, where the chamber is closed",
+            selects: true,
+        },
+        Key { name: "ambient", unit: "Pa", meaning: "p_a, ambient pressure", selects: false },
+        Key {
+            name: "exponent",
+            unit: "1",
+            meaning: "γ ≥ 1, polytropic exponent: 1 isothermal, 1.4 adiabatic for air",
+            selects: false,
+        },
+    ],
+    source: "polytropic law",
+    read: read_as::<IdealGas>,
+};
+
+/// A chamber that is filled in its rest shape and closed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IdealGas {
+    /// Gauge pressure in the rest volume [Pa].
+    pub fill: Schedule,
+    /// Ambient pressure [Pa].
+    pub ambient: f64,
+    /// Polytropic exponent γ [1].
+    pub exponent: f64,
+}
+
+impl GasLaw for IdealGas {
+    fn at(&self, v: f64, rest: f64, load: f64, _: Multiplier) -> Potential {
+        let &Self { ref fill, ambient, exponent } = self;
+        if v <= 0.0 {
+            let value = f64::INFINITY;
+            return Potential { value, pressure: 0.0, stiffness: 0.0, pressure_by_rest: 0.0 };
+        }
+        let full = fill.at(load) + ambient;
+        let ratio = rest / v;
+        let absolute = full * ratio.powf(exponent);
+        // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1
+        let work = if exponent == 1.0 {
+            -rest * ratio.ln()
+        } else {
+            rest * (ratio.powf(exponent - 1.0) - 1.0) / (1.0 - exponent)
+        };
+        Potential {
+            value: ambient * (v - rest) - full * work,
+            pressure: absolute - ambient,
+            stiffness: exponent * absolute / v,
+            pressure_by_rest: exponent * absolute / rest,
+        }
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.fill
+    }
+
+    fn schedule_mut(&mut self) -> &mut Schedule {
+        &mut self.fill
+    }
+
+    fn key(&self) -> &'static str {
+        "fill"
+    }
+
+    fn check(&self, moments: &[f64]) -> Result<()> {
+        let Self { fill, ambient, exponent } = self;
+        ensure!(
+            *ambient > 0.0 && *exponent >= 1.0 && (ambient + exponent).is_finite(),
+            "ambient = {ambient} Pa must be positive, exponent = {exponent} at least 1, both finite"
+        );
+        for &t in moments {
+            let full = fill.at(t) + ambient;
+            ensure!(full > 0.0, "ambient + fill = {full} Pa at t = {t} must be positive");
+        }
+        Ok(())
+    }
+
+    fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64> {
+        Some((rest / v).powf(self.exponent))
+    }
+
+    fn table(&self) -> toml::Table {
+        written(self)
+    }
+
+    fn boxed(&self) -> Box<dyn GasLaw> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,99 @@
+//! What a term is built from: a body, and what its scene knows of it.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use anyhow::{Result, anyhow, ensure};
+use mesh::Vec3;
+
+use crate::body::{Body, Names};
+use crate::element::FunctionSpace;
+use crate::material::Specification;
+use crate::schedule::Field;
+
+/// What a term is built from.
+pub struct Context<'a> {
+    /// The bodies in one mesh.
+    pub body: &'a Body,
+    /// Topology and basis of its displacement.
+    pub space: &'a FunctionSpace,
+    /// Name and law of each body, in the order of the body's parts.
+    pub bodies: &'a [(&'a str, &'a Specification)],
+    /// Times at which the term counts [s].
+    pub times: &'a [f64],
+}
+
+impl Context<'_> {
+    /// Whether a body has this name.
+    #[must_use]
+    pub fn is_body(&self, name: &str) -> bool {
+        self.bodies.iter().any(|(body, _)| *body == name)
+    }
+
+    /// The facets of each tag or body.
+    ///
+    /// # Errors
+    /// When there is no such tag or body.
+    pub fn each(&self, names: &Names) -> Result<Vec<Vec<[usize; 3]>>> {
+        names.all().iter().map(|name| self.boundary_or_tag(name)).collect()
+    }
+
+    /// The facets of all tags and bodies, each once.
+    ///
+    /// # Errors
+    /// When the list is empty, or there is no such tag or body.
+    pub fn facets(&self, names: &Names) -> Result<Vec<[usize; 3]>> {
+        ensure!(!names.all().is_empty(), "on = []: name a tag or more");
+        let mut seen = BTreeSet::new();
+        let mut facets = self.each(names)?.concat();
+        facets.retain(|facet| seen.insert(*facet));
+        Ok(facets)
+    }
+
+    /// The boundary of one body, or of all.
+    ///
+    /// # Errors
+    /// When there is no such body.
+    pub fn boundary(&self, name: Option<&str>) -> Result<Vec<[usize; 3]>> {
+        match name {
+            Some(name) if self.bodies.len() > 1 => self.body.facets(name),
+            _ => Ok(self.body.boundary().to_vec()),
+        }
+    }
+
+    /// Law and elements of one body, or of all.
+    ///
+    /// # Errors
+    /// When there is no such body.
+    pub fn parts(&self, name: Option<&str>) -> Result<Vec<(&Specification, Range<usize>)>> {
+        let all = self.bodies.iter().zip(&self.body.parts);
+        let wanted = all.filter(|((body, _), _)| name.is_none_or(|name| *body == name));
+        let found: Vec<_> = wanted.map(|((_, law), part)| (*law, part.tets.clone())).collect();
+        ensure!(
+            !found.is_empty(),
+            "on = \"{}\": no body is called that; there are: {}",
+            name.unwrap_or_default(),
+            self.bodies.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+        );
+        Ok(found)
+    }
+
+    /// Whether what is wanted is defined on all facets whenever it counts.
+    ///
+    /// # Errors
+    /// With the key, the value and where it was found.
+    pub fn check_wanted(&self, key: &str, wanted: &Field, facets: &[[usize; 3]]) -> Result<()> {
+        let positions: Vec<Vec3> =
+            facets.as_flattened().iter().map(|&v| self.body.mesh.vertices[v]).collect();
+        let mut all = wanted.0.iter();
+        all.try_for_each(|schedule| schedule.check(self.times, &positions))
+            .map_err(|what| anyhow!("{key}: {what}"))
+    }
+
+    fn boundary_or_tag(&self, name: &str) -> Result<Vec<[usize; 3]>> {
+        if self.is_body(name) && self.body.tags.id(name).is_none() {
+            return self.boundary(Some(name));
+        }
+        self.body.facets(name)
+    }
+}
