@@ -20,8 +20,9 @@
 //! An objective may also look at the forces
 //! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms.
 //!
-//! It is the chain rule for any formula and start; for implicit Euler it is the
-//! recursion of Gjoka et al. 2024, section 4.3. One factorisation per step.
+//! It is the chain rule for any formula and start. For one static step it is equation 5 of
+//! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
+//! 2023. One factorisation per step.
 
 use std::time::Instant;
 
