@@ -7,7 +7,7 @@ mod fixture;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use fab::report::{Outline, Report};
+use fab::files::report::{Outline, Report};
 use fab::verify::{Against, Line, Status, verify};
 use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, copy, retell, stderr};
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
@@ -71,7 +71,7 @@ fn write_copies(mold: &Path) {
     let report = Report::read(mold).unwrap();
     let surfaces: Vec<SurfaceMesh> =
         report.files().map(|file| read_surface(&mold.join(file)).unwrap()).collect();
-    fab::output::write(mold, &report, &surfaces).unwrap();
+    fab::files::output::write(mold, &report, &surfaces).unwrap();
 }
 
 fn change_solid(mold: &Path, part: &str, f: impl FnOnce(Solid) -> Solid) {
@@ -221,9 +221,9 @@ fn copies() {
     assert_fails(&lines, "assembly.3mf");
     // All parts where they are printed, not where they belong.
     let lines = after(|mold| {
-        let mut shapes = fab::threemf::read(&mold.join("assembly.3mf")).unwrap();
+        let mut shapes = fab::files::threemf::read(&mold.join("assembly.3mf")).unwrap();
         shapes[0].place.turn = nalgebra::Matrix3::identity();
-        fab::threemf::write(&mold.join("assembly.3mf"), "closed mold", &shapes).unwrap();
+        fab::files::threemf::write(&mold.join("assembly.3mf"), "closed mold", &shapes).unwrap();
     });
     assert_fails(&lines, "assembly.3mf");
     let lines = after(|mold| retell(mold, |report| report.casting.waste = 0.0));

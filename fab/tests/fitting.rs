@@ -4,7 +4,7 @@
 
 mod fixture;
 
-use fab::report::Report;
+use fab::files::report::Report;
 use fixture::{CHAMBER, CLOSED, Scene, stderr, stdout};
 use serde_json::Value;
 

@@ -250,7 +250,7 @@ const STEM: &str = "[limits]\npeel = 0.2\n[parting]\nkind = \"plane\"\npull = [0
 fn a_mushroom_is_freed_by_splitting_its_upper_shell() {
     let scene = Scene::new(&MUSHROOM, &format!("{STEM}offset = 0.01"));
     assert_eq!(outcome(&scene), Outcome::Verified);
-    let report = fab::report::Report::read(&scene.path("mold")).unwrap();
+    let report = fab::files::report::Report::read(&scene.path("mold")).unwrap();
     let parts: Vec<(&str, [f64; 3])> =
         report.parts.iter().map(|part| (part.name.as_str(), part.leaves)).collect();
     assert_eq!(parts[0], ("left", [0.0, 1.0, 0.0]));

@@ -7,8 +7,8 @@ mod fixture;
 #[allow(dead_code, clippy::expect_used)]
 mod judges;
 
-use fab::report::Report;
-use fab::underside::needs_supports;
+use fab::files::report::Report;
+use fab::geometry::overhang::needs_supports;
 use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
 use judges::{Lengths, Solid};
 
@@ -31,8 +31,11 @@ fn molds() -> [Scene; 3] {
 fn parts(scene: &Scene) -> Vec<Solid> {
     let folder = scene.path("mold");
     let report = Report::read(&folder).unwrap();
-    let solid =
-        |p: fab::report::Part| Solid { file: folder.join(p.file), name: p.name, volume: p.volume };
+    let solid = |p: fab::files::report::Part| Solid {
+        file: folder.join(p.file),
+        name: p.name,
+        volume: p.volume,
+    };
     report.parts.into_iter().map(solid).collect()
 }
 

@@ -6,7 +6,7 @@ mod fixture;
 
 use std::process::{Command, Output};
 
-use fab::report::Report;
+use fab::files::report::Report;
 use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};

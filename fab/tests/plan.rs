@@ -4,9 +4,10 @@
 
 mod fixture;
 
+use fab::body::source::CastPart;
+use fab::files::report::Report;
 use fab::mold::Purpose;
 use fab::plan::report::{ChosenBy, Material, Report as Plan};
-use fab::report::{CastPart, Report};
 use fixture::{CHAMBER, CLOSED, Cubes, Scene, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::solid::Solid;

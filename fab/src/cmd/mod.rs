@@ -11,13 +11,13 @@ use anyhow::{Context, Result};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
 
-use crate::collar::{self, Collar};
+use crate::body::collar::{self, Collar};
+use crate::body::skin::Skin;
+use crate::body::source::{CastPart, Input};
 use crate::config::Config;
 use crate::plan::Plan;
-use crate::plan::report::Report;
+use crate::plan::report::{Report, entries};
 use crate::progress::Progress;
-use crate::report::{CastPart, Input};
-use crate::skin::Skin;
 
 /// What `fab` can do.
 #[derive(Debug, Subcommand)]
@@ -75,7 +75,7 @@ impl Task {
         let (skin, collars) = self.named(collar::fit(skin, &config))?;
         let plan = self.named(Plan::new(&skin, &config))?;
         log::info!("{}", plan.reason);
-        let molds = plan::entries(&plan, skin.cores.len());
+        let molds = entries(&plan, skin.cores.len());
         let input = self.input(&self.output, &config, CastPart::Whole)?;
         let told = Report::new(&plan, input, molds);
         Ok(Planned { config, skin, plan, told, collars, progress })

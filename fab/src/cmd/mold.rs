@@ -9,21 +9,23 @@ use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::{Planned, Task};
-use crate::cast;
-use crate::collar::{Collar, FittedTube};
+use crate::body::collar::{Collar, FittedTube};
+use crate::body::orientation::Portion;
+use crate::body::skin::Skin;
+use crate::body::source::{CastPart, Input};
 use crate::config::fitting::Tube;
+use crate::config::method::Method;
 use crate::config::{Config, Sprue};
-use crate::export::{MM, printable};
-use crate::frame::Turn;
-use crate::method::Method;
+use crate::files::export::printable;
+use crate::files::output;
+use crate::files::report::{CAST, FILE, OUTSIDE, Report, Role};
+use crate::files::sheet;
+use crate::geometry::MM;
+use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
-use crate::output;
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting};
 use crate::progress::{Progress, peak_memory};
-use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
-use crate::skin::Skin;
-use crate::stance::Portion;
 use crate::verify::{Status, before_writing};
 
 /// Arguments of `fab mold`.
@@ -55,7 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
         progress.step(&format!("cutting the mold of the {}", casting.name));
         let mold = task.named(Mold::new(&skin, &casting.stance, plan.method, &config))?;
         progress.step("rounding and checking its surfaces");
-        let input = task.input(&folder(entry), &config, CastPart::of(&mold))?;
+        let input = task.input(&folder(entry), &config, CastPart::of(mold.portion))?;
         let mut set = Set::new(&mold, input, &config)?;
         set.report.collars = fitted_tubes(&collars, &mold, &config);
         set.prove(&entry.name, &task.mesh, &told, progress)?;
@@ -115,7 +117,7 @@ fn write_all(
         mold.write(&folder(entry), pictures)?;
     }
     if told.molds.len() > 1 {
-        cast::write_whole(&args.task.output, told)?;
+        sheet::write_whole(&args.task.output, told)?;
     }
     told.write(&args.task.output)?;
     Ok(())
@@ -161,7 +163,7 @@ fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
             let _ = std::fs::remove_dir(folder);
         }
     }
-    remove_file(&output.join(cast::MARKDOWN))?;
+    remove_file(&output.join(sheet::MARKDOWN))?;
     remove_file(&output.join(plan::report::FILE))
 }
 

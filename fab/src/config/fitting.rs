@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::fitting;
+use crate::library::fitting;
 
 /// Interference that is usual for a tube in soft silicone: a judgement, not a measurement [1].
 const INTERFERENCE: f64 = 0.1;

@@ -5,14 +5,14 @@ use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 use mesh::solid::Solid;
 
-use super::part::{Core, Part};
+use super::cast_body::{Core, Part};
 use super::{BEYOND, Feature, Mold, MoldError, Piece, Purpose};
+use crate::config::method::Method;
 use crate::config::{Config, Support};
-use crate::method::Method;
-use crate::parts::Frustum;
-use crate::parts::core::{Print, drain};
-use crate::parts::pin::{Room, pin};
-use crate::parts::support::{self, Sag};
+use crate::geometry::frustum::Frustum;
+use crate::mold::features::core::{Print, drain};
+use crate::mold::features::pin::{Room, pin};
+use crate::mold::features::support::{self, Sag};
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.

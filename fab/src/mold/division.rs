@@ -3,18 +3,18 @@
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 
-use super::part::Part;
+use super::cast_body::Part;
 use super::{Feature, Mold, MoldError, Piece, Purpose};
+use crate::body::orientation::{Parting, Portion, Stance};
 use crate::config::Config;
-use crate::frame::{Pull, Turn};
-use crate::parts::Frustum;
-use crate::parts::block::Block;
-use crate::parts::flange::Joint;
-use crate::parts::key::Sizes;
-use crate::parts::label::{self, Face};
-use crate::parts::outside::{hull, slab};
-use crate::split::{Site, Split, affine, divide, turned};
-use crate::stance::{Parting, Portion, Stance};
+use crate::geometry::frame::{Pull, Turn};
+use crate::geometry::frustum::Frustum;
+use crate::mold::features::block::Block;
+use crate::mold::features::flange::Joint;
+use crate::mold::features::key::Sizes;
+use crate::mold::features::label::{self, Face};
+use crate::mold::features::outside::{hull, slab};
+use crate::mold::parting::{Site, Split, affine, divide, turned};
 
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;

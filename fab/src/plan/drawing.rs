@@ -16,8 +16,8 @@ use render::sheet::{Panel, Sheet, draw_sheet};
 use render::view::View;
 
 use super::{Casting, Plan};
-use crate::export::MM;
-use crate::frame::Frame;
+use crate::geometry::MM;
+use crate::geometry::frame::Frame;
 
 /// Name of the picture in the top folder.
 pub const FILE: &str = "undercut.png";

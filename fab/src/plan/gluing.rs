@@ -13,8 +13,8 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::direction;
 use super::undercut::{Parting, View};
+use crate::body::skin::Skin;
 use crate::config::Gluing;
-use crate::skin::Skin;
 
 /// Planes that hide this much more of an area than the best are as good: the one
 /// along which the body is thinnest is taken [1].

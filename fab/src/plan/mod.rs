@@ -1,7 +1,6 @@
 //! How a body is to be molded: what is measured, what that decides, and why.
 
 pub mod drawing;
-pub mod girth;
 pub mod gluing;
 pub mod pull;
 pub mod report;
@@ -12,11 +11,11 @@ mod verdict;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
+use crate::body::layout::{self, LayoutError};
+use crate::body::orientation::{Parting, Portion, Stance};
+use crate::body::skin::Skin;
 use crate::config::Config;
-use crate::layout::{self, LayoutError};
-use crate::method::Method;
-use crate::skin::Skin;
-use crate::stance::{Parting, Portion, Stance};
+use crate::config::method::Method;
 use gluing::Flat;
 use pull::{Choice, Look};
 use report::{ChosenBy, Measure, Verdict};

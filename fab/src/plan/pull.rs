@@ -7,9 +7,9 @@
 use mesh::{SurfaceMesh, Vec3};
 
 use super::undercut::{self, Undercut, View, Worst};
+use crate::body::orientation::{Parting, Portion};
 use crate::config::{self, Config};
-use crate::frame::Frame;
-use crate::stance::{Parting, Portion};
+use crate::geometry::frame::Frame;
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Plan;
 use super::pull::Look;
-use crate::export::MM;
-use crate::method::Method;
-use crate::report::{Input, Triple};
+use crate::body::source::Input;
+use crate::config::method::Method;
+use crate::geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";
@@ -155,6 +155,25 @@ impl Report {
             out.write_all(b"\n")
         })
     }
+}
+
+/// The molds of a plan, cores of wax first.
+#[must_use]
+pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    if plan.method == Method::Wax {
+        for i in 0..cores {
+            let name = if cores == 1 { "core".into() } else { format!("core{}", i + 1) };
+            entries.push(Entry { folder: format!("{name}-mold"), name, casts: Material::Wax });
+        }
+    }
+    let single = entries.is_empty() && plan.castings.len() == 1;
+    entries.extend(plan.castings.iter().map(|casting| Entry {
+        folder: if single { ".".into() } else { format!("{}-mold", casting.name) },
+        name: casting.name.clone(),
+        casts: Material::Silicone,
+    }));
+    entries
 }
 
 fn direction(look: &Look) -> Direction {

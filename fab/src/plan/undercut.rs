@@ -16,8 +16,8 @@ use mesh::measure::{bounds, triangle_area};
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::columns::{Grid, Layer, layers};
-use crate::frame::Frame;
+use crate::geometry::columns::{Grid, Layer, layers};
+use crate::geometry::frame::Frame;
 
 /// Columns along the longest side of what is looked at.
 const COLUMNS: f64 = 120.0;

@@ -2,14 +2,14 @@
 
 use mesh::Vec3;
 
-use super::girth::{self, Passage};
 use super::gluing::{self, Cut, Flat};
 use super::report::{Measure, Verdict};
 use super::{Plan, PlanError, pull};
+use crate::body::layout;
+use crate::body::skin::{CoreSkin, Inlet, Skin};
 use crate::config::Config;
-use crate::layout;
-use crate::method::Method;
-use crate::skin::{CoreSkin, Inlet, Skin};
+use crate::config::method::Method;
+use crate::geometry::girth::{self, Passage};
 
 /// Part of the area of the cores that may be caught by the mold: facets at inlets.
 const CAUGHT: f64 = 1e-3;

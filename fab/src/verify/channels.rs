@@ -6,12 +6,12 @@ use mesh::Vec3;
 use mesh::solid::Solid;
 
 use super::Line;
-use super::set::Set;
-use crate::export::MM;
+use super::closed_mold::Set;
+use crate::files::report::Outline;
+use crate::geometry::MM;
+use crate::geometry::frustum::SEGMENTS;
 use crate::mold::Purpose;
-use crate::parts::SEGMENTS;
-use crate::parts::pin::LAND;
-use crate::report::Outline;
+use crate::mold::features::pin::LAND;
 
 /// Least part of a key's or stub's seat that must be filled: a key of 3 mm with 0.2 mm around
 /// it fills 0.8; with half of it missing two pieces no longer find each other.
@@ -85,23 +85,6 @@ fn joins(set: &Set, name: &str, outline: &Outline) -> Line {
         format!("{}, {blocked:.1e} mm³ in the way", joined.join(" and ")),
         "two pieces, nothing in the way",
     )
-}
-
-impl Purpose {
-    /// Its name in checks.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sprue => "sprue",
-            Self::Vent => "vent",
-            Self::Key => "key",
-            Self::Socket => "socket",
-            Self::Bolt => "bolt",
-            Self::Pry => "pry",
-            Self::Drain => "drain",
-            Self::Pin => "pin",
-        }
-    }
 }
 
 /// A channel leads from above the mold into the body, nothing is in it, and nothing runs

@@ -7,8 +7,8 @@
 use mesh::solid::Solid;
 
 use super::Line;
-use super::set::Set;
-use crate::export::MM;
+use super::closed_mold::Set;
+use crate::geometry::MM;
 use crate::mold::Purpose;
 
 /// Least and largest part of its diameter by which a tube is squeezed: judgements.

@@ -19,7 +19,7 @@ use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 use rayon::prelude::*;
 
-use super::set::Set;
+use super::closed_mold::Set;
 use super::{Line, Status};
 use crate::mold::Purpose;
 

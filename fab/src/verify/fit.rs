@@ -8,12 +8,13 @@ use mesh::io::{MshFile, read_surface, read_tets, sha256_file};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
 
-use super::set::{Body, Set};
+use super::closed_mold::{Body, Set};
 use super::{Line, Status};
-use crate::collar::{self, Collar, FittedTube};
+use crate::body::collar::{self, Collar, FittedTube};
+use crate::body::skin::Skin;
+use crate::body::source::CastPart;
+use crate::files::report::Report;
 use crate::mold::Purpose;
-use crate::report::{CastPart, Report};
-use crate::skin::Skin;
 
 /// Largest distance between the cast and the designed surface, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].

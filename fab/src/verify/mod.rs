@@ -6,14 +6,14 @@
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
 
 mod channels;
+mod closed_mold;
 mod collars;
 mod copies;
+mod demolding;
 mod filling;
 mod fit;
 mod printing;
-mod pull;
 mod release;
-mod set;
 mod surfaces;
 mod walls;
 
@@ -22,11 +22,12 @@ use std::path::Path;
 use mesh::SurfaceMesh;
 use mesh::io::IoError;
 
-pub use set::Set;
+pub use closed_mold::Set;
 
+use crate::body::source::CastPart;
+use crate::files::report::Report;
 use crate::plan::report as plan;
 use crate::progress::Progress;
-use crate::report::{CastPart, Report};
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
 /// cavity that is cut off with a sheet is uneven by some micrometres.
@@ -178,7 +179,7 @@ fn verify_mold(
     plan: Option<&plan::Report>,
 ) -> Result<Vec<Line>, IoError> {
     let report = Report::read(folder)?;
-    let (mut lines, files) = set::read(folder, report);
+    let (mut lines, files) = closed_mold::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
     let progress = Progress::new(files.cast.triangles.len());
     progress.step("checking the surfaces");
@@ -220,7 +221,7 @@ fn shapes(
     lines.extend(collars::checks(set));
     lines.extend(walls::checks(set));
     progress.step("pulling apart");
-    lines.extend(pull::checks(set));
+    lines.extend(demolding::checks(set));
     lines.extend(release::checks(set, plan));
     lines.extend(printing::checks(set, parts));
     lines
@@ -236,7 +237,7 @@ pub fn before_writing(
     plan: &plan::Report,
     progress: Progress,
 ) -> Vec<Line> {
-    let files = set::Files::of(report.clone(), surfaces.to_vec());
+    let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
     let parts = files.parts.clone();
     shapes(&Set::new(files), &parts, Path::new("."), Some(design), Some(plan), progress)
 }

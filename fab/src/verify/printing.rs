@@ -3,11 +3,11 @@
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
-use super::set::{Files, Set};
+use super::closed_mold::{Files, Set};
 use super::{Line, Status};
-use crate::printer::{self, Printer};
-use crate::report::Part;
-use crate::underside::{Underside, needs_supports};
+use crate::files::report::Part;
+use crate::geometry::overhang::{Underside, needs_supports};
+use crate::library::printer::{self, Printer};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
 /// centroids of facets across a fold [mm].

@@ -5,12 +5,12 @@
 //! pass. So it is with every neck of the cavity and what lies behind it. Soluble and molten
 //! cores need no way out.
 
-use super::set::{Body, Set};
+use super::closed_mold::{Body, Set};
 use super::{Line, Status};
-use crate::method::Method;
-use crate::plan::girth::{self, Passage};
+use crate::config::method::Method;
+use crate::geometry::girth::{self, Passage};
+use crate::library::silicone;
 use crate::plan::report::Report;
-use crate::silicone;
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
 /// uneven rim, within the 1 mm that any wall is thick at least [mm].

@@ -3,9 +3,9 @@
 use mesh::check::{self, CHECKS};
 use mesh::{SurfaceMesh, topology};
 
-use super::set::Files;
+use super::closed_mold::Files;
 use super::{Line, Status};
-use crate::report::Report;
+use crate::files::report::Report;
 
 /// Name of the body among the surfaces.
 const CAST: &str = "cast";

@@ -12,11 +12,11 @@ use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use super::set::Set;
+use super::closed_mold::Set;
 use super::{Line, Status};
-use crate::export::MM;
+use crate::geometry::MM;
+use crate::library::silicone;
 use crate::mold::Purpose;
-use crate::silicone;
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
 /// it is an edge, whose thickness is zero and no fault.
@@ -32,7 +32,9 @@ pub fn checks(set: &Set) -> Vec<Line> {
     let least = set.report.casting.least_wall * MM;
     let mut silicone = wall_line("silicone: thinnest wall", &surface, least, set.rounding);
     // What the plan cuts in two has a sharp edge, no wall.
-    if set.report.input.part != crate::report::CastPart::Whole && silicone.status == Status::Fail {
+    if set.report.input.part != crate::body::source::CastPart::Whole
+        && silicone.status == Status::Fail
+    {
         silicone.status = Status::Warn;
     }
     vec![mold(set, &surface), silicone]
