@@ -12,8 +12,8 @@ use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3};
 use serde::{Deserialize, Serialize};
 
+use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout::{self, LayoutError};
-use crate::body::skin::{CoreSkin, Inlet, Skin};
 use crate::config::Config;
 use crate::config::fitting::Tube;
 use crate::geometry::MM;
@@ -44,7 +44,7 @@ pub struct Collar {
     pub length: f64,
 }
 
-/// A collar as it is told in mold.json, and its tube.
+/// A collar as mold.json has it, and its tube.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedTube {
@@ -71,8 +71,8 @@ pub struct FittedTube {
 /// Why an inlet gets no collar.
 #[derive(Debug, thiserror::Error)]
 pub enum CollarError {
-    /// A cavity is closed.
-    #[error("[fitting]: a cavity is closed and has no inlet for a tube; leave [fitting] out")]
+    /// A chamber is closed.
+    #[error("[fitting]: a chamber is closed and has no inlet for a tube; leave [fitting] out")]
     Closed,
     /// The tube is not known.
     #[error("{0}")]
@@ -101,22 +101,22 @@ pub enum CollarError {
     Solid(#[from] SolidError),
 }
 
-/// The skin with a collar around every inlet, and the collars in the design's metres;
+/// The boundary with a collar around every inlet, and the collars in the design's metres;
 /// unchanged if no tube is asked for.
 ///
 /// # Errors
-/// [`CollarError`] if a cavity has no inlet, or a collar no place.
-pub fn fit(skin: Skin, config: &Config) -> Result<(Skin, Vec<Collar>), CollarError> {
-    let Some(fitting) = &config.fitting else { return Ok((skin, Vec::new())) };
-    if skin.cores.iter().any(|core| core.inlets.is_empty()) {
+/// [`CollarError`] if a chamber has no inlet, or a collar no place.
+pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>), CollarError> {
+    let Some(fitting) = &config.fitting else { return Ok((boundary, Vec::new())) };
+    if boundary.cores.iter().any(|core| core.inlets.is_empty()) {
         return Err(CollarError::Closed);
     }
     let tube = fitting.tube().map_err(CollarError::Tube)?;
-    let up = layout::require_inlets_down(&skin, layout::up(&skin, config))?;
-    let filled = Solid::from_surface(&skin.filled)?;
+    let up = layout::require_inlets_down(&boundary, layout::up(&boundary, config))?;
+    let filled = Solid::from_surface(&boundary.filled)?;
     let mut collars = Vec::new();
     let mut cores = Vec::new();
-    for core in &skin.cores {
+    for core in &boundary.cores {
         let mut solid = Solid::from_surface(&core.surface)?;
         let mut inlets = Vec::new();
         for inlet in &core.inlets {
@@ -138,11 +138,15 @@ pub fn fit(skin: Skin, config: &Config) -> Result<(Skin, Vec<Collar>), CollarErr
     let (filled, cast) = body(&filled, &solids, &collars);
     let cores = cores
         .into_iter()
-        .map(|(solid, inlets)| CoreSkin { surface: solid.to_surface(), inlets })
+        .map(|(solid, inlets)| CoreBoundary { surface: solid.to_surface(), inlets })
         .collect();
-    let skin =
-        Skin { filled: filled.to_surface(), cast: cast.to_surface(), cores, ways: skin.ways };
-    Ok((skin, collars))
+    let boundary = Boundary {
+        filled: filled.to_surface(),
+        cast: cast.to_surface(),
+        cores,
+        air_paths: boundary.air_paths,
+    };
+    Ok((boundary, collars))
 }
 
 /// A filled part with its collars, and what is cast of it around the cores.
@@ -215,7 +219,7 @@ impl Collar {
 
     /// For mold.json, in the millimetres of a mold.
     #[must_use]
-    pub fn told(&self, tube: &Tube, frame: &Frame) -> FittedTube {
+    pub fn fitted_tube(&self, tube: &Tube, frame: &Frame) -> FittedTube {
         let scale = frame.scale * MM;
         FittedTube {
             tube: tube.name.clone(),

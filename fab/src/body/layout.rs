@@ -3,8 +3,8 @@
 use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::body::orientation::Stance;
-use crate::body::skin::Skin;
+use crate::body::boundary::Boundary;
+use crate::body::orientation::Orientation;
 use crate::config::Config;
 use crate::geometry::frame::{Frame, Pull};
 
@@ -39,18 +39,18 @@ pub enum LayoutError {
 }
 
 /// The way up that the configuration asks for, or away from the first inlet; z for a
-/// closed cavity.
+/// closed chamber.
 #[must_use]
-pub fn up(skin: &Skin, config: &Config) -> Vec3 {
-    config.up.map_or_else(|| away_from_inlet(skin), Vec3::from).normalize()
+pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
+    config.up.map_or_else(|| away_from_inlet(boundary), Vec3::from).normalize()
 }
 
 /// `up`, if all inlets face down.
 ///
 /// # Errors
 /// [`LayoutError`] if one does not.
-pub fn require_inlets_down(skin: &Skin, up: Vec3) -> Result<Vec3, LayoutError> {
-    for inlet in skin.cores.iter().flat_map(|core| &core.inlets) {
+pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, LayoutError> {
+    for inlet in boundary.cores.iter().flat_map(|core| &core.inlets) {
         let cosine = -inlet.normal.dot(&up);
         if cosine < DOWN {
             let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
@@ -60,20 +60,20 @@ pub fn require_inlets_down(skin: &Skin, up: Vec3) -> Result<Vec3, LayoutError> {
     Ok(up)
 }
 
-/// The mold's frame for a stance. The filled part stands on z = 0, or is cut there.
+/// The mold's frame for a orientation. The filled part stands on z = 0, or is cut there.
 ///
 /// # Errors
 /// [`LayoutError`] if the shells are pulled neither along nor across `up`.
 pub fn frame(
     filled: &SurfaceMesh,
-    stance: &Stance,
+    orientation: &Orientation,
     shrinkage: f64,
 ) -> Result<(Frame, Pull), LayoutError> {
-    let (mut frame, pull) = Frame::new(stance.up, stance.pull)
+    let (mut frame, pull) = Frame::new(orientation.up, orientation.pull)
         .map_err(|cosine| LayoutError::Askew { angle: cosine.acos().to_degrees() })?;
     let (low, high) = bounds(&placed(filled, &frame).vertices);
     let middle = (low + high) / 2.0;
-    let bottom = stance.portion.cut().unwrap_or(low.z);
+    let bottom = orientation.portion.cut().unwrap_or(low.z);
     frame.origin = frame.rotation.transpose() * Vec3::new(middle.x, middle.y, bottom);
     frame.scale = 1.0 / (1.0 - shrinkage);
     Ok((frame, pull))
@@ -89,8 +89,8 @@ pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
 }
 
 /// Opposite to the first inlet, or the coordinate axis that is nearly so.
-fn away_from_inlet(skin: &Skin) -> Vec3 {
-    let mut inlets = skin.cores.iter().flat_map(|core| &core.inlets);
+fn away_from_inlet(boundary: &Boundary) -> Vec3 {
+    let mut inlets = boundary.cores.iter().flat_map(|core| &core.inlets);
     let Some(inlet) = inlets.next() else { return Vec3::z() };
     let up = -inlet.normal;
     let mut axis = Vec3::zeros();

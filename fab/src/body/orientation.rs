@@ -2,17 +2,17 @@
 
 use mesh::Vec3;
 
-use crate::config::HeightField;
+use crate::config::HeightFieldConfig;
 
 /// Everything that decides about the pieces of a mold, in the design's coordinates.
 #[derive(Clone, Debug)]
-pub struct Stance {
+pub struct Orientation {
     /// Unit vector that points up while casting [1].
     pub up: Vec3,
     /// Unit vector along which the shells separate, along or across `up` [1].
     pub pull: Vec3,
     /// Where they separate.
-    pub parting: Parting,
+    pub parting: PartingSurface,
     /// What is cast.
     pub portion: Portion,
     /// Position along `up` at which shells that are pulled across it stand on their base.
@@ -22,11 +22,11 @@ pub struct Stance {
 
 /// Where shells separate.
 #[derive(Clone, Debug)]
-pub enum Parting {
+pub enum PartingSurface {
     /// On a plane across the pull, at this position along it [m].
     Plane(f64),
     /// On a height over the plane across the pull.
-    HeightField(HeightField),
+    HeightField(HeightFieldConfig),
     /// Where the body stands: a cup over a plate. Only along `up`.
     Seat,
     /// Nowhere: a tray, open above.

@@ -15,8 +15,8 @@ pub struct Input {
     pub path: PathBuf,
     /// SHA-256 of its content.
     pub sha256: String,
-    /// Tag of the cavity's wall.
-    pub cavity: String,
+    /// Tag of the chamber's wall.
+    pub chamber: String,
     /// Which part of it is cast.
     pub part: CastPart,
 }
@@ -54,9 +54,9 @@ impl Input {
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn new(path: &Path, folder: &Path, cavity: &str, part: CastPart) -> Result<Self, IoError> {
+    pub fn new(path: &Path, folder: &Path, chamber: &str, part: CastPart) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
-        Ok(Self { path: relative(path, folder), sha256, cavity: cavity.into(), part })
+        Ok(Self { path: relative(path, folder), sha256, chamber: chamber.into(), part })
     }
 }
 

@@ -11,8 +11,8 @@ use crate::plan::drawing;
 /// If the mesh or the configuration cannot be used, the body cannot be molded, or
 /// plan.json or the picture cannot be written.
 pub fn run(task: &Task) -> Result<()> {
-    let Planned { plan, told, .. } = task.plan()?;
-    told.write(&task.output)?;
+    let Planned { plan, report, .. } = task.plan()?;
+    report.write(&task.output)?;
     drawing::draw(&task.output.join(drawing::FILE), &plan)?;
     Ok(())
 }

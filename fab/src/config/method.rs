@@ -1,8 +1,8 @@
-//! How a cavity comes into a body.
+//! How a chamber comes into a body.
 
 use serde::{Deserialize, Serialize};
 
-/// The ways to make a cavity.
+/// The methods to make a chamber.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {

@@ -3,7 +3,7 @@
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::files::report::Report;
+use crate::files::report::MoldReport;
 
 /// Room between parts that are taken apart, as a share of the mold's diagonal.
 const GAP: f64 = 0.06;
@@ -24,7 +24,7 @@ pub struct Member {
 /// All parts in the order of the report, then the cast. `surfaces` are those of the
 /// files: the parts as they are printed, and the cast.
 #[must_use]
-pub fn assembly(report: &Report, surfaces: &[SurfaceMesh]) -> Vec<Member> {
+pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
     let names = report.parts.iter().map(|part| (part.name.clone(), true));
     let turns = report.parts.iter().map(|p| Matrix3::from_fn(|i, j| p.to_mold[i][j]));
     let mut members: Vec<Member> = names
@@ -39,14 +39,14 @@ pub fn assembly(report: &Report, surfaces: &[SurfaceMesh]) -> Vec<Member> {
         .collect();
     take_apart(
         &mut members,
-        &report.parts.iter().map(|p| Vec3::from(p.leaves)).collect::<Vec<_>>(),
+        &report.parts.iter().map(|p| Vec3::from(p.demolding)).collect::<Vec<_>>(),
     );
     members
 }
 
-/// Moves every part along the direction in which it leaves, beyond the cast and
+/// Moves every part along the direction in which it is demolded, beyond the cast and
 /// beyond the parts that leave the same way and lie further in.
-fn take_apart(members: &mut [Member], leaves: &[Vec3]) {
+fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
     let Some((cast, parts)) = members.split_last_mut() else { return };
     let points = parts.iter().flat_map(|part| &part.surface.vertices);
     let gap = GAP * mesh::measure::diagonal(&points.copied().collect::<Vec<_>>());
@@ -56,8 +56,8 @@ fn take_apart(members: &mut [Member], leaves: &[Vec3]) {
     };
     let mut waiting: Vec<usize> = (0..parts.len()).collect();
     while let Some(&first) = waiting.first() {
-        let direction = leaves[first];
-        let same = |&part: &usize| leaves[part].dot(&direction) > 1.0 - 1e-9;
+        let direction = demolding[first];
+        let same = |&part: &usize| demolding[part].dot(&direction) > 1.0 - 1e-9;
         let mut column: Vec<(f64, usize)> = waiting
             .iter()
             .copied()
@@ -97,8 +97,8 @@ mod tests {
             member([-1.0, -1.0, -2.5], [1.0, 1.0, 6.0], true),
             member([-2.0, -2.0, 0.0], [2.0, 2.0, 8.0], false),
         ];
-        let leaves = [Vec3::y(), -Vec3::y(), -Vec3::z(), -Vec3::z()];
-        take_apart(&mut members, &leaves);
+        let demolding = [Vec3::y(), -Vec3::y(), -Vec3::z(), -Vec3::z()];
+        take_apart(&mut members, &demolding);
         let bounds = members.each_ref().map(|m| {
             let (low, high) = mesh::measure::bounds(&m.surface.vertices);
             (low + m.apart, high + m.apart)

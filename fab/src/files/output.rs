@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 
 use crate::files::assembly::{Member, assembly};
 use crate::files::picture;
-use crate::files::report::{Part, Report, Role};
+use crate::files::report::{MoldReport, Part, Role};
 use crate::files::sheet::{self, Sheet};
 use crate::files::slicer;
 use crate::files::threemf::{self, Place, Shape};
@@ -35,7 +35,7 @@ pub fn threemf_file(part: &Part) -> String {
 
 /// The files that [`write`] and [`draw`] make, relative to the folder of the report.
 #[must_use]
-pub fn files(report: &Report) -> Vec<String> {
+pub fn files(report: &MoldReport) -> Vec<String> {
     let parts = report.parts.iter().flat_map(|part| [threemf_file(part), slicer::file(part)]);
     let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, sheet::JSON, sheet::MARKDOWN];
     parts.chain(others.map(str::to_owned)).collect()
@@ -46,7 +46,7 @@ pub fn files(report: &Report) -> Vec<String> {
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
+pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let shape = |(part, surface): (&Part, &SurfaceMesh), place| Shape {
         name: part.name.clone(),
         surface: surface.clone(),
@@ -69,9 +69,9 @@ pub fn write(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn draw(folder: &Path, report: &Report, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
+pub fn draw(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let members = assembly(report, surfaces);
-    let (centre, along) = telling(report, &members);
+    let (centre, along) = section_plane(report, &members);
     let path = folder.join(ASSEMBLED);
     picture::assembled(&path, "closed, cut open", &members, &centre, &along)?;
     picture::exploded(&folder.join(EXPLODED), "taken apart", &members)
@@ -83,24 +83,24 @@ pub fn to_mold(part: &Part) -> Place {
     Place { turn: Matrix3::from_fn(|i, j| part.to_mold[i][j]), shift: Vec3::zeros() }
 }
 
-/// The plane that tells most: through the axis of the first socket, or else of the mold,
+/// The plane that shows most: through the axis of the first socket, or else of the mold,
 /// to the sprue; if that is above, across shells that come off sideways, or else along
 /// the longer side of the cores, or of the mold. A point and a horizontal direction [mm].
-fn telling(report: &Report, members: &[Member]) -> (Vec3, Vec3) {
+fn section_plane(report: &MoldReport, members: &[Member]) -> (Vec3, Vec3) {
     let [low, high] = [report.block.min, report.block.max].map(Vec3::from);
     let place = |purpose| {
         let feature = report.features.iter().find(|f| f.purpose == purpose);
         feature.map(|f| Vec3::from(f.base))
     };
     let centre = place(Purpose::Socket).unwrap_or((low + high) / 2.0);
-    let way = place(Purpose::Sprue).map_or(Vec3::zeros(), |sprue| sprue - centre);
-    let level = Vec3::new(way.x, way.y, 0.0);
+    let offset = place(Purpose::Sprue).map_or(Vec3::zeros(), |sprue| sprue - centre);
+    let level = Vec3::new(offset.x, offset.y, 0.0);
     let mold = high - low;
     let cores = report.parts.iter().zip(members).filter(|(part, _)| part.role == Role::Core);
     let cores: Vec<Vec3> = cores.flat_map(|(_, m)| m.surface.vertices.iter().copied()).collect();
     let size =
         if cores.is_empty() { mold } else { measure::bounds(&cores).1 - measure::bounds(&cores).0 };
-    let sideways = report.parts.iter().any(|part| part.leaves[1] != 0.0);
+    let sideways = report.parts.iter().any(|part| part.demolding[1] != 0.0);
     let along = match () {
         () if level.norm() > 0.1 * mold.xy().norm() => level,
         () if sideways || size.y > size.x => Vec3::y(),

@@ -1,4 +1,4 @@
-//! `mold.json`: what was made, in millimetres, for people and for `fab verify`.
+//! `mold.json`: what was made, in millimetres, for the person who casts and for `fab verify`.
 
 use std::path::{Component, Path};
 
@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::body::collar::FittedTube;
 use crate::body::source::{CastPart, Input};
 use crate::config::method::Method;
-use crate::config::{Casting, Config};
+use crate::config::{CastingConfig, Config};
 use crate::geometry::frame::{Frame, Turn};
-use crate::geometry::overhang::{CUSTOMARY, Underside};
+use crate::geometry::overhang::{CUSTOMARY, Overhangs};
 use crate::geometry::{MM, Triple};
 use crate::library::printer;
 use crate::mold::{Feature, Mold, Piece, Purpose};
@@ -28,10 +28,10 @@ pub const CAST: &str = "reference/cast.stl";
 /// Name of the file with the outside of the closed mold.
 pub const OUTSIDE: &str = "reference/outside.stl";
 
-/// Everything `fab mold` tells about a mold.
+/// The content of mold.json.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Report {
+pub struct MoldReport {
     /// Program and version.
     pub program: String,
     /// Unit of every length in this file and in the STL files.
@@ -50,14 +50,14 @@ pub struct Report {
     pub open: bool,
     /// Least thickness of the mold around the part [mm].
     pub wall: f64,
-    /// How the cavity comes into the body.
+    /// How the chamber comes into the body.
     pub method: Method,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
     pub cast: Cast,
     /// The silicone, and how it is cast.
-    pub casting: Casting,
+    pub casting: CastingConfig,
     /// Collars for tubes, which are cast and are not part of the design.
     #[serde(default)]
     pub collars: Vec<FittedTube>,
@@ -89,8 +89,8 @@ pub struct Part {
     pub role: Role,
     /// Rotation from the file, which has +z up on the printer, to the closed mold [1].
     pub to_mold: [Triple; 3],
-    /// Direction in which it leaves the closed mold [1].
-    pub leaves: Triple,
+    /// Direction in which it is demolded [1].
+    pub demolding: Triple,
     /// Volume of the written surface [mm³].
     pub volume: f64,
     /// Area of the written surface [mm²].
@@ -113,7 +113,7 @@ pub struct Part {
 pub enum Role {
     /// Shapes the outside.
     Shell,
-    /// Shapes the cavity.
+    /// Shapes the chamber.
     Core,
     /// Stands in the sprue while the mold is filled.
     Funnel,
@@ -161,7 +161,7 @@ pub struct Note {
     pub count: usize,
 }
 
-impl Report {
+impl MoldReport {
     /// The report of a mold whose parts are still to be added.
     #[must_use]
     pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
@@ -206,14 +206,14 @@ impl Report {
 
     /// Adds a part written as `surface` after `turn`.
     pub fn add_part(&mut self, piece: &Piece, role: Role, turn: Turn, surface: &SurfaceMesh) {
-        let below = Underside::new(surface, self.steepest(), |_| false);
+        let below = Overhangs::new(surface, self.steepest(), |_| false);
         let (low, high) = bounds(&surface.vertices);
         self.parts.push(Part {
             name: piece.name.clone(),
             file: format!("{}.stl", piece.name),
             role,
             to_mold: rows(&turn.inverse().0),
-            leaves: piece.leaves.into(),
+            demolding: piece.demolding.into(),
             volume: enclosed_volume(surface),
             area: area(surface),
             bed: below.bed,
@@ -244,7 +244,7 @@ impl Report {
         Ok(report)
     }
 
-    /// What the checks rely on and the files cannot tell.
+    /// Whether what the checks rely on is plausible.
     fn require_plausible(&self) -> Result<(), String> {
         let plain =
             |file: &&str| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
@@ -254,11 +254,13 @@ impl Report {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
-        self.casting.check()?;
-        for Part { name, leaves, to_mold, .. } in &self.parts {
-            let direction = Vec3::from(*leaves);
+        self.casting.check_ranges()?;
+        for Part { name, demolding, to_mold, .. } in &self.parts {
+            let direction = Vec3::from(*demolding);
             if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {
-                return Err(format!("{name} leaves along {leaves:?}, must be one of ±y and ±z"));
+                return Err(format!(
+                    "{name} is demolded along {demolding:?}, must be one of ±y and ±z"
+                ));
             }
             let expected = rows(&Turn::lowering(direction).inverse().0);
             if *to_mold != expected {

@@ -9,7 +9,7 @@ use std::path::Path;
 use mesh::io::{IoError, write_atomic};
 
 use crate::config::method::Method;
-use crate::files::report::{Part, Report, Role};
+use crate::files::report::{MoldReport, Part, Role};
 use crate::geometry::overhang::needs_supports;
 use crate::library::printer::{self, Kind, Printer};
 
@@ -37,7 +37,7 @@ pub fn file(part: &Part) -> String {
 /// The settings of a part; none without a named filament printer, and for a core that is
 /// cast of wax.
 #[must_use]
-pub fn settings(report: &Report, part: &Part) -> Option<String> {
+pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
     let printer = printer::find(report.casting.printer.as_deref()?).ok()?;
     let printed = part.role == Role::Shell || report.method != Method::Wax;
     (printer.kind == Kind::Filament && printed).then(|| text(printer, report, part))
@@ -47,14 +47,14 @@ pub fn settings(report: &Report, part: &Part) -> Option<String> {
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(folder: &Path, report: &Report) -> Result<(), IoError> {
+pub fn write(folder: &Path, report: &MoldReport) -> Result<(), IoError> {
     report.parts.iter().try_for_each(|part| match settings(report, part) {
         Some(text) => write_atomic(&folder.join(file(part)), |out| out.write_all(text.as_bytes())),
         None => Ok(()),
     })
 }
 
-fn text(printer: &Printer, report: &Report, part: &Part) -> String {
+fn text(printer: &Printer, report: &MoldReport, part: &Part) -> String {
     let shell = part.role == Role::Shell;
     let (plastic, density) = match (shell, report.method) {
         (false, Method::Soluble) => SOLUBLE,

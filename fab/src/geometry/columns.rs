@@ -1,4 +1,4 @@
-//! A solid seen along z: the heights between which each column of a grid is filled.
+//! A solid as columns along z (a dexel model): the heights between which each column is filled.
 
 use mesh::{SurfaceMesh, Vec3};
 

@@ -75,6 +75,9 @@ fn across(axis: Vec3) -> Vec3 {
 pub struct Turn(pub Matrix3<f64>);
 
 impl Turn {
+    /// None.
+    pub const NONE: Self = Self(Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0));
+
     /// The turn that brings `direction`, one of ±y and ±z, to −z.
     ///
     /// # Panics

@@ -1,4 +1,4 @@
-//! What of a part looks down when it is printed.
+//! Overhangs: the areas of a part that face down when it is printed.
 
 use mesh::{SurfaceMesh, measure};
 
@@ -15,9 +15,9 @@ const ROUNDING: f64 = 1e-6;
 /// line and a half of a 0.4 mm nozzle [mm²].
 const SELF_SUPPORTING: f64 = 0.5;
 
-/// Areas that look down [mm²].
+/// Areas that face down [mm²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Underside {
+pub struct Overhangs {
     /// On the printer's bed.
     pub bed: f64,
     /// Beyond the steepest overhang and above the bed.
@@ -26,9 +26,9 @@ pub struct Underside {
     pub shaping: f64,
 }
 
-impl Underside {
+impl Overhangs {
     /// That of a part as it lies in its file [mm], printed with overhangs of up to
-    /// `steepest` from the vertical [degrees]; `shapes` tells which facets shape the silicone.
+    /// `steepest` from the vertical [degrees]; `shapes` says which facets shape the silicone.
     #[must_use]
     pub fn new(printed: &SurfaceMesh, steepest: f64, shapes: impl Fn(usize) -> bool) -> Self {
         let bed = measure::bounds(&printed.vertices).0.z + BED;
@@ -69,14 +69,14 @@ mod tests {
         // A table: its top of 20 × 20 mm hangs over a foot of 4 × 4 mm.
         let foot = Solid::cube(&Vec3::new(-2.0, -2.0, 0.0), &Vec3::new(2.0, 2.0, 10.0));
         let top = Solid::cube(&Vec3::new(-10.0, -10.0, 10.0), &Vec3::new(10.0, 10.0, 12.0));
-        let table = Underside::new(&foot.union(&top).to_surface(), CUSTOMARY, |_| false);
+        let table = Overhangs::new(&foot.union(&top).to_surface(), CUSTOMARY, |_| false);
         assert!((table.bed - 16.0).abs() < 1e-9 && (table.hanging - 384.0).abs() < 1e-9);
         assert!(needs_supports(table.hanging) && table.shaping == 0.0, "{table:?}");
         // A cone that widens by 40° and one by 50°.
         for (degrees, hangs) in [(40.0_f64, false), (50.0, true)] {
             let wide = 2.0 + 10.0 * degrees.to_radians().tan();
             let cone = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 10.0), 2.0, wide, 96);
-            let cone = Underside::new(&cone.to_surface(), CUSTOMARY, |_| true);
+            let cone = Overhangs::new(&cone.to_surface(), CUSTOMARY, |_| true);
             assert_eq!(needs_supports(cone.shaping), hangs, "{cone:?}");
         }
     }

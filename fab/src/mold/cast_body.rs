@@ -3,9 +3,9 @@
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 
+use crate::body::boundary::Boundary;
 use crate::body::layout::placed;
 use crate::body::orientation::Portion;
-use crate::body::skin::Skin;
 use crate::geometry::frame::Frame;
 
 /// A facet belongs to the seat if it keeps within this part of the body's
@@ -13,20 +13,20 @@ use crate::geometry::frame::Frame;
 const SEAT: f64 = 2e-3;
 
 /// The portion of a body that is cast.
-pub struct Part {
-    /// With its cavity filled.
+pub struct CastBody {
+    /// With its chambers filled.
     pub surface: SurfaceMesh,
     /// The same as a solid.
     pub filled: Solid,
     /// What is cast.
     pub cast: Solid,
-    /// What fills the cavities.
+    /// What fills the chambers.
     pub cores: Vec<Core>,
     /// Height on which it stands [m].
     pub seat: f64,
 }
 
-/// What fills a cavity.
+/// What fills a chamber.
 pub struct Core {
     /// Its shape.
     pub solid: Solid,
@@ -42,13 +42,14 @@ pub struct Opening {
     pub radius: f64,
 }
 
-impl Part {
-    /// The portion of a body, whose seat is `foot` below its lowest point if it has no inlet
-    /// [m].
+impl CastBody {
+    /// The portion of a body. Its seat is at the height `joint` if there is one; else at its
+    /// inlet, or `foot` below its lowest point if it has none [m].
     pub fn new(
-        skin: &Skin,
+        boundary: &Boundary,
         frame: &Frame,
         portion: Portion,
+        joint: Option<f64>,
         foot: f64,
     ) -> Result<Self, SolidError> {
         let solid = |surface: &SurfaceMesh| -> Result<Solid, SolidError> {
@@ -59,24 +60,25 @@ impl Part {
                 Portion::Below(_) => whole.trim_by_plane(&-Vec3::z(), 0.0),
             })
         };
-        let filled = solid(&skin.filled)?;
+        let filled = solid(&boundary.filled)?;
         let surface = match portion {
-            Portion::Whole => placed(&skin.filled, frame),
+            Portion::Whole => placed(&boundary.filled, frame),
             Portion::Above(_) | Portion::Below(_) => filled.to_surface(),
         };
         let mut cores = Vec::new();
-        for core in &skin.cores {
+        for core in &boundary.cores {
             let inlets = core.inlets.iter().map(|inlet| Opening {
                 centre: frame.point(&inlet.centre),
                 radius: inlet.radius * frame.scale,
             });
             cores.push(Core { solid: solid(&core.surface)?, inlets: inlets.collect() });
         }
-        let seat = match portion {
-            Portion::Whole => seat_height(&surface, &cores, foot),
-            Portion::Above(_) | Portion::Below(_) => 0.0,
+        let seat = match (joint, portion) {
+            (Some(height), _) => height,
+            (None, Portion::Whole) => seat_height(&surface, &cores, foot),
+            (None, Portion::Above(_) | Portion::Below(_)) => 0.0,
         };
-        Ok(Self { cast: solid(&skin.cast)?, surface, filled, cores, seat })
+        Ok(Self { cast: solid(&boundary.cast)?, surface, filled, cores, seat })
     }
 }
 

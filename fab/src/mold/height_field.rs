@@ -14,7 +14,7 @@
 
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::config::HeightField;
+use crate::config::HeightFieldConfig;
 use crate::geometry::columns::{Grid, Span};
 
 /// The harmonic extension has converged when no height changes by more [m].
@@ -39,7 +39,7 @@ impl Terrain {
         grid: Grid,
         spans: &[Option<Span>],
         within: [[f64; 2]; 2],
-        settings: &HeightField,
+        settings: &HeightFieldConfig,
     ) -> Self {
         let middles: Vec<Option<f64>> =
             spans.iter().map(|s| s.map(|s| (s.bottom + s.top) / 2.0)).collect();
@@ -238,7 +238,8 @@ mod tests {
                 })
             })
             .collect();
-        let settings = HeightField { smoothing: 1.5, max_slope: 75.0, ..HeightField::default() };
+        let settings =
+            HeightFieldConfig { smoothing: 1.5, max_slope: 75.0, ..HeightFieldConfig::default() };
         let terrain = Terrain::new(grid.clone(), &spans, [[4.0, 3.0], [36.0, 26.0]], &settings);
         assert!(terrain.heights.iter().all(|h| (h - 5.0).abs() < 1e-5));
         // A tilted body has a sloping outline, but a level rim.

@@ -6,7 +6,7 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, measure};
 use nalgebra::Matrix3x4;
 
-use crate::config::HeightField;
+use crate::config::HeightFieldConfig;
 use crate::geometry::columns::{Grid, Span, spans};
 use crate::geometry::frame::Turn;
 use crate::geometry::frustum::Frustum;
@@ -58,7 +58,7 @@ impl Split {
 
     /// A height field for the part bounded by `filled`.
     #[must_use]
-    pub fn height_field(site: &Site, filled: &SurfaceMesh, settings: &HeightField) -> Self {
+    pub fn height_field(site: &Site, filled: &SurfaceMesh, settings: &HeightFieldConfig) -> Self {
         let corner = |p: &Vec3| [p.x, p.y];
         let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
         let spans = spans(filled, &grid);
@@ -96,7 +96,7 @@ pub fn turned(frustum: &Frustum, turn: Turn) -> Frustum {
     Frustum { base: turn.0 * frustum.base, axis: turn.0 * frustum.axis, ..frustum.clone() }
 }
 
-/// Tells how much of the part's outline hides something below it.
+/// Reports how much of the part's outline hides something below it.
 fn undercut_columns(grid: &Grid, spans: &[Option<Span>]) -> Vec<Finding> {
     let covered = spans.iter().flatten().count();
     let hidden = spans.iter().flatten().filter(|s| s.intervals > 1).count();

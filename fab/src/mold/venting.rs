@@ -1,15 +1,15 @@
 //! Where silicone enters and air leaves.
 //!
 //! Air rises through the silicone along the edges of the volume mesh until it
-//! reaches a local maximum of height. Those on the outer skin get a vent; those
-//! on the wall of the cavity, below the core, cannot have one and are reported.
+//! reaches a local maximum of height. Those on the outer boundary get a vent; those
+//! on the wall of the chamber, below the core, cannot have one and are reported.
 
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 
+use crate::body::boundary::{AirPaths, Boundary};
 use crate::body::orientation::Portion;
-use crate::body::skin::{Skin, Ways};
 use crate::config::Config;
 use crate::geometry::frame::Frame;
 use crate::geometry::maxima::{self, Peak};
@@ -41,18 +41,18 @@ pub struct VentError {
     at: Vec3,
 }
 
-/// Finds the places for sprue and vents; `filled` is the skin in the mold's frame.
+/// Finds the places for sprue and vents; `filled` is the boundary in the mold's frame.
 ///
 /// # Errors
 /// [`VentError`] if the vertical through `sprue.at` misses the part.
 pub fn places(
-    skin: &Skin,
+    boundary: &Boundary,
     frame: &Frame,
     portion: Portion,
     filled: &SurfaceBvh,
     config: &Config,
 ) -> Result<Places, VentError> {
-    let Ways { points, neighbours, outer } = &skin.ways;
+    let AirPaths { points, neighbours, outer } = &boundary.air_paths;
     let positions: Vec<Vec3> = points.iter().map(|p| frame.point(p)).collect();
     let heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
     let is_cast = |v: &usize| portion.cut().is_none() || heights[*v] > 0.0;
@@ -76,7 +76,7 @@ pub fn places(
         Some(at) => {
             surface_near(filled, &frame.point(&at), f64::INFINITY).ok_or(VentError { at })?
         }
-        None => tops.first().copied().ok_or(VentError { at: skin.filled.vertices[0] })?,
+        None => tops.first().copied().ok_or(VentError { at: boundary.filled.vertices[0] })?,
     };
     let reach = config.sprue.radius + config.vents.radius + APART;
     tops.retain(|top| (top - sprue).xy().norm() > reach);

@@ -15,7 +15,7 @@ pub const FILE: &str = "tolerance.json";
 /// A number of the response, and how far it is spread.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Response {
-    /// Its name in the solver's report, such as `walls.cavity.volume`.
+    /// Its name in the solver's report, such as `chambers.cavity.volume`.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,

@@ -20,14 +20,15 @@ pub struct Solver {
 
 /// What is read of the solver's report.
 #[derive(Deserialize)]
-struct Report {
+struct SolverReport {
     usable: bool,
-    walls: BTreeMap<String, Wall>,
+    #[serde(alias = "walls")]
+    chambers: BTreeMap<String, Chamber>,
     tags: BTreeMap<String, Tag>,
 }
 
 #[derive(Deserialize)]
-struct Wall {
+struct Chamber {
     volume: f64,
     pressure: f64,
 }
@@ -61,12 +62,13 @@ impl Solver {
 
 fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
     let text = mesh::io::read_text(path)?;
-    let report: Report = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    let report: SolverReport =
+        serde_json::from_str(&text).with_context(|| path.display().to_string())?;
     ensure!(report.usable, "{}: the result may not be used", path.display());
     let mut found = Vec::new();
-    for (name, wall) in &report.walls {
-        found.push((format!("walls.{name}.volume"), "m³", wall.volume));
-        found.push((format!("walls.{name}.pressure"), "Pa", wall.pressure));
+    for (name, chamber) in &report.chambers {
+        found.push((format!("chambers.{name}.volume"), "m³", chamber.volume));
+        found.push((format!("chambers.{name}.pressure"), "Pa", chamber.pressure));
     }
     for (name, tag) in &report.tags {
         found.push((format!("tags.{name}.mean_displacement"), "m", tag.mean_displacement));

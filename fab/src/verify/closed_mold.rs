@@ -8,12 +8,12 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
 use super::Line;
-use crate::files::report::{Outline, Part, Report, Role};
+use crate::files::report::{MoldReport, Outline, Part, Role};
 
 /// Surfaces of a mold in the closed mold's coordinates [mm].
 pub struct Files {
-    /// What `fab mold` told.
-    pub report: Report,
+    /// The report that `fab mold` wrote.
+    pub report: MoldReport,
     /// One per part of the report.
     pub parts: Vec<SurfaceMesh>,
     /// The body that is cast.
@@ -32,14 +32,14 @@ pub struct Body {
     pub volume: f64,
     /// Area [mm²].
     pub area: f64,
-    /// Direction in which it leaves the closed mold [1].
-    pub leaves: Vec3,
+    /// Direction in which it is demolded [1].
+    pub demolding: Vec3,
 }
 
 /// A mold put together from its files [mm].
-pub struct Set {
-    /// What `fab mold` told.
-    pub report: Report,
+pub struct ClosedMold {
+    /// The report that `fab mold` wrote.
+    pub report: MoldReport,
     /// Shells, in the order of the report.
     pub shells: Vec<Body>,
     /// Cores.
@@ -63,7 +63,7 @@ pub struct Set {
 impl Files {
     /// The surfaces of a report's files in their order: parts as they are printed, then the
     /// cast and the outside.
-    pub fn of(report: Report, mut surfaces: Vec<SurfaceMesh>) -> Self {
+    pub fn of(report: MoldReport, mut surfaces: Vec<SurfaceMesh>) -> Self {
         let outside = surfaces.pop().expect("a report lists the outside");
         let cast = surfaces.pop().expect("a report lists the cast");
         for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
@@ -81,7 +81,7 @@ impl Files {
 }
 
 /// Reads the files of a report; none of them if one is missing.
-pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
+pub fn read(folder: &Path, report: MoldReport) -> (Vec<Line>, Option<Files>) {
     let mut lines = vec![only_listed(folder, &report)];
     let mut surfaces = Vec::new();
     for file in report.files() {
@@ -102,7 +102,7 @@ pub fn read(folder: &Path, report: Report) -> (Vec<Line>, Option<Files>) {
 }
 
 /// No STL file lies in the folder that the report does not list.
-fn only_listed(folder: &Path, report: &Report) -> Line {
+fn only_listed(folder: &Path, report: &MoldReport) -> Line {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut strangers: Vec<String> = names
@@ -116,7 +116,7 @@ fn only_listed(folder: &Path, report: &Report) -> Line {
     Line::new("files", strangers.is_empty(), found, "only the STL files in mold.json")
 }
 
-impl Set {
+impl ClosedMold {
     /// Puts valid surfaces together.
     ///
     /// # Panics
@@ -131,7 +131,7 @@ impl Set {
         let mut funnel = None;
         let mut shell_points = Vec::new();
         for (surface, part) in parts.iter().zip(&report.parts) {
-            let body = Body::new(&part.name, surface, Vec3::from(part.leaves));
+            let body = Body::new(&part.name, surface, Vec3::from(part.demolding));
             match part.role {
                 Role::Shell => {
                     shell_points.extend_from_slice(&surface.vertices);
@@ -166,14 +166,14 @@ impl Set {
 }
 
 impl Body {
-    fn new(name: &str, surface: &SurfaceMesh, leaves: Vec3) -> Self {
+    fn new(name: &str, surface: &SurfaceMesh, demolding: Vec3) -> Self {
         let solid = Solid::from_surface(surface).expect("the surface was checked");
         Self {
             name: name.into(),
             volume: measure::enclosed_volume(surface),
             area: measure::area(surface),
             solid,
-            leaves,
+            demolding,
         }
     }
 }

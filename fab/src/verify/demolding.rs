@@ -10,11 +10,11 @@ use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 use rayon::prelude::*;
 
-use super::closed_mold::{Body, Set};
+use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 
 /// Distances by which a shell is moved: from what play lets it, to beyond keys and undercuts;
-/// what lies further is found by `way out` [mm].
+/// what lies further is found by `path` [mm].
 const PULLS: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 
 /// Undercuts above this part of the silicone are pointed out: a judgement, not a
@@ -30,12 +30,12 @@ const SLIDING: f64 = 9e-3;
 const BLOCKED: f64 = 1e-4;
 
 /// All checks of demolding.
-pub fn checks(set: &Set) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
-    for (i, shell) in set.shells.iter().enumerate().rev() {
-        lines.push(comes_off(set, shell, &set.shells[..i]));
-        lines.push(way(set, shell, &set.shells[..i]));
-        lines.push(undercut(set, shell));
+    for (i, shell) in mold.shells.iter().enumerate().rev() {
+        lines.push(comes_off(mold, shell, &mold.shells[..i]));
+        lines.push(path(mold, shell, &mold.shells[..i]));
+        lines.push(undercut(mold, shell));
     }
     lines
 }
@@ -43,27 +43,27 @@ pub fn checks(set: &Set) -> Vec<Line> {
 /// Largest volume that a moving shell shares with others [mm³].
 fn pressed(shell: &Body, others: &[&Body]) -> f64 {
     let shared = |distance: f64| {
-        let moved = shell.solid.translate(&(shell.leaves * distance));
+        let moved = shell.solid.translate(&(shell.demolding * distance));
         others.iter().map(|other| moved.intersection(&other.solid).volume()).sum::<f64>()
     };
     PULLS.iter().map(|&d| shared(d)).fold(0.0, f64::max)
 }
 
-fn comes_off(set: &Set, shell: &Body, left: &[Body]) -> Line {
+fn comes_off(mold: &ClosedMold, shell: &Body, left: &[Body]) -> Line {
     let left: Vec<&Body> = left.iter().collect();
     let area = shell.area + left.iter().map(|body| body.area).sum::<f64>();
     let name = format!("{}: comes off", shell.name);
-    Line::at_most(name, pressed(shell, &left), set.volume_rounding(area), "mm³")
+    Line::at_most(name, pressed(shell, &left), mold.volume_rounding(area), "mm³")
 }
 
-/// Nothing lies before the shell on its way out, however far.
-fn way(set: &Set, shell: &Body, left: &[Body]) -> Line {
+/// Nothing lies in the path of the shell, however far.
+fn path(mold: &ClosedMold, shell: &Body, left: &[Body]) -> Line {
     let surface = shell.solid.to_surface();
     let surfaces: Vec<SurfaceMesh> = left.iter().map(|body| body.solid.to_surface()).collect();
     let others: Vec<SurfaceBvh> = surfaces.iter().map(SurfaceBvh::new).collect();
     let seen = |t: usize| {
         let [a, b, c] = surface.corners(t);
-        let toward = measure::triangle_normal(a, b, c).dot(&shell.leaves);
+        let toward = measure::triangle_normal(a, b, c).dot(&shell.demolding);
         if toward < SLIDING {
             return [0.0; 2];
         }
@@ -71,18 +71,18 @@ fn way(set: &Set, shell: &Body, left: &[Body]) -> Line {
         let from = surface.centroid(t);
         // What is left behind at once only touches.
         let meets = |other: &SurfaceBvh| {
-            other.ray(&from, &shell.leaves).iter().any(|hit| hit.0 > 2.0 * set.rounding)
+            other.ray(&from, &shell.demolding).iter().any(|hit| hit.0 > 2.0 * mold.rounding)
         };
         [area, if others.iter().any(meets) { area } else { 0.0 }]
     };
     let areas = (0..surface.triangles.len()).into_par_iter().map(seen).collect::<Vec<_>>();
     let [all, blocked] = areas.iter().fold([0.0; 2], |sum, a| [sum[0] + a[0], sum[1] + a[1]]);
-    let name = format!("{}: way out", shell.name);
+    let name = format!("{}: path", shell.name);
     Line::at_most(name, blocked, BLOCKED * all, "mm² blocked")
 }
 
-fn undercut(set: &Set, shell: &Body) -> Line {
-    let silicone: Vec<&Body> = set.cores.iter().chain([&set.cast]).collect();
+fn undercut(mold: &ClosedMold, shell: &Body) -> Line {
+    let silicone: Vec<&Body> = mold.cores.iter().chain([&mold.cast]).collect();
     let volume: f64 = silicone.iter().map(|body| body.volume).sum();
     let part = pressed(shell, &silicone) / volume;
     let name = format!("{}: undercut", shell.name);

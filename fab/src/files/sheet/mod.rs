@@ -10,7 +10,7 @@ use std::path::Path;
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
-use crate::files::report::Report;
+use crate::files::report::MoldReport;
 use crate::geometry::overhang::needs_supports;
 use crate::library::printer::{self, Kind, Printer};
 use crate::library::silicone::{self, Chemistry, Silicone};
@@ -104,7 +104,7 @@ impl Sheet {
     ///
     /// # Errors
     /// If its silicone or its printer is none that is known.
-    pub fn new(report: &Report) -> Result<Self, String> {
+    pub fn new(report: &MoldReport) -> Result<Self, String> {
         let casting = &report.casting;
         // Wax is poured into the mold of a core.
         let named = casting.silicone.as_deref().filter(|_| !steps::is_wax(report));
@@ -215,12 +215,12 @@ impl Sheet {
 ///
 /// # Errors
 /// If a mold has no readable report, or the file cannot be written.
-pub fn write_whole(folder: &Path, plan: &plan::Report) -> Result<(), IoError> {
+pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
     let mut text = format!("# Casting\n\n{}\n\n## Molds\n\n", plan.reason);
     let mut silicone = 0.0;
     for entry in &plan.molds {
         let below = folder.join(&entry.folder);
-        let sheet = Sheet::new(&Report::read(&below)?);
+        let sheet = Sheet::new(&MoldReport::read(&below)?);
         let sheet = sheet.map_err(|message| IoError::content(&below, message))?;
         let what = match entry.casts {
             plan::Material::Silicone => "silicone",
@@ -258,7 +258,7 @@ impl Pour {
 }
 
 fn warnings(
-    report: &Report,
+    report: &MoldReport,
     silicone: Option<&Silicone>,
     printer: Option<&Printer>,
 ) -> Vec<String> {

@@ -6,7 +6,7 @@ use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
 use crate::body::source::CastPart;
 use crate::config::method::Method;
-use crate::files::report::{Outline, Report, Role};
+use crate::files::report::{MoldReport, Outline, Role};
 use crate::files::slicer;
 use crate::geometry::MM;
 use crate::mold::Purpose;
@@ -18,17 +18,17 @@ const BOLTS: [(f64, &str); 4] = [(1.45, "M2.5"), (1.95, "M3"), (2.45, "M4"), (3.
 const LENGTHS: f64 = 5.0;
 
 /// Whether it is wax that is poured, for a core.
-pub fn is_wax(report: &Report) -> bool {
+pub fn is_wax(report: &MoldReport) -> bool {
     report.input.part == CastPart::Core
 }
 
 /// Whether the casting is only a part of the body.
-fn is_half(report: &Report) -> bool {
+fn is_half(report: &MoldReport) -> bool {
     matches!(report.input.part, CastPart::Above(_) | CastPart::Below(_))
 }
 
 /// The bill of materials.
-pub fn materials(sheet: &Sheet, report: &Report, plastic: &str) -> Vec<Item> {
+pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item> {
     let mut items: Vec<Item> = Vec::new();
     let mut add = |count, what: String| items.push(Item { count, what });
     add(1, format!("{:.0} g of {plastic}, if printed solid", sheet.plastic_g));
@@ -75,12 +75,12 @@ fn bolt(hole: &Outline) -> String {
     }
 }
 
-fn with(report: &Report, purpose: Purpose) -> impl Iterator<Item = &Outline> {
+fn with(report: &MoldReport, purpose: Purpose) -> impl Iterator<Item = &Outline> {
     report.features.iter().filter(move |f| f.purpose == purpose)
 }
 
 /// What to do, in order.
-pub fn steps(sheet: &Sheet, report: &Report) -> Vec<String> {
+pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let shells = names(report, Role::Shell);
     let cores = names(report, Role::Core);
     let mut steps = vec![
@@ -113,7 +113,7 @@ pub fn steps(sheet: &Sheet, report: &Report) -> Vec<String> {
     steps
 }
 
-fn print(report: &Report) -> String {
+fn print(report: &MoldReport) -> String {
     let settings = report.parts.iter().any(|part| slicer::settings(report, part).is_some());
     let slice = match settings {
         true => " Load the printer's profile into PrusaSlicer and the part's .ini after it.",
@@ -125,7 +125,7 @@ fn print(report: &Report) -> String {
     )
 }
 
-fn names(report: &Report, role: Role) -> Vec<&str> {
+fn names(report: &MoldReport, role: Role) -> Vec<&str> {
     report.parts.iter().filter(|p| p.role == role).map(|p| p.name.as_str()).collect()
 }
 
@@ -137,7 +137,7 @@ fn and(names: &[&str]) -> String {
     }
 }
 
-fn close(report: &Report, shells: &[&str], cores: &[&str]) -> String {
+fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
     let all: Vec<&str> = shells.iter().chain(cores).copied().collect();
     let spray = format!("Spray {} with release agent and let it dry. ", and(&all));
     let (holder, others) = shells.split_last().map_or(("", &[][..]), |(h, o)| (*h, o));
@@ -153,7 +153,7 @@ fn close(report: &Report, shells: &[&str], cores: &[&str]) -> String {
 }
 
 /// How a tube is put into its collar.
-fn insert(collar: &FittedTube, report: &Report) -> String {
+fn insert(collar: &FittedTube, report: &MoldReport) -> String {
     let FittedTube { tube, outer, bore, length, .. } = collar;
     // What shrinks does so with its bore.
     let shrinks = report.scale() / MM;
@@ -168,7 +168,7 @@ fn insert(collar: &FittedTube, report: &Report) -> String {
 }
 
 /// Mixing, pouring and curing.
-fn pour(sheet: &Sheet, report: &Report) -> Vec<String> {
+fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     if is_wax(report) {
         return vec![
             format!("Melt {:.0} mL of wax, no hotter than it needs to flow.", sheet.mix_ml),
@@ -213,7 +213,7 @@ fn mixing(sheet: &Sheet) -> String {
     }
 }
 
-fn open(report: &Report, shells: &[&str], cores: &[&str]) -> String {
+fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
     let taken: Vec<&str> = shells.iter().rev().copied().collect();
     let off = match taken[..] {
         [one] => format!("Peel the casting out of {one}."),

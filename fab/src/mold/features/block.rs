@@ -5,7 +5,7 @@ use mesh::solid::Solid;
 
 use super::flange::Joint;
 use super::key::Sizes;
-use crate::body::orientation::{Parting, Portion, Stance};
+use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::geometry::frame::Pull;
 
@@ -20,11 +20,18 @@ pub struct Block {
 
 impl Block {
     /// The box around a part with the given bounds: `wall` on every side, at both
-    /// ends of x a band for keys and bolts, below the part what its core needs.
+    /// ends of x a band for keys and bolts, below the part what its core needs, and above the
+    /// height `joint` of sides that replace an upper shell, if there are any, what these need [m].
     #[must_use]
-    pub fn around((low, high): (Vec3, Vec3), stance: &Stance, pull: Pull, config: &Config) -> Self {
+    pub fn around(
+        (low, high): (Vec3, Vec3),
+        orientation: &Orientation,
+        pull: Pull,
+        joint: Option<f64>,
+        config: &Config,
+    ) -> Self {
         let wall = config.wall;
-        if matches!(stance.parting, Parting::Open) {
+        if matches!(orientation.parting, PartingSurface::Open) {
             return Self {
                 min: low - Vec3::repeat(wall),
                 max: Vec3::new(high.x + wall, high.y + wall, high.z),
@@ -36,8 +43,8 @@ impl Block {
             // Room beside the flange of the shells for the keys of the base.
             Pull::Y => 4.0 * land + 2.0 * config.flange.thickness,
         };
-        let rim = match (&stance.parting, pull) {
-            (Parting::HeightField(_), Pull::Z) => wall + Self::rim(config),
+        let rim = match (&orientation.parting, pull) {
+            (PartingSurface::HeightField(_), Pull::Z) => wall + Self::rim(config),
             _ => wall,
         };
         let along_y = rim.max((needed - (high.y - low.y)) / 2.0);
@@ -47,15 +54,17 @@ impl Block {
         };
         let above = wall.max(tall - (high.z - low.z));
         // Bolts between base and sides stand beside their keys, where nothing is above them.
-        let beside = match (&stance.parting, pull) {
-            (Parting::Seat, _) | (_, Pull::Z) => 0.0,
+        let beside = match (&orientation.parting, pull) {
+            (PartingSurface::Seat, _) | (_, Pull::Z) => 0.0,
             (_, Pull::Y) => Joint::washer(config),
         };
         let along_x = wall + Joint::band(config) + beside;
-        Self {
-            min: low - Vec3::new(along_x, along_y, Self::below(stance.portion, config)),
-            max: high + Vec3::new(along_x, along_y, above),
+        let mut max = high + Vec3::new(along_x, along_y, above);
+        if let Some(joint) = joint {
+            max.z = max.z.max(joint + Self::sides(config));
         }
+        let below = Self::below(orientation.portion, config);
+        Self { min: low - Vec3::new(along_x, along_y, below), max }
     }
 
     /// Least height of sides: keys of the base, then those of the flange above them [m].
@@ -83,11 +92,13 @@ impl Block {
     /// How far below a part without an inlet its sides meet the base: half of what is there,
     /// so that the base does not touch it in a point [m].
     #[must_use]
-    pub fn foot(stance: &Stance, pull: Pull, config: &Config) -> f64 {
-        match (&stance.parting, pull, stance.portion) {
-            (Parting::Plane(_) | Parting::HeightField(_), Pull::Y, Portion::Whole) => {
-                Self::below(Portion::Whole, config) / 2.0
-            }
+    pub fn foot(orientation: &Orientation, pull: Pull, config: &Config) -> f64 {
+        match (&orientation.parting, pull, orientation.portion) {
+            (
+                PartingSurface::Plane(_) | PartingSurface::HeightField(_),
+                Pull::Y,
+                Portion::Whole,
+            ) => Self::below(Portion::Whole, config) / 2.0,
             _ => 0.0,
         }
     }

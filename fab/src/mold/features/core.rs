@@ -7,7 +7,7 @@
 use mesh::Vec3;
 use mesh::solid::Solid;
 
-use crate::config::{Config, Core};
+use crate::config::{Config, CoreConfig};
 use crate::geometry::frustum::Frustum;
 
 /// Distance of the flat from the stub's axis, in radii.
@@ -52,7 +52,7 @@ pub enum PrintError {
     },
     /// The stub would cut into the part wherever it is rooted.
     #[error(
-        "a stub in the inlet at ({:.5}, {:.5}) m cuts into the part: the cavity narrows behind its rim; \
+        "a stub in the inlet at ({:.5}, {:.5}) m cuts into the part: the chamber narrows behind its rim; \
          increase core.shoulder",
         centre.x, centre.y
     )]
@@ -134,7 +134,7 @@ const LEAST: f64 = 1.0;
 /// `core.skin` thick around it; none if the stub or the core is too thin.
 #[must_use]
 pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
-    let Core { drain: radius, skin, .. } = config.core;
+    let CoreConfig { drain: radius, skin, .. } = config.core;
     if stub.base_radius < radius + skin {
         return None;
     }

@@ -111,7 +111,7 @@ pub fn word(word: &str, face: &Face) -> Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::overhang::{CUSTOMARY, Underside, needs_supports};
+    use crate::geometry::overhang::{CUSTOMARY, Overhangs, needs_supports};
     use mesh::SurfaceMesh;
 
     #[test]
@@ -155,7 +155,7 @@ mod tests {
             let turned = |p: &Vec3| Vec3::new(p.dot(&side), p.y, -p.dot(&down)) * 1e3;
             let vertices = solid.vertices.iter().map(turned).collect();
             let printed = SurfaceMesh { vertices, triangles: solid.triangles };
-            let below = Underside::new(&printed, CUSTOMARY, |_| true);
+            let below = Overhangs::new(&printed, CUSTOMARY, |_| true);
             assert!(below.bed > 35.0 && !needs_supports(below.hanging), "{down} {below:?}");
         }
     }

@@ -23,11 +23,11 @@ const MOUTH: f64 = 2e-4;
 
 /// The vertical channel above `top`, a point on top of the part, up to height `end` [m].
 ///
-/// It begins below the lowest place of the skin on the rim of its mouth, but not
+/// It begins below the lowest place of the surface on the rim of its mouth, but not
 /// deeper than two radii, so that no film of the shell closes it.
 #[must_use]
 pub fn channel(
-    skin: &SurfaceBvh,
+    surface: &SurfaceBvh,
     top: &Vec3,
     end: f64,
     base_radius: f64,
@@ -38,7 +38,7 @@ pub fn channel(
         let angle = std::f64::consts::TAU * k as f64 / SEGMENTS as f64;
         let side = Vec3::new(angle.cos(), angle.sin(), 0.0) * base_radius;
         let above = top + side + Vec3::z() * deepest;
-        let hits = skin.ray(&above, &-Vec3::z());
+        let hits = surface.ray(&above, &-Vec3::z());
         hits.iter().map(|hit| hit.0 - deepest).fold(f64::INFINITY, f64::min)
     };
     let depth = (0..SEGMENTS).map(depth_at).fold(0.0, |deep: f64, d| deep.max(d.min(deepest)));

@@ -20,7 +20,7 @@ const STEP: f64 = 1.0;
 pub const LAND: f64 = 1e-3;
 
 /// Where pins can go.
-pub struct Room<'a> {
+pub struct PinSpace<'a> {
     /// Outside of the mold.
     pub outside: &'a SurfaceBvh,
     /// Upright channels to keep clear of.
@@ -54,12 +54,12 @@ pub struct PinError {
 /// outside.
 ///
 /// # Errors
-/// [`PinError`] if there is no room.
+/// [`PinError`] if there is no space.
 pub fn pin(
     core: &SurfaceMesh,
     inlet: &Vec3,
     radius: f64,
-    room: &Room,
+    space: &PinSpace,
 ) -> Result<Frustum, PinError> {
     let far = |p: &&Vec3| (*p - inlet).norm_squared();
     let end = *core.vertices.iter().max_by(|a, b| far(a).total_cmp(&far(b))).expect("a core");
@@ -73,10 +73,10 @@ pub fn pin(
     for k in 0..=steps {
         let reach = ((INSET + STEP * k as f64) * radius).min(way.norm());
         let mut at = end + inward * reach;
-        at.y = room.level.unwrap_or(at.y);
-        if !room.is_clear(&at, radius) {
+        at.y = space.level.unwrap_or(at.y);
+        if !space.is_clear(&at, radius) {
             blocked += 1;
-        } else if let Some(found) = standing(&bvh, &at, radius, room) {
+        } else if let Some(found) = standing(&bvh, &at, radius, space) {
             return Ok(found);
         } else {
             missing += 1;
@@ -86,14 +86,14 @@ pub fn pin(
 }
 
 /// The pin on the upright line through `at`, if the core lies there.
-fn standing(core: &SurfaceBvh, at: &Vec3, radius: f64, room: &Room) -> Option<Frustum> {
-    let top = room.top(at, radius)?;
+fn standing(core: &SurfaceBvh, at: &Vec3, radius: f64, space: &PinSpace) -> Option<Frustum> {
+    let top = space.top(at, radius)?;
     let above = Vec3::new(at.x, at.y, top);
     let base = above - Vec3::z() * (core.ray(&above, &-Vec3::z()).first()?.0 + ROOT * radius);
     Some(Frustum { base, axis: above - base, base_radius: radius, top_radius: radius })
 }
 
-impl Room<'_> {
+impl PinSpace<'_> {
     /// Whether mold is left between the hole of a pin and all channels.
     fn is_clear(&self, at: &Vec3, radius: f64) -> bool {
         self.channels.iter().all(|channel| {
@@ -135,13 +135,13 @@ mod tests {
             base_radius: 1e-3,
             top_radius: 2e-3,
         };
-        let room = Room {
+        let space = PinSpace {
             outside: &SurfaceBvh::new(&mold),
             channels: vec![&channel],
             clearance: 2e-4,
             level,
         };
-        pin(&rod.to_surface(), &Vec3::zeros(), 1e-3, &room)
+        pin(&rod.to_surface(), &Vec3::zeros(), 1e-3, &space)
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! The outer skin and the cavity of a tagged body, as closed surfaces.
+//! The outer boundary and the chamber of a tagged body, as closed surfaces.
 //!
-//! The boundary of the body is split by the cavity's tag. Each rim of the cavity
+//! The boundary of the body is split by the chamber's tag. Each rim of the chamber
 //! is closed with a planar cap; then
 //!
-//! filled part = untagged boundary + caps,  core = reversed cavity + caps,
+//! filled part = untagged boundary + caps,  core = reversed chamber + caps,
 //! body = filled part − cores,
 //!
 //! and all three share the caps' triangles and the boundary's vertices bit for bit.
@@ -26,38 +26,38 @@ const ROUNDING: f64 = 1e-9;
 
 /// The surfaces a mold is made from, in the design's coordinates.
 #[derive(Clone, Debug)]
-pub struct Skin {
-    /// Boundary of the body with its cavity filled [m].
+pub struct Boundary {
+    /// Boundary of the body with its chamber filled [m].
     pub filled: SurfaceMesh,
     /// Boundary of the body: what is cast [m].
     pub cast: SurfaceMesh,
-    /// One per connected piece of the cavity.
-    pub cores: Vec<CoreSkin>,
-    /// The ways of rising air.
-    pub ways: Ways,
+    /// One per connected piece of the chamber.
+    pub cores: Vec<CoreBoundary>,
+    /// The paths of rising air.
+    pub air_paths: AirPaths,
 }
 
 /// Points in and on a body, and edges along which air rises in it.
 #[derive(Clone, Debug)]
-pub struct Ways {
+pub struct AirPaths {
     /// The points [m].
     pub points: Vec<Vec3>,
     /// For each, those it is connected with.
     pub neighbours: Vec<Vec<usize>>,
-    /// Points on the outer skin.
+    /// Points on the outer boundary.
     pub outer: BTreeSet<usize>,
 }
 
-/// A cavity as a solid, and where it opens.
+/// A chamber as a solid, and where it opens.
 #[derive(Clone, Debug)]
-pub struct CoreSkin {
+pub struct CoreBoundary {
     /// Its closed boundary, facing outward [m].
     pub surface: SurfaceMesh,
     /// Its openings; none if it is closed.
     pub inlets: Vec<Inlet>,
 }
 
-/// An opening of the cavity.
+/// An opening of the chamber.
 #[derive(Clone, Debug)]
 pub struct Inlet {
     /// Centre of the circle inscribed in the rim [m].
@@ -76,13 +76,13 @@ pub struct Inlet {
 
 /// Why no mold can be made of a body.
 #[derive(Debug, thiserror::Error)]
-pub enum SkinError {
-    /// The cavity's tag does not exist or has no facets.
+pub enum BoundaryError {
+    /// The chamber's tag does not exist or has no facets.
     #[error(
         "no facet has the tag {tag:?}; the mesh has {known}; \
-         set `cavity` in mold.toml to the tag of the cavity's wall"
+         set `chamber` in mold.toml to the tag of the chamber's wall"
     )]
-    NoCavity {
+    NoChamber {
         /// Tag asked for.
         tag: String,
         /// Tags there are, with their facet counts.
@@ -94,16 +94,16 @@ pub enum SkinError {
          tag the mesh again"
     )]
     Inside {
-        /// The cavity's tag.
+        /// The chamber's tag.
         tag: String,
         /// How many.
         count: usize,
         /// Centroid of the first.
         at: String,
     },
-    /// The rim of the cavity is not planar.
+    /// The rim of the chamber is not planar.
     #[error(
-        "the rim of the cavity around {at} leaves its plane by {deviation_mm:.3} mm, \
+        "the rim of the chamber around {at} leaves its plane by {deviation_mm:.3} mm, \
          at most {limit_mm:.3} mm are allowed; cut the inlet flat"
     )]
     NotPlanar {
@@ -114,8 +114,8 @@ pub enum SkinError {
         /// Largest distance allowed [mm].
         limit_mm: f64,
     },
-    /// The rim of the cavity cannot be closed.
-    #[error("the rim of the cavity around {at}: {cause}")]
+    /// The rim of the chamber cannot be closed.
+    #[error("the rim of the chamber around {at}: {cause}")]
     Rim {
         /// Mean of the rim.
         at: String,
@@ -130,10 +130,10 @@ pub enum SkinError {
         /// What the checks found.
         findings: String,
     },
-    /// Several bodies, or closed cavities without the tag.
+    /// Several bodies, or closed chambers without the tag.
     #[error(
-        "the boundary without the cavity's tag has {count} separate pieces, one is needed; \
-         the second encloses {volume_mm3:.1} mm³ around {at}: tag closed cavities, mold bodies one by one"
+        "the boundary without the chamber's tag has {count} separate pieces, one is needed; \
+         the second encloses {volume_mm3:.1} mm³ around {at}: tag closed chambers, mold bodies one by one"
     )]
     Pieces {
         /// How many.
@@ -156,15 +156,15 @@ pub enum SkinError {
     },
 }
 
-impl Skin {
+impl Boundary {
     /// Splits the boundary of a tagged mesh.
     ///
     /// # Errors
-    /// [`SkinError`], each case with what to do.
-    pub fn new(msh: &MshFile, cavity: &str) -> Result<Self, SkinError> {
+    /// [`BoundaryError`], each case with what to do.
+    pub fn new(msh: &MshFile, chamber: &str) -> Result<Self, BoundaryError> {
         let mesh = &msh.mesh;
         let boundary = topology::boundary(mesh).facets;
-        let (wall, outer) = split(mesh, &boundary, &msh.tags, cavity)?;
+        let (wall, outer) = split(mesh, &boundary, &msh.tags, chamber)?;
         require_one_piece(&mesh.vertices, &outer)?;
         let limit = PLANAR * diagonal(&mesh.vertices);
         let outer_vertices = outer.iter().flatten().copied().collect();
@@ -176,31 +176,31 @@ impl Skin {
             filled.extend(caps);
             cores.push(core);
         }
-        let skin = Self {
+        let boundary = Self {
             filled: topology::submesh(&mesh.vertices, &filled).0,
             cast: topology::submesh(&mesh.vertices, &boundary).0,
             cores,
-            ways: Ways::within(mesh, outer_vertices),
+            air_paths: AirPaths::within(mesh, outer_vertices),
         };
-        skin.check(mesh)?;
-        Ok(skin)
+        boundary.check(mesh)?;
+        Ok(boundary)
     }
 
-    /// A body without a cavity, such as a core that is cast itself.
+    /// A body without a chamber, such as a core that is cast itself.
     ///
     /// # Errors
-    /// [`SkinError::Invalid`] if the surface is not that of a body.
-    pub fn of_surface(surface: SurfaceMesh) -> Result<Self, SkinError> {
+    /// [`BoundaryError::Invalid`] if the surface is not that of a body.
+    pub fn of_surface(surface: SurfaceMesh) -> Result<Self, BoundaryError> {
         require_valid("surface", &surface)?;
-        let ways = Ways::on(&surface);
-        Ok(Self { cast: surface.clone(), filled: surface, cores: Vec::new(), ways })
+        let air_paths = AirPaths::on(&surface);
+        Ok(Self { cast: surface.clone(), filled: surface, cores: Vec::new(), air_paths })
     }
 
-    fn check(&self, mesh: &TetMesh) -> Result<(), SkinError> {
+    fn check(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {
         require_valid("boundary of the body", &self.cast)?;
-        require_valid("outer skin with its cap", &self.filled)?;
+        require_valid("outer boundary with its cap", &self.filled)?;
         for core in &self.cores {
-            require_valid("cavity with its cap", &core.surface)?;
+            require_valid("chamber with its cap", &core.surface)?;
         }
         let tets: f64 = mesh
             .tets
@@ -210,13 +210,16 @@ impl Skin {
             .sum();
         let boundary = enclosed_volume(&self.cast);
         if (tets - boundary).abs() > ROUNDING * tets {
-            return Err(SkinError::Overlap { tets_mm3: tets * 1e9, boundary_mm3: boundary * 1e9 });
+            return Err(BoundaryError::Overlap {
+                tets_mm3: tets * 1e9,
+                boundary_mm3: boundary * 1e9,
+            });
         }
         Ok(())
     }
 }
 
-impl Ways {
+impl AirPaths {
     /// Along the edges of a volume mesh.
     fn within(mesh: &TetMesh, outer: BTreeSet<usize>) -> Self {
         let points = mesh.vertices.clone();
@@ -241,24 +244,24 @@ impl Ways {
 /// Facets of a boundary.
 type Facets = Vec<[usize; 3]>;
 
-/// The boundary facets with the cavity's tag, and the others.
+/// The boundary facets with the chamber's tag, and the others.
 fn split(
     mesh: &TetMesh,
     boundary: &[[usize; 3]],
     tags: &Tags,
-    cavity: &str,
-) -> Result<(Facets, Facets), SkinError> {
-    let tagged = tags.id(cavity).map(|id| tags.facets_of(id)).unwrap_or_default();
+    chamber: &str,
+) -> Result<(Facets, Facets), BoundaryError> {
+    let tagged = tags.id(chamber).map(|id| tags.facets_of(id)).unwrap_or_default();
     if tagged.is_empty() {
-        return Err(SkinError::NoCavity { tag: cavity.into(), known: known_tags(tags) });
+        return Err(BoundaryError::NoChamber { tag: chamber.into(), known: known_tags(tags) });
     }
-    let id = tags.id(cavity);
+    let id = tags.id(chamber);
     let (wall, outer): (Facets, Facets) = boundary.iter().partition(|&&f| tags.get(f) == id);
     if wall.len() < tagged.len() {
         let on_boundary: BTreeSet<[usize; 3]> = wall.iter().map(|&f| mesh::facet_key(f)).collect();
         let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
-        return Err(SkinError::Inside {
-            tag: cavity.into(),
+        return Err(BoundaryError::Inside {
+            tag: chamber.into(),
             count: tagged.len() - wall.len(),
             at: place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0)),
         });
@@ -280,12 +283,12 @@ fn known_tags(tags: &Tags) -> String {
     list.join(", ")
 }
 
-/// A cavity wall as a core, and the caps at its rims.
+/// A chamber wall as a core, and the caps at its rims.
 fn close_core(
     vertices: &[Vec3],
     wall: &[[usize; 3]],
     limit: f64,
-) -> Result<(CoreSkin, Facets), SkinError> {
+) -> Result<(CoreBoundary, Facets), BoundaryError> {
     let rims = topology::boundary_loops(wall);
     let mut caps = Vec::new();
     let mut inlets = Vec::new();
@@ -293,10 +296,10 @@ fn close_core(
         let polygon: Vec<Vec3> = rim.iter().map(|&v| vertices[v]).collect();
         let at = || place(&(polygon.iter().sum::<Vec3>() / polygon.len() as f64));
         let Cap { triangles, normal, deviation, .. } =
-            cap::close(&polygon).map_err(|cause| SkinError::Rim { at: at(), cause })?;
+            cap::close(&polygon).map_err(|cause| BoundaryError::Rim { at: at(), cause })?;
         if deviation > limit {
             let (deviation_mm, limit_mm) = (deviation * 1e3, limit * 1e3);
-            return Err(SkinError::NotPlanar { at: at(), deviation_mm, limit_mm });
+            return Err(BoundaryError::NotPlanar { at: at(), deviation_mm, limit_mm });
         }
         let (centre, radius) = cap::inscribed_circle(&polygon, &normal);
         let next = polygon.iter().cycle().skip(1);
@@ -307,29 +310,29 @@ fn close_core(
     }
     let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);
     let facets: Facets = reversed.chain(caps.iter().copied()).collect();
-    Ok((CoreSkin { surface: topology::submesh(vertices, &facets).0, inlets }, caps))
+    Ok((CoreBoundary { surface: topology::submesh(vertices, &facets).0, inlets }, caps))
 }
 
-/// The outer skin must be connected: a second piece is another body or a closed cavity.
-fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<(), SkinError> {
+/// The outer boundary must be connected: a second piece is another body or a closed chamber.
+fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<(), BoundaryError> {
     let pieces = topology::components(outer);
     let Some(second) = pieces.get(1) else { return Ok(()) };
     let facets: Facets = second.iter().map(|&t| outer[t]).collect();
     let surface = topology::submesh(vertices, &facets).0;
-    Err(SkinError::Pieces {
+    Err(BoundaryError::Pieces {
         count: pieces.len(),
         volume_mm3: enclosed_volume(&surface) * 1e9,
         at: place(&middle(&surface.vertices)),
     })
 }
 
-fn require_valid(what: &'static str, surface: &SurfaceMesh) -> Result<(), SkinError> {
+fn require_valid(what: &'static str, surface: &SurfaceMesh) -> Result<(), BoundaryError> {
     let findings = check::check_surface(surface);
     if findings.is_empty() {
         return Ok(());
     }
     let messages: Vec<String> = findings.into_iter().map(|f| f.message).collect();
-    Err(SkinError::Invalid { what, findings: messages.join("; ") })
+    Err(BoundaryError::Invalid { what, findings: messages.join("; ") })
 }
 
 /// Middle of the bounding box.
