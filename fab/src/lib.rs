@@ -1,40 +1,28 @@
 //! Printable molds from an optimised body.
 //!
-//! A tagged volume mesh becomes its outer skin and its cavity ([`skin`]), these
-//! become a mold ([`mold`]), the mold becomes files ([`export`], [`report`], [`output`]), and
-//! the files are proved to be right by reading them back ([`verify`]).
+//! One room per kind of work, in dependency order: a room uses only rooms before it.
 //!
 //! Lengths are metres until the files for printing, which are in millimetres.
 
-pub mod assembly;
-pub mod cap;
-pub mod cast;
-pub mod cmd;
-pub mod collar;
-pub mod columns;
-pub mod config;
-pub mod export;
-pub mod fitting;
-pub mod frame;
-pub mod layout;
-pub mod maxima;
-pub mod method;
-pub mod mold;
-pub mod output;
-pub mod parting;
-pub mod parts;
-pub mod picture;
-pub mod plan;
-pub mod printer;
+// what a long run is doing, on standard error
 pub mod progress;
-pub mod report;
-pub mod silicone;
-pub mod skin;
-pub mod slicer;
-pub mod split;
-pub mod stance;
-pub mod threemf;
-pub mod tolerance;
-pub mod underside;
-pub mod venting;
+// silicones, printers and tubes that one can buy
+pub mod library;
+// mold.toml: its keys with defaults, limits and documentation
+pub mod config;
+// frames, columns, sections: geometry that knows no bodies
+pub mod geometry;
+// the body as closed surfaces, its collars, and how it stands
+pub mod body;
+// how a body is molded, and why: plan.json
+pub mod plan;
+// the pieces of a mold
+pub mod mold;
+// what is written: STL, 3MF, mold.json, the sheet for casting, pictures
+pub mod files;
+// proofs that a written mold is right
 pub mod verify;
+// the response of bodies whose walls are off by the print tolerance
+pub mod tolerance;
+// the verbs of the program, one per file
+pub mod cmd;

@@ -7,7 +7,7 @@ use log::Level;
 /// Bodies with fewer boundary triangles are done before a person wonders.
 const LARGE: usize = 100_000;
 
-/// A clock, and how loud it ticks.
+/// A clock, and the level at which it logs.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     start: Instant,
@@ -15,14 +15,14 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Tells every step of a large body, and those of small ones only if asked for more.
+    /// Logs every step of a large body; those of small ones at debug level.
     #[must_use]
     pub fn new(triangles: usize) -> Self {
         let level = if triangles >= LARGE { Level::Info } else { Level::Debug };
         Self { start: Instant::now(), level }
     }
 
-    /// Tells what begins, when, and how much memory was needed until now.
+    /// Logs a step that begins, the time, and the largest memory until now.
     pub fn step(&self, what: &str) {
         let seconds = self.start.elapsed().as_secs_f64();
         let memory = peak_memory().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
@@ -30,7 +30,7 @@ impl Progress {
     }
 }
 
-/// Largest memory that this process has held [MB], where the system tells (Linux).
+/// Largest memory that this process has held [MB], where the system reports it (Linux).
 #[must_use]
 pub fn peak_memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

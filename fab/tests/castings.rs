@@ -7,9 +7,9 @@ mod fixture;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use fab::plan::report::Report as Plan;
+use fab::plan::report::PlanReport;
 use fab::verify::{Against, Line, Status, verify};
-use fixture::{CLOSED, Scene, assert_fails, assert_status, copy, retell, stderr};
+use fixture::{CLOSED, Scene, assert_fails, assert_status, change_report, copy, stderr};
 
 /// Two halves of a closed chamber, unequal by the cut below its middle.
 const HALVES: &str = "method = \"halves\"
@@ -40,8 +40,8 @@ fn castings() {
     let lines = after_halving(|_| ());
     assert_status(&lines, CHECK, Status::Ok);
     // One half is forgotten, or cast twice: each mold alone is sound.
-    let replan = |mold: &Path, f: fn(&mut Plan)| {
-        let mut plan = Plan::read(mold).unwrap();
+    let replan = |mold: &Path, f: fn(&mut PlanReport)| {
+        let mut plan = PlanReport::read(mold).unwrap();
         assert_eq!(plan.molds.len(), 2);
         f(&mut plan);
         plan.write(mold).unwrap();
@@ -61,8 +61,8 @@ fn castings() {
     others_hold(&lines);
     // A half of another body.
     let lines = after_halving(|mold| {
-        let below = mold.join(&Plan::read(mold).unwrap().molds[1].folder);
-        retell(&below, |report| report.cast.volume *= 1.01);
+        let below = mold.join(&PlanReport::read(mold).unwrap().molds[1].folder);
+        change_report(&below, |report| report.cast.volume *= 1.01);
     });
     assert_fails(&lines, CHECK);
 }

@@ -7,9 +7,11 @@ mod fixture;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use fab::report::{Outline, Report};
+use fab::files::report::{MoldReport, Outline};
 use fab::verify::{Against, Line, Status, verify};
-use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, copy, retell, stderr};
+use fixture::{
+    CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report, copy, stderr,
+};
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::io::{read_surface, read_tets, write_surface};
 use mesh::solid::Solid;
@@ -58,7 +60,7 @@ fn change(mold: &Path, part: &str, f: impl FnOnce(SurfaceMesh) -> SurfaceMesh) {
     let written = read_surface(&path).unwrap();
     let volume = mesh::measure::enclosed_volume(&written);
     let euler = written.vertices.len() as i32 - written.triangles.len() as i32 / 2;
-    retell(mold, |report| {
+    change_report(mold, |report| {
         for p in report.parts.iter_mut().filter(|p| p.name == part) {
             (p.volume, p.genus) = (volume, 1 - euler / 2);
         }
@@ -68,10 +70,10 @@ fn change(mold: &Path, part: &str, f: impl FnOnce(SurfaceMesh) -> SurfaceMesh) {
 
 /// Writes what lies beside the STL files anew.
 fn write_copies(mold: &Path) {
-    let report = Report::read(mold).unwrap();
+    let report = MoldReport::read(mold).unwrap();
     let surfaces: Vec<SurfaceMesh> =
         report.files().map(|file| read_surface(&mold.join(file)).unwrap()).collect();
-    fab::output::write(mold, &report, &surfaces).unwrap();
+    fab::files::output::write(mold, &report, &surfaces).unwrap();
 }
 
 fn change_solid(mold: &Path, part: &str, f: impl FnOnce(Solid) -> Solid) {
@@ -94,7 +96,7 @@ fn cube(min: [f64; 3], max: [f64; 3]) -> Solid {
 }
 
 fn feature(mold: &Path, name: &str) -> Outline {
-    let report = Report::read(mold).unwrap();
+    let report = MoldReport::read(mold).unwrap();
     report.features.into_iter().find(|f| f.purpose.name() == name).unwrap()
 }
 
@@ -173,11 +175,11 @@ fn surfaces() {
         change_solid(mold, "core", |core| core.union(&crumb));
     });
     assert_fails(&lines, "core: pieces");
-    let lines = after(|mold| retell(mold, |report| report.parts[2].genus = 1));
+    let lines = after(|mold| change_report(mold, |report| report.parts[2].genus = 1));
     assert_status(&lines, "core: genus", Status::Warn);
-    let lines = after(|mold| retell(mold, |report| report.cast.genus = 1));
+    let lines = after(|mold| change_report(mold, |report| report.cast.genus = 1));
     assert_fails(&lines, "cast: genus");
-    let lines = after(|mold| retell(mold, |report| report.parts[2].volume *= 1.0 + 1e-9));
+    let lines = after(|mold| change_report(mold, |report| report.parts[2].volume *= 1.0 + 1e-9));
     assert_fails(&lines, "core: volume");
     assert_fails(&lines, "remaining checks");
 }
@@ -221,12 +223,12 @@ fn copies() {
     assert_fails(&lines, "assembly.3mf");
     // All parts where they are printed, not where they belong.
     let lines = after(|mold| {
-        let mut shapes = fab::threemf::read(&mold.join("assembly.3mf")).unwrap();
+        let mut shapes = fab::files::threemf::read(&mold.join("assembly.3mf")).unwrap();
         shapes[0].place.turn = nalgebra::Matrix3::identity();
-        fab::threemf::write(&mold.join("assembly.3mf"), "closed mold", &shapes).unwrap();
+        fab::files::threemf::write(&mold.join("assembly.3mf"), "closed mold", &shapes).unwrap();
     });
     assert_fails(&lines, "assembly.3mf");
-    let lines = after(|mold| retell(mold, |report| report.casting.waste = 0.0));
+    let lines = after(|mold| change_report(mold, |report| report.casting.waste = 0.0));
     assert_fails(&lines, "cast.json");
     let lines = after(|mold| std::fs::write(mold.join("cast.md"), "pour").unwrap());
     assert_fails(&lines, "cast.json");
@@ -255,10 +257,10 @@ fn change_unit(path: &Path) {
 /// What the settings for the slicer and the sheet rely on.
 #[test]
 fn slicing() {
-    let lines = after(|mold| retell(mold, |report| report.parts[2].overhang = 0.0));
+    let lines = after(|mold| change_report(mold, |report| report.parts[2].overhang = 0.0));
     assert_fails(&lines, "core.ini");
     let lines = after(|mold| {
-        retell(mold, |report| report.parts[2].overhang = 0.0);
+        change_report(mold, |report| report.parts[2].overhang = 0.0);
         write_copies(mold);
     });
     assert_status(&lines, "core.ini", Status::Ok);
@@ -299,12 +301,12 @@ fn channels() {
     assert_fails(&lines, "sprue 1: reaches the cavity");
     assert_fails(&lines, "filling: not reached");
     let lines = after(|mold| {
-        retell(mold, |report| report.features.retain(|f| f.purpose.name() != "sprue"))
+        change_report(mold, |report| report.features.retain(|f| f.purpose.name() != "sprue"))
     });
     assert_fails(&lines, "sprue");
     // Moved out of the mold, the sprue begins below the top of the body.
     let lines = after(|mold| {
-        retell(mold, |report| {
+        change_report(mold, |report| {
             let sprue = report.features.iter_mut().find(|f| f.purpose.name() == "sprue");
             sprue.unwrap().base[0] += 40.0;
         });
@@ -324,10 +326,10 @@ fn channels() {
     });
     assert_fails(&lines, "socket 1: stub length");
     assert_fails(&lines, "socket 1: stub fills");
-    let lines = after(|mold| retell(mold, |report| report.wall = 5.1));
+    let lines = after(|mold| change_report(mold, |report| report.wall = 5.1));
     assert_fails(&lines, "wall: least");
     // The walls of the body are one cube of 4 mm.
-    let lines = after(|mold| retell(mold, |report| report.casting.least_wall = 4.1e-3));
+    let lines = after(|mold| change_report(mold, |report| report.casting.least_wall = 4.1e-3));
     assert_fails(&lines, "silicone: thinnest wall");
 }
 
@@ -336,14 +338,14 @@ fn demolding() {
     // The lower shell taken away upward meets the upper one and the silicone.
     let lines = after(|mold| {
         change(mold, "lower", turned);
-        retell(mold, |report| {
-            report.parts[1].leaves = report.parts[0].leaves;
+        change_report(mold, |report| {
+            report.parts[1].demolding = report.parts[0].demolding;
             report.parts[1].to_mold = report.parts[0].to_mold;
         });
         write_copies(mold);
     });
     assert_fails(&lines, "lower: comes off");
-    assert_fails(&lines, "lower: way out");
+    assert_fails(&lines, "lower: path");
     assert_status(&lines, "lower: undercut", Status::Warn);
 }
 
@@ -409,7 +411,7 @@ fn inflated_walls() {
     let lines = lines_of(&simulation(0.5, good));
     assert_status(&lines, "inflated: thinnest wall", Status::Ok);
     assert_status(&lines, "inflated: largest stretch", Status::Ok);
-    // Dragon Skin 20 breaks at 620 %.
+    // Dragon Boundary 20 breaks at 620 %.
     let torn = r#"{"usable": true, "stretch_range": {"largest": 7.3}}"#;
     assert_fails(&lines_of(&simulation(0.5, torn)), "inflated: largest stretch");
     // 4 mm become 0.2 mm.
@@ -423,7 +425,7 @@ fn inflated_walls() {
 #[test]
 fn cores_leave() {
     // The chamber of 12 x 12 mm over an inlet of 4 x 4 mm: 48 mm around to 16 mm.
-    assert_status(&after(|_| ()), "core: leaves", Status::Ok);
+    assert_status(&after(|_| ()), "core: demolds", Status::Ok);
     let scene = Scene::new(&CHAMBER, &BOX.replace("dragon-skin-20", "dragon-skin-30"));
-    refused(&scene, "core: leaves");
+    refused(&scene, "core: demolds");
 }

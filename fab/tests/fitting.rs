@@ -4,7 +4,7 @@
 
 mod fixture;
 
-use fab::report::Report;
+use fab::files::report::MoldReport;
 use fixture::{CHAMBER, CLOSED, Scene, stderr, stdout};
 use serde_json::Value;
 
@@ -51,7 +51,7 @@ fn a_collar_is_cast_with_the_body() {
         let scene = Scene::new(&CHAMBER, &format!("{TUBE}{parting}"));
         let said = verified(&scene);
         assert!(said.contains("3.60 mm for a tube of 4.00 mm, 10.0 %"), "{said}");
-        let report = Report::read(&scene.path("mold")).unwrap();
+        let report = MoldReport::read(&scene.path("mold")).unwrap();
         // A ring 8 mm long beside the inlet of 4 × 4 mm, whose corners are 2.83 mm from its
         // middle and covered by 1 mm: outside 3.83 mm, bore 1.8 mm.
         let pi = std::f64::consts::PI;
@@ -90,7 +90,7 @@ fn a_collar_that_was_not_cast_is_noticed() {
 #[test]
 fn tubes_that_do_not_fit_are_refused() {
     for (body, config, message) in [
-        (&CLOSED, TUBE.to_owned(), "a cavity is closed"),
+        (&CLOSED, TUBE.to_owned(), "a chamber is closed"),
         (&CHAMBER, format!("method = \"halves\"\n{TUBE}"), "cast with the whole body"),
         (&CHAMBER, format!("{TUBE}wall = 0.03\n"), "lies on the body with"),
         (&CHAMBER, "[fitting]\nname = \"hose\"".into(), "known are barb-eighth-inch"),
@@ -128,12 +128,12 @@ fn a_funnel_stands_in_the_sprue() {
         shift(report, "sprue", 2, -20.0);
         "funnel: reaches into the sprue".into()
     });
-    let report = Report::read(&scene.path("mold")).unwrap();
+    let report = MoldReport::read(&scene.path("mold")).unwrap();
     // A fifth of 181 cubes of 64 mm³, besides sprue and vents.
     let head = 0.2 * 181.0 * 64.0 / 1e3;
     let scene = Scene::new(&CHAMBER, "");
     verified(&scene);
-    let without = Report::read(&scene.path("mold")).unwrap();
+    let without = MoldReport::read(&scene.path("mold")).unwrap();
     let more = report.cast.silicone_ml - without.cast.silicone_ml;
     assert!((more - head).abs() < 1e-9, "{more} {head}");
 }

@@ -62,11 +62,11 @@ fn ring([i, j, _]: [usize; 3]) -> usize {
     i.abs_diff(4).max(j.abs_diff(4))
 }
 
-/// A ring of 36 × 36 × 20 mm with a ring-shaped cavity and one inlet.
+/// A ring of 36 × 36 × 20 mm with a ring-shaped chamber and one inlet.
 const RING: Cubes = Cubes {
     count: [9, 9, 5],
     solid: |c| ring(c) > 1,
-    cavity: |c| (ring(c) == 3 && c[2] == 2) || (c[0] == 7 && c[1] == 4 && c[2] < 2),
+    chamber: |c| (ring(c) == 3 && c[2] == 2) || (c[0] == 7 && c[1] == 4 && c[2] < 2),
 };
 
 /// How bodies are moved: as they are and turned anyhow; in tests that take longer smaller,
@@ -118,14 +118,14 @@ impl Cases {
         self.all_verified(&RING, "");
     }
 
-    fn two_cavities_and_two_inlets(&self) {
+    fn two_chambers_and_two_inlets(&self) {
         self.all_verified(&TWO_CHAMBERS, "");
         // No core can be held from below: halves, or a refusal that says so.
         self.all_refused(&OPPOSED, "method = \"soluble\"", "away from straight down");
         self.all_verified(&OPPOSED, "method = \"halves\"");
     }
 
-    fn a_closed_cavity(&self) {
+    fn a_closed_chamber(&self) {
         self.all_verified(&CLOSED, "");
         self.all_verified(&CLOSED, "method = \"halves\"");
         self.all_refused(&CLOSED, "method = \"soluble\"", "is closed");
@@ -207,8 +207,8 @@ fn a_ring() {
 const OPPOSED: Cubes = Cubes {
     count: [9, 7, 6],
     solid: |_| true,
-    cavity: |[i, j, k]| match i {
-        0..4 => (CHAMBER.cavity)([i, j, k]),
+    chamber: |[i, j, k]| match i {
+        0..4 => (CHAMBER.chamber)([i, j, k]),
         4 => false,
         _ => {
             let room = (5..8).contains(&i) && (2..5).contains(&j) && (1..4).contains(&k);
@@ -218,18 +218,18 @@ const OPPOSED: Cubes = Cubes {
 };
 
 #[test]
-fn two_cavities_and_two_inlets() {
-    Cases::few().two_cavities_and_two_inlets();
+fn two_chambers_and_two_inlets() {
+    Cases::few().two_chambers_and_two_inlets();
 }
 
 #[test]
-fn a_closed_cavity() {
-    Cases::few().a_closed_cavity();
+fn a_closed_chamber() {
+    Cases::few().a_closed_chamber();
 }
 
 /// The chamber with a sheet of 4 mm at its side, 40 mm long.
 const FIN: Cubes =
-    Cubes { count: [15, 7, 6], solid: |[i, j, _]| i < 5 || j == 3, cavity: CHAMBER.cavity };
+    Cubes { count: [15, 7, 6], solid: |[i, j, _]| i < 5 || j == 3, chamber: CHAMBER.chamber };
 
 #[test]
 fn a_fin_too_thin_for_silicone() {
@@ -240,7 +240,7 @@ fn a_fin_too_thin_for_silicone() {
 const MUSHROOM: Cubes = Cubes {
     count: [9, 9, 9],
     solid: |[i, j, k]| k > 5 || ((3..6).contains(&i) && (3..6).contains(&j)),
-    cavity: |[i, j, k]| i == 4 && j == 4 && k < 5,
+    chamber: |[i, j, k]| i == 4 && j == 4 && k < 5,
 };
 
 /// Shells that part along the stem, half-way up it: the upper one is caught under the cap.
@@ -250,9 +250,9 @@ const STEM: &str = "[limits]\npeel = 0.2\n[parting]\nkind = \"plane\"\npull = [0
 fn a_mushroom_is_freed_by_splitting_its_upper_shell() {
     let scene = Scene::new(&MUSHROOM, &format!("{STEM}offset = 0.01"));
     assert_eq!(outcome(&scene), Outcome::Verified);
-    let report = fab::report::Report::read(&scene.path("mold")).unwrap();
+    let report = fab::files::report::MoldReport::read(&scene.path("mold")).unwrap();
     let parts: Vec<(&str, [f64; 3])> =
-        report.parts.iter().map(|part| (part.name.as_str(), part.leaves)).collect();
+        report.parts.iter().map(|part| (part.name.as_str(), part.demolding)).collect();
     assert_eq!(parts[0], ("left", [0.0, 1.0, 0.0]));
     assert_eq!(parts[1], ("right", [0.0, -1.0, 0.0]));
     assert_eq!(parts[2], ("base", [0.0, 0.0, -1.0]));
@@ -321,8 +321,8 @@ fn a_scan_with_fine_noise_keeps_its_plan() {
 fn other_sizes_and_directions() {
     let others = Cases::others();
     others.a_ring();
-    others.two_cavities_and_two_inlets();
-    others.a_closed_cavity();
+    others.two_chambers_and_two_inlets();
+    others.a_closed_chamber();
     others.a_fin_too_thin_for_silicone();
     others.mushrooms_and_spools();
     others.a_height_field_along_the_stem_of_a_mushroom();
@@ -332,7 +332,7 @@ fn other_sizes_and_directions() {
 const SHEET: Cubes = Cubes {
     count: [288, 288, 3],
     solid: |_| true,
-    cavity: |[i, j, k]| {
+    chamber: |[i, j, k]| {
         let inside = |low: usize| (low..288 - low).contains(&i) && (low..288 - low).contains(&j);
         (k == 1 && inside(14)) || (k == 0 && inside(140))
     },

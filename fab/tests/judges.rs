@@ -7,8 +7,8 @@ mod fixture;
 #[allow(dead_code, clippy::expect_used)]
 mod judges;
 
-use fab::report::Report;
-use fab::underside::needs_supports;
+use fab::files::report::MoldReport;
+use fab::geometry::overhang::needs_supports;
 use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
 use judges::{Lengths, Solid};
 
@@ -30,16 +30,19 @@ fn molds() -> [Scene; 3] {
 /// The printed parts of a mold.
 fn parts(scene: &Scene) -> Vec<Solid> {
     let folder = scene.path("mold");
-    let report = Report::read(&folder).unwrap();
-    let solid =
-        |p: fab::report::Part| Solid { file: folder.join(p.file), name: p.name, volume: p.volume };
+    let report = MoldReport::read(&folder).unwrap();
+    let solid = |p: fab::files::report::Part| Solid {
+        file: folder.join(p.file),
+        name: p.name,
+        volume: p.volume,
+    };
     report.parts.into_iter().map(solid).collect()
 }
 
 /// The parts and what is cast.
 fn solids(scene: &Scene) -> Vec<Solid> {
     let folder = scene.path("mold");
-    let cast = Report::read(&folder).unwrap().cast;
+    let cast = MoldReport::read(&folder).unwrap().cast;
     let mut solids = parts(scene);
     let file = folder.join(cast.file);
     solids.push(Solid { file, name: "cast".into(), volume: cast.volume });
@@ -51,7 +54,7 @@ fn trimesh_and_manifold3d_agree() {
     let Some(python) = judges::python(judges::PACKAGES) else { return };
     for scene in molds() {
         judges::trimesh_and_manifold3d_agree(&python, &solids(&scene));
-        let places: Vec<_> = Report::read(&scene.path("mold")).unwrap().parts;
+        let places: Vec<_> = MoldReport::read(&scene.path("mold")).unwrap().parts;
         let places: Vec<_> = places.iter().map(|part| part.to_mold).collect();
         judges::trimesh_reads_3mf(&python, &parts(&scene), &places);
     }
@@ -72,7 +75,7 @@ fn prusa_slicer_needs_supports_where_told() {
     }
     let folder = tempfile::tempdir().unwrap();
     let scene = molded(&CHAMBER, PLANE);
-    let report = Report::read(&scene.path("mold")).unwrap();
+    let report = MoldReport::read(&scene.path("mold")).unwrap();
     // One shell is as the other.
     for part in report.parts.iter().filter(|part| part.name != "right") {
         let file = scene.path("mold").join(&part.file);

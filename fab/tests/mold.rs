@@ -6,26 +6,26 @@ mod fixture;
 
 use std::process::{Command, Output};
 
-use fab::report::Report;
+use fab::files::report::MoldReport;
 use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 
 const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 
-fn mold_and_verify(scene: &Scene) -> Report {
+fn mold_and_verify(scene: &Scene) -> MoldReport {
     let molded = scene.mold();
     assert!(molded.status.success(), "{}", stderr(&molded));
     let verified = scene.verify();
     assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
-    Report::read(&scene.path("mold")).unwrap()
+    MoldReport::read(&scene.path("mold")).unwrap()
 }
 
-fn names(report: &Report) -> Vec<&str> {
+fn names(report: &MoldReport) -> Vec<&str> {
     report.parts.iter().map(|part| part.name.as_str()).collect()
 }
 
-fn count(report: &Report, purpose: &str) -> usize {
+fn count(report: &MoldReport, purpose: &str) -> usize {
     report.features.iter().filter(|f| f.purpose.name() == purpose).count()
 }
 
@@ -80,7 +80,7 @@ fn nothing_runs_over_before_the_mold_is_full() {
 }
 
 #[test]
-fn two_cavities_have_two_cores() {
+fn two_chambers_have_two_cores() {
     for parting in ["", PLANE] {
         let report = mold_and_verify(&Scene::new(&TWO_CHAMBERS, parting));
         assert!(names(&report).ends_with(&["core1", "core2"]));
@@ -174,9 +174,9 @@ fn assert_refused(output: &Output, message: &str) {
 #[test]
 fn bad_configurations() {
     for (config, message) in [
-        ("wal = 1", "unknown field `wal`, expected one of `cavity`, `method`, `limits`"),
+        ("wal = 1", "unknown field `wal`, expected one of `chamber`, `method`, `limits`"),
         (
-            "cavity = \"hole\"",
+            "chamber = \"hole\"",
             "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)",
         ),
         ("up = [1, 0, 0]", "faces 90.0° away from straight down"),
@@ -191,8 +191,8 @@ fn bad_configurations() {
 
 #[test]
 fn bad_bodies() {
-    assert_refused(&Scene::new(&CLOSED, "").mold(), "a cavity of 1728.0 mm³ is closed");
-    assert_refused(&Scene::new(&CLOSED, "cavity = \"skin\"").mold(), "separate pieces");
+    assert_refused(&Scene::new(&CLOSED, "").mold(), "a chamber of 1728.0 mm³ is closed");
+    assert_refused(&Scene::new(&CLOSED, "chamber = \"skin\"").mold(), "separate pieces");
     let spoil = |f: fn(&mut Vec3) -> bool| {
         let scene = Scene::new(&CHAMBER, "");
         let mut msh = read_tets(&scene.path("design.msh")).unwrap();
@@ -239,7 +239,7 @@ fn bad_files() {
 fn a_report_that_cannot_be_is_refused() {
     let scene = Scene::new(&CHAMBER, "");
     let sound = mold_and_verify(&scene);
-    let refused = |spoil: fn(&mut Report), message: &str| {
+    let refused = |spoil: fn(&mut MoldReport), message: &str| {
         let mut report = sound.clone();
         spoil(&mut report);
         report.write(&scene.path("mold")).unwrap();
@@ -247,7 +247,7 @@ fn a_report_that_cannot_be_is_refused() {
     };
     refused(|r| r.parts[0].file = "../design.msh".into(), "files must lie in its own folder");
     refused(|r| r.units = "cm".into(), "must be \"mm\"");
-    refused(|r| r.parts[0].leaves = [0.0; 3], "must be one of ±y and ±z");
+    refused(|r| r.parts[0].demolding = [0.0; 3], "must be one of ±y and ±z");
     refused(|r| r.parts[0].to_mold[0][0] = -1.0, "is turned by");
     refused(|r| r.design_to_mold[0][3] = 1e300, "must be 1000 times a rotation");
 }

@@ -4,40 +4,41 @@
 
 mod fixture;
 
+use fab::body::source::CastPart;
+use fab::files::report::MoldReport;
 use fab::mold::Purpose;
-use fab::plan::report::{ChosenBy, Material, Report as Plan};
-use fab::report::{CastPart, Report};
+use fab::plan::report::{ChosenBy, Material, PlanReport};
 use fixture::{CHAMBER, CLOSED, Cubes, Scene, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::solid::Solid;
 
 /// A tube of one chamber with an inlet as wide.
 const TUBE: Cubes =
-    Cubes { count: [5, 5, 8], solid: |_| true, cavity: |[i, j, k]| i == 2 && j == 2 && k < 6 };
+    Cubes { count: [5, 5, 8], solid: |_| true, chamber: |[i, j, k]| i == 2 && j == 2 && k < 6 };
 
 /// A chamber without a flat wall that faces anywhere but down: a pyramid of steps.
 const PYRAMID: Cubes = Cubes {
     count: [9, 9, 8],
     solid: |_| true,
-    cavity: |[i, j, k]| {
+    chamber: |[i, j, k]| {
         let off = i.abs_diff(4).max(j.abs_diff(4));
         (k < 2 && off == 0) || ((2..5).contains(&k) && off < 5 - k)
     },
 };
 
-fn molded(scene: &Scene) -> Plan {
+fn molded(scene: &Scene) -> PlanReport {
     let made = scene.mold();
     assert!(made.status.success(), "{}", stderr(&made));
     let verified = scene.verify();
     assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
-    Plan::read(&scene.path("mold")).unwrap()
+    PlanReport::read(&scene.path("mold")).unwrap()
 }
 
-fn report(scene: &Scene, folder: &str) -> Report {
-    Report::read(&scene.path("mold").join(folder)).unwrap()
+fn report(scene: &Scene, folder: &str) -> MoldReport {
+    MoldReport::read(&scene.path("mold").join(folder)).unwrap()
 }
 
-fn names(report: &Report) -> Vec<&str> {
+fn names(report: &MoldReport) -> Vec<&str> {
     report.parts.iter().map(|part| part.name.as_str()).collect()
 }
 
@@ -79,11 +80,11 @@ fn a_chamber_with_a_flat_wall_is_cast_open_and_closed_with_a_sheet() {
 }
 
 #[test]
-fn a_closed_cavity_is_cast_in_halves() {
+fn a_closed_chamber_is_cast_in_halves() {
     let scene = Scene::planned(&CLOSED, "method = \"halves\"");
     let plan = molded(&scene);
     assert_eq!(plan.chosen_by, ChosenBy::Configuration);
-    let halves: Vec<Report> = plan.molds.iter().map(|m| report(&scene, &m.folder)).collect();
+    let halves: Vec<MoldReport> = plan.molds.iter().map(|m| report(&scene, &m.folder)).collect();
     assert_eq!(halves.len(), 2);
     // 20 × 28 × 24 mm less a room of 12³.
     let cast: f64 = halves.iter().map(|half| half.cast.volume).sum();
@@ -114,7 +115,7 @@ fn halves_are_glued_across_any_plane() {
 const NECKED: Cubes = Cubes {
     count: [7, 7, 9],
     solid: |_| true,
-    cavity: |[i, j, k]| {
+    chamber: |[i, j, k]| {
         let off = i.abs_diff(3).max(j.abs_diff(3));
         k < 7 && off < if k == 3 { 1 } else { 2 }
     },
@@ -196,7 +197,7 @@ fn a_wrong_choice_is_refused_with_what_was_measured() {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
     let said = refused(&Scene::planned(&CLOSED, "method = \"soluble\""));
-    assert!(said.contains("a cavity of 1728.0 mm³ is closed"), "{said}");
+    assert!(said.contains("a chamber of 1728.0 mm³ is closed"), "{said}");
     assert!(said.contains("\"halves\""), "{said}");
     let said = refused(&Scene::planned(&CHAMBER, "method = \"glue\""));
     assert!(said.contains("must be \"auto\" or one of \"pull-out\""), "{said}");
@@ -214,7 +215,7 @@ fn scene_with_looser_limit() {
 const SPOOL: Cubes = Cubes {
     count: [9, 9, 9],
     solid: |[i, j, k]| !(3..6).contains(&k) || (i.abs_diff(4) < 2 && j.abs_diff(4) < 2),
-    cavity: |[i, j, k]| i == 4 && j == 4 && k < 7,
+    chamber: |[i, j, k]| i == 4 && j == 4 && k < 7,
 };
 
 #[test]
@@ -239,7 +240,7 @@ fn the_plan_alone_writes_the_plan_and_its_picture() {
     let [mesh, out] = ["design.msh", "planned"].map(|n| scene.path(n));
     let output = fab(&["plan".as_ref(), mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
     assert!(output.status.success(), "{}", stderr(&output));
-    let plan = Plan::read(&out).unwrap();
+    let plan = PlanReport::read(&out).unwrap();
     assert!(plan.directions.len() > 60);
     assert!(plan.directions.is_sorted_by(|a, b| a.undercut <= b.undercut));
     assert!(plan.reason.contains("open-top"), "{}", plan.reason);

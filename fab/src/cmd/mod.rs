@@ -11,13 +11,13 @@ use anyhow::{Context, Result};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
 
-use crate::collar::{self, Collar};
+use crate::body::boundary::Boundary;
+use crate::body::collar::{self, Collar};
+use crate::body::source::{CastPart, Input};
 use crate::config::Config;
 use crate::plan::Plan;
-use crate::plan::report::Report;
+use crate::plan::report::{PlanReport, entries};
 use crate::progress::Progress;
-use crate::report::{CastPart, Input};
-use crate::skin::Skin;
 
 /// What `fab` can do.
 #[derive(Debug, Subcommand)]
@@ -50,14 +50,14 @@ pub struct Planned {
     /// What was asked for.
     pub config: Config,
     /// The body.
-    pub skin: Skin,
+    pub boundary: Boundary,
     /// The choices.
     pub plan: Plan,
-    /// The choices as they are told.
-    pub told: Report,
+    /// The choices as they are written.
+    pub report: PlanReport,
     /// Around its inlets.
     pub collars: Vec<Collar>,
-    /// What tells how far it is.
+    /// Logs what the run is doing.
     pub progress: Progress,
 }
 
@@ -68,17 +68,17 @@ impl Task {
     /// If the mesh or the configuration cannot be used, or the body cannot be molded.
     pub fn plan(&self) -> Result<Planned> {
         let config = self.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
-        let skin = self.named(Skin::new(&read_tets(&self.mesh)?, &config.cavity))?;
-        let triangles = skin.cast.triangles.len();
+        let boundary = self.named(Boundary::new(&read_tets(&self.mesh)?, &config.chamber))?;
+        let triangles = boundary.cast.triangles.len();
         let progress = Progress::new(triangles);
         progress.step(&format!("measuring a body of {triangles} triangles"));
-        let (skin, collars) = self.named(collar::fit(skin, &config))?;
-        let plan = self.named(Plan::new(&skin, &config))?;
+        let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
+        let plan = self.named(Plan::new(&boundary, &config))?;
         log::info!("{}", plan.reason);
-        let molds = plan::entries(&plan, skin.cores.len());
+        let molds = entries(&plan, boundary.cores.len());
         let input = self.input(&self.output, &config, CastPart::Whole)?;
-        let told = Report::new(&plan, input, molds);
-        Ok(Planned { config, skin, plan, told, collars, progress })
+        let report = PlanReport::new(&plan, input, molds);
+        Ok(Planned { config, boundary, plan, report, collars, progress })
     }
 
     /// The mesh as a report in `folder` names it.
@@ -86,7 +86,7 @@ impl Task {
     /// # Errors
     /// If the mesh cannot be read.
     pub fn input(&self, folder: &Path, config: &Config, part: CastPart) -> Result<Input, IoError> {
-        Input::new(&self.mesh, folder, &config.cavity, part)
+        Input::new(&self.mesh, folder, &config.chamber, part)
     }
 
     /// A result whose error names the mesh.

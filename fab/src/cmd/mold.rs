@@ -9,21 +9,23 @@ use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::{Planned, Task};
-use crate::cast;
-use crate::collar::{Collar, FittedTube};
+use crate::body::boundary::Boundary;
+use crate::body::collar::{Collar, FittedTube};
+use crate::body::orientation::Portion;
+use crate::body::source::{CastPart, Input};
 use crate::config::fitting::Tube;
-use crate::config::{Config, Sprue};
-use crate::export::{MM, printable};
-use crate::frame::Turn;
-use crate::method::Method;
+use crate::config::method::Method;
+use crate::config::{Config, SprueConfig};
+use crate::files::export::printable;
+use crate::files::output;
+use crate::files::report::{CAST, FILE, MoldReport, OUTSIDE, Role};
+use crate::files::sheet;
+use crate::geometry::MM;
+use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
-use crate::output;
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting};
 use crate::progress::{Progress, peak_memory};
-use crate::report::{CAST, CastPart, FILE, Input, OUTSIDE, Report, Role};
-use crate::skin::Skin;
-use crate::stance::Portion;
 use crate::verify::{Status, before_writing};
 
 /// Arguments of `fab mold`.
@@ -46,40 +48,40 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let task = &args.task;
-    let Planned { config, skin, collars, plan, told, progress } = task.plan()?;
+    let Planned { config, boundary, collars, plan, report: planned, progress } = task.plan()?;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
-    let of = |name: &str| told.molds.iter().find(|e| e.name == name).expect("it is planned");
-    let mut sets = Vec::new();
+    let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
+    let mut molds = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
         progress.step(&format!("cutting the mold of the {}", casting.name));
-        let mold = task.named(Mold::new(&skin, &casting.stance, plan.method, &config))?;
+        let mold = task.named(Mold::new(&boundary, &casting.orientation, plan.method, &config))?;
         progress.step("rounding and checking its surfaces");
-        let input = task.input(&folder(entry), &config, CastPart::of(&mold))?;
-        let mut set = Set::new(&mold, input, &config)?;
-        set.report.collars = fitted_tubes(&collars, &mold, &config);
-        set.prove(&entry.name, &task.mesh, &told, progress)?;
-        sets.push((entry, set));
+        let input = task.input(&folder(entry), &config, CastPart::of(mold.portion))?;
+        let mut files = MoldFiles::new(&mold, input, &config)?;
+        files.report.collars = fitted_tubes(&collars, &mold, &config);
+        files.prove(&entry.name, &task.mesh, &planned, progress)?;
+        molds.push((entry, files));
     }
     progress.step("writing");
     remove_old(&task.output)?;
-    let written = write_all(&sets, &folder, &told, &config, args, progress);
+    let written = write_all(&molds, &folder, &planned, &config, args, progress);
     if let Err(error) = written {
-        // The first error is the one to tell.
-        let _ = remove_molds(&task.output, &told);
+        // Only the first error is reported.
+        let _ = remove_molds(&task.output, &planned);
         return Err(error);
     }
-    for (entry, set) in &sets {
-        for note in &set.report.findings {
+    for (entry, files) in &molds {
+        for note in &files.report.findings {
             log::warn!("{}: {}: {}", entry.name, note.rule, note.message);
         }
     }
     let memory = peak_memory().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
     log::info!(
         "{} molds, {} parts, {:.2} mL of silicone, {:.1} s{memory}: {}",
-        told.molds.len(),
-        sets.iter().map(|(_, set)| set.report.parts.len()).sum::<usize>(),
-        sets.iter().map(|(_, set)| set.report.cast.silicone_ml).sum::<f64>(),
+        planned.molds.len(),
+        molds.iter().map(|(_, files)| files.report.parts.len()).sum::<usize>(),
+        molds.iter().map(|(_, files)| files.report.cast.silicone_ml).sum::<f64>(),
         start.elapsed().as_secs_f64(),
         task.output.display()
     );
@@ -89,70 +91,70 @@ pub fn run(args: &Args) -> Result<()> {
 /// The collars for mold.json.
 fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedTube> {
     let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
-    let told = |tube: &Tube| collars.iter().map(|c| c.told(tube, &mold.frame)).collect();
-    tube.as_ref().map_or(Vec::new(), told)
+    let fitted = |tube: &Tube| collars.iter().map(|c| c.fitted_tube(tube, &mold.frame)).collect();
+    tube.as_ref().map_or(Vec::new(), fitted)
 }
 
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
 fn write_all(
-    sets: &[(&Entry, Set)],
+    molds: &[(&Entry, MoldFiles)],
     folder: &impl Fn(&Entry) -> PathBuf,
-    told: &plan::report::Report,
+    planned: &plan::report::PlanReport,
     config: &Config,
     args: &Args,
     progress: Progress,
 ) -> Result<()> {
     let pictures = !args.no_pictures;
-    for (entry, set) in sets {
-        set.write(&folder(entry), pictures)?;
+    for (entry, files) in molds {
+        files.write(&folder(entry), pictures)?;
     }
-    for entry in told.molds.iter().filter(|entry| entry.casts == Material::Wax) {
-        let (body, set) = sets.first().expect("a body is cast around the core");
+    for entry in planned.molds.iter().filter(|entry| entry.casts == Material::Wax) {
+        let (body, files) = molds.first().expect("a body is cast around the core");
         let file = format!("{}.stl", entry.name);
         let file = folder(body).join(file);
-        let mold = wax_mold(&file, set.surface(&entry.name), &folder(entry), config)?;
-        mold.prove(&entry.name, &file, told, progress)?;
+        let mold = wax_mold(&file, files.surface(&entry.name), &folder(entry), config)?;
+        mold.prove(&entry.name, &file, planned, progress)?;
         mold.write(&folder(entry), pictures)?;
     }
-    if told.molds.len() > 1 {
-        cast::write_whole(&args.task.output, told)?;
+    if planned.molds.len() > 1 {
+        sheet::write_whole(&args.task.output, planned)?;
     }
-    told.write(&args.task.output)?;
+    planned.write(&args.task.output)?;
     Ok(())
 }
 
 /// The mold of a core, given by its file and surface [mm]. It stands with its stub up,
 /// through which the wax is poured.
-fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> Result<Set> {
+fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> Result<MoldFiles> {
     let vertices = core.vertices.iter().map(|p| p / MM).collect();
     let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };
-    let skin = Skin::of_surface(surface)?;
+    let boundary = Boundary::of_surface(surface)?;
     let config = Config {
         shrinkage: Some(0.0),
         parting: Config::default().parting,
         fitting: None,
-        sprue: Sprue { at: None, ..config.sprue.clone() },
+        sprue: SprueConfig { at: None, ..config.sprue.clone() },
         ..config.clone()
     };
-    let casting = Casting::new("core", &skin.filled, -Vec3::z(), Portion::Whole, &config)?;
-    let mold = Mold::new(&skin, &casting.stance, Method::Wax, &config)?;
-    let input = Input::new(file, folder, &config.cavity, CastPart::Core)?;
-    Set::new(&mold, input, &config)
+    let casting = Casting::new("core", &boundary.filled, -Vec3::z(), Portion::Whole, &config)?;
+    let mold = Mold::new(&boundary, &casting.orientation, Method::Wax, &config)?;
+    let input = Input::new(file, folder, &config.chamber, CastPart::Core)?;
+    MoldFiles::new(&mold, input, &config)
 }
 
 /// Removes the molds of an earlier plan.
 fn remove_old(output: &Path) -> Result<()> {
-    if let Ok(old) = plan::report::Report::read(output) {
+    if let Ok(old) = plan::report::PlanReport::read(output) {
         remove_molds(output, &old)?;
     }
     Ok(())
 }
 
 /// Removes the molds of a plan, and the plan.
-fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
+fn remove_molds(output: &Path, plan: &plan::report::PlanReport) -> Result<()> {
     for entry in &plan.molds {
         let folder = output.join(&entry.folder);
-        if let Ok(report) = Report::read(&folder) {
+        if let Ok(report) = MoldReport::read(&folder) {
             remove(&folder, &report)?;
         }
         if entry.folder != "." {
@@ -161,25 +163,25 @@ fn remove_molds(output: &Path, plan: &plan::report::Report) -> Result<()> {
             let _ = std::fs::remove_dir(folder);
         }
     }
-    remove_file(&output.join(cast::MARKDOWN))?;
+    remove_file(&output.join(sheet::MARKDOWN))?;
     remove_file(&output.join(plan::report::FILE))
 }
 
 /// A mold as it is written.
-struct Set {
+struct MoldFiles {
     surfaces: Vec<SurfaceMesh>,
-    report: Report,
+    report: MoldReport,
 }
 
-impl Set {
+impl MoldFiles {
     fn new(mold: &Mold, input: Input, config: &Config) -> Result<Self> {
         let upright = Turn::lowering(-Vec3::z());
         let cast = printable(CAST, &mold.cast, upright)?;
-        let mut report = Report::new(mold, input, config, &cast);
+        let mut report = MoldReport::new(mold, input, config, &cast);
         let mut surfaces = Vec::new();
         let mut add = |piece: &Piece, role: Role| -> Result<()> {
-            // Printed as it leaves the mold downward: its outside on the printer's bed.
-            let turn = Turn::lowering(piece.leaves);
+            // Printed with the demolding direction down: its outside lies on the printer's bed.
+            let turn = Turn::lowering(piece.demolding);
             let surface = printable(&piece.name, &piece.solid, turn)?;
             report.add_part(piece, role, turn, &surface);
             surfaces.push(surface);
@@ -198,7 +200,7 @@ impl Set {
         &self,
         name: &str,
         design: &Path,
-        plan: &plan::report::Report,
+        plan: &plan::report::PlanReport,
         progress: Progress,
     ) -> Result<()> {
         let lines = before_writing(&self.report, &self.surfaces, design, plan, progress);
@@ -222,7 +224,7 @@ impl Set {
 
     /// Replaces the mold in `folder`; the report comes last and vouches for the rest.
     fn write(&self, folder: &Path, pictures: bool) -> Result<()> {
-        if let Ok(old) = Report::read(folder) {
+        if let Ok(old) = MoldReport::read(folder) {
             remove(folder, &old)?;
         }
         let written = self
@@ -237,7 +239,7 @@ impl Set {
             })
             .and_then(|()| self.report.write(folder));
         if let Err(error) = written {
-            // The first error is the one to tell.
+            // Only the first error is reported.
             let _ = remove(folder, &self.report);
             return Err(error.into());
         }
@@ -246,7 +248,7 @@ impl Set {
 }
 
 /// Removes the files of a mold.
-fn remove(folder: &Path, report: &Report) -> Result<()> {
+fn remove(folder: &Path, report: &MoldReport) -> Result<()> {
     let others = output::files(report);
     let others = others.iter().map(String::as_str);
     let mut all = [FILE].into_iter().chain(report.files()).chain(others);

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::measure;
 
-use crate::printer;
+use crate::library::printer;
 use crate::tolerance::offset::offset;
 use crate::tolerance::run::Solver;
 use crate::tolerance::{FILE, Response, Study};

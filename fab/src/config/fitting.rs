@@ -1,34 +1,33 @@
 //! `[fitting]`: the tube that is put into the inlet, and the collar that holds it.
 
-use serde::Deserialize;
+use super::table::{any, table};
+use crate::library::fitting;
 
-use crate::fitting;
-
-/// Interference that is usual for a tube in soft silicone: a judgement, not a measurement [1].
-const INTERFERENCE: f64 = 0.1;
-
-/// A tube and its collar.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Fitting {
-    /// A tube of `fittings.toml`. Instead of it, `outer` and `inner` can be given.
-    pub name: Option<String>,
-    /// Outer diameter of the tube [m].
-    pub outer: Option<f64>,
-    /// Inner diameter of the tube [m].
-    pub inner: Option<f64>,
-    /// How much narrower the bore is than the tube, over the tube's diameter [1].
-    pub interference: f64,
-    /// How far the collar stands out of the body. Unset: twice the outer diameter [m].
-    pub length: Option<f64>,
-    /// Thickness of the collar around the bore [m].
-    pub wall: f64,
+table! {
+    /// A tube and its collar.
+    FittingConfig, "fitting." {
+        /// A tube of [`fittings.toml`](fittings.toml), for which a collar is cast around each inlet.
+        name: Option<String> = None => "none: no collar", any;
+        /// Outer diameter of the tube, instead of its name [m].
+        outer: Option<f64> = None => "that of the named tube", any;
+        /// Inner diameter of the tube, instead of its name [m].
+        inner: Option<f64> = None => "that of the named tube", any;
+        /// How much narrower the bore is than the tube, over the tube's diameter: a judgement [1].
+        interference: f64 = 0.1, squeeze;
+        /// How far the collar stands out of the body [m].
+        length: Option<f64> = None => "twice the outer diameter", any;
+        /// Thickness of the collar around the bore; more where the rim of the inlet needs it, by
+        /// `casting.least_wall` [m].
+        wall: f64 = 2e-3, any;
+    }
 }
 
-impl Default for Fitting {
-    fn default() -> Self {
-        let (name, outer, inner, length) = (None, None, None, None);
-        Self { name, outer, inner, interference: INTERFERENCE, length, wall: 2e-3 }
+fn squeeze(key: &str, interference: &f64) -> Result<(), String> {
+    match (0.0..=0.4).contains(interference) {
+        true => Ok(()),
+        false => Err(format!(
+            "{key} is {interference}, must lie between 0 and 0.4: a part of the diameter, not percent"
+        )),
     }
 }
 
@@ -45,7 +44,7 @@ pub struct Tube {
     pub source: String,
 }
 
-impl Fitting {
+impl FittingConfig {
     /// The tube, named or given by its diameters.
     ///
     /// # Errors
@@ -94,12 +93,7 @@ impl Fitting {
     /// The key, what it is, and what it may be.
     pub fn check(&self) -> Result<(), String> {
         let tube = self.tube()?;
-        if !(0.0..=0.4).contains(&self.interference) {
-            return Err(format!(
-                "fitting.interference is {}, must lie between 0 and 0.4: a part of the diameter, not percent",
-                self.interference
-            ));
-        }
+        self.check_ranges()?;
         for (key, length) in [("length", self.length(&tube)), ("wall", self.wall)] {
             if !(length > 0.0 && length < 0.1) {
                 return Err(format!("fitting.{key} is {length}, must be above 0 and below 0.1 m"));

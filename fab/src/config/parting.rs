@@ -2,52 +2,90 @@
 
 use serde::Deserialize;
 
-/// Settings of a parting that is chosen by what is measured.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Auto {
-    /// Direction in which the shells separate. Unset: where least is hidden [1].
-    pub pull: Option<[f64; 3]>,
-}
+use super::table::{Key, any, length, optional_direction, table};
 
 /// The surface between the two shells.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Parting {
+pub enum PartingConfig {
     /// Chosen by what is measured.
-    Auto(Auto),
+    Auto(AutoParting),
     /// A plane across the pull direction.
-    Plane(Plane),
+    Plane(PlaneParting),
     /// A height over the plane across the pull direction.
-    HeightField(HeightField),
+    HeightField(HeightFieldConfig),
 }
 
-/// Settings of a planar parting surface.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Plane {
-    /// Direction in which the shells separate, along or across `up`. Unset: across `up`, where the part is thinnest [1].
-    pub pull: Option<[f64; 3]>,
-    /// Position of the plane along `pull`, in the design's coordinates. Unset: the middle of the part [m].
-    pub offset: Option<f64>,
+table! {
+    /// Settings of a parting surface that is chosen by what is measured.
+    AutoParting, "parting." {
+        /// Direction in which the shells separate, along or across `up` [1].
+        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+    }
 }
 
-/// Settings of a height-field parting surface.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct HeightField {
-    /// Direction in which the shells separate, along or across `up`. Unset: `up` [1].
-    pub pull: Option<[f64; 3]>,
-    /// Spacing of the columns [m].
-    pub cell: f64,
-    /// Standard deviation of the Gaussian that smooths the heights [m].
-    pub smoothing: f64,
-    /// Steepest slope along a row of columns [degrees].
-    pub max_slope: f64,
+table! {
+    /// Settings of a planar parting surface.
+    PlaneParting, "parting." {
+        /// Direction in which the shells separate, along or across `up` [1].
+        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+        /// Plane: its position along `pull`, in the design's coordinates [m].
+        offset: Option<f64> = None => "where least is hidden", any;
+    }
 }
 
-impl Default for HeightField {
-    fn default() -> Self {
-        Self { pull: None, cell: 8e-4, smoothing: 1.6e-3, max_slope: 80.0 }
+table! {
+    /// Settings of a height-field parting surface.
+    HeightFieldConfig, "parting." {
+        /// Direction in which the shells separate, along or across `up` [1].
+        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+        /// Height field: spacing of the columns [m].
+        cell: f64 = 8e-4, length;
+        /// Height field: standard deviation of the Gaussian that smooths the heights [m].
+        smoothing: f64 = 1.6e-3, length;
+        /// Height field: steepest slope along a row of columns [degrees].
+        max_slope: f64 = 80.0, slope;
+    }
+}
+
+fn slope(key: &str, degrees: &f64) -> Result<(), String> {
+    match (1.0..=89.0).contains(degrees) {
+        true => Ok(()),
+        false => Err(format!("{key} is {degrees}, must lie between 1 and 89 degrees")),
+    }
+}
+
+impl PartingConfig {
+    /// Its keys, in order.
+    pub fn keys() -> impl Iterator<Item = &'static Key> {
+        const KIND: Key = Key {
+            name: "parting.kind",
+            default: "\"auto\"",
+            meaning: "where the shells separate: `\"plane\"`, `\"height-field\"`, or `\"auto\"`, \
+                      which chooses by what is measured; halves and sheets always choose themselves",
+        };
+        let tables = [AutoParting::KEYS, PlaneParting::KEYS, HeightFieldConfig::KEYS];
+        std::iter::once(&KIND).chain(tables.into_iter().flatten())
+    }
+
+    /// Whether every value lies in its range.
+    ///
+    /// # Errors
+    /// The key, what it is, and what it may be.
+    pub fn check(&self) -> Result<(), String> {
+        match self {
+            Self::Auto(auto) => auto.check_ranges(),
+            Self::Plane(plane) => plane.check_ranges(),
+            Self::HeightField(field) => {
+                field.check_ranges()?;
+                let HeightFieldConfig { smoothing, cell, .. } = field;
+                match *smoothing <= 50.0 * cell {
+                    true => Ok(()),
+                    false => Err(format!(
+                        "parting.smoothing is {smoothing}, must be at most 50 cells of {cell} m"
+                    )),
+                }
+            }
+        }
     }
 }

@@ -5,144 +5,210 @@ use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 use mesh::solid::Solid;
 
-use super::part::{Core, Part};
-use super::{BEYOND, Feature, Mold, MoldError, Piece, Purpose};
+use super::MoldError;
+use super::cast_body::{CastBody, Core};
+use super::features::core::{Print, drain};
+use super::features::pin::{PinSpace, pin};
+use super::features::support::{self, Sag};
+use super::piece::{Feature, Piece, Purpose, cut};
+use crate::config::method::Method;
 use crate::config::{Config, Support};
-use crate::method::Method;
-use crate::parts::Frustum;
-use crate::parts::core::{Print, drain};
-use crate::parts::pin::{Room, pin};
-use crate::parts::support::{self, Sag};
+use crate::geometry::frustum::Frustum;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.
 const SHORT: f64 = 0.5;
 
-impl Mold {
-    /// Adds the cores with their stubs, and cuts the sockets into the lowest piece.
-    pub(super) fn add_cores(
-        &mut self,
-        part: &Part,
-        channels: &[Feature],
-        level: Option<f64>,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let single = part.cores.len() == 1;
-        for (i, core) in part.cores.iter().enumerate() {
-            let mut solid = core.solid.clone();
-            let mut held = None;
-            for inlet in &core.inlets {
-                let floor = self.block.min.z;
-                let print = Print::new(inlet.centre, inlet.radius, floor, &self.cast, config)?;
-                solid = solid.union(&print.stub_solid());
-                let holder = self.shells.last_mut().expect("there are shells");
-                holder.solid = holder.solid.difference(&print.socket_solid());
-                if self.method == Method::Soluble {
-                    solid = self.bore(solid, &print, core, config);
-                }
-                let frustum = print.socket.clone();
-                self.features.push(Feature { purpose: Purpose::Socket, frustum });
-                held = Some((inlet.centre, print));
-            }
-            if let Some(held) = held {
-                solid = self.support(core, &held, solid, (channels, level), config)?;
-            }
+/// The cores of a mold, and what they make of its shells and of what is cast.
+pub struct Cores {
+    /// One per chamber.
+    pub pieces: Vec<Piece>,
+    /// The shells, the last with sockets, all with holes for pins.
+    pub shells: Vec<Piece>,
+    /// What is cast, without pins.
+    pub cast: Solid,
+    /// Sockets, bores for water and holes for pins.
+    pub features: Vec<Feature>,
+    /// What a person should know.
+    pub findings: Vec<Finding>,
+}
+
+/// What surrounds the cores.
+pub struct Mount<'a> {
+    /// How the cores leave the body.
+    pub method: Method,
+    /// Outside of the closed mold.
+    pub outside: &'a Solid,
+    /// Height to which stubs reach [m].
+    pub floor: f64,
+    /// Height to which holes reach [m].
+    pub end: f64,
+    /// The plane y = level on which sides meet, if there are any [m].
+    pub level: Option<f64>,
+    /// Sprue and vents.
+    pub channels: &'a [Feature],
+    /// What was asked for.
+    pub config: &'a Config,
+}
+
+/// A core on a pin, if it needs one.
+struct Supported {
+    solid: Solid,
+    /// The pin, and the hole for it in the shells.
+    pin: Option<(Solid, Feature)>,
+    finding: Option<Finding>,
+}
+
+/// A core with a bore for water, if one fits.
+struct Bored {
+    solid: Solid,
+    bore: Option<Feature>,
+    finding: Option<Finding>,
+}
+
+impl Cores {
+    /// None: the shells as they are.
+    #[must_use]
+    pub fn none(body: &CastBody, shells: Vec<Piece>) -> Self {
+        let (features, findings) = (Vec::new(), Vec::new());
+        Self { pieces: Vec::new(), shells, cast: body.cast.clone(), features, findings }
+    }
+
+    /// The cores of a body with their stubs, and sockets for these in the last of the shells.
+    ///
+    /// # Errors
+    /// If a stub does not fit its inlet, or a pin that was asked for finds no place.
+    pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
+        let single = body.cores.len() == 1;
+        let none = Self::none(body, shells);
+        body.cores.iter().enumerate().try_fold(none, |cores, (i, core)| {
             let name = if single { "core".into() } else { format!("core{}", i + 1) };
-            self.cores.push(Piece { name, solid, leaves: -Vec3::z() });
-        }
-        Ok(())
+            cores.and(name, core, mount)
+        })
     }
 
-    /// A soluble core with a bore for water, if there is room for one.
-    fn bore(&mut self, solid: Solid, print: &Print, core: &Core, config: &Config) -> Solid {
-        let mut tell = |message| self.findings.push(Finding { rule: "drain", message, count: 1 });
-        let Some(frustum) = drain(&print.stub, &core.solid, config) else {
-            tell(format!(
-                "no upright bore of core.drain = {1:.2} mm within core.skin = {2:.2} mm fits into a stub of {0:.2} mm \
-                 radius and the core above it: water dissolves the core from its end only",
-                print.stub.base_radius * 1e3,
-                config.core.drain * 1e3,
-                config.core.skin * 1e3
-            ));
-            return solid;
-        };
-        let (low, high) = core.solid.bounds();
-        let [reach, height] = [frustum.base.z + frustum.axis.z - low.z, high.z - low.z];
-        if reach < SHORT * height {
-            tell(format!(
-                "the bore for water ends {:.1} mm above the inlet, where less than core.skin = {:.2} mm of the core \
-                 would be left around it; the core is {:.1} mm high: change the water more often",
-                reach * 1e3,
-                config.core.skin * 1e3,
-                height * 1e3
-            ));
+    /// These and one more.
+    fn and(self, name: String, core: &Core, mount: &Mount) -> Result<Self, MoldError> {
+        let Self { mut pieces, mut shells, mut cast, mut features, mut findings } = self;
+        let mut solid = core.solid.clone();
+        let mut held = None;
+        for inlet in &core.inlets {
+            let (centre, radius) = (inlet.centre, inlet.radius);
+            let print = Print::new(centre, radius, mount.floor, &cast, mount.config)?;
+            solid = solid.union(&print.stub_solid());
+            let holder = shells.last_mut().expect("there are shells");
+            holder.solid = holder.solid.difference(&print.socket_solid());
+            if mount.method == Method::Soluble {
+                let bored = bored(solid, &print, core, mount.config);
+                solid = bored.solid;
+                features.extend(bored.bore);
+                findings.extend(bored.finding);
+            }
+            let frustum = print.socket.clone();
+            features.push(Feature { purpose: Purpose::Socket, frustum });
+            held = Some((centre, print));
         }
-        let solid = solid.difference(&frustum.solid());
-        self.features.push(Feature { purpose: Purpose::Drain, frustum });
-        solid
-    }
-
-    /// A core that is held at one inlet, with a pin if it needs one, and what to know of it.
-    /// The pin keeps clear of the channels; between shells that part sideways it stands on
-    /// their plane y = level.
-    fn support(
-        &mut self,
-        core: &Core,
-        (inlet, print): &(Vec3, Print),
-        solid: Solid,
-        (channels, level): (&[Feature], Option<f64>),
-        config: &Config,
-    ) -> Result<Solid, MoldError> {
-        let surface = core.solid.to_surface();
-        let density = config.density().unwrap_or(support::SILICONE);
-        let clearance = config.stub_clearance();
-        let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
-        let radius = config.core.pin;
-        let outside = self.outside.to_surface();
-        let room = Room {
-            outside: &SurfaceBvh::new(&outside),
-            channels: channels.iter().map(|channel| &channel.frustum).collect(),
-            clearance,
-            level,
-        };
-        let found = match config.core.support {
-            Support::Auto if sag.bend <= config.limits.sag => None,
-            Support::Auto => pin(&surface, inlet, radius, &room).ok(),
-            Support::Pin => Some(pin(&surface, inlet, radius, &room)?),
-            Support::Stub => None,
-        };
-        let Some(pin) = found else {
-            self.findings.extend(moves(&sag, config.limits.sag));
-            return Ok(solid);
-        };
-        let base = pin.base * 1e3;
-        self.findings.push(Finding {
-            rule: "pin",
-            message: format!(
-                "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
-                 silicone",
-                pin.base_radius * 1e3,
-                base.x,
-                base.y
-            ),
-            count: 1,
-        });
-        let around = clearance + pin.base_radius;
-        let top = self.block.max.z + BEYOND;
-        let hole = Frustum {
-            axis: Vec3::z() * (top - pin.base.z),
-            base_radius: around,
-            top_radius: around,
-            ..pin.clone()
-        };
-        let pin = pin.solid();
-        self.cast = self.cast.difference(&pin);
-        self.cut(Purpose::Pin, hole);
-        Ok(solid.union(&pin))
+        if let Some((inlet, print)) = held {
+            let supported = supported(core, solid, &inlet, &print, mount)?;
+            solid = supported.solid;
+            findings.extend(supported.finding);
+            if let Some((pin, hole)) = supported.pin {
+                cast = cast.difference(&pin);
+                shells = cut(shells, std::slice::from_ref(&hole));
+                features.push(hole);
+            }
+        }
+        pieces.push(Piece { name, solid, demolding: -Vec3::z() });
+        Ok(Self { pieces, shells, cast, features, findings })
     }
 }
 
-/// Tells how far a core may move that is held at one end.
+/// A soluble core with a bore for water along its stub.
+fn bored(solid: Solid, print: &Print, core: &Core, config: &Config) -> Bored {
+    let finding = |message| Some(Finding { rule: "drain", message, count: 1 });
+    let Some(frustum) = drain(&print.stub, &core.solid, config) else {
+        let message = format!(
+            "no upright bore of core.drain = {1:.2} mm within core.skin = {2:.2} mm fits into a stub of {0:.2} mm \
+             radius and the core above it: water dissolves the core from its end only",
+            print.stub.base_radius * 1e3,
+            config.core.drain * 1e3,
+            config.core.skin * 1e3
+        );
+        return Bored { solid, bore: None, finding: finding(message) };
+    };
+    let (low, high) = core.solid.bounds();
+    let [reach, height] = [frustum.base.z + frustum.axis.z - low.z, high.z - low.z];
+    let short = (reach < SHORT * height).then(|| {
+        format!(
+            "the bore for water ends {:.1} mm above the inlet, where less than core.skin = {:.2} mm of the core \
+             would be left around it; the core is {:.1} mm high: change the water more often",
+            reach * 1e3,
+            config.core.skin * 1e3,
+            height * 1e3
+        )
+    });
+    let solid = solid.difference(&frustum.solid());
+    let bore = Some(Feature { purpose: Purpose::Drain, frustum });
+    Bored { solid, bore, finding: short.and_then(finding) }
+}
+
+/// A core that is held at one inlet, on a pin if it needs one. The pin keeps clear of the
+/// channels; between shells that part sideways it stands on their plane.
+fn supported(
+    core: &Core,
+    solid: Solid,
+    inlet: &Vec3,
+    print: &Print,
+    mount: &Mount,
+) -> Result<Supported, MoldError> {
+    let config = mount.config;
+    let surface = core.solid.to_surface();
+    let density = config.density().unwrap_or(support::SILICONE);
+    let clearance = config.stub_clearance();
+    let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
+    let radius = config.core.pin;
+    let outside = mount.outside.to_surface();
+    let space = PinSpace {
+        outside: &SurfaceBvh::new(&outside),
+        channels: mount.channels.iter().map(|channel| &channel.frustum).collect(),
+        clearance,
+        level: mount.level,
+    };
+    let found = match config.core.support {
+        Support::Auto if sag.bend <= config.limits.sag => None,
+        Support::Auto => pin(&surface, inlet, radius, &space).ok(),
+        Support::Pin => Some(pin(&surface, inlet, radius, &space)?),
+        Support::Stub => None,
+    };
+    let Some(pin) = found else {
+        return Ok(Supported { solid, pin: None, finding: moves(&sag, config.limits.sag) });
+    };
+    let base = pin.base * 1e3;
+    let finding = Finding {
+        rule: "pin",
+        message: format!(
+            "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
+             silicone",
+            pin.base_radius * 1e3,
+            base.x,
+            base.y
+        ),
+        count: 1,
+    };
+    let around = clearance + pin.base_radius;
+    let hole = Frustum {
+        axis: Vec3::z() * (mount.end - pin.base.z),
+        base_radius: around,
+        top_radius: around,
+        ..pin.clone()
+    };
+    let pin = pin.solid();
+    let solid = solid.union(&pin);
+    let hole = Feature { purpose: Purpose::Pin, frustum: hole };
+    Ok(Supported { solid, pin: Some((pin, hole)), finding: Some(finding) })
+}
+
+/// Reports how far a core may move that is held at one end.
 fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
     let Sag { lift, reach, bend, lean } = *sag;
     if bend.max(lean) <= limit {

@@ -1,176 +1,219 @@
-//! The pieces of a mold, and what holds them together.
+//! The outside of a mold divided into shells, and what joins these.
 
+use mesh::check::Finding;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 
-use super::part::Part;
-use super::{Feature, Mold, MoldError, Piece, Purpose};
+use super::MoldError;
+use super::cast_body::CastBody;
+use super::features::block::Block;
+use super::features::flange::Joint;
+use super::features::key::{Key, Sizes};
+use super::features::label::{self, Face};
+use super::features::outside::{hull, slab};
+use super::parting::{Site, Split, affine, divide, turned};
+use super::piece::{Feature, Piece, Purpose, cut};
+use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
-use crate::frame::{Pull, Turn};
-use crate::parts::Frustum;
-use crate::parts::block::Block;
-use crate::parts::flange::Joint;
-use crate::parts::key::Sizes;
-use crate::parts::label::{self, Face};
-use crate::parts::outside::{hull, slab};
-use crate::split::{Site, Split, affine, divide, turned};
-use crate::stance::{Parting, Portion, Stance};
+use crate::geometry::frame::{Frame, Pull, Turn};
+use crate::geometry::frustum::Frustum;
 
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;
 
-impl Mold {
-    /// Makes the outside, around the part and the rims of its channels, and the shells.
-    pub(super) fn divide(
-        &mut self,
-        part: &Part,
-        rims: &[Vec3],
-        stance: &Stance,
-        pull: Pull,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let below = Block::below(stance.portion, config);
-        let points = [&part.surface.vertices, rims].concat();
-        self.outside = hull(&points, &self.block, below, config);
-        match (&stance.parting, pull) {
-            (Parting::Open, _) => self.add_tray(part, config),
-            (Parting::Seat, _) => self.add_cup_on_plate(part, config),
-            (_, Pull::Z) => self.add_upper_and_lower(part, stance, config)?,
-            (_, Pull::Y) => self.add_sides_on_base(part, stance, config)?,
+/// What is divided.
+pub struct Blank<'a> {
+    /// What is cast.
+    pub body: &'a CastBody,
+    /// Bounds of the closed mold.
+    pub block: &'a Block,
+    /// From the design to the mold.
+    pub frame: &'a Frame,
+    /// How the body stands, and where the shells separate.
+    pub orientation: &'a Orientation,
+    /// In which direction.
+    pub pull: Pull,
+    /// What was asked for.
+    pub config: &'a Config,
+}
+
+/// The outside of a mold and its shells, without sockets and channels.
+pub struct Division {
+    /// Outside of the closed mold.
+    pub outside: Solid,
+    /// Position of the joint of the shells along the pull, in the rim [m].
+    pub level: f64,
+    /// Shells, and the base if there is one, taken apart in reverse order.
+    pub shells: Vec<Piece>,
+    /// Keys, bolts and slots.
+    pub features: Vec<Feature>,
+    /// What a person should know.
+    pub findings: Vec<Finding>,
+}
+
+impl Division {
+    /// The outside around the body and the rims of its channels, divided as the body stands.
+    ///
+    /// # Errors
+    /// [`MoldError::Columns`] if a height field would be too fine.
+    pub fn new(blank: &Blank, rims: &[Vec3]) -> Result<Self, MoldError> {
+        let Blank { body, block, orientation, pull, config, .. } = blank;
+        let below = Block::below(orientation.portion, config);
+        let points = [&body.surface.vertices, rims].concat();
+        let hull = hull(&points, block, below, config);
+        match (&orientation.parting, pull) {
+            (PartingSurface::Open, _) => Ok(blank.tray(hull)),
+            (PartingSurface::Seat, _) => Ok(blank.cup_on_plate(hull)),
+            (_, Pull::Z) => blank.upper_and_lower(hull),
+            (_, Pull::Y) => blank.sides_on_base(hull),
         }
-        Ok(())
     }
+}
 
-    fn add_shell(&mut self, name: &str, solid: Solid, leaves: Vec3) {
-        self.shells.push(Piece { name: name.into(), solid, leaves });
-    }
-
+impl Blank<'_> {
     /// One piece, open above.
-    fn add_tray(&mut self, part: &Part, config: &Config) {
-        let Block { min, max } = self.block.clone();
-        self.raise("tray", front(&min, &max, [min.z, max.z], -Vec3::z()), config);
-        let tray = self.outside.difference(&part.filled);
-        self.add_shell("tray", tray, -Vec3::z());
+    fn tray(&self, hull: Solid) -> Division {
+        let Block { min, max } = self.block;
+        let face = front(min, max, [min.z, max.z], -Vec3::z());
+        let outside = self.labelled(hull, "tray", &face);
+        let tray = shell("tray", outside.difference(&self.body.filled), -Vec3::z());
+        let (features, findings) = (Vec::new(), Vec::new());
+        Division { outside, level: 0.0, shells: vec![tray], features, findings }
     }
 
     /// A cup, and the plate on which it stands.
-    fn add_cup_on_plate(&mut self, part: &Part, config: &Config) {
-        let Block { min, max } = self.block.clone();
-        let thickness = config.flange.thickness;
-        let (bottom, joint, top) = (min.z, part.seat, part.seat + thickness);
-        self.widen(Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top));
-        let [upper, lower] = match self.portion {
+    fn cup_on_plate(&self, hull: Solid) -> Division {
+        let Block { min, max } = self.block;
+        let thickness = self.config.flange.thickness;
+        let (bottom, joint, top) = (min.z, self.body.seat, self.body.seat + thickness);
+        let [upper, lower] = match self.orientation.portion {
             Portion::Whole => ["upper", "lower"],
             Portion::Above(_) | Portion::Below(_) => ["cup", "lid"],
         };
-        self.raise(upper, front(&min, &max, [joint, top], Vec3::z()), config);
-        self.raise(lower, front(&min, &max, [bottom, joint], -Vec3::z()), config);
-        let (mut cup, mut plate) = self.cut_at_seat(part);
-        self.add_keys(joint, &mut plate, &mut [&mut cup], config);
-        self.add_shell(upper, cup, Vec3::z());
-        self.add_shell(lower, plate, -Vec3::z());
-        self.bolt(&self.joint(joint), Turn::lowering(-Vec3::z()), config);
+        let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
+        let outside = self.widened(&hull, flange);
+        let outside = self.labelled(outside, upper, &front(min, max, [joint, top], Vec3::z()));
+        let outside = self.labelled(outside, lower, &front(min, max, [bottom, joint], -Vec3::z()));
+        let (cup, plate) = self.cut_at_seat(&outside);
+        let keys = self.keys(&self.joint(joint));
+        let shells = vec![
+            shell(upper, holed(cup, &keys, Turn::NONE), Vec3::z()),
+            shell(lower, coned(plate, &keys, Turn::NONE), -Vec3::z()),
+        ];
+        let bolts = self.bolts(&self.joint(joint), Turn::NONE);
+        let features = [seats(&keys, Turn::NONE), bolts.clone()].concat();
+        Division {
+            outside,
+            level: 0.0,
+            shells: cut(shells, &bolts),
+            features,
+            findings: Vec::new(),
+        }
     }
 
     /// Two shells that part above each other.
-    fn add_upper_and_lower(
-        &mut self,
-        part: &Part,
-        stance: &Stance,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let split = self.split(part, stance, Pull::Z, config)?;
-        let Block { min, max } = self.block.clone();
-        let thickness = config.flange.thickness;
+    fn upper_and_lower(&self, hull: Solid) -> Result<Division, MoldError> {
+        let split = self.split()?;
+        let Block { min, max } = self.block;
+        let thickness = self.config.flange.thickness;
         let level = split.level;
-        self.level = level;
-        let at = |z: f64| z.clamp(min.z, max.z);
-        let (bottom, top) = (at(level - thickness), at(level + thickness));
-        self.widen(Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top));
-        self.raise("upper", front(&min, &max, [level, top], Vec3::z()), config);
-        self.raise("lower", front(&min, &max, [bottom, level], -Vec3::z()), config);
-        let sides = divide(&self.outside, &part.filled, &split);
-        self.findings.extend(split.findings);
-        self.findings.extend(sides.findings);
-        let (mut upper, mut lower) = (sides.above, sides.below);
-        self.add_keys(level, &mut lower, &mut [&mut upper], config);
-        self.add_shell("upper", upper, Vec3::z());
-        self.add_shell("lower", lower, -Vec3::z());
-        self.bolt(&self.joint(level), Turn::lowering(-Vec3::z()), config);
-        Ok(())
+        let within = |z: f64| z.clamp(min.z, max.z);
+        let (bottom, top) = (within(level - thickness), within(level + thickness));
+        let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
+        let outside = self.widened(&hull, flange);
+        let outside = self.labelled(outside, "upper", &front(min, max, [level, top], Vec3::z()));
+        let outside =
+            self.labelled(outside, "lower", &front(min, max, [bottom, level], -Vec3::z()));
+        let sides = divide(&outside, &self.body.filled, &split);
+        let keys = self.keys(&self.joint(level));
+        let shells = vec![
+            shell("upper", holed(sides.above, &keys, Turn::NONE), Vec3::z()),
+            shell("lower", coned(sides.below, &keys, Turn::NONE), -Vec3::z()),
+        ];
+        let bolts = self.bolts(&self.joint(level), Turn::NONE);
+        Ok(Division {
+            outside,
+            level,
+            shells: cut(shells, &bolts),
+            features: [seats(&keys, Turn::NONE), bolts].concat(),
+            findings: [split.findings, sides.findings].concat(),
+        })
     }
 
     /// Two shells side by side, on a base.
-    fn add_sides_on_base(
-        &mut self,
-        part: &Part,
-        stance: &Stance,
-        config: &Config,
-    ) -> Result<(), MoldError> {
-        let split = self.split(part, stance, Pull::Y, config)?;
-        let Block { min, max } = self.block.clone();
-        let thickness = config.flange.thickness;
-        let (level, joint) = (split.level, part.seat);
-        self.level = level;
+    fn sides_on_base(&self, hull: Solid) -> Result<Division, MoldError> {
+        let split = self.split()?;
+        let Block { min, max } = self.block;
+        let thickness = self.config.flange.thickness;
+        let (level, joint) = (split.level, self.body.seat);
         let foot = joint + thickness;
-        self.widen(min, Vec3::new(max.x, max.y, foot));
-        self.widen(
-            Vec3::new(min.x, level - thickness, min.z),
-            Vec3::new(max.x, level + thickness, max.z),
-        );
-        let base_name = match self.portion {
+        let name = match self.orientation.portion {
             Portion::Whole => "base",
             Portion::Above(_) | Portion::Below(_) => "lid",
         };
-        let middle = (foot + max.z) / 2.0;
+        let outside = self.widened(&hull, [*min, Vec3::new(max.x, max.y, foot)]);
+        let low = Vec3::new(min.x, level - thickness, min.z);
+        let outside = self.widened(&outside, [low, Vec3::new(max.x, level + thickness, max.z)]);
+        let [left, right] = self.rims(level, foot);
+        let outside = self.labelled(outside, name, &front(min, max, [min.z, joint], -Vec3::z()));
+        let outside = self.labelled(outside, "left", &left);
+        let outside = self.labelled(outside, "right", &right);
+
+        let (above, base) = self.cut_at_seat(&outside);
+        let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
+        let turn = Turn::lowering(-Vec3::y()).inverse();
+        let sides = divide(&above, &empty, &split.turned(turn));
+        let on_base = self.keys(&self.joint(joint));
+        // Seen along the pull, x runs to the right and z down.
+        let rim = Joint { low: [min.x, -max.z], high: [max.x, -foot], level };
+        let between = self.keys(&rim);
+        let left = holed(holed(sides.above, &on_base, Turn::NONE), &between, turn);
+        let right = coned(holed(sides.below, &on_base, Turn::NONE), &between, turn);
+        let shells = vec![
+            shell("left", left, Vec3::y()),
+            shell("right", right, -Vec3::y()),
+            shell(name, coned(base, &on_base, Turn::NONE), -Vec3::z()),
+        ];
+        let corners = self.joint(joint).corner_bolts(min.z, foot, self.config);
+        let corners = corners.into_iter().map(|frustum| hole(Purpose::Bolt, frustum));
+        let bolts: Vec<Feature> = self.bolts(&rim, turn).into_iter().chain(corners).collect();
+        Ok(Division {
+            outside,
+            level,
+            shells: cut(shells, &bolts),
+            features: [seats(&on_base, Turn::NONE), seats(&between, turn), bolts].concat(),
+            findings: sides.findings,
+        })
+    }
+
+    /// Faces of the flanges of left and right shell, above the foot.
+    fn rims(&self, level: f64, foot: f64) -> [Face; 2] {
+        let (max, thickness) = (&self.block.max, self.config.flange.thickness);
         let rim = |along: Vec3, y: f64, down: Vec3| Face {
-            middle: Vec3::new(max.x, y, middle),
+            middle: Vec3::new(max.x, y, (foot + max.z) / 2.0),
             along,
             up: along.cross(&Vec3::x()) * -1.0,
             size: [max.z - foot, thickness],
             down,
         };
-        self.raise(base_name, front(&min, &max, [min.z, joint], -Vec3::z()), config);
-        self.raise("left", rim(Vec3::z(), level + thickness / 2.0, Vec3::y()), config);
-        self.raise("right", rim(-Vec3::z(), level - thickness / 2.0, -Vec3::y()), config);
-        let (above, mut base) = self.cut_at_seat(part);
-        let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
-        let turn = Turn::lowering(-Vec3::y());
-        let mut sides = divide(&above, &empty, &split.turned(turn.inverse()));
-        self.findings.append(&mut sides.findings);
-        let (mut left, mut right) = (sides.above, sides.below);
-        self.add_keys(joint, &mut base, &mut [&mut left, &mut right], config);
-        // Seen along the pull, x runs to the right and z down.
-        let rim = Joint { low: [min.x, -max.z], high: [max.x, -foot], level };
-        for [x, y] in Sizes::of(config).sites(rim.low, rim.high) {
-            let key = Sizes::of(config).key(Vec3::new(x, y, level));
-            let place = |cone: &Frustum| cone.solid().transform(&affine(turn.inverse()));
-            right = right.union(&place(&key.male));
-            left = left.difference(&place(&key.female));
-            let frustum = turned(&key.seat, turn.inverse());
-            self.features.push(Feature { purpose: Purpose::Key, frustum });
-        }
-        self.add_shell("left", left, Vec3::y());
-        self.add_shell("right", right, -Vec3::y());
-        self.add_shell(base_name, base, -Vec3::z());
-        self.bolt(&rim, turn.inverse(), config);
-        for bolt in self.joint(joint).corner_bolts(min.z, foot, config) {
-            self.cut(Purpose::Bolt, bolt);
-        }
-        Ok(())
+        [
+            rim(Vec3::z(), level + thickness / 2.0, Vec3::y()),
+            rim(-Vec3::z(), level - thickness / 2.0, -Vec3::y()),
+        ]
     }
 
     /// What is above the seat, without the part, and what is below. A part that is cut
     /// there has its core on what is below.
-    fn cut_at_seat(&self, part: &Part) -> (Solid, Solid) {
-        let above = self.outside.trim_by_plane(&Vec3::z(), part.seat).difference(&part.filled);
-        let region = self.outside.trim_by_plane(&-Vec3::z(), -part.seat);
-        let below = match self.portion {
-            Portion::Whole => region.difference(&part.filled),
+    fn cut_at_seat(&self, outside: &Solid) -> (Solid, Solid) {
+        let CastBody { filled, cores, seat, .. } = self.body;
+        let above = outside.trim_by_plane(&Vec3::z(), *seat).difference(filled);
+        let region = outside.trim_by_plane(&-Vec3::z(), -seat);
+        let below = match self.orientation.portion {
+            Portion::Whole => region.difference(filled),
             // Not what is left by body and cup: where their surfaces differ in the last bits,
             // that has films.
             Portion::Above(_) | Portion::Below(_) => {
-                part.cores.iter().fold(region, |all, core| all.union(&core.solid))
+                cores.iter().fold(region, |all, core| all.union(&core.solid))
             }
         };
         (above, below)
@@ -178,83 +221,100 @@ impl Mold {
 
     /// The level rectangle over all of the block.
     fn joint(&self, level: f64) -> Joint {
-        let Block { min, max } = &self.block;
+        let Block { min, max } = self.block;
         Joint { low: [min.x, min.y], high: [max.x, max.y], level }
     }
 
-    /// Adds a box to the outside.
-    fn widen(&mut self, min: Vec3, max: Vec3) {
-        self.outside = self.outside.union(&slab(&self.block, min, max));
+    /// An outside with a box added to it.
+    fn widened(&self, outside: &Solid, [min, max]: [Vec3; 2]) -> Solid {
+        outside.union(&slab(self.block, min, max))
     }
 
-    /// Raises the name of a piece on a face of the outside.
-    fn raise(&mut self, name: &str, face: Face, config: &Config) {
-        if config.labels {
-            self.outside = self.outside.union(&label::word(name, &face));
-        }
+    /// An outside with the name of a piece raised on one of its faces.
+    fn labelled(&self, outside: Solid, name: &str, face: &Face) -> Solid {
+        if self.config.labels { outside.union(&label::word(name, face)) } else { outside }
     }
 
-    /// Keys on a level joint: cones on what is below, holes in what is above.
-    fn add_keys(
-        &mut self,
-        level: f64,
-        below: &mut Solid,
-        above: &mut [&mut Solid],
-        config: &Config,
-    ) {
-        let Joint { low, high, .. } = self.joint(level);
-        for [x, y] in Sizes::of(config).sites(low, high) {
-            let key = Sizes::of(config).key(Vec3::new(x, y, level));
-            *below = below.union(&key.male.solid());
-            for shell in above.iter_mut() {
-                **shell = shell.difference(&key.female.solid());
-            }
-            self.features.push(Feature { purpose: Purpose::Key, frustum: key.seat });
-        }
+    /// The keys of a joint.
+    fn keys(&self, joint: &Joint) -> Vec<Key> {
+        let sizes = Sizes::of(self.config);
+        let sites = sizes.sites(joint.low, joint.high).into_iter();
+        sites.map(|[x, y]| sizes.key(Vec3::new(x, y, joint.level))).collect()
     }
 
-    /// Holes for bolts and a slot for a screwdriver, in coordinates with z along the pull.
-    fn bolt(&mut self, joint: &Joint, turn: Turn, config: &Config) {
-        for bolt in joint.bolts(config) {
-            self.cut(Purpose::Bolt, turned(&bolt, turn));
-        }
-        self.cut(Purpose::Pry, turned(&joint.pry(config), turn));
+    /// Holes for bolts and a slot for a screwdriver. The joint has z along the pull; `turn`
+    /// leads from there to the mold.
+    fn bolts(&self, joint: &Joint, turn: Turn) -> Vec<Feature> {
+        let bolts = joint.bolts(self.config).into_iter();
+        let bolts = bolts.map(|frustum| hole(Purpose::Bolt, turned(&frustum, turn)));
+        let pry = hole(Purpose::Pry, turned(&joint.pry(self.config), turn));
+        bolts.chain([pry]).collect()
     }
 
     /// The parting surface, in coordinates with z along the pull.
-    fn split(
-        &self,
-        part: &Part,
-        stance: &Stance,
-        pull: Pull,
-        config: &Config,
-    ) -> Result<Split, MoldError> {
+    fn split(&self) -> Result<Split, MoldError> {
+        let Blank { body, block, pull, config, .. } = self;
         let turn = Turn::lowering(-pull.vector());
-        let corners = [turn.0 * self.block.min, turn.0 * self.block.max];
+        let corners = [turn.0 * block.min, turn.0 * block.max];
         let (min, max) = measure::bounds(&corners);
         let rim = match pull {
             Pull::Z => [Joint::band(config), Block::rim(config)],
             Pull::Y => [Joint::band(config), 0.0],
         };
         let site = Site { min, max, rim };
-        match &stance.parting {
-            Parting::HeightField(field) => {
+        match &self.orientation.parting {
+            PartingSurface::HeightField(field) => {
                 let columns = (max.x - min.x) * (max.y - min.y) / field.cell.powi(2);
                 if columns > MOST_COLUMNS {
                     let (cell, most) = (field.cell, MOST_COLUMNS);
                     return Err(MoldError::Columns { cell, columns, most });
                 }
-                let vertices = part.surface.vertices.iter().map(|p| turn.0 * p).collect();
-                let triangles = part.surface.triangles.clone();
+                let vertices = body.surface.vertices.iter().map(|p| turn.0 * p).collect();
+                let triangles = body.surface.triangles.clone();
                 Ok(Split::height_field(&site, &SurfaceMesh { vertices, triangles }, field))
             }
-            Parting::Plane(position) => {
-                let point = self.frame.point(&(stance.pull * *position));
+            PartingSurface::Plane(position) => {
+                let point = self.frame.point(&(self.orientation.pull * *position));
                 Ok(Split::plane(&site, point.dot(&pull.vector())))
             }
-            Parting::Seat | Parting::Open => Ok(Split::plane(&site, part.seat)),
+            PartingSurface::Seat | PartingSurface::Open => Ok(Split::plane(&site, body.seat)),
         }
     }
+}
+
+fn shell(name: &str, solid: Solid, demolding: Vec3) -> Piece {
+    Piece { name: name.into(), solid, demolding }
+}
+
+fn hole(purpose: Purpose, frustum: Frustum) -> Feature {
+    Feature { purpose, frustum }
+}
+
+/// A frustum of a joint as a solid of the mold.
+fn placed(frustum: &Frustum, turn: Turn) -> Solid {
+    match turn == Turn::NONE {
+        true => frustum.solid(),
+        false => frustum.solid().transform(&affine(turn)),
+    }
+}
+
+/// A piece with the cones of keys.
+fn coned(piece: Solid, keys: &[Key], turn: Turn) -> Solid {
+    keys.iter().fold(piece, |piece, key| piece.union(&placed(&key.male, turn)))
+}
+
+/// A piece with the holes for keys.
+fn holed(piece: Solid, keys: &[Key], turn: Turn) -> Solid {
+    keys.iter().fold(piece, |piece, key| piece.difference(&placed(&key.female, turn)))
+}
+
+/// The holes for keys as they are reported.
+fn seats(keys: &[Key], turn: Turn) -> Vec<Feature> {
+    let seat = |key: &Key| match turn == Turn::NONE {
+        true => key.seat.clone(),
+        false => turned(&key.seat, turn),
+    };
+    keys.iter().map(|key| Feature { purpose: Purpose::Key, frustum: seat(key) }).collect()
 }
 
 /// The face of a block that looks along −y, between two heights, of a piece that is printed

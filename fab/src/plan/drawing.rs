@@ -16,8 +16,8 @@ use render::sheet::{Panel, Sheet, draw_sheet};
 use render::view::View;
 
 use super::{Casting, Plan};
-use crate::export::MM;
-use crate::frame::Frame;
+use crate::geometry::MM;
+use crate::geometry::frame::Frame;
 
 /// Name of the picture in the top folder.
 pub const FILE: &str = "undercut.png";
@@ -57,7 +57,7 @@ pub fn draw(path: &Path, plan: &Plan) -> Result<(), IoError> {
 
 /// A casting with its pull up, and with its pull down.
 fn panels(casting: &Casting) -> [Panel; 2] {
-    let pull = casting.stance.pull;
+    let pull = casting.orientation.pull;
     let (frame, _) = Frame::new(pull, pull).expect("a direction is along itself");
     let worst = casting.worst.map_or("free".into(), |worst| {
         let both = (worst.depth + worst.opposite) * MM;

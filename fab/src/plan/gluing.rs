@@ -12,9 +12,9 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::direction;
-use super::undercut::{Parting, View};
-use crate::config::Gluing;
-use crate::skin::Skin;
+use super::undercut::{PartingHeight, View};
+use crate::body::boundary::Boundary;
+use crate::config::GluingConfig;
 
 /// Planes that hide this much more of an area than the best are as good: the one
 /// along which the body is thinnest is taken [1].
@@ -59,7 +59,7 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// For people.
+    /// In words, with numbers.
     #[must_use]
     pub fn describe(&self) -> String {
         format!(
@@ -73,18 +73,18 @@ impl Cut {
     }
 }
 
-/// The plane through the middle of the cavity that hides least, or the one asked for.
+/// The plane through the middle of the chamber that hides least, or the one asked for.
 #[must_use]
-pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
+pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3]) -> Cut {
     let asked = gluing.normal.map(|n| vec![Vec3::from(n).normalize()]);
     let normals = asked.unwrap_or_else(|| normals.to_vec());
     let mut cuts: Vec<Cut> = normals
         .iter()
         .map(|normal| {
-            let heights = skin.cores.iter().flat_map(|core| &core.surface.vertices);
+            let heights = boundary.cores.iter().flat_map(|core| &core.surface.vertices);
             let along: Vec<Vec3> = heights.map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
             let (low, high) = bounds(&along);
-            measured(skin, *normal, gluing.offset.unwrap_or((low.x + high.x) / 2.0))
+            measured(boundary, *normal, gluing.offset.unwrap_or((low.x + high.x) / 2.0))
         })
         .collect();
     let hidden = |cut: &Cut| cut.outside + cut.core + cut.caught;
@@ -95,29 +95,29 @@ pub fn best(skin: &Skin, gluing: &Gluing, normals: &[Vec3]) -> Cut {
         .into_iter()
         .find(|cut| cut.thickness <= AS_THIN * thinnest)
         .expect("there is a normal");
-    complete(skin, &mut cut);
+    complete(boundary, &mut cut);
     cut
 }
 
-/// A flat wall of the cavity: all of it lies on one side of the wall's plane.
+/// A flat wall of the chamber: all of it lies on one side of the wall's plane.
 #[derive(Clone, Debug)]
 pub struct Flat {
-    /// The plane that opens the cavity, which is on the side away from its normal.
+    /// The plane that opens the chamber, which is on the side away from its normal.
     pub cut: Cut,
     /// Position of the plane that leaves it closed [m].
     pub beyond: f64,
-    /// Area of the wall over the area of the cavity as seen along the normal [1].
+    /// Area of the wall over the area of the chamber as seen along the normal [1].
     pub share: f64,
 }
 
-/// The flat wall that covers most of the cavity's outline.
+/// The flat wall that covers most of the chamber's outline.
 #[must_use]
-pub fn flattest(skin: &Skin) -> Option<Flat> {
-    let flats = walls(skin).into_iter().map(|normal| {
-        let top = skin.cores.iter().flat_map(|core| &core.surface.vertices);
+pub fn flattest(boundary: &Boundary) -> Option<Flat> {
+    let flats = walls(boundary).into_iter().map(|normal| {
+        let top = boundary.cores.iter().flat_map(|core| &core.surface.vertices);
         let offset = top.map(|p| p.dot(&normal)).fold(f64::NEG_INFINITY, f64::max);
         let (mut wall, mut outline) = (0.0, 0.0);
-        for core in &skin.cores {
+        for core in &boundary.cores {
             outline += View::along(&core.surface, &normal).outline();
             let on_plane = |t: &usize| {
                 let corners = core.surface.corners(*t);
@@ -131,16 +131,16 @@ pub fn flattest(skin: &Skin) -> Option<Flat> {
         (normal, offset, wall / outline)
     });
     let (normal, offset, share) = flats.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let mut cut = measured(skin, normal, offset - ASIDE);
-    complete(skin, &mut cut);
+    let mut cut = measured(boundary, normal, offset - ASIDE);
+    complete(boundary, &mut cut);
     Some(Flat { cut, beyond: offset + ASIDE, share })
 }
 
-/// Normals of the largest flat walls of the cavity, without its inlets.
-pub fn walls(skin: &Skin) -> Vec<Vec3> {
+/// Normals of the largest flat walls of the chamber, without its inlets.
+pub fn walls(boundary: &Boundary) -> Vec<Vec3> {
     // Normals that round to the same hundredths are one.
     let mut sums: BTreeMap<[i32; 3], Vec3> = BTreeMap::new();
-    for core in &skin.cores {
+    for core in &boundary.cores {
         for t in 0..core.surface.triangles.len() {
             let [a, b, c] = core.surface.corners(t);
             let normal = (b - a).cross(&(c - a));
@@ -152,7 +152,7 @@ pub fn walls(skin: &Skin) -> Vec<Vec3> {
     walls.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
     walls.truncate(WALLS);
     let inlets: Vec<Vec3> =
-        skin.cores.iter().flat_map(|core| &core.inlets).map(|inlet| inlet.normal).collect();
+        boundary.cores.iter().flat_map(|core| &core.inlets).map(|inlet| inlet.normal).collect();
     let is_inlet = |n: &Vec3| inlets.iter().any(|inlet| inlet.dot(n) > PARALLEL);
     walls.into_iter().map(|n| snapped(n.normalize())).filter(|n| !is_inlet(n)).collect()
 }
@@ -170,18 +170,18 @@ fn area(surface: &SurfaceMesh, t: usize) -> f64 {
     triangle_area(a, b, c)
 }
 
-fn measured(skin: &Skin, normal: Vec3, offset: f64) -> Cut {
-    let plane = Parting::Plane(offset);
-    let view = View::along(&skin.filled, &normal);
+fn measured(boundary: &Boundary, normal: Vec3, offset: f64) -> Cut {
+    let plane = PartingHeight::Plane(offset);
+    let view = View::along(&boundary.filled, &normal);
     let [low, high] = view.extent();
     let core =
-        skin.cores.iter().map(|core| View::along(&core.surface, &normal).undercut(plane).share);
+        boundary.cores.iter().map(|core| View::along(&core.surface, &normal).undercut(plane).share);
     Cut {
         normal,
         offset,
         outside: view.undercut(plane).share,
         core: core.fold(0.0, f64::max),
-        caught: caught(skin, &normal, offset),
+        caught: caught(boundary, &normal, offset),
         core_ratio: 0.0,
         glued: 0.0,
         thickness: high - low,
@@ -189,10 +189,10 @@ fn measured(skin: &Skin, normal: Vec3, offset: f64) -> Cut {
 }
 
 /// Part of the cores' area from which the straight way to a plane leaves the body.
-fn caught(skin: &Skin, normal: &Vec3, offset: f64) -> f64 {
-    let bvh = SurfaceBvh::new(&skin.filled);
+fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
+    let bvh = SurfaceBvh::new(&boundary.filled);
     let (mut sum, mut total) = (0.0, 0.0);
-    for core in &skin.cores {
+    for core in &boundary.cores {
         for t in 0..core.surface.triangles.len() {
             let from = core.surface.centroid(t);
             let height = offset - from.dot(normal);
@@ -209,16 +209,16 @@ fn caught(skin: &Skin, normal: &Vec3, offset: f64) -> f64 {
 }
 
 /// Adds what takes longer to measure.
-fn complete(skin: &Skin, cut: &mut Cut) {
-    let plane = Parting::Plane(cut.offset);
-    let ratios = skin.cores.iter().map(|core| {
+fn complete(boundary: &Boundary, cut: &mut Cut) {
+    let plane = PartingHeight::Plane(cut.offset);
+    let ratios = boundary.cores.iter().map(|core| {
         let view = View::along(&core.surface, &cut.normal);
         let undercut = view.undercut(plane);
         view.steepest(&undercut)
     });
     cut.core_ratio = ratios.fold(0.0, f64::max);
     // Cutting in two adds the section twice to the area.
-    let whole = Solid::from_surface(&skin.cast).expect("the skin was checked");
+    let whole = Solid::from_surface(&boundary.cast).expect("the boundary was checked");
     let (beyond, before) = whole.split_by_plane(&cut.normal, cut.offset);
     cut.glued = (beyond.area() + before.area() - whole.area()) / 2.0;
 }

@@ -1,7 +1,6 @@
 //! How a body is to be molded: what is measured, what that decides, and why.
 
 pub mod drawing;
-pub mod girth;
 pub mod gluing;
 pub mod pull;
 pub mod report;
@@ -12,13 +11,13 @@ mod verdict;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
+use crate::body::boundary::Boundary;
+use crate::body::layout::{self, LayoutError};
+use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
-use crate::layout::{self, LayoutError};
-use crate::method::Method;
-use crate::skin::Skin;
-use crate::stance::{Parting, Portion, Stance};
+use crate::config::method::Method;
 use gluing::Flat;
-use pull::{Choice, Look};
+use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
 use undercut::Worst;
 use verdict::Judge;
@@ -26,7 +25,7 @@ use verdict::Judge;
 /// How a body is molded, and why.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// How the cavity comes into it.
+    /// How the chamber comes into it.
     pub method: Method,
     /// Who chose that.
     pub chosen_by: ChosenBy,
@@ -37,7 +36,7 @@ pub struct Plan {
     /// What was found about each method.
     pub verdicts: Vec<Verdict>,
     /// What is hidden along every direction.
-    pub looks: Vec<Look>,
+    pub directions: Vec<DirectionUndercut>,
     /// What is cast of silicone.
     pub castings: Vec<Casting>,
 }
@@ -48,8 +47,8 @@ pub struct Casting {
     /// Its name.
     pub name: String,
     /// How it stands, and how its mold comes apart.
-    pub stance: Stance,
-    /// What is cast, with its cavity filled [m].
+    pub orientation: Orientation,
+    /// What is cast, with its chamber filled [m].
     pub filled: SurfaceMesh,
     /// Depth of what its shells leave hidden, at each triangle of that [m].
     pub undercut: Vec<f64>,
@@ -105,30 +104,30 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError`] if it cannot be molded, or not as the configuration asks.
-    pub fn new(skin: &Skin, config: &Config) -> Result<Self, PlanError> {
-        let mut judge = Judge::new(skin, config);
+    pub fn new(boundary: &Boundary, config: &Config) -> Result<Self, PlanError> {
+        let mut judge = Judge::new(boundary, config);
         let (method, chosen_by) = match config.method {
             Some(method) => (judge.require(method)?, ChosenBy::Configuration),
             None => (judge.first_possible()?, ChosenBy::Measures),
         };
         let reason = judge.reason(method);
-        let up = layout::up(skin, config);
+        let up = layout::up(boundary, config);
         let castings = match method {
             Method::PullOut | Method::Soluble | Method::Wax => {
-                let up = layout::require_inlets_down(skin, up)?;
-                vec![Casting::new("body", &skin.filled, up, Portion::Whole, config)?]
+                let up = layout::require_inlets_down(boundary, up)?;
+                vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?]
             }
             Method::Halves => {
                 let cut = judge.halves().clone();
-                halves(skin, &cut.normal, cut.offset, config)?
+                halves(boundary, &cut.normal, cut.offset, config)?
             }
             Method::OpenTop => {
-                chamber_and_sheet(skin, judge.flat().expect("it was judged possible"), config)?
+                chamber_and_sheet(boundary, judge.flat().expect("it was judged possible"), config)?
             }
         };
-        let looks = pull::looks(&skin.filled, &up);
+        let directions = pull::directions(&boundary.filled, &up);
         let Judge { measures, verdicts, .. } = judge;
-        Ok(Self { method, chosen_by, reason, measures, verdicts, looks, castings })
+        Ok(Self { method, chosen_by, reason, measures, verdicts, directions, castings })
     }
 
     /// What to do with the castings, in order.
@@ -140,7 +139,7 @@ impl Plan {
 
 impl Casting {
     /// A casting whose shells part as is best or as the configuration asks; `filled` is
-    /// the portion without its cavity.
+    /// the portion without its chamber.
     ///
     /// # Errors
     /// [`PlanError::Locked`] if it cannot be peeled out.
@@ -155,24 +154,24 @@ impl Casting {
             pull::choose(filled, &up, portion, config);
         log::info!("{name}: {reason}");
         let limit = config.limits.peel;
-        let stance = Stance { up, pull, parting, portion, joint: None };
+        let orientation = Orientation { up, pull, parting, portion, joint: None };
         if let Some(worst) = worst.filter(|worst| worst.ratio > limit) {
-            if let Some(split) = split(name, filled, &stance, limit) {
+            if let Some(split) = split(name, filled, &orientation, limit) {
                 return Ok(split);
             }
             let (name, surface) = (name.into(), reason);
             return Err(PlanError::Locked { name, surface, worst, limit });
         }
         let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
-        Ok(Self { name, stance, filled, undercut, worst })
+        Ok(Self { name, orientation, filled, undercut, worst })
     }
 }
 
 /// A casting whose upper shell locks, with two sides instead, if that frees it.
-fn split(name: &str, filled: &SurfaceMesh, locked: &Stance, limit: f64) -> Option<Casting> {
+fn split(name: &str, filled: &SurfaceMesh, locked: &Orientation, limit: f64) -> Option<Casting> {
     let along = locked.pull.dot(&locked.up);
     let joint = match locked.parting {
-        Parting::Plane(position) if along.abs() > pull::ALONG => position * along,
+        PartingSurface::Plane(position) if along.abs() > pull::ALONG => position * along,
         _ => return None,
     };
     let sides = sides::instead(filled, &locked.up, joint, limit)?;
@@ -182,19 +181,19 @@ fn split(name: &str, filled: &SurfaceMesh, locked: &Stance, limit: f64) -> Optio
     );
     let undercut = undercut::View::along(filled, &sides.pull).undercut(sides.plane()?).facets;
     let Choice { pull, parting, worst, .. } = sides;
-    let stance = Stance { pull, parting, joint: Some(joint), ..locked.clone() };
-    Some(Casting { name: name.into(), stance, filled: filled.clone(), undercut, worst })
+    let orientation = Orientation { pull, parting, joint: Some(joint), ..locked.clone() };
+    Some(Casting { name: name.into(), orientation, filled: filled.clone(), undercut, worst })
 }
 
 /// The filled body beyond a plane.
-fn beyond(skin: &Skin, normal: &Vec3, offset: f64) -> SurfaceMesh {
-    let filled = Solid::from_surface(&skin.filled).expect("the skin was checked");
+fn beyond(boundary: &Boundary, normal: &Vec3, offset: f64) -> SurfaceMesh {
+    let filled = Solid::from_surface(&boundary.filled).expect("the boundary was checked");
     filled.trim_by_plane(normal, offset).to_surface()
 }
 
 /// Both halves, cut face down. The parting of the whole body does not concern them.
 fn halves(
-    skin: &Skin,
+    boundary: &Boundary,
     normal: &Vec3,
     offset: f64,
     config: &Config,
@@ -202,27 +201,37 @@ fn halves(
     let config = Config { parting: Config::default().parting, ..config.clone() };
     let sides = [("half-a", *normal, offset), ("half-b", -normal, -offset)];
     let half = |(name, up, offset): (&str, Vec3, f64)| {
-        Casting::new(name, &beyond(skin, &up, offset), up, Portion::Above(offset), &config)
+        Casting::new(name, &beyond(boundary, &up, offset), up, Portion::Above(offset), &config)
     };
     sides.into_iter().map(half).collect()
 }
 
 /// The chamber, cut face down on a plate that carries the core, and the sheet in a tray.
-fn chamber_and_sheet(skin: &Skin, flat: &Flat, config: &Config) -> Result<Vec<Casting>, PlanError> {
+fn chamber_and_sheet(
+    boundary: &Boundary,
+    flat: &Flat,
+    config: &Config,
+) -> Result<Vec<Casting>, PlanError> {
     let config = Config { parting: Config::default().parting, ..config.clone() };
     let (normal, offset) = (&flat.cut.normal, flat.cut.offset);
     let up = -normal;
-    let chamber =
-        Casting::new("chamber", &beyond(skin, &up, -offset), up, Portion::Above(-offset), &config)?;
+    let chamber = Casting::new(
+        "chamber",
+        &beyond(boundary, &up, -offset),
+        up,
+        Portion::Above(-offset),
+        &config,
+    )?;
     // The sheet lies in the tray with its glued face up.
-    let filled = beyond(skin, normal, flat.beyond);
+    let filled = beyond(boundary, normal, flat.beyond);
     let view = undercut::View::along(&filled, &up);
-    let undercut = view.undercut(undercut::Parting::Plane(-flat.beyond));
+    let undercut = view.undercut(undercut::PartingHeight::Plane(-flat.beyond));
     let worst = view.worst(&undercut);
     let sheet = if worst.is_none_or(|worst| worst.ratio <= config.limits.peel) {
         let portion = Portion::Below(-flat.beyond);
-        let stance = Stance { up, pull: up, parting: Parting::Open, portion, joint: None };
-        Casting { name: "sheet".into(), stance, filled, undercut: undercut.facets, worst }
+        let orientation =
+            Orientation { up, pull: up, parting: PartingSurface::Open, portion, joint: None };
+        Casting { name: "sheet".into(), orientation, filled, undercut: undercut.facets, worst }
     } else {
         Casting::new("sheet", &filled, *normal, Portion::Above(flat.beyond), &config)?
     };

@@ -1,15 +1,15 @@
 //! In which direction the shells separate, and along which surface.
 //!
-//! The body is looked at along many directions. A mold can be pulled along `up` or
+//! The undercuts of the body are measured along many directions. A mold can be pulled along `up` or
 //! across it. A plane is preferred to a height field if it hides hardly more, as it
 //! is easier to print, to seal and to bolt.
 
 use mesh::{SurfaceMesh, Vec3};
 
 use super::undercut::{self, Undercut, View, Worst};
+use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
-use crate::frame::Frame;
-use crate::stance::{Parting, Portion};
+use crate::geometry::frame::Frame;
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;
@@ -32,7 +32,7 @@ const POSITIONS: usize = 9;
 
 /// A direction and what is hidden along it at best.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct DirectionUndercut {
     /// The direction [1].
     pub pull: Vec3,
     /// Whether it is along or across `up`.
@@ -49,7 +49,7 @@ pub struct Choice {
     /// The direction [1].
     pub pull: Vec3,
     /// The surface.
-    pub parting: Parting,
+    pub parting: PartingSurface,
     /// What they leave hidden.
     pub undercut: Undercut,
     /// Where that is worst.
@@ -67,30 +67,30 @@ impl Choice {
 
     /// The plane on which the shells part, as a view sees it; none if it is not one.
     #[must_use]
-    pub fn plane(&self) -> Option<undercut::Parting> {
+    pub fn plane(&self) -> Option<undercut::PartingHeight> {
         match self.parting {
-            Parting::Plane(position) => Some(undercut::Parting::Plane(position)),
-            Parting::HeightField(_) | Parting::Seat | Parting::Open => None,
+            PartingSurface::Plane(position) => Some(undercut::PartingHeight::Plane(position)),
+            PartingSurface::HeightField(_) | PartingSurface::Seat | PartingSurface::Open => None,
         }
     }
 }
 
-/// Looks at a body along a hemisphere of directions, the coordinate axes, `up` and
+/// DirectionUndercut at a body along a hemisphere of directions, the coordinate axes, `up` and
 /// across it; what hides least comes first.
 #[must_use]
-pub fn looks(body: &SurfaceMesh, up: &Vec3) -> Vec<Look> {
+pub fn directions(body: &SurfaceMesh, up: &Vec3) -> Vec<DirectionUndercut> {
     let spiral = hemisphere().map(|pull| (pull, false));
     let usable = usable(up).into_iter().map(|pull| (pull, true));
-    let mut looks: Vec<Look> = usable
+    let mut directions: Vec<DirectionUndercut> = usable
         .chain(spiral)
         .map(|(pull, usable)| {
             let Undercut { share, depth, .. } =
-                View::along(body, &pull).undercut(undercut::Parting::Middle);
-            Look { pull, usable, share, depth }
+                View::along(body, &pull).undercut(undercut::PartingHeight::Middle);
+            DirectionUndercut { pull, usable, share, depth }
         })
         .collect();
-    looks.sort_by(|a, b| a.share.total_cmp(&b.share));
-    looks
+    directions.sort_by(|a, b| a.share.total_cmp(&b.share));
+    directions
 }
 
 /// Directions spread evenly over a hemisphere: a Fibonacci spiral.
@@ -130,22 +130,22 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) 
     };
     let planes = |pull: Vec3| (pull, planes(body, &pull, pull.dot(up) > ALONG, portion));
     match &config.parting {
-        config::Parting::Plane(plane) => {
+        config::PartingConfig::Plane(plane) => {
             let options = directions(plane.pull).into_iter().map(|pull| match plane.offset {
-                Some(offset) => (pull, vec![Parting::Plane(offset)]),
+                Some(offset) => (pull, vec![PartingSurface::Plane(offset)]),
                 None => planes(pull),
             });
             best_plane(body, options.collect(), f64::INFINITY).expect("there are planes")
         }
-        config::Parting::HeightField(field) => {
+        config::PartingConfig::HeightField(field) => {
             best_field(body, directions(field.pull), field.clone())
         }
-        config::Parting::Auto(auto) => {
+        config::PartingConfig::Auto(auto) => {
             let pulls = directions(auto.pull);
             // Along `up`, what is cut stands on the plate that carries its core.
             let free = |pull: &Vec3| portion == Portion::Whole || pull.dot(up) <= ALONG;
             let fields = pulls.iter().copied().filter(free).collect();
-            let mut field = best_field(body, fields, config::HeightField::default());
+            let mut field = best_field(body, fields, config::HeightFieldConfig::default());
             field.reason += &format!(", and no plane comes within {:.0} % of that", 100.0 * EASIER);
             let options = pulls.into_iter().map(planes).collect();
             best_plane(body, options, field.undercut.share + EASIER).unwrap_or(field)
@@ -163,28 +163,33 @@ pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
 
 /// Planes that can be used: along `up` the seat, which leaves the body in one cup, then
 /// other positions if it is not cut; across it the middle.
-fn planes(body: &SurfaceMesh, pull: &Vec3, along_up: bool, portion: Portion) -> Vec<Parting> {
+fn planes(
+    body: &SurfaceMesh,
+    pull: &Vec3,
+    along_up: bool,
+    portion: Portion,
+) -> Vec<PartingSurface> {
     let heights = body.vertices.iter().map(|p| p.dot(pull));
     let low = heights.clone().fold(f64::INFINITY, f64::min);
     let high = heights.fold(f64::NEG_INFINITY, f64::max);
-    let at = |t: f64| Parting::Plane(low + t * (high - low));
+    let at = |t: f64| PartingSurface::Plane(low + t * (high - low));
     let tried = (1..=POSITIONS).map(|k| at(k as f64 / (POSITIONS + 1) as f64));
     match (along_up, portion) {
         (false, _) => vec![at(0.5)],
-        (true, Portion::Whole) => std::iter::once(Parting::Seat).chain(tried).collect(),
-        (true, _) => vec![Parting::Seat],
+        (true, Portion::Whole) => std::iter::once(PartingSurface::Seat).chain(tried).collect(),
+        (true, _) => vec![PartingSurface::Seat],
     }
 }
 
 /// The plane that hides least, of those that hide at most `limit`.
 fn best_plane(
     body: &SurfaceMesh,
-    options: Vec<(Vec3, Vec<Parting>)>,
+    options: Vec<(Vec3, Vec<PartingSurface>)>,
     limit: f64,
 ) -> Option<Choice> {
     struct Plane {
         pull: Vec3,
-        parting: Parting,
+        parting: PartingSurface,
         undercut: Undercut,
         thickness: f64,
     }
@@ -194,10 +199,10 @@ fn best_plane(
         let [low, high] = view.extent();
         for parting in partings {
             let position = match parting {
-                Parting::Plane(z) => z,
+                PartingSurface::Plane(z) => z,
                 _ => low,
             };
-            let undercut = view.undercut(undercut::Parting::Plane(position));
+            let undercut = view.undercut(undercut::PartingHeight::Plane(position));
             planes.push(Plane { pull, parting, undercut, thickness: high - low });
         }
     }
@@ -209,9 +214,9 @@ fn best_plane(
     let plane = planes.into_iter().find(|plane| plane.thickness <= AS_THIN * thinnest)?;
     let worst = View::along(body, &plane.pull).worst(&plane.undercut);
     let place = match plane.parting {
-        Parting::Seat => "where the body stands".into(),
-        Parting::Plane(z) => format!("at {:.2} mm", z * 1e3),
-        Parting::HeightField(_) | Parting::Open => String::new(),
+        PartingSurface::Seat => "where the body stands".into(),
+        PartingSurface::Plane(z) => format!("at {:.2} mm", z * 1e3),
+        PartingSurface::HeightField(_) | PartingSurface::Open => String::new(),
     };
     let reason = format!(
         "a plane across {} {place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
@@ -223,10 +228,10 @@ fn best_plane(
     Some(Choice { pull, parting, undercut, worst, reason })
 }
 
-fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightField) -> Choice {
+fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFieldConfig) -> Choice {
     let seen = pulls.into_iter().map(|pull| {
         let view = View::along(body, &pull);
-        let undercut = view.undercut(undercut::Parting::Middle);
+        let undercut = view.undercut(undercut::PartingHeight::Middle);
         (pull, view, undercut)
     });
     let (pull, view, undercut) =
@@ -238,10 +243,10 @@ fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFiel
         100.0 * undercut.share,
         1e3 * undercut.depth
     );
-    Choice { pull, parting: Parting::HeightField(settings), undercut, worst, reason }
+    Choice { pull, parting: PartingSurface::HeightField(settings), undercut, worst, reason }
 }
 
-/// A direction for people.
+/// A direction in words.
 #[must_use]
 pub fn direction(d: &Vec3) -> String {
     let [x, y, z] = [d.x, d.y, d.z].map(|c| c + 0.0);

@@ -6,18 +6,18 @@ use mesh::io::{IoError, write_atomic};
 use serde::{Deserialize, Serialize};
 
 use super::Plan;
-use super::pull::Look;
-use crate::export::MM;
-use crate::method::Method;
-use crate::report::{Input, Triple};
+use super::pull::DirectionUndercut;
+use crate::body::source::Input;
+use crate::config::method::Method;
+use crate::geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";
 
-/// Everything `fab plan` tells. Lengths are millimetres, directions those of the design.
+/// The content of plan.json. Lengths are millimetres, directions those of the design.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Report {
+pub struct PlanReport {
     /// Program and version.
     pub program: String,
     /// Unit of every length in this file.
@@ -34,7 +34,7 @@ pub struct Report {
     pub measures: Vec<Measure>,
     /// Whether each of the methods can be used, and why.
     pub methods: Vec<Verdict>,
-    /// Directions that were looked along, the best first.
+    /// Directions of the pull that were measured, the best first.
     pub directions: Vec<Direction>,
     /// The molds to print and cast, in the order of casting.
     pub molds: Vec<Entry>,
@@ -116,8 +116,8 @@ pub enum Material {
     Wax,
 }
 
-impl Report {
-    /// What a plan tells about a body and the molds made of it.
+impl PlanReport {
+    /// The report of a plan and of the molds made by it.
     #[must_use]
     pub fn new(plan: &Plan, input: Input, molds: Vec<Entry>) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl Report {
             reason: plan.reason.clone(),
             measures: plan.measures.clone(),
             methods: plan.verdicts.clone(),
-            directions: plan.looks.iter().map(direction).collect(),
+            directions: plan.directions.iter().map(direction).collect(),
             molds,
             steps: plan.steps(),
         }
@@ -157,11 +157,30 @@ impl Report {
     }
 }
 
-fn direction(look: &Look) -> Direction {
+/// The molds of a plan, cores of wax first.
+#[must_use]
+pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    if plan.method == Method::Wax {
+        for i in 0..cores {
+            let name = if cores == 1 { "core".into() } else { format!("core{}", i + 1) };
+            entries.push(Entry { folder: format!("{name}-mold"), name, casts: Material::Wax });
+        }
+    }
+    let single = entries.is_empty() && plan.castings.len() == 1;
+    entries.extend(plan.castings.iter().map(|casting| Entry {
+        folder: if single { ".".into() } else { format!("{}-mold", casting.name) },
+        name: casting.name.clone(),
+        casts: Material::Silicone,
+    }));
+    entries
+}
+
+fn direction(measured: &DirectionUndercut) -> Direction {
     Direction {
-        pull: look.pull.into(),
-        usable: look.usable,
-        undercut: 100.0 * look.share,
-        depth: look.depth * MM,
+        pull: measured.pull.into(),
+        usable: measured.usable,
+        undercut: 100.0 * measured.share,
+        depth: measured.depth * MM,
     }
 }

@@ -8,7 +8,7 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::{self, Choice};
-use super::undercut::{Parting, View};
+use super::undercut::{PartingHeight, View};
 
 /// How sides above the height `joint` along `up` [m] come off a body, if they do and what
 /// is below leaves downward, both giving way by at most `limit` of their widths.
@@ -24,7 +24,7 @@ pub fn instead(filled: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> Optio
 /// Whether a body below a joint holds back the shell that leaves it downward.
 fn locks(below: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> bool {
     let view = View::along(below, up);
-    let undercut = view.undercut(Parting::Plane(joint));
+    let undercut = view.undercut(PartingHeight::Plane(joint));
     view.worst(&undercut).is_some_and(|worst| worst.ratio > limit)
 }
 

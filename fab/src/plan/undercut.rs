@@ -16,8 +16,8 @@ use mesh::measure::{bounds, triangle_area};
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::columns::{Grid, Layer, layers};
-use crate::frame::Frame;
+use crate::geometry::columns::{Grid, Layer, layers};
+use crate::geometry::frame::Frame;
 
 /// Columns along the longest side of what is looked at.
 const COLUMNS: f64 = 120.0;
@@ -39,7 +39,7 @@ pub struct View {
 
 /// Where two shells part, in a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Parting {
+pub enum PartingHeight {
     /// At a height along the direction, from the body's origin [m].
     Plane(f64),
     /// In the middle of the longest filled interval of each column, as a height field does.
@@ -125,7 +125,7 @@ impl View {
 
     /// What the two shells of a parting leave hidden.
     #[must_use]
-    pub fn undercut(&self, parting: Parting) -> Undercut {
+    pub fn undercut(&self, parting: PartingHeight) -> Undercut {
         let upper = self.side(parting, &self.columns, 1.0);
         let mirrored: Vec<Vec<Layer>> = self
             .columns
@@ -155,13 +155,13 @@ impl View {
     /// heights are multiplied by `sign`.
     fn side(
         &self,
-        parting: Parting,
+        parting: PartingHeight,
         columns: &[Vec<Layer>],
         sign: f64,
     ) -> (Vec<f64>, Vec<Trapped>) {
         let floor = |column: &[Layer]| match parting {
-            Parting::Plane(z) => sign * z,
-            Parting::Middle => middle_of_longest(column),
+            PartingHeight::Plane(z) => sign * z,
+            PartingHeight::Middle => middle_of_longest(column),
         };
         let mut first = Vec::with_capacity(columns.len());
         // By layers: what is trapped below each.
@@ -369,7 +369,7 @@ mod tests {
         let ball = Solid::sphere(&Vec3::zeros(), 1.0, 64).to_surface();
         for pull in [Vec3::z(), Vec3::new(1.0, 2.0, 3.0)] {
             let view = View::along(&ball, &pull);
-            for parting in [Parting::Middle, Parting::Plane(0.0)] {
+            for parting in [PartingHeight::Middle, PartingHeight::Plane(0.0)] {
                 let undercut = view.undercut(parting);
                 assert!(undercut.share < 1e-2, "{}", undercut.share);
                 assert!(undercut.depth < view.resolution());
@@ -385,7 +385,7 @@ mod tests {
         // deep than the view resolves; the mold reaches below it by r − √(r² − h²).
         let ball = Solid::sphere(&Vec3::zeros(), 1.0, 256).to_surface();
         let view = View::along(&ball, &Vec3::z());
-        let undercut = view.undercut(Parting::Plane(-0.8));
+        let undercut = view.undercut(PartingHeight::Plane(-0.8));
         let shallow = (1.0 - (1.0 - 2.0 * view.resolution()).powi(2)).sqrt();
         assert!((0.4 - shallow / 2.0..0.4).contains(&undercut.share), "{}", undercut.share);
         assert!((undercut.depth - 0.4).abs() < view.resolution(), "{}", undercut.depth);
@@ -397,7 +397,7 @@ mod tests {
     fn a_spool_hides_what_is_between_its_discs_only_along_its_axis() {
         let spool = spool();
         let along = View::along(&spool, &Vec3::z());
-        let undercut = along.undercut(Parting::Plane(10.0));
+        let undercut = along.undercut(PartingHeight::Plane(10.0));
         // Both faces between the discs: 2π(10² − 4²), and the stem 2π·4·10 of radius 4,
         // whose columns are full.
         assert!((undercut.depth - 6.0).abs() < 2.0 * along.resolution(), "{}", undercut.depth);
@@ -409,8 +409,8 @@ mod tests {
         assert!((along.steepest(&undercut) - 6.0 / 20.0).abs() < 0.03, "{worst:?}");
         assert!((worst.at.z - 17.5).abs() < 1e-9 || (worst.at.z - 2.5).abs() < 1e-9);
         let across = View::along(&spool, &Vec3::x());
-        assert!(across.undercut(Parting::Plane(0.0)).share < 1e-2);
-        assert!(across.undercut(Parting::Middle).share < 1e-2);
+        assert!(across.undercut(PartingHeight::Plane(0.0)).share < 1e-2);
+        assert!(across.undercut(PartingHeight::Middle).share < 1e-2);
     }
 
     #[test]
@@ -419,7 +419,7 @@ mod tests {
         let stem = Solid::cube(&Vec3::new(-2.0, -2.0, 0.0), &Vec3::new(2.0, 2.0, 10.0));
         let plate = Solid::cube(&Vec3::new(-8.0, -2.0, 9.0), &Vec3::new(2.0, 2.0, 12.0));
         let view = View::along(&stem.union(&plate).to_surface(), &Vec3::z());
-        let undercut = view.undercut(Parting::Plane(1.0));
+        let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
         // The open side is nearer across the plate: 2 from either side, squeezed from both.
         assert!((worst.depth - 2.0).abs() < 2.0 * view.resolution(), "{worst:?}");
@@ -428,7 +428,7 @@ mod tests {
         let wall = Solid::cube(&Vec3::new(-2.0, -20.0, 0.0), &Vec3::new(2.0, 20.0, 10.0));
         let plate = Solid::cube(&Vec3::new(-8.0, -20.0, 9.0), &Vec3::new(2.0, 20.0, 12.0));
         let view = View::along(&wall.union(&plate).to_surface(), &Vec3::z());
-        let undercut = view.undercut(Parting::Plane(1.0));
+        let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
         assert!((worst.depth - 6.0).abs() < 2.0 * view.resolution(), "{worst:?}");
         assert_eq!(worst.opposite, 0.0, "{worst:?}");

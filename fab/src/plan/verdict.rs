@@ -1,27 +1,27 @@
-//! Which methods can make a body's cavity, judged by what is measured.
+//! Which methods can make a body's chamber, judged by what is measured.
 
 use mesh::Vec3;
 
-use super::girth::{self, Passage};
 use super::gluing::{self, Cut, Flat};
 use super::report::{Measure, Verdict};
 use super::{Plan, PlanError, pull};
+use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
+use crate::body::layout;
 use crate::config::Config;
-use crate::layout;
-use crate::method::Method;
-use crate::skin::{CoreSkin, Inlet, Skin};
+use crate::config::method::Method;
+use crate::geometry::girth::{self, Passage};
 
 /// Part of the area of the cores that may be caught by the mold: facets at inlets.
 const CAUGHT: f64 = 1e-3;
 
 /// Why a core would not come out of its mold.
-fn in_the_way(cut: &Cut) -> String {
+fn blocked(cut: &Cut) -> String {
     format!("the mold around the body stands in the way of {:.1} % of the core", 100.0 * cut.caught)
 }
 
 /// Measures a body only as far as it is asked.
 pub struct Judge<'a> {
-    skin: &'a Skin,
+    boundary: &'a Boundary,
     config: &'a Config,
     /// What was measured.
     pub measures: Vec<Measure>,
@@ -34,9 +34,9 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// Nothing is measured yet.
     #[must_use]
-    pub fn new(skin: &'a Skin, config: &'a Config) -> Self {
+    pub fn new(boundary: &'a Boundary, config: &'a Config) -> Self {
         let (measures, verdicts) = (Vec::new(), Vec::new());
-        Self { skin, config, measures, verdicts, halves: None, flat: None }
+        Self { boundary, config, measures, verdicts, halves: None, flat: None }
     }
 
     /// The method that is preferred of those that can be used. Wax is as good as a
@@ -100,16 +100,16 @@ impl<'a> Judge<'a> {
 
     /// Whether every core has an inlet, and all of them face down.
     fn inlets(&mut self) -> (bool, String) {
-        if let Some(core) = self.skin.cores.iter().find(|core| core.inlets.is_empty()) {
+        if let Some(core) = self.boundary.cores.iter().find(|core| core.inlets.is_empty()) {
             let volume = mesh::measure::enclosed_volume(&core.surface).abs() * 1e9;
             let reason =
-                format!("a cavity of {volume:.1} mm³ is closed, and no core can be held in it");
+                format!("a chamber of {volume:.1} mm³ is closed, and no core can be held in it");
             return (false, reason);
         }
-        let up = layout::up(self.skin, self.config);
-        match layout::require_inlets_down(self.skin, up) {
+        let up = layout::up(self.boundary, self.config);
+        match layout::require_inlets_down(self.boundary, up) {
             Ok(_) => {
-                let count: usize = self.skin.cores.iter().map(|core| core.inlets.len()).sum();
+                let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
                 (
                     true,
                     format!(
@@ -129,13 +129,14 @@ impl<'a> Judge<'a> {
         let limit = self.config.limits.girth;
         let mut worst: f64 = 0.0;
         let mut words = String::new();
-        for core in &self.skin.cores {
+        for core in &self.boundary.cores {
             let inlet = core.inlets.iter().max_by(|a, b| a.girth.total_cmp(&b.girth));
             let inlet = inlet.expect("every core has an inlet");
-            let (ratio, told) = way_out(core, inlet);
+            let (ratio, bottleneck) = required_stretch(core, inlet);
             if ratio > worst {
                 worst = ratio;
-                words = format!("{told} must stretch by {ratio:.2}, limits.girth is {limit:.2}");
+                words =
+                    format!("{bottleneck} must stretch by {ratio:.2}, limits.girth is {limit:.2}");
             }
         }
         self.measures.push(Measure {
@@ -154,32 +155,32 @@ impl<'a> Judge<'a> {
 
     fn open_top(&mut self) -> (bool, String) {
         let limit = self.config.limits.flat;
-        self.flat = gluing::flattest(self.skin);
+        self.flat = gluing::flattest(self.boundary);
         let Some(Flat { cut, share, .. }) = &self.flat else {
-            return (false, "the cavity has no wall besides its inlets".into());
+            return (false, "the chamber has no wall besides its inlets".into());
         };
         let percent = 100.0 * share;
         let words = format!(
-            "the largest flat wall of the cavity, across {}, covers {percent:.1} % of its outline, \
+            "the largest flat wall of the chamber, across {}, covers {percent:.1} % of its outline, \
              limits.flat is {:.1} %; {}",
             pull::direction(&cut.normal),
             100.0 * limit,
             cut.describe()
         );
         self.measures.push(Measure {
-            name: "flat wall over outline of the cavity".into(),
+            name: "flat wall over outline of the chamber".into(),
             value: *share,
             unit: String::new(),
             limit: Some(limit),
             meaning:
-                "area of the cavity's wall within 5 µm of a plane with all of the cavity on one \
-                      side, over the area of the cavity as seen across it; the limit is a judgement"
+                "area of the chamber's wall within 5 µm of a plane with all of the chamber on one \
+                      side, over the area of the chamber as seen across it; the limit is a judgement"
                     .into(),
         });
         let ratio = cut.core_ratio;
         let open = *share >= limit;
         if open && cut.caught > CAUGHT {
-            return (false, format!("{words}; {}", in_the_way(cut)));
+            return (false, format!("{words}; {}", blocked(cut)));
         }
         let peels = ratio <= self.config.limits.peel;
         if open && !peels {
@@ -194,7 +195,7 @@ impl<'a> Judge<'a> {
     fn in_halves(&mut self) -> (bool, String) {
         let limit = self.config.limits.peel;
         let cut = self.halves();
-        let (ratio, caught, way) = (cut.core_ratio, cut.caught, in_the_way(cut));
+        let (ratio, caught, blocked) = (cut.core_ratio, cut.caught, blocked(cut));
         let words = format!(
             "{}; below the core silicone must give way by {ratio:.2} of its width, limits.peel is {limit:.2}",
             cut.describe()
@@ -209,19 +210,19 @@ impl<'a> Judge<'a> {
                     .into(),
         });
         if caught > CAUGHT {
-            return (false, format!("{words}; {way}"));
+            return (false, format!("{words}; {blocked}"));
         }
         (ratio <= limit, words)
     }
 
     /// The plane in which halves are glued.
     pub fn halves(&mut self) -> &Cut {
-        let (skin, config) = (self.skin, self.config);
+        let (boundary, config) = (self.boundary, self.config);
         self.halves.get_or_insert_with(|| {
             let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
-            normals.extend(gluing::walls(skin));
+            normals.extend(gluing::walls(boundary));
             normals.extend(pull::hemisphere());
-            gluing::best(skin, &config.gluing, &normals)
+            gluing::best(boundary, &config.gluing, &normals)
         })
     }
 
@@ -233,7 +234,7 @@ impl<'a> Judge<'a> {
 }
 
 /// How far silicone must stretch to let a core out through an inlet, and what of it.
-fn way_out(core: &CoreSkin, inlet: &Inlet) -> (f64, String) {
+fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
     let around = girth::largest(&core.surface, &inlet.normal).length;
     let passage = girth::tightest(&core.surface, &inlet.normal, inlet.deviation);
     let ratio = around / inlet.girth;
@@ -246,13 +247,13 @@ fn way_out(core: &CoreSkin, inlet: &Inlet) -> (f64, String) {
     }
     let Passage { neck, through } = passage;
     let depth = inlet.centre.dot(&inlet.normal) - neck.position;
-    let told = format!(
+    let bottleneck = format!(
         "the core is {:.1} mm around where it passes through a neck of {:.1} mm, {:.1} mm behind its inlet: the neck",
         through.length * 1e3,
         neck.length * 1e3,
         depth * 1e3
     );
-    (passage.ratio(), told)
+    (passage.ratio(), bottleneck)
 }
 
 /// What to do with the castings, in order.
@@ -276,7 +277,7 @@ pub fn steps(plan: &Plan) -> Vec<String> {
         Method::Halves => &[
             "Cast both halves, each over the plate that carries its half of the core.",
             "Clean the cut faces with alcohol, wet both with a thin film of the same uncured silicone, and press them together until it has cured: within a day of casting, as cured silicone bonds badly.",
-            "A closed cavity takes its tube through a hole that is pierced afterwards, sealed with the same silicone.",
+            "A closed chamber takes its tube through a hole that is pierced afterwards, sealed with the same silicone.",
         ],
         Method::OpenTop => &[
             "Cast the chamber over the plate that carries the core, and pour the sheet into its open tray up to the brim.",

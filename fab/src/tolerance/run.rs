@@ -20,7 +20,7 @@ pub struct Solver {
 
 /// What is read of the solver's report.
 #[derive(Deserialize)]
-struct Report {
+struct SolverReport {
     usable: bool,
     chambers: BTreeMap<String, Chamber>,
     tags: BTreeMap<String, Tag>,
@@ -61,7 +61,8 @@ impl Solver {
 
 fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
     let text = mesh::io::read_text(path)?;
-    let report: Report = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    let report: SolverReport =
+        serde_json::from_str(&text).with_context(|| path.display().to_string())?;
     ensure!(report.usable, "{}: the result may not be used", path.display());
     let mut found = Vec::new();
     for (name, chamber) in &report.chambers {

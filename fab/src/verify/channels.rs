@@ -6,12 +6,12 @@ use mesh::Vec3;
 use mesh::solid::Solid;
 
 use super::Line;
-use super::set::Set;
-use crate::export::MM;
+use super::closed_mold::ClosedMold;
+use crate::files::report::Outline;
+use crate::geometry::MM;
+use crate::geometry::frustum::SEGMENTS;
 use crate::mold::Purpose;
-use crate::parts::SEGMENTS;
-use crate::parts::pin::LAND;
-use crate::report::Outline;
+use crate::mold::features::pin::LAND;
 
 /// Least part of a key's or stub's seat that must be filled: a key of 3 mm with 0.2 mm around
 /// it fills 0.8; with half of it missing two pieces no longer find each other.
@@ -28,44 +28,44 @@ const HELD: f64 = 2.0;
 const INSERTED: f64 = 2.0;
 
 /// All checks of features.
-pub fn checks(set: &Set) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
     for purpose in
         [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Pin, Purpose::Bolt]
     {
-        let same = set.report.features.iter().filter(|f| f.purpose == purpose);
+        let same = mold.report.features.iter().filter(|f| f.purpose == purpose);
         for (i, outline) in same.enumerate() {
             let name = format!("{} {}", purpose.name(), i + 1);
             match purpose {
-                Purpose::Sprue | Purpose::Vent => lines.extend(open(set, &name, outline)),
-                Purpose::Key => lines.push(engaged(set, &name, outline)),
-                Purpose::Socket => lines.extend(seated(set, &name, outline)),
-                Purpose::Pin => lines.push(clear(set, &name, outline)),
-                Purpose::Bolt => lines.push(joins(set, &name, outline)),
+                Purpose::Sprue | Purpose::Vent => lines.extend(open(mold, &name, outline)),
+                Purpose::Key => lines.push(engaged(mold, &name, outline)),
+                Purpose::Socket => lines.extend(seated(mold, &name, outline)),
+                Purpose::Pin => lines.push(clear(mold, &name, outline)),
+                Purpose::Bolt => lines.push(joins(mold, &name, outline)),
                 Purpose::Pry | Purpose::Drain => {}
             }
         }
-        if purpose == Purpose::Sprue && lines.is_empty() && !set.report.open {
+        if purpose == Purpose::Sprue && lines.is_empty() && !mold.report.open {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
-    lines.extend(funnel(set));
+    lines.extend(funnel(mold));
     lines
 }
 
 /// The funnel reaches into the sprue.
-fn funnel(set: &Set) -> Option<Line> {
-    let body = set.funnel.as_ref()?;
-    let sprue = set.report.features.iter().find(|f| f.purpose == Purpose::Sprue);
+fn funnel(mold: &ClosedMold) -> Option<Line> {
+    let body = mold.funnel.as_ref()?;
+    let sprue = mold.report.features.iter().find(|f| f.purpose == Purpose::Sprue);
     // From where the channel first leaves the mold down to the end of the spigot.
-    let above = sprue.map(|sprue| sprue.exact().difference(&set.outside.solid));
+    let above = sprue.map(|sprue| sprue.exact().difference(&mold.outside.solid));
     let above = above.filter(|s| !s.is_empty());
     let depth = above.map_or(0.0, |s| s.bounds().0.z - body.solid.bounds().0.z);
     Some(Line::at_least("funnel: reaches into the sprue", depth, INSERTED, "mm"))
 }
 
 /// A bolt passes through at least two pieces, and nothing is in its hole.
-fn joins(set: &Set, name: &str, outline: &Outline) -> Line {
+fn joins(mold: &ClosedMold, name: &str, outline: &Outline) -> Line {
     let hole = outline.exact();
     let around = Outline {
         base_radius: BESIDE * outline.base_radius,
@@ -74,65 +74,48 @@ fn joins(set: &Set, name: &str, outline: &Outline) -> Line {
     }
     .exact();
     let shared = |solid: &Solid, with: &Solid| solid.intersection(with).volume();
-    let blocked: f64 = set.parts().map(|part| shared(&part.solid, &hole)).sum();
+    let blocked: f64 = mold.parts().map(|part| shared(&part.solid, &hole)).sum();
     let ring = PI * (BESIDE * BESIDE - 1.0) * outline.base_radius.powi(2);
     let held = |solid: &Solid| shared(solid, &around) >= HELD * ring;
     let joined: Vec<&str> =
-        set.shells.iter().filter(|s| held(&s.solid)).map(|s| s.name.as_str()).collect();
+        mold.shells.iter().filter(|s| held(&s.solid)).map(|s| s.name.as_str()).collect();
     Line::new(
         format!("{name}: joins"),
-        joined.len() >= 2 && blocked <= set.volume_rounding(hole.area()),
+        joined.len() >= 2 && blocked <= mold.volume_rounding(hole.area()),
         format!("{}, {blocked:.1e} mm³ in the way", joined.join(" and ")),
         "two pieces, nothing in the way",
     )
 }
 
-impl Purpose {
-    /// Its name in checks.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sprue => "sprue",
-            Self::Vent => "vent",
-            Self::Key => "key",
-            Self::Socket => "socket",
-            Self::Bolt => "bolt",
-            Self::Pry => "pry",
-            Self::Drain => "drain",
-            Self::Pin => "pin",
-        }
-    }
-}
-
 /// A channel leads from above the mold into the body, nothing is in it, and nothing runs
 /// over its rim before the body is full.
-fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
+fn open(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
     let channel = outline.exact();
-    let blocked: f64 = set.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
-    let top = set.bounds.1.z;
-    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - set.rounding;
-    let free = set.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
+    let blocked: f64 = mold.shells.iter().map(|s| s.solid.intersection(&channel).volume()).sum();
+    let top = mold.bounds.1.z;
+    let reaches_top = |piece: &Solid| piece.bounds().1.z >= top - mold.rounding;
+    let free = mold.parts().fold(channel.clone(), |rest, part| rest.difference(&part.solid));
     let through = free.decompose().into_iter().find(reaches_top);
-    let full = set.cast.solid.bounds().1.z;
-    let rim = channel.difference(&set.outside.solid).bounds().0.z - full;
-    let inside = through.map_or(0.0, |piece| piece.intersection(&set.cast.solid).volume());
+    let full = mold.cast.solid.bounds().1.z;
+    let rim = channel.difference(&mold.outside.solid).bounds().0.z - full;
+    let inside = through.map_or(0.0, |piece| piece.intersection(&mold.cast.solid).volume());
     vec![
         Line::at_most(
             format!("{name}: blocked"),
             blocked,
-            set.volume_rounding(channel.area()),
+            mold.volume_rounding(channel.area()),
             "mm³",
         ),
         // A mouth as deep as the rounding is no mouth.
         Line::at_least(
             format!("{name}: reaches the cavity"),
             inside,
-            set.volume_rounding(set.cast.area),
+            mold.volume_rounding(mold.cast.area),
             "mm³ within",
         ),
         Line::new(
             format!("{name}: rim"),
-            rim >= -set.rounding,
+            rim >= -mold.rounding,
             format!("{rim:.1} mm above the body"),
             "not below its top, or silicone runs over",
         ),
@@ -140,23 +123,23 @@ fn open(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
 }
 
 /// A pin keeps clear of sprue and vents, all of which are upright.
-fn clear(set: &Set, name: &str, pin: &Outline) -> Line {
+fn clear(mold: &ClosedMold, name: &str, pin: &Outline) -> Line {
     let widest = |outline: &Outline| outline.base_radius.max(outline.top_radius);
-    let channels = set.report.features.iter();
+    let channels = mold.report.features.iter();
     let channels = channels.filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent));
     let between = channels.map(|channel| {
         let apart = Vec3::from(channel.base) - Vec3::from(pin.base);
         apart.xy().norm() - widest(channel) - widest(pin)
     });
     let least = between.fold(f64::INFINITY, f64::min);
-    let needed = LAND * MM - 2.0 * set.rounding;
+    let needed = LAND * MM - 2.0 * mold.rounding;
     Line::at_least(format!("{name}: beside channels"), least, needed, "mm of mold")
 }
 
 /// A cone fills most of its seat, and leaves a gap.
-fn engaged(set: &Set, name: &str, outline: &Outline) -> Line {
+fn engaged(mold: &ClosedMold, name: &str, outline: &Outline) -> Line {
     let seat = outline.exact();
-    let filled: f64 = set.shells.iter().map(|s| s.solid.intersection(&seat).volume()).sum();
+    let filled: f64 = mold.shells.iter().map(|s| s.solid.intersection(&seat).volume()).sum();
     let part = filled / seat.volume();
     let found = format!("{:.1} % filled", 100.0 * part);
     let needed = "at least 50 % and less than all";
@@ -164,12 +147,12 @@ fn engaged(set: &Set, name: &str, outline: &Outline) -> Line {
 }
 
 /// The core's stub reaches down into its socket and fills most of it.
-fn seated(set: &Set, name: &str, outline: &Outline) -> Vec<Line> {
+fn seated(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
     let socket = outline.exact();
-    let depth = set.cast.solid.bounds().0.z - set.bounds.0.z;
-    let below = Vec3::new(set.bounds.1.x, set.bounds.1.y, set.bounds.0.z + depth);
-    let hole = socket.intersection(&Solid::cube(&set.bounds.0, &below));
-    let stubs = set.cores.iter().map(|core| core.solid.intersection(&hole));
+    let depth = mold.cast.solid.bounds().0.z - mold.bounds.0.z;
+    let below = Vec3::new(mold.bounds.1.x, mold.bounds.1.y, mold.bounds.0.z + depth);
+    let hole = socket.intersection(&Solid::cube(&mold.bounds.0, &below));
+    let stubs = mold.cores.iter().map(|core| core.solid.intersection(&hole));
     let stub = stubs.max_by(|a, b| a.volume().total_cmp(&b.volume()));
     let (length, part) = stub.filter(|s| !s.is_empty()).map_or((0.0, 0.0), |stub| {
         let (low, high) = stub.bounds();

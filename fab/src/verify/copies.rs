@@ -6,12 +6,12 @@ use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 
 use super::Line;
-use super::set::Files;
-use crate::cast::{self, Sheet};
-use crate::output::{ASSEMBLY, threemf_file};
-use crate::report::{Part, Report};
-use crate::slicer;
-use crate::threemf::{self, Shape};
+use super::closed_mold::Files;
+use crate::files::output::{ASSEMBLY, threemf_file};
+use crate::files::report::{MoldReport, Part};
+use crate::files::sheet::{self, Sheet};
+use crate::files::slicer;
+use crate::files::threemf::{self, Shape};
 
 /// All checks of copies.
 pub fn checks(files: &Files, folder: &Path) -> Vec<Line> {
@@ -39,7 +39,7 @@ fn alone(folder: &Path, part: &Part, surface: &SurfaceMesh) -> Line {
 }
 
 /// The settings for the slicer are those of the part and the printer.
-fn sliced(folder: &Path, report: &Report, part: &Part) -> Option<Line> {
+fn sliced(folder: &Path, report: &MoldReport, part: &Part) -> Option<Line> {
     let settings = slicer::settings(report, part)?;
     let file = slicer::file(part);
     let found = mesh::io::read_text(&folder.join(&file)).map_err(|e| e.to_string());
@@ -104,28 +104,28 @@ fn from_the_least(corners: [Vec3; 3]) -> [Vec3; 3] {
 
 /// The sheet is that of the report.
 fn sheet(files: &Files, folder: &Path) -> Line {
-    let read = mesh::io::read_text(&folder.join(cast::JSON)).map_err(|e| e.to_string());
+    let read = mesh::io::read_text(&folder.join(sheet::JSON)).map_err(|e| e.to_string());
     let result = read.and_then(|text| {
         let found: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
         let sheet = Sheet::new(&files.report)?;
         let text = serde_json::to_string(&sheet).map_err(|e| e.to_string())?;
-        let told: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
-        let keys = told.as_object().into_iter().flatten();
+        let expected: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+        let keys = expected.as_object().into_iter().flatten();
         let off: Vec<&str> =
             keys.filter(|(k, v)| !alike(found.get(k), v)).map(|(k, _)| k.as_str()).collect();
-        let markdown = mesh::io::read_text(&folder.join(cast::MARKDOWN));
+        let markdown = mesh::io::read_text(&folder.join(sheet::MARKDOWN));
         match off.is_empty() {
             false => Err(format!("other {}", off.join(", "))),
             true if markdown.is_ok_and(|text| text == sheet.markdown()) => Ok(sheet.steps.len()),
-            true => Err(format!("{} says something else", cast::MARKDOWN)),
+            true => Err(format!("{} says something else", sheet::MARKDOWN)),
         }
     });
-    line(cast::JSON, result, "the volumes and masses of mold.json")
+    line(sheet::JSON, result, "the volumes and masses of mold.json")
 }
 
 /// Whether two values say the same: decimals are read back to the last digits.
-fn alike(found: Option<&Value>, told: &Value) -> bool {
-    match (found, told) {
+fn alike(found: Option<&Value>, expected: &Value) -> bool {
+    match (found, expected) {
         (Some(Value::Number(a)), Value::Number(b)) => {
             let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
             (a - b).abs() <= 1e-12 * b.abs()
@@ -136,7 +136,7 @@ fn alike(found: Option<&Value>, told: &Value) -> bool {
         (Some(Value::Object(a)), Value::Object(b)) => {
             a.len() == b.len() && b.iter().all(|(key, b)| alike(a.get(key), b))
         }
-        (found, told) => found == Some(told),
+        (found, expected) => found == Some(expected),
     }
 }
 

@@ -19,7 +19,7 @@ use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 use rayon::prelude::*;
 
-use super::set::Set;
+use super::closed_mold::ClosedMold;
 use super::{Line, Status};
 use crate::mold::Purpose;
 
@@ -44,8 +44,8 @@ const SOME: f64 = 1e-3;
 const MUCH: f64 = 2e-2;
 
 /// All checks of filling.
-pub fn checks(set: &Set) -> Vec<Line> {
-    let columns = Columns::new(&poured(set), &set.outside.solid);
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
+    let columns = Columns::new(&poured(mold), &mold.outside.solid);
     let escape = columns.escape();
     let (mut unreached, mut trapped, mut deepest) = (0.0, 0.0, 0.0_f64);
     for (interval, level) in columns.intervals.iter().zip(&escape) {
@@ -57,7 +57,7 @@ pub fn checks(set: &Set) -> Vec<Line> {
         }
         deepest = deepest.max(if level.is_some() { height } else { 0.0 });
     }
-    let percent = 100.0 * columns.step * columns.step / set.cast.volume;
+    let percent = 100.0 * columns.step * columns.step / mold.cast.volume;
     let unit = "% of the body";
     // A column on the rim of the body may miss the opening to its neighbours.
     let reached = Line::at_most("filling: not reached", percent * unreached, 100.0 * SOME, unit);
@@ -70,12 +70,12 @@ pub fn checks(set: &Set) -> Vec<Line> {
 }
 
 /// What silicone fills: the body, sprue and vents, without what the parts put there.
-fn poured(set: &Set) -> Solid {
-    let channels = set.report.features.iter();
+fn poured(mold: &ClosedMold) -> Solid {
+    let channels = mold.report.features.iter();
     let channels = channels.filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent));
-    let whole = channels.fold(set.cast.solid.clone(), |all, f| all.union(&f.exact()));
-    let inside = whole.intersection(&set.outside.solid);
-    set.parts().fold(inside, |rest, part| rest.difference(&part.solid))
+    let whole = channels.fold(mold.cast.solid.clone(), |all, f| all.union(&f.exact()));
+    let inside = whole.intersection(&mold.outside.solid);
+    mold.parts().fold(inside, |rest, part| rest.difference(&part.solid))
 }
 
 /// A stretch of a column within a solid.

@@ -8,12 +8,13 @@ use mesh::io::{MshFile, read_surface, read_tets, sha256_file};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
 
-use super::set::{Body, Set};
+use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
-use crate::collar::{self, Collar, FittedTube};
+use crate::body::boundary::Boundary;
+use crate::body::collar::{self, Collar, FittedTube};
+use crate::body::source::CastPart;
+use crate::files::report::MoldReport;
 use crate::mold::Purpose;
-use crate::report::{CastPart, Report};
-use crate::skin::Skin;
 
 /// Largest distance between the cast and the designed surface, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].
@@ -31,33 +32,33 @@ const ROUND: f64 = 0.99;
 const SAMPLES: usize = 20_000;
 
 /// All checks of fit.
-pub fn checks(set: &Set, folder: &Path, design: Option<&Path>) -> Vec<Line> {
-    let mut lines = vec![block(set)];
-    lines.extend(overlaps(set));
+pub fn checks(mold: &ClosedMold, folder: &Path, design: Option<&Path>) -> Vec<Line> {
+    let mut lines = vec![block(mold)];
+    lines.extend(overlaps(mold));
     // Channels and gaps, where the body does not reach into them.
-    let voids = set.cavity.intersection(&set.channels).difference(&set.cast.solid);
-    lines.push(balance(set, &voids));
-    lines.push(leaks(set, &voids));
-    lines.extend(surface(set, &voids, folder, design));
+    let voids = mold.cavity.intersection(&mold.channels).difference(&mold.cast.solid);
+    lines.push(balance(mold, &voids));
+    lines.push(leaks(mold, &voids));
+    lines.extend(surface(mold, &voids, folder, design));
     lines
 }
 
 /// The shells together reach as far as the outside of the mold.
-fn block(set: &Set) -> Line {
-    let (min, max) = set.bounds;
-    let (low, high) = set.outside.solid.bounds();
+fn block(mold: &ClosedMold) -> Line {
+    let (min, max) = mold.bounds;
+    let (low, high) = mold.outside.solid.bounds();
     let off = (min - low).amax().max((max - high).amax());
-    Line::at_most("outside: size", off, 2.0 * set.rounding, "mm off")
+    Line::at_most("outside: size", off, 2.0 * mold.rounding, "mm off")
 }
 
 /// No two bodies share a volume.
-fn overlaps(set: &Set) -> Vec<Line> {
-    let bodies: Vec<&Body> = set.parts().chain(&set.funnel).chain([&set.cast]).collect();
+fn overlaps(mold: &ClosedMold) -> Vec<Line> {
+    let bodies: Vec<&Body> = mold.parts().chain(&mold.funnel).chain([&mold.cast]).collect();
     let mut lines = Vec::new();
     for (i, a) in bodies.iter().enumerate() {
         for b in &bodies[i + 1..] {
             let shared = a.solid.intersection(&b.solid).volume();
-            let limit = set.volume_rounding(a.area + b.area);
+            let limit = mold.volume_rounding(a.area + b.area);
             lines.push(Line::at_most(
                 format!("overlap: {} and {}", a.name, b.name),
                 shared,
@@ -70,24 +71,24 @@ fn overlaps(set: &Set) -> Vec<Line> {
 }
 
 /// Outside − parts − voids = cast, in volumes of the written surfaces.
-fn balance(set: &Set, voids: &Solid) -> Line {
-    let parts: f64 = set.parts().map(|body| body.volume).sum();
-    let rest = set.outside.volume - parts - voids.volume();
-    let limit = BALANCE * set.outside.volume;
+fn balance(mold: &ClosedMold, voids: &Solid) -> Line {
+    let parts: f64 = mold.parts().map(|body| body.volume).sum();
+    let rest = mold.outside.volume - parts - voids.volume();
+    let limit = BALANCE * mold.outside.volume;
     let name = "balance: outside-parts-voids-cast";
-    Line::at_most(name, (rest - set.cast.volume).abs(), limit, "mm³")
+    Line::at_most(name, (rest - mold.cast.volume).abs(), limit, "mm³")
 }
 
 /// Nothing but the cast, channels and gaps is empty.
-fn leaks(set: &Set, voids: &Solid) -> Line {
-    let other = set.cavity.difference(&set.cast.solid).difference(voids);
-    let limit = set.volume_rounding(set.cavity.area());
+fn leaks(mold: &ClosedMold, voids: &Solid) -> Line {
+    let other = mold.cavity.difference(&mold.cast.solid).difference(voids);
+    let limit = mold.volume_rounding(mold.cavity.area());
     Line::at_most("leaks: empty elsewhere", other.volume(), limit, "mm³")
 }
 
 /// What the parts leave has the surface of the design.
-fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Vec<Line> {
-    let path = design.map_or_else(|| folder.join(&set.report.input.path), Path::to_path_buf);
+fn surface(mold: &ClosedMold, voids: &Solid, folder: &Path, design: Option<&Path>) -> Vec<Line> {
+    let path = design.map_or_else(|| folder.join(&mold.report.input.path), Path::to_path_buf);
     let hash = match sha256_file(&path) {
         Ok(hash) => hash,
         Err(error) => {
@@ -95,25 +96,25 @@ fn surface(set: &Set, voids: &Solid, folder: &Path, design: Option<&Path>) -> Ve
             return vec![Line::new("design: readable", false, error.to_string(), needed)];
         }
     };
-    let same = hash == set.report.input.sha256;
+    let same = hash == mold.report.input.sha256;
     let mut lines = vec![Line::new(
         "design: unchanged",
         same,
         format!("sha256 {}", &hash[..12]),
-        &format!("{} as molded", set.report.input.sha256.get(..12).unwrap_or_default()),
+        &format!("{} as molded", mold.report.input.sha256.get(..12).unwrap_or_default()),
     )];
     if !same {
         return lines;
     }
-    match designed(&path, &set.report) {
-        Ok(design) => lines.extend(distances(set, voids, &design)),
+    match designed(&path, &mold.report) {
+        Ok(design) => lines.extend(distances(mold, voids, &design)),
         Err(error) => lines.push(Line::new("design: readable", false, error, "a valid mesh")),
     }
     lines
 }
 
 /// The surface that is to be cast, in the mold's millimetres.
-fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
+fn designed(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
     if report.input.part == CastPart::Core {
         let core = read_surface(path).map_err(|e| e.to_string())?;
         return Ok(placed(core, report));
@@ -135,16 +136,16 @@ fn designed(path: &Path, report: &Report) -> Result<SurfaceMesh, String> {
 }
 
 /// The design and its collars.
-fn collared(msh: &MshFile, report: &Report) -> Result<SurfaceMesh, String> {
-    let skin = Skin::new(msh, &report.input.cavity).map_err(|e| e.to_string())?;
-    let cores = skin.cores.into_iter().map(|core| placed(core.surface, report));
+fn collared(msh: &MshFile, report: &MoldReport) -> Result<SurfaceMesh, String> {
+    let boundary = Boundary::new(msh, &report.input.chamber).map_err(|e| e.to_string())?;
+    let cores = boundary.cores.into_iter().map(|core| placed(core.surface, report));
     let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
-    collar::cast(&placed(skin.filled, report), &cores.collect::<Vec<_>>(), &collars)
+    collar::cast(&placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
         .map_err(|e| e.to_string())
 }
 
 /// The design in the mold's millimetres.
-fn placed(mut surface: SurfaceMesh, report: &Report) -> SurfaceMesh {
+fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
     let m = report.design_to_mold;
     for p in &mut surface.vertices {
         let row = |r: [f64; 4]| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
@@ -154,29 +155,29 @@ fn placed(mut surface: SurfaceMesh, report: &Report) -> SurfaceMesh {
 }
 
 /// Distances between the largest body that the parts leave and the design, both ways.
-fn distances(set: &Set, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
-    let mut bodies = set.cavity.difference(voids).decompose();
-    plug(set, design, &mut bodies);
+fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
+    let mut bodies = mold.cavity.difference(voids).decompose();
+    plug(mold, design, &mut bodies);
     let Some(body) = bodies.first() else {
         return vec![Line::new("surface", false, "no cavity left".into(), "the designed body")];
     };
     let left = body.to_surface();
-    let limit = SURFACE + 2.0 * set.rounding;
+    let limit = SURFACE + 2.0 * mold.rounding;
     let there = deviation(&left, design, limit);
     let back = measure::hausdorff(design, &left, SAMPLES);
-    let left_area = body.area() + set.cavity.area();
+    let left_area = body.area() + mold.cavity.area();
     let off = (body.volume() - measure::enclosed_volume(design)).abs();
     vec![
         Line::at_most("surface: mold to design", there, limit, "mm"),
         Line::at_most("surface: design to mold", back, limit, "mm"),
-        Line::at_most("volume: mold and design", off, set.volume_rounding(left_area), "mm³"),
-        crumbs(set, &bodies[1..]),
+        Line::at_most("volume: mold and design", off, mold.volume_rounding(left_area), "mm³"),
+        crumbs(mold, &bodies[1..]),
     ]
 }
 
 /// Fills the holes that pins leave in the largest body, as people do afterwards.
-fn plug(set: &Set, design: &SurfaceMesh, bodies: &mut [Solid]) {
-    let pins = set.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
+fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
+    let pins = mold.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
     let (Some(body), Ok(design)) = (bodies.first_mut(), Solid::from_surface(design)) else {
         return;
     };
@@ -222,9 +223,9 @@ fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
 }
 
 /// Other bodies the parts leave are films of rounding between touching faces.
-fn crumbs(set: &Set, others: &[Solid]) -> Line {
+fn crumbs(mold: &ClosedMold, others: &[Solid]) -> Line {
     let volume: f64 = others.iter().map(Solid::volume).sum();
-    let limit = set.volume_rounding(set.cavity.area());
+    let limit = mold.volume_rounding(mold.cavity.area());
     let mut line = Line::at_most("cavity: other bodies", volume, limit, "mm³");
     if line.status == Status::Ok {
         line.found = format!("{} in {} films", line.found, others.len());

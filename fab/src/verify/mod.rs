@@ -6,14 +6,14 @@
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
 
 mod channels;
+mod closed_mold;
 mod collars;
 mod copies;
+mod demolding;
 mod filling;
 mod fit;
 mod printing;
-mod pull;
 mod release;
-mod set;
 mod surfaces;
 mod walls;
 
@@ -22,14 +22,15 @@ use std::path::Path;
 use mesh::SurfaceMesh;
 use mesh::io::IoError;
 
-pub use set::Set;
+pub use closed_mold::ClosedMold;
 
+use crate::body::source::CastPart;
+use crate::files::report::MoldReport;
 use crate::plan::report as plan;
 use crate::progress::Progress;
-use crate::report::{CastPart, Report};
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
-/// cavity that is cut off with a sheet is uneven by some micrometres.
+/// chamber that is cut off with a sheet is uneven by some micrometres.
 const CASTINGS: f64 = 1e-3;
 
 /// How a check came out.
@@ -119,7 +120,7 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     if !folder.join(plan::FILE).exists() {
         return verify_mold(folder, against, None);
     }
-    let plan = plan::Report::read(folder)?;
+    let plan = plan::PlanReport::read(folder)?;
     let mut lines = Vec::new();
     for entry in &plan.molds {
         let below = folder.join(&entry.folder);
@@ -144,18 +145,18 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
 
 /// The castings of silicone make up the body: no two are the same, and their volumes add up
 /// to that of the design.
-fn together(folder: &Path, plan: &plan::Report, design: Option<&Path>) -> Option<Line> {
+fn together(folder: &Path, plan: &plan::PlanReport, design: Option<&Path>) -> Option<Line> {
     let silicone = plan.molds.iter().filter(|entry| entry.casts == plan::Material::Silicone);
-    let reports: Vec<Report> =
-        silicone.filter_map(|entry| Report::read(&folder.join(&entry.folder)).ok()).collect();
+    let reports: Vec<MoldReport> =
+        silicone.filter_map(|entry| MoldReport::read(&folder.join(&entry.folder)).ok()).collect();
     let first = reports.first()?;
     // A whole casting is compared with the design itself.
     if reports.len() == 1 && first.input.part == CastPart::Whole {
         return None;
     }
     let name = "castings: volume";
-    let piece = |report: &Report| (report.design_to_mold, report.input.part.clone());
-    let again = |(i, report): (usize, &Report)| {
+    let piece = |report: &MoldReport| (report.design_to_mold, report.input.part.clone());
+    let again = |(i, report): (usize, &MoldReport)| {
         reports[..i].iter().any(|other| piece(other) == piece(report))
     };
     if reports.iter().enumerate().any(again) {
@@ -175,10 +176,10 @@ fn together(folder: &Path, plan: &plan::Report, design: Option<&Path>) -> Option
 fn verify_mold(
     folder: &Path,
     against: Against,
-    plan: Option<&plan::Report>,
+    plan: Option<&plan::PlanReport>,
 ) -> Result<Vec<Line>, IoError> {
-    let report = Report::read(folder)?;
-    let (mut lines, files) = set::read(folder, report);
+    let report = MoldReport::read(folder)?;
+    let (mut lines, files) = closed_mold::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
     let progress = Progress::new(files.cast.triangles.len());
     progress.step("checking the surfaces");
@@ -195,34 +196,34 @@ fn verify_mold(
     }
     let parts = files.parts.clone();
     progress.step("putting the parts together");
-    let set = Set::new(files);
-    lines.extend(shapes(&set, &parts, folder, against.design, plan, progress));
+    let mold = ClosedMold::new(files);
+    lines.extend(shapes(&mold, &parts, folder, against.design, plan, progress));
     if let Some(simulation) = against.simulation {
-        lines.extend(walls::inflated(&set, simulation));
+        lines.extend(walls::inflated(&mold, simulation));
     }
     Ok(lines)
 }
 
 /// The checks of sound parts, whether they have been written or not.
 fn shapes(
-    set: &Set,
+    mold: &ClosedMold,
     parts: &[SurfaceMesh],
     folder: &Path,
     design: Option<&Path>,
-    plan: Option<&plan::Report>,
+    plan: Option<&plan::PlanReport>,
     progress: Progress,
 ) -> Vec<Line> {
     progress.step("comparing with the design");
-    let mut lines = fit::checks(set, folder, design);
-    lines.extend(channels::checks(set));
+    let mut lines = fit::checks(mold, folder, design);
+    lines.extend(channels::checks(mold));
     progress.step("filling");
-    lines.extend(filling::checks(set));
-    lines.extend(collars::checks(set));
-    lines.extend(walls::checks(set));
+    lines.extend(filling::checks(mold));
+    lines.extend(collars::checks(mold));
+    lines.extend(walls::checks(mold));
     progress.step("pulling apart");
-    lines.extend(pull::checks(set));
-    lines.extend(release::checks(set, plan));
-    lines.extend(printing::checks(set, parts));
+    lines.extend(demolding::checks(mold));
+    lines.extend(release::checks(mold, plan));
+    lines.extend(printing::checks(mold, parts));
     lines
 }
 
@@ -230,13 +231,13 @@ fn shapes(
 /// order of the report, valid and in millimetres; `design` is what is molded.
 #[must_use]
 pub fn before_writing(
-    report: &Report,
+    report: &MoldReport,
     surfaces: &[SurfaceMesh],
     design: &Path,
-    plan: &plan::Report,
+    plan: &plan::PlanReport,
     progress: Progress,
 ) -> Vec<Line> {
-    let files = set::Files::of(report.clone(), surfaces.to_vec());
+    let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
     let parts = files.parts.clone();
-    shapes(&Set::new(files), &parts, Path::new("."), Some(design), Some(plan), progress)
+    shapes(&ClosedMold::new(files), &parts, Path::new("."), Some(design), Some(plan), progress)
 }

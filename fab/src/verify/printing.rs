@@ -3,11 +3,11 @@
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
-use super::set::{Files, Set};
+use super::closed_mold::{ClosedMold, Files};
 use super::{Line, Status};
-use crate::printer::{self, Printer};
-use crate::report::Part;
-use crate::underside::{Underside, needs_supports};
+use crate::files::report::Part;
+use crate::geometry::overhang::{Overhangs, needs_supports};
+use crate::library::printer::{self, Printer};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
 /// centroids of facets across a fold [mm].
@@ -17,8 +17,8 @@ const AT_BODY: f64 = 0.01;
 const SUMS: f64 = 1e-9;
 
 /// All checks of printing; `parts` are in the closed mold and are turned back.
-pub fn checks(set: &Set, parts: &[SurfaceMesh]) -> Vec<Line> {
-    let Some(key) = &set.report.casting.printer else {
+pub fn checks(mold: &ClosedMold, parts: &[SurfaceMesh]) -> Vec<Line> {
+    let Some(key) = &mold.report.casting.printer else {
         let needed = "casting.printer in mold.toml, for build volume and overhangs";
         let mut line = Line::new("printer", true, "none named".into(), needed);
         line.status = Status::Warn;
@@ -28,15 +28,15 @@ pub fn checks(set: &Set, parts: &[SurfaceMesh]) -> Vec<Line> {
         Ok(printer) => printer,
         Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
     };
-    let body = SurfaceBvh::new(&set.cast.solid.to_surface());
+    let body = SurfaceBvh::new(&mold.cast.solid.to_surface());
     let mut lines = Vec::new();
-    for (part, surface) in set.report.parts.iter().zip(parts) {
+    for (part, surface) in mold.report.parts.iter().zip(parts) {
         let to_mold = Files::turn(part);
         let vertices = surface.vertices.iter().map(|p| to_mold.transpose() * p).collect();
         let printed = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
         lines.push(fits(printer, &part.name, &printed));
         let at_body = |t: usize| body.closest(&surface.centroid(t)).distance <= AT_BODY;
-        let below = Underside::new(&printed, printer.overhang, at_body);
+        let below = Overhangs::new(&printed, printer.overhang, at_body);
         lines.push(overhangs(printer, part, &below));
     }
     lines
@@ -55,16 +55,17 @@ fn fits(printer: &Printer, name: &str, printed: &SurfaceMesh) -> Line {
 
 /// Area that hangs over more steeply than is printed without support: supports cost
 /// time, and leave scars where they touch what shapes the silicone. Settings and sheet
-/// rely on the area that the report tells.
-fn overhangs(printer: &Printer, part: &Part, below: &Underside) -> Line {
-    let Underside { bed, hanging, shaping } = *below;
+/// rely on the area in the report.
+fn overhangs(printer: &Printer, part: &Part, below: &Overhangs) -> Line {
+    let Overhangs { bed, hanging, shaping } = *below;
     let found = format!("{hanging:.0} mm², {shaping:.0} mm² of it at the silicone");
     let needed = format!("0 mm² beyond {}°, or supports", printer.overhang);
-    let told = |area: f64, told: f64| (area - told).abs() <= SUMS * area;
-    let holds = told(hanging, part.overhang) && told(bed, part.bed);
+    let reported = |area: f64, reported: f64| (area - reported).abs() <= SUMS * area;
+    let holds = reported(hanging, part.overhang) && reported(bed, part.bed);
     let mut line = Line::new(format!("{}: overhang", part.name), holds, found, &needed);
     if !holds {
-        line.needed = format!("{:.3} mm², {:.3} mm² on the bed, as told", part.overhang, part.bed);
+        line.needed =
+            format!("{:.3} mm², {:.3} mm² on the bed, as reported", part.overhang, part.bed);
     } else if needs_supports(hanging) {
         line.status = Status::Warn;
     }

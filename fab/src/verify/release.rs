@@ -2,15 +2,15 @@
 //!
 //! What has to be stretched over a core that is pulled out is the inlet: its girth is that
 //! of the core just inside, and the largest girth of the core across the pull is what has to
-//! pass. So it is with every neck of the cavity and what lies behind it. Soluble and molten
+//! pass. So it is with every neck of the chamber and what lies behind it. Soluble and molten
 //! cores need no way out.
 
-use super::set::{Body, Set};
+use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
-use crate::method::Method;
-use crate::plan::girth::{self, Passage};
-use crate::plan::report::Report;
-use crate::silicone;
+use crate::config::method::Method;
+use crate::geometry::girth::{self, Passage};
+use crate::library::silicone;
+use crate::plan::report::PlanReport;
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
 /// uneven rim, within the 1 mm that any wall is thick at least [mm].
@@ -21,14 +21,14 @@ const INSIDE: [f64; 2] = [0.1, 0.3];
 const SAFE: f64 = 0.5;
 
 /// The check of every core, with the method of the plan if there is one.
-pub fn checks(set: &Set, plan: Option<&Report>) -> Vec<Line> {
-    set.cores.iter().map(|core| passes(set, core, plan)).collect()
+pub fn checks(mold: &ClosedMold, plan: Option<&PlanReport>) -> Vec<Line> {
+    mold.cores.iter().map(|core| passes(mold, core, plan)).collect()
 }
 
-fn passes(set: &Set, core: &Body, plan: Option<&Report>) -> Line {
-    let name = format!("{}: leaves", core.name);
-    let up = -core.leaves;
-    let seat = set.cast.solid.bounds().0.dot(&up).min(set.cast.solid.bounds().1.dot(&up));
+fn passes(mold: &ClosedMold, core: &Body, plan: Option<&PlanReport>) -> Line {
+    let name = format!("{}: demolds", core.name);
+    let up = -core.demolding;
+    let seat = mold.cast.solid.bounds().0.dot(&up).min(mold.cast.solid.bounds().1.dot(&up));
     let above = |height: f64| core.solid.trim_by_plane(&up, seat + height);
     let mouth = above(INSIDE[0]).difference(&above(INSIDE[1])).to_surface();
     let inside = above(INSIDE[0]).to_surface();
@@ -48,13 +48,13 @@ fn passes(set: &Set, core: &Body, plan: Option<&Report>) -> Line {
         Some(method @ (Method::Soluble | Method::Wax)) => {
             Line::new(name, true, found, &format!("any, the core is {}", method.name()))
         }
-        _ => stretched(set, name, ratio, found),
+        _ => stretched(mold, name, ratio, found),
     }
 }
 
 /// Whether silicone can be stretched so far; a warning if it is not known which.
-fn stretched(set: &Set, name: String, ratio: f64, found: String) -> Line {
-    let key = set.report.casting.silicone.as_deref();
+fn stretched(mold: &ClosedMold, name: String, ratio: f64, found: String) -> Line {
+    let key = mold.report.casting.silicone.as_deref();
     let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => {

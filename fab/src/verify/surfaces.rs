@@ -3,9 +3,9 @@
 use mesh::check::{self, CHECKS};
 use mesh::{SurfaceMesh, topology};
 
-use super::set::Files;
+use super::closed_mold::Files;
 use super::{Line, Status};
-use crate::report::Report;
+use crate::files::report::MoldReport;
 
 /// Name of the body among the surfaces.
 const CAST: &str = "cast";
@@ -24,7 +24,7 @@ pub fn checks(files: &Files) -> Vec<Line> {
         genera
             .chain([(CAST, report.cast.genus)])
             .zip(parts.iter().chain([cast]))
-            .map(|((name, told), surface)| handles(name, surface, told)),
+            .map(|((name, reported), surface)| handles(name, surface, reported)),
     );
     lines.extend(as_reported(report, parts, cast));
     lines
@@ -65,10 +65,10 @@ fn genus(surface: &SurfaceMesh) -> f64 {
 
 /// No hole of the body was opened or closed when it was rounded. In a part, rounding may
 /// remove a film that closed a hole, which a person should know.
-fn handles(name: &str, surface: &SurfaceMesh, told: i32) -> Line {
+fn handles(name: &str, surface: &SurfaceMesh, reported: i32) -> Line {
     let found = genus(surface);
-    let holds = found == f64::from(told);
-    let needed = format!("genus {told}, as before rounding");
+    let holds = found == f64::from(reported);
+    let needed = format!("genus {reported}, as before rounding");
     let mut line = Line::new(format!("{name}: genus"), holds, format!("genus {found}"), &needed);
     if name != CAST && line.status == Status::Fail {
         line.status = Status::Warn;
@@ -77,7 +77,7 @@ fn handles(name: &str, surface: &SurfaceMesh, told: i32) -> Line {
 }
 
 /// The surfaces have the volumes that were reported when they were written.
-fn as_reported(report: &Report, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Vec<Line> {
+fn as_reported(report: &MoldReport, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Vec<Line> {
     // Summed in the same order over the same triangles, but turned, which may
     // exchange the products in a determinant: rounding only.
     const ROUNDING: f64 = 1e-12;
@@ -85,15 +85,15 @@ fn as_reported(report: &Report, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Ve
     volumes
         .chain([("cast", report.cast.volume)])
         .zip(parts.iter().chain([cast]))
-        .map(|((name, told), surface)| {
+        .map(|((name, reported), surface)| {
             let volume = mesh::measure::enclosed_volume(surface);
             let found = format!("{volume:.4} mm³");
-            let holds = (volume - told).abs() <= ROUNDING * told;
+            let holds = (volume - reported).abs() <= ROUNDING * reported;
             Line::new(
                 format!("{name}: volume"),
                 holds,
                 found,
-                &format!("{told:.4} mm³ as reported"),
+                &format!("{reported:.4} mm³ as reported"),
             )
         })
         .collect()

@@ -12,11 +12,11 @@ use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use super::set::Set;
+use super::closed_mold::ClosedMold;
 use super::{Line, Status};
-use crate::export::MM;
+use crate::geometry::MM;
+use crate::library::silicone;
 use crate::mold::Purpose;
-use crate::silicone;
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
 /// it is an edge, whose thickness is zero and no fault.
@@ -27,35 +27,37 @@ const OPPOSITE: f64 = 0.5;
 const INFLATED: f64 = 0.25;
 
 /// Checks of the walls as they are cast.
-pub fn checks(set: &Set) -> Vec<Line> {
-    let surface = set.cast.solid.to_surface();
-    let least = set.report.casting.least_wall * MM;
-    let mut silicone = wall_line("silicone: thinnest wall", &surface, least, set.rounding);
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
+    let surface = mold.cast.solid.to_surface();
+    let least = mold.report.casting.least_wall * MM;
+    let mut silicone = wall_line("silicone: thinnest wall", &surface, least, mold.rounding);
     // What the plan cuts in two has a sharp edge, no wall.
-    if set.report.input.part != crate::report::CastPart::Whole && silicone.status == Status::Fail {
+    if mold.report.input.part != crate::body::source::CastPart::Whole
+        && silicone.status == Status::Fail
+    {
         silicone.status = Status::Warn;
     }
-    vec![mold(set, &surface), silicone]
+    vec![mold_walls(mold, &surface), silicone]
 }
 
 /// Least distance of the body and of the keys' seats from the outside, and of the seats
 /// from the body.
-fn mold(set: &Set, cast: &SurfaceMesh) -> Line {
+fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
     let bvh = SurfaceBvh::new(cast);
-    let mut outside = set.outside.solid.to_surface();
-    if set.report.open {
+    let mut outside = mold.outside.solid.to_surface();
+    if mold.report.open {
         // The top of an open mold is no wall.
-        let sky = set.bounds.1.z - set.rounding;
+        let sky = mold.bounds.1.z - mold.rounding;
         let vertices = &outside.vertices;
         outside.triangles.retain(|t| t.iter().any(|&v| vertices[v].z < sky));
     }
     let outside = SurfaceBvh::new(&outside);
     let body = cast.vertices.iter().map(|p| outside.closest(p).distance);
     let body = body.fold(f64::INFINITY, f64::min);
-    let keys = set.report.features.iter().filter(|f| f.purpose == Purpose::Key);
+    let keys = mold.report.features.iter().filter(|f| f.purpose == Purpose::Key);
     let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
     let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
-    Line::at_least("wall: least", body.min(beside), set.report.wall - 2.0 * set.rounding, "mm")
+    Line::at_least("wall: least", body.min(beside), mold.report.wall - 2.0 * mold.rounding, "mm")
 }
 
 fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Line {
@@ -104,7 +106,7 @@ struct Stretch {
 
 /// Checks of the walls under the load of a simulation: the folder that `solver simulate`
 /// wrote for this design.
-pub fn inflated(set: &Set, folder: &Path) -> Vec<Line> {
+pub fn inflated(mold: &ClosedMold, folder: &Path) -> Vec<Line> {
     let name = "inflated: result";
     let report = mesh::io::read_text(&folder.join("report.json"))
         .map_err(|e| e.to_string())
@@ -133,16 +135,16 @@ pub fn inflated(set: &Set, folder: &Path) -> Vec<Line> {
     let cells = grid.cells.chunks_exact(grid.cell_type.nodes());
     let tets = TetMesh { vertices, tets: cells.map(|c| [c[0], c[1], c[2], c[3]]).collect() };
     let surface = topology::boundary(&tets).surface(&tets).0;
-    let least = INFLATED * set.report.casting.least_wall * MM;
+    let least = INFLATED * mold.report.casting.least_wall * MM;
     lines.push(wall_line("inflated: thinnest wall", &surface, least, 0.0));
-    lines.extend(report.stretch_range.map(|range| stretch(set, range.largest)));
+    lines.extend(report.stretch_range.map(|range| stretch(mold, range.largest)));
     lines
 }
 
 /// The silicone is not stretched beyond what tears it.
-fn stretch(set: &Set, largest: f64) -> Line {
+fn stretch(mold: &ClosedMold, largest: f64) -> Line {
     let name = "inflated: largest stretch";
-    let key = set.report.casting.silicone.as_deref();
+    let key = mold.report.casting.silicone.as_deref();
     let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),

@@ -1,0 +1,347 @@
+//! The outer boundary and the chamber of a tagged body, as closed surfaces.
+//!
+//! The boundary of the body is split by the chamber's tag. Each rim of the chamber
+//! is closed with a planar cap; then
+//!
+//! filled part = untagged boundary + caps,  core = reversed chamber + caps,
+//! body = filled part − cores,
+//!
+//! and all three share the caps' triangles and the boundary's vertices bit for bit.
+
+use std::collections::BTreeSet;
+
+use mesh::check;
+use mesh::io::MshFile;
+use mesh::measure::{bounds, diagonal, enclosed_volume, tet_volume};
+use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
+
+use crate::geometry::cap::{self, Cap, CapError};
+
+/// A rim counts as planar if it keeps to its plane within this part of the body's
+/// diagonal: twice the envelope that the volume mesher is given by default.
+const PLANAR: f64 = 2e-3;
+
+/// Volumes that should be equal may differ by this part, from rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The surfaces a mold is made from, in the design's coordinates.
+#[derive(Clone, Debug)]
+pub struct Boundary {
+    /// Boundary of the body with its chamber filled [m].
+    pub filled: SurfaceMesh,
+    /// Boundary of the body: what is cast [m].
+    pub cast: SurfaceMesh,
+    /// One per connected piece of the chamber.
+    pub cores: Vec<CoreBoundary>,
+    /// The paths of rising air.
+    pub air_paths: AirPaths,
+}
+
+/// Points in and on a body, and edges along which air rises in it.
+#[derive(Clone, Debug)]
+pub struct AirPaths {
+    /// The points [m].
+    pub points: Vec<Vec3>,
+    /// For each, those it is connected with.
+    pub neighbours: Vec<Vec<usize>>,
+    /// Points on the outer boundary.
+    pub outer: BTreeSet<usize>,
+}
+
+/// A chamber as a solid, and where it opens.
+#[derive(Clone, Debug)]
+pub struct CoreBoundary {
+    /// Its closed boundary, facing outward [m].
+    pub surface: SurfaceMesh,
+    /// Its openings; none if it is closed.
+    pub inlets: Vec<Inlet>,
+}
+
+/// An opening of the chamber.
+#[derive(Clone, Debug)]
+pub struct Inlet {
+    /// Centre of the circle inscribed in the rim [m].
+    pub centre: Vec3,
+    /// Radius of that circle [m].
+    pub radius: f64,
+    /// Largest distance of the rim from that centre [m].
+    pub reach: f64,
+    /// Unit normal of the rim's plane, out of the body [1].
+    pub normal: Vec3,
+    /// Largest distance of a rim vertex from that plane [m].
+    pub deviation: f64,
+    /// Length of the rim [m].
+    pub girth: f64,
+}
+
+/// Why no mold can be made of a body.
+#[derive(Debug, thiserror::Error)]
+pub enum BoundaryError {
+    /// The chamber's tag does not exist or has no facets.
+    #[error(
+        "no facet has the tag {tag:?}; the mesh has {known}; \
+         set `chamber` in mold.toml to the tag of the chamber's wall"
+    )]
+    NoChamber {
+        /// Tag asked for.
+        tag: String,
+        /// Tags there are, with their facet counts.
+        known: String,
+    },
+    /// Tagged facets that are not on the boundary.
+    #[error(
+        "{count} facets tagged {tag:?} are not on the boundary of the tetrahedra, the first at {at}; \
+         tag the mesh again"
+    )]
+    Inside {
+        /// The chamber's tag.
+        tag: String,
+        /// How many.
+        count: usize,
+        /// Centroid of the first.
+        at: String,
+    },
+    /// The rim of the chamber is not planar.
+    #[error(
+        "the rim of the chamber around {at} leaves its plane by {deviation_mm:.3} mm, \
+         at most {limit_mm:.3} mm are allowed; cut the inlet flat"
+    )]
+    NotPlanar {
+        /// Mean of the rim.
+        at: String,
+        /// Largest distance from the plane [mm].
+        deviation_mm: f64,
+        /// Largest distance allowed [mm].
+        limit_mm: f64,
+    },
+    /// The rim of the chamber cannot be closed.
+    #[error("the rim of the chamber around {at}: {cause}")]
+    Rim {
+        /// Mean of the rim.
+        at: String,
+        /// What is wrong with it.
+        cause: CapError,
+    },
+    /// A surface is not valid.
+    #[error("the {what} is not a valid closed surface: {findings}")]
+    Invalid {
+        /// Which surface.
+        what: &'static str,
+        /// What the checks found.
+        findings: String,
+    },
+    /// Several bodies, or closed chambers without the tag.
+    #[error(
+        "the boundary without the chamber's tag has {count} separate pieces, one is needed; \
+         the second encloses {volume_mm3:.1} mm³ around {at}: tag closed chambers, mold bodies one by one"
+    )]
+    Pieces {
+        /// How many.
+        count: usize,
+        /// Signed volume of the second [mm³].
+        volume_mm3: f64,
+        /// Middle of its bounding box.
+        at: String,
+    },
+    /// Tetrahedra overlap.
+    #[error(
+        "the tetrahedra have a volume of {tets_mm3:.6} mm³ but their boundary encloses {boundary_mm3:.6} mm³: \
+         some are inverted or overlap; use a valid design"
+    )]
+    Overlap {
+        /// Sum of the tetrahedra [mm³].
+        tets_mm3: f64,
+        /// Volume within the boundary [mm³].
+        boundary_mm3: f64,
+    },
+}
+
+impl Boundary {
+    /// Splits the boundary of a tagged mesh.
+    ///
+    /// # Errors
+    /// [`BoundaryError`], each case with what to do.
+    pub fn new(msh: &MshFile, chamber: &str) -> Result<Self, BoundaryError> {
+        let mesh = &msh.mesh;
+        let boundary = topology::boundary(mesh).facets;
+        let (wall, outer) = split(mesh, &boundary, &msh.tags, chamber)?;
+        require_one_piece(&mesh.vertices, &outer)?;
+        let limit = PLANAR * diagonal(&mesh.vertices);
+        let outer_vertices = outer.iter().flatten().copied().collect();
+        let mut filled = outer;
+        let mut cores = Vec::new();
+        for piece in topology::components(&wall) {
+            let piece: Vec<[usize; 3]> = piece.into_iter().map(|t| wall[t]).collect();
+            let (core, caps) = close_core(&mesh.vertices, &piece, limit)?;
+            filled.extend(caps);
+            cores.push(core);
+        }
+        let boundary = Self {
+            filled: topology::submesh(&mesh.vertices, &filled).0,
+            cast: topology::submesh(&mesh.vertices, &boundary).0,
+            cores,
+            air_paths: AirPaths::within(mesh, outer_vertices),
+        };
+        boundary.check(mesh)?;
+        Ok(boundary)
+    }
+
+    /// A body without a chamber, such as a core that is cast itself.
+    ///
+    /// # Errors
+    /// [`BoundaryError::Invalid`] if the surface is not that of a body.
+    pub fn of_surface(surface: SurfaceMesh) -> Result<Self, BoundaryError> {
+        require_valid("surface", &surface)?;
+        let air_paths = AirPaths::on(&surface);
+        Ok(Self { cast: surface.clone(), filled: surface, cores: Vec::new(), air_paths })
+    }
+
+    fn check(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {
+        require_valid("boundary of the body", &self.cast)?;
+        require_valid("outer boundary with its cap", &self.filled)?;
+        for core in &self.cores {
+            require_valid("chamber with its cap", &core.surface)?;
+        }
+        let tets: f64 = mesh
+            .tets
+            .iter()
+            .map(|t| t.map(|v| mesh.vertices[v]))
+            .map(|[a, b, c, d]| tet_volume(a, b, c, d).abs())
+            .sum();
+        let boundary = enclosed_volume(&self.cast);
+        if (tets - boundary).abs() > ROUNDING * tets {
+            return Err(BoundaryError::Overlap {
+                tets_mm3: tets * 1e9,
+                boundary_mm3: boundary * 1e9,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl AirPaths {
+    /// Along the edges of a volume mesh.
+    fn within(mesh: &TetMesh, outer: BTreeSet<usize>) -> Self {
+        let points = mesh.vertices.clone();
+        let edges = topology::tet_edges(&mesh.tets);
+        let neighbours = topology::vertex_neighbours(points.len(), &edges);
+        Self { points, neighbours, outer }
+    }
+
+    /// Along the edges of a surface, where there is no volume mesh: a top of the
+    /// surface may be higher than its surroundings but no top of the volume, which costs
+    /// a vent too many.
+    fn on(surface: &SurfaceMesh) -> Self {
+        let points = surface.vertices.clone();
+        let edges: Vec<[usize; 2]> =
+            topology::edge_facets(&surface.triangles).into_keys().collect();
+        let neighbours = topology::vertex_neighbours(points.len(), &edges);
+        let outer = (0..points.len()).collect();
+        Self { points, neighbours, outer }
+    }
+}
+
+/// Facets of a boundary.
+type Facets = Vec<[usize; 3]>;
+
+/// The boundary facets with the chamber's tag, and the others.
+fn split(
+    mesh: &TetMesh,
+    boundary: &[[usize; 3]],
+    tags: &Tags,
+    chamber: &str,
+) -> Result<(Facets, Facets), BoundaryError> {
+    let tagged = tags.id(chamber).map(|id| tags.facets_of(id)).unwrap_or_default();
+    if tagged.is_empty() {
+        return Err(BoundaryError::NoChamber { tag: chamber.into(), known: known_tags(tags) });
+    }
+    let id = tags.id(chamber);
+    let (wall, outer): (Facets, Facets) = boundary.iter().partition(|&&f| tags.get(f) == id);
+    if wall.len() < tagged.len() {
+        let on_boundary: BTreeSet<[usize; 3]> = wall.iter().map(|&f| mesh::facet_key(f)).collect();
+        let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
+        return Err(BoundaryError::Inside {
+            tag: chamber.into(),
+            count: tagged.len() - wall.len(),
+            at: place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0)),
+        });
+    }
+    Ok((wall, outer))
+}
+
+fn known_tags(tags: &Tags) -> String {
+    if tags.names.is_empty() {
+        return "no tags at all".into();
+    }
+    let count = |id: usize| tags.facets.values().filter(|&&i| i as usize == id).count();
+    let list: Vec<String> = tags
+        .names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| format!("{name} ({} facets)", count(i + 1)))
+        .collect();
+    list.join(", ")
+}
+
+/// A chamber wall as a core, and the caps at its rims.
+fn close_core(
+    vertices: &[Vec3],
+    wall: &[[usize; 3]],
+    limit: f64,
+) -> Result<(CoreBoundary, Facets), BoundaryError> {
+    let rims = topology::boundary_loops(wall);
+    let mut caps = Vec::new();
+    let mut inlets = Vec::new();
+    for rim in rims {
+        let polygon: Vec<Vec3> = rim.iter().map(|&v| vertices[v]).collect();
+        let at = || place(&(polygon.iter().sum::<Vec3>() / polygon.len() as f64));
+        let Cap { triangles, normal, deviation, .. } =
+            cap::close(&polygon).map_err(|cause| BoundaryError::Rim { at: at(), cause })?;
+        if deviation > limit {
+            let (deviation_mm, limit_mm) = (deviation * 1e3, limit * 1e3);
+            return Err(BoundaryError::NotPlanar { at: at(), deviation_mm, limit_mm });
+        }
+        let (centre, radius) = cap::inscribed_circle(&polygon, &normal);
+        let next = polygon.iter().cycle().skip(1);
+        let girth = polygon.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
+        let reach = polygon.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        inlets.push(Inlet { centre, radius, reach, normal, deviation, girth });
+        caps.extend(triangles.into_iter().map(|t| t.map(|i| rim[i])));
+    }
+    let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);
+    let facets: Facets = reversed.chain(caps.iter().copied()).collect();
+    Ok((CoreBoundary { surface: topology::submesh(vertices, &facets).0, inlets }, caps))
+}
+
+/// The outer boundary must be connected: a second piece is another body or a closed chamber.
+fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<(), BoundaryError> {
+    let pieces = topology::components(outer);
+    let Some(second) = pieces.get(1) else { return Ok(()) };
+    let facets: Facets = second.iter().map(|&t| outer[t]).collect();
+    let surface = topology::submesh(vertices, &facets).0;
+    Err(BoundaryError::Pieces {
+        count: pieces.len(),
+        volume_mm3: enclosed_volume(&surface) * 1e9,
+        at: place(&middle(&surface.vertices)),
+    })
+}
+
+fn require_valid(what: &'static str, surface: &SurfaceMesh) -> Result<(), BoundaryError> {
+    let findings = check::check_surface(surface);
+    if findings.is_empty() {
+        return Ok(());
+    }
+    let messages: Vec<String> = findings.into_iter().map(|f| f.message).collect();
+    Err(BoundaryError::Invalid { what, findings: messages.join("; ") })
+}
+
+/// Middle of the bounding box.
+fn middle(points: &[Vec3]) -> Vec3 {
+    let (low, high) = bounds(points);
+    (low + high) / 2.0
+}
+
+/// A point for a message.
+fn place(p: &Vec3) -> String {
+    format!("({:.5}, {:.5}, {:.5}) m", p.x, p.y, p.z)
+}

@@ -1,0 +1,286 @@
+//! A collar of silicone around each inlet that holds a tube.
+//!
+//! It is cast with the body and is no part of the design: with the design's filled part F
+//! and cores C, cylinders O around the inlets' axes and narrower ones B along them,
+//!
+//! filled part = F ∪ O,   core = C ∪ B,   what is cast = (F ∪ O) − C − B.
+//!
+//! O reaches into the body by a root, so that an uneven seat leaves no gap. B is narrower
+//! than the tube, which therefore seals.
+
+use mesh::solid::{Solid, SolidError};
+use mesh::{SurfaceMesh, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
+use crate::body::layout::{self, LayoutError};
+use crate::config::Config;
+use crate::config::fitting::Tube;
+use crate::geometry::MM;
+use crate::geometry::frame::Frame;
+
+/// Sides of a collar: so many that a turn about its axis moves its surface by less than
+/// R (1 − cos π/n), a micrometre at R = 7 mm.
+const SIDES: usize = 192;
+
+/// How far collar and bore reach into the body beyond what its rim is uneven [m].
+const ROOT: f64 = 2e-4;
+
+/// Part of a collar's end that must lie on the body: a judgement [1].
+const HELD: f64 = 0.5;
+
+/// A collar, from its free end into the body; in any unit of length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collar {
+    /// Middle of its free end.
+    pub base: Vec3,
+    /// From there to the end of its root.
+    pub axis: Vec3,
+    /// Radius of its outside.
+    pub radius: f64,
+    /// Radius of its bore.
+    pub bore: f64,
+    /// How far it stands out of the body.
+    pub length: f64,
+}
+
+/// A collar as mold.json has it, and its tube.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FittedTube {
+    /// What to ask for.
+    pub tube: String,
+    /// Outer diameter of the tube [mm].
+    pub outer: f64,
+    /// Inner diameter of the tube [mm].
+    pub inner: f64,
+    /// Where these come from.
+    pub source: String,
+    /// Middle of the collar's free end in the mold [mm].
+    pub base: [f64; 3],
+    /// From there to the end of its root in the body [mm].
+    pub axis: [f64; 3],
+    /// Radius of its outside in the mold [mm].
+    pub radius: f64,
+    /// Radius of its bore in the mold [mm].
+    pub bore: f64,
+    /// How far it stands out of the body in the mold [mm].
+    pub length: f64,
+}
+
+/// Why an inlet gets no collar.
+#[derive(Debug, thiserror::Error)]
+pub enum CollarError {
+    /// A chamber is closed.
+    #[error("[fitting]: a chamber is closed and has no inlet for a tube; leave [fitting] out")]
+    Closed,
+    /// The tube is not known.
+    #[error("{0}")]
+    Tube(String),
+    /// An inlet does not face down.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The body is too narrow.
+    #[error(
+        "[fitting]: a collar of {diameter:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with \
+         {percent:.0} % of its end, at least {needed:.0} % are needed: choose a thinner tube or reduce fitting.wall",
+        x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
+    )]
+    NotHeld {
+        /// Diameter of the collar [mm].
+        diameter: f64,
+        /// Middle of the inlet [m].
+        at: Vec3,
+        /// Part of its end on the body [%].
+        percent: f64,
+        /// Part needed [%].
+        needed: f64,
+    },
+    /// A surface is refused by the solid kernel.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+}
+
+/// The boundary with a collar around every inlet, and the collars in the design's metres;
+/// unchanged if no tube is asked for.
+///
+/// # Errors
+/// [`CollarError`] if a chamber has no inlet, or a collar no place.
+pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>), CollarError> {
+    let Some(fitting) = &config.fitting else { return Ok((boundary, Vec::new())) };
+    if boundary.cores.iter().any(|core| core.inlets.is_empty()) {
+        return Err(CollarError::Closed);
+    }
+    let tube = fitting.tube().map_err(CollarError::Tube)?;
+    let up = layout::require_inlets_down(&boundary, layout::up(&boundary, config))?;
+    let filled = Solid::from_surface(&boundary.filled)?;
+    let mut collars = Vec::new();
+    let mut cores = Vec::new();
+    for core in &boundary.cores {
+        let mut solid = Solid::from_surface(&core.surface)?;
+        let mut inlets = Vec::new();
+        for inlet in &core.inlets {
+            let bore = fitting.bore(&tube);
+            let covers = inlet.reach + config.casting.least_wall;
+            let radius = covers.max(bore + fitting.wall);
+            let length = fitting.length(&tube);
+            let axis = up * (length + inlet.deviation + ROOT);
+            let base = inlet.centre - up * length;
+            let collar = Collar { base, axis, radius, bore, length };
+            collar.require_held(inlet, &filled)?;
+            solid = solid.union(&collar.bore());
+            inlets.push(collar.inlet(&up));
+            collars.push(collar);
+        }
+        cores.push((solid, inlets));
+    }
+    let solids: Vec<Solid> = cores.iter().map(|(solid, _)| solid.clone()).collect();
+    let (filled, cast) = body(&filled, &solids, &collars);
+    let cores = cores
+        .into_iter()
+        .map(|(solid, inlets)| CoreBoundary { surface: solid.to_surface(), inlets })
+        .collect();
+    let boundary = Boundary {
+        filled: filled.to_surface(),
+        cast: cast.to_surface(),
+        cores,
+        air_paths: boundary.air_paths,
+    };
+    Ok((boundary, collars))
+}
+
+/// A filled part with its collars, and what is cast of it around the cores.
+#[must_use]
+pub fn body(filled: &Solid, cores: &[Solid], collars: &[Collar]) -> (Solid, Solid) {
+    let filled = collars.iter().fold(filled.clone(), |all, collar| all.union(&collar.outside()));
+    let cast = cores.iter().fold(filled.clone(), |rest, core| rest.difference(core));
+    let cast = collars.iter().fold(cast, |rest, collar| rest.difference(&collar.through()));
+    (filled, cast)
+}
+
+impl Collar {
+    fn cylinder(base: Vec3, axis: Vec3, radius: f64) -> Solid {
+        Solid::cylinder(&base, &axis, radius, radius, SIDES)
+    }
+
+    /// All within its outside.
+    #[must_use]
+    pub fn outside(&self) -> Solid {
+        Self::cylinder(self.base, self.axis, self.radius)
+    }
+
+    /// What fills its bore.
+    #[must_use]
+    pub fn bore(&self) -> Solid {
+        Self::cylinder(self.base, self.axis, self.bore)
+    }
+
+    /// The bore and some way out of it, so that no faces coincide.
+    fn through(&self) -> Solid {
+        let beyond = self.axis * 0.1;
+        Self::cylinder(self.base - beyond, self.axis + beyond, self.bore)
+    }
+
+    /// A slice of its outside, from a part of its length to another.
+    #[must_use]
+    pub fn slice(&self, from: f64, to: f64) -> Solid {
+        let along = self.axis.normalize() * self.length;
+        Self::cylinder(self.base + along * from, along * (to - from), 2.0 * self.radius)
+    }
+
+    /// Its bore as an inlet.
+    fn inlet(&self, up: &Vec3) -> Inlet {
+        let half = std::f64::consts::PI / SIDES as f64;
+        Inlet {
+            centre: self.base,
+            radius: self.bore * half.cos(),
+            reach: self.bore,
+            normal: -up,
+            deviation: 0.0,
+            girth: 2.0 * SIDES as f64 * self.bore * half.sin(),
+        }
+    }
+
+    /// Whether its end lies on the body.
+    fn require_held(&self, inlet: &Inlet, filled: &Solid) -> Result<(), CollarError> {
+        let thin = self.axis.normalize() * (ROOT / 2.0);
+        let end = Self::cylinder(self.base + self.axis - thin, thin, self.radius);
+        let part = end.intersection(filled).volume() / end.volume();
+        if part >= HELD {
+            return Ok(());
+        }
+        Err(CollarError::NotHeld {
+            diameter: 2e3 * self.radius,
+            at: inlet.centre,
+            percent: 100.0 * part,
+            needed: 100.0 * HELD,
+        })
+    }
+
+    /// For mold.json, in the millimetres of a mold.
+    #[must_use]
+    pub fn fitted_tube(&self, tube: &Tube, frame: &Frame) -> FittedTube {
+        let scale = frame.scale * MM;
+        FittedTube {
+            tube: tube.name.clone(),
+            outer: tube.outer * MM,
+            inner: tube.inner * MM,
+            source: tube.source.clone(),
+            base: (frame.point(&self.base) * MM).into(),
+            axis: (frame.rotation * self.axis * scale).into(),
+            radius: self.radius * scale,
+            bore: self.bore * scale,
+            length: self.length * scale,
+        }
+    }
+}
+
+impl FittedTube {
+    /// The collar in the millimetres of the mold.
+    #[must_use]
+    pub fn collar(&self) -> Collar {
+        let Self { base, axis, radius, bore, length, .. } = self;
+        let [base, axis] = [base, axis].map(|v| Vec3::from(*v));
+        Collar { base, axis, radius: *radius, bore: *bore, length: *length }
+    }
+}
+
+/// What is cast of a design with collars, all in the same unit.
+///
+/// # Errors
+/// If a surface does not bound a solid.
+pub fn cast(
+    filled: &SurfaceMesh,
+    cores: &[SurfaceMesh],
+    collars: &[Collar],
+) -> Result<SurfaceMesh, SolidError> {
+    let cores: Vec<Solid> = cores.iter().map(Solid::from_surface).collect::<Result<_, _>>()?;
+    Ok(body(&Solid::from_surface(filled)?, &cores, collars).1.to_surface())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_collar_adds_a_ring_and_leaves_the_cavity() {
+        // A cube of 20 with a chamber of 10 above an inlet of radius 1, which is cut at z = 0.
+        let filled = Solid::cube(&Vec3::new(-10.0, -10.0, 0.0), &Vec3::new(10.0, 10.0, 20.0));
+        let neck = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 6.0), 1.0, 1.0, 48);
+        let chamber = Solid::cube(&Vec3::new(-5.0, -5.0, 5.0), &Vec3::new(5.0, 5.0, 15.0));
+        let core = neck.union(&chamber);
+        let axis = Vec3::z() * 8.5;
+        let collar = Collar { base: Vec3::z() * -8.0, axis, radius: 4.0, bore: 1.8, length: 8.0 };
+        let surfaces = [filled.to_surface(), core.to_surface()];
+        let found = cast(&surfaces[0], &surfaces[1..], std::slice::from_ref(&collar)).unwrap();
+        assert!(mesh::check::check_surface(&found).is_empty());
+        let disc = |r: f64, n: f64| 0.5 * n * r * r * (std::f64::consts::TAU / n).sin();
+        let ring = 8.0 * (disc(4.0, 192.0) - disc(1.8, 192.0));
+        // The bore is wider than the neck for the length of its root.
+        let root = 0.5 * (disc(1.8, 192.0) - disc(1.0, 48.0));
+        let expected = filled.volume() - core.volume() + ring - root;
+        let volume = mesh::measure::enclosed_volume(&found);
+        assert!((volume - expected).abs() < 1e-9 * expected, "{volume} {expected}");
+    }
+}

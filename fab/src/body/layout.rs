@@ -1,0 +1,100 @@
+//! How the mold stands: which way is up, which way the shells are pulled.
+
+use mesh::measure::bounds;
+use mesh::{SurfaceMesh, Vec3};
+
+use crate::body::boundary::Boundary;
+use crate::body::orientation::Orientation;
+use crate::config::Config;
+use crate::geometry::frame::{Frame, Pull};
+
+/// An inlet faces down, and the way up is a coordinate axis, within this angle's
+/// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
+const DOWN: f64 = 0.9962;
+
+/// Why the mold cannot stand as asked.
+#[derive(Debug, thiserror::Error)]
+pub enum LayoutError {
+    /// Neither along nor across.
+    #[error(
+        "parting.pull makes an angle of {angle:.2}° with up; it must be along up (upper and lower shell) \
+         or across it (left and right shell on a base)"
+    )]
+    Askew {
+        /// Angle between the two [degrees].
+        angle: f64,
+    },
+    /// An inlet that cannot hold a core from below.
+    #[error(
+        "the inlet at ({x:.5}, {y:.5}, {z:.5}) m faces {angle:.1}° away from straight down, at most 5° are allowed: \
+         set `up` opposite to the inlet; inlets that face different ways cannot be molded",
+        x = centre.x, y = centre.y, z = centre.z
+    )]
+    Inlet {
+        /// Its centre in the design [m].
+        centre: Vec3,
+        /// Angle between its normal and down [degrees].
+        angle: f64,
+    },
+}
+
+/// The way up that the configuration asks for, or away from the first inlet; z for a
+/// closed chamber.
+#[must_use]
+pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
+    config.up.map_or_else(|| away_from_inlet(boundary), Vec3::from).normalize()
+}
+
+/// `up`, if all inlets face down.
+///
+/// # Errors
+/// [`LayoutError`] if one does not.
+pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, LayoutError> {
+    for inlet in boundary.cores.iter().flat_map(|core| &core.inlets) {
+        let cosine = -inlet.normal.dot(&up);
+        if cosine < DOWN {
+            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            return Err(LayoutError::Inlet { centre: inlet.centre, angle });
+        }
+    }
+    Ok(up)
+}
+
+/// The mold's frame for a orientation. The filled part stands on z = 0, or is cut there.
+///
+/// # Errors
+/// [`LayoutError`] if the shells are pulled neither along nor across `up`.
+pub fn frame(
+    filled: &SurfaceMesh,
+    orientation: &Orientation,
+    shrinkage: f64,
+) -> Result<(Frame, Pull), LayoutError> {
+    let (mut frame, pull) = Frame::new(orientation.up, orientation.pull)
+        .map_err(|cosine| LayoutError::Askew { angle: cosine.acos().to_degrees() })?;
+    let (low, high) = bounds(&placed(filled, &frame).vertices);
+    let middle = (low + high) / 2.0;
+    let bottom = orientation.portion.cut().unwrap_or(low.z);
+    frame.origin = frame.rotation.transpose() * Vec3::new(middle.x, middle.y, bottom);
+    frame.scale = 1.0 / (1.0 - shrinkage);
+    Ok((frame, pull))
+}
+
+/// A surface of the design in the mold's frame.
+#[must_use]
+pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
+    SurfaceMesh {
+        vertices: surface.vertices.iter().map(|p| frame.point(p)).collect(),
+        triangles: surface.triangles.clone(),
+    }
+}
+
+/// Opposite to the first inlet, or the coordinate axis that is nearly so.
+fn away_from_inlet(boundary: &Boundary) -> Vec3 {
+    let mut inlets = boundary.cores.iter().flat_map(|core| &core.inlets);
+    let Some(inlet) = inlets.next() else { return Vec3::z() };
+    let up = -inlet.normal;
+    let mut axis = Vec3::zeros();
+    let k = up.iamax();
+    axis[k] = up[k].signum();
+    if axis.dot(&up) >= DOWN { axis } else { up }
+}

@@ -1,0 +1,58 @@
+//! `[casting]`: what is cast, and what the mold is printed on.
+
+use serde::Serialize;
+
+use super::table::table;
+use crate::library::{printer, silicone};
+
+table! {
+    /// What is cast, and what the mold is printed on.
+    #[derive(PartialEq, Serialize)]
+    CastingConfig, "casting." {
+        /// A silicone of [`solver/silicones.toml`](../solver/silicones.toml): for masses, times and
+        /// warnings of `cast.md`.
+        silicone: Option<String> = None => "none: volumes only", known_silicone;
+        /// A printer of [`printers.toml`](printers.toml): for gaps, build volume and overhangs, and a
+        /// warning of resin.
+        printer: Option<String> = None => "none", known_printer;
+        /// Silicone that stays in the cup, as a share of what fills the mold [1].
+        waste: f64 = 0.2, share;
+        /// Least thickness of the silicone at rest [m].
+        least_wall: f64 = 1e-3, wall;
+        /// Gauge pressure of the leak test [Pa].
+        leak_test: Option<f64> = None => "the working pressure", pressure;
+    }
+}
+
+fn known_silicone(key: &str, name: &Option<String>) -> Result<(), String> {
+    let Some(name) = name else { return Ok(()) };
+    silicone::find(name).map(drop).map_err(|message| format!("{key}: {message}"))
+}
+
+fn known_printer(key: &str, name: &Option<String>) -> Result<(), String> {
+    let Some(name) = name else { return Ok(()) };
+    printer::find(name).map(drop).map_err(|message| format!("{key}: {message}"))
+}
+
+fn share(key: &str, waste: &f64) -> Result<(), String> {
+    match (0.0..=10.0).contains(waste) {
+        true => Ok(()),
+        false => Err(format!("{key} is {waste}, must lie between 0 and 10")),
+    }
+}
+
+fn wall(key: &str, least: &f64) -> Result<(), String> {
+    match *least > 0.0 && *least < 1.0 {
+        true => Ok(()),
+        false => Err(format!("{key} is {least}, must be above 0 and below 1 m")),
+    }
+}
+
+fn pressure(key: &str, pressure: &Option<f64>) -> Result<(), String> {
+    match pressure {
+        Some(pressure) if !(*pressure > 0.0 && *pressure <= 1e6) => {
+            Err(format!("{key} is {pressure} Pa, must be above 0 and at most 1e6 Pa"))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,258 @@
+//! `mold.toml`: how a body is to be molded.
+//!
+//! Lengths are metres and directions are those of the design. Every key has a default, and is one
+//! row of one file: its type, default, range and meaning ([`table`]). An unknown key is an error
+//! that lists the valid ones.
+
+mod table;
+
+pub mod method;
+
+mod casting;
+mod core;
+pub mod fitting;
+mod flange;
+mod gluing;
+mod keys;
+mod limits;
+mod parting;
+mod sprue;
+mod vents;
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::{Deserialize, Deserializer};
+
+use crate::library::printer;
+use crate::library::silicone::{self, Chemistry};
+pub use casting::CastingConfig;
+pub use core::{CoreConfig, Support};
+pub use fitting::FittingConfig;
+pub use flange::FlangeConfig;
+pub use gluing::GluingConfig;
+pub use keys::KeysConfig;
+pub use limits::LimitsConfig;
+use method::Method;
+pub use parting::{AutoParting, HeightFieldConfig, PartingConfig, PlaneParting};
+pub use sprue::SprueConfig;
+pub use table::Key;
+use table::{any, length, optional_direction, table};
+pub use vents::VentsConfig;
+
+/// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
+/// are usual [m].
+const CLEARANCE: f64 = 2e-4;
+
+/// What the outside of the mold looks like.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutsideShape {
+    /// Planes around the part in 26 directions, with flanges.
+    Hull,
+    /// A box.
+    Box,
+}
+
+table! {
+    /// Everything that can be asked of `fab mold`.
+    Config, "" {
+        /// Tag of the wall of the air chamber.
+        chamber: String = "cavity".into() => "\"cavity\"", any;
+        /// How the chamber comes into the body: one of the methods above, or `"auto"`, which
+        /// chooses by what is measured.
+        #[serde(deserialize_with = "method_or_auto")]
+        method: Option<Method> = None => "\"auto\"", any;
+        /// What decides between methods and partings.
+        limits: LimitsConfig = LimitsConfig::default() => "a table", any;
+        /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
+        /// 1/(1 − s) [1].
+        shrinkage: Option<f64> = None => "that of a `casting.silicone` that cures with tin, else 0", any;
+        /// Whether pieces carry their names on their flanges.
+        labels: bool = true, any;
+        /// Direction that points up while casting; the inlets must face down [1].
+        up: Option<[f64; 3]> = None => "away from the inlet", optional_direction;
+        /// Least thickness of the mold around the part [m].
+        wall: f64 = 5e-3, length;
+        /// Outside of the mold: `"hull"`, planes in 26 directions, or `"box"`.
+        outside: OutsideShape = OutsideShape::Hull => "\"hull\"", any;
+        /// Where the shells separate.
+        parting: PartingConfig = PartingConfig::Auto(AutoParting::default()) => "a table", any;
+        /// Where halves are glued.
+        gluing: GluingConfig = GluingConfig::default() => "a table", any;
+        /// Rim on which the shells are bolted to each other.
+        flange: FlangeConfig = FlangeConfig::default() => "a table", any;
+        /// Cones that register one piece on another.
+        keys: KeysConfig = KeysConfig::default() => "a table", any;
+        /// Channel through which the silicone enters.
+        sprue: SprueConfig = SprueConfig::default() => "a table", any;
+        /// Channels through which the air leaves.
+        vents: VentsConfig = VentsConfig::default() => "a table", any;
+        /// Stub that holds the core at its inlet.
+        core: CoreConfig = CoreConfig::default() => "a table", any;
+        /// The tube that is put into the inlet. Unset: what fits the inlet as it is modelled.
+        fitting: Option<FittingConfig> = None => "a table", any;
+        /// What is cast, and what the mold is printed on.
+        casting: CastingConfig = CastingConfig::default() => "a table", any;
+    }
+}
+
+fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {
+    let name = String::deserialize(input)?;
+    let found = Method::ALL.into_iter().find(|method| method.name() == name);
+    if found.is_some() || name == "auto" {
+        return Ok(found);
+    }
+    let names = Method::ALL.map(|method| format!("{:?}", method.name())).join(", ");
+    Err(serde::de::Error::custom(format!("method is {name:?}, must be \"auto\" or one of {names}")))
+}
+
+/// All keys in the order of the tables, as a table in Markdown.
+#[must_use]
+pub fn markdown() -> String {
+    let single = Config::KEYS.iter().filter(|key| key.default != "a table");
+    let all = single
+        .chain(LimitsConfig::KEYS)
+        .chain(PartingConfig::keys())
+        .chain(GluingConfig::KEYS)
+        .chain(FlangeConfig::KEYS)
+        .chain(KeysConfig::KEYS)
+        .chain(SprueConfig::KEYS)
+        .chain(VentsConfig::KEYS)
+        .chain(CoreConfig::KEYS)
+        .chain(FittingConfig::KEYS)
+        .chain(CastingConfig::KEYS);
+    table::markdown(all)
+}
+
+impl Config {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// If it cannot be read, is not TOML, has an unknown key or a value out of range.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        Self::parse(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Reads and checks the text of a file.
+    ///
+    /// # Errors
+    /// As for [`Config::read`].
+    pub fn parse(text: &str) -> Result<Self> {
+        if let Some(tag) = toml::from_str::<toml::Table>(text)?.get("cavity") {
+            bail!("the key `cavity` is now called `chamber`: write chamber = {tag}");
+        }
+        let config: Self = toml::from_str(text)?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Part of its lengths by which the silicone shrinks [1]. Platinum silicones shrink by
+    /// less than a printer resolves.
+    #[must_use]
+    pub fn shrinkage(&self) -> f64 {
+        let of_silicone = || {
+            let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
+            let facts =
+                silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
+            facts.shrinkage.map(|percent| percent / 100.0)
+        };
+        self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
+    }
+
+    /// Density of the silicone that is named, if it is known [kg/m³].
+    #[must_use]
+    pub fn density(&self) -> Option<f64> {
+        silicone::find(self.casting.silicone.as_deref()?).ok()?.density
+    }
+
+    /// Gap around keys [m].
+    #[must_use]
+    pub fn key_clearance(&self) -> f64 {
+        self.keys.clearance.unwrap_or_else(|| self.printer_clearance())
+    }
+
+    /// Gap around stubs of cores [m].
+    #[must_use]
+    pub fn stub_clearance(&self) -> f64 {
+        self.core.clearance.unwrap_or_else(|| self.printer_clearance())
+    }
+
+    /// Gap around a part that slides into another: that of the printer, if one is named [m].
+    fn printer_clearance(&self) -> f64 {
+        let named = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check_tables().map_err(anyhow::Error::msg)?;
+        let shrinkage = self.shrinkage();
+        ensure!(
+            (0.0..0.2).contains(&shrinkage),
+            "shrinkage is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
+        );
+        ensure!(
+            self.keys.height + self.key_clearance() < self.flange.thickness,
+            "flange.thickness is {}, must exceed keys.height and clearance, {}: the keys would pierce it",
+            self.flange.thickness,
+            self.keys.height + self.key_clearance()
+        );
+        Ok(())
+    }
+
+    fn check_tables(&self) -> Result<(), String> {
+        self.check_ranges()?;
+        self.limits.check_ranges()?;
+        self.parting.check()?;
+        self.gluing.check_ranges()?;
+        self.flange.check_ranges()?;
+        self.keys.check_ranges()?;
+        self.sprue.check_ranges()?;
+        self.vents.check_ranges()?;
+        self.core.check_ranges()?;
+        self.fitting.as_ref().map_or(Ok(()), FittingConfig::check)?;
+        self.casting.check_ranges()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid() {
+        Config::parse("").unwrap();
+        Config::parse("[parting]\nkind = \"plane\"").unwrap();
+    }
+
+    #[test]
+    fn unknown_keys_are_named_with_the_valid_ones() {
+        for text in ["wal = 1", "[parting]\nkind = \"plane\"\ncell = 1", "[keys]\nsize = 1"] {
+            let message = format!("{:#}", Config::parse(text).unwrap_err());
+            assert!(message.contains("unknown field"), "{message}");
+            assert!(message.contains("expected"), "{message}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        for (text, key) in [
+            ("wall = 5", "wall is 5"),
+            ("[vents]\nradius = -1e-3", "vents.radius is -0.001"),
+            ("up = [0, 0, 0]", "up is"),
+            ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
+            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
+            ("[sprue]\nradius = nan", "sprue.radius is NaN"),
+            ("[sprue]\nhead = 20", "sprue.head is 20"),
+            ("[casting]\nsilicone = \"rubber\"", "known are dragon-boundary-10-medium"),
+            ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
+            ("[casting]\nwaste = -1", "casting.waste is -1"),
+            ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
+        ] {
+            let message = format!("{:#}", Config::parse(text).unwrap_err());
+            assert!(message.contains(key), "{message}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! A table of mold.toml: each of its keys is one row, with its type, default, range and meaning.
+//!
+//! From the rows come the struct that is read, its defaults, its checks, and the table of keys in
+//! fab/README.md (`fab keys`).
+
+use mesh::Vec3;
+
+/// A key as it is documented.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its name with that of its table, such as `flange.bolt`.
+    pub name: &'static str,
+    /// Its default as it would be written, or where that comes from.
+    pub default: &'static str,
+    /// What it means, with its unit.
+    pub meaning: &'static str,
+}
+
+/// Defines a table: `key: type = default => "default in words", range;` for each key, below its
+/// meaning. The words are left out if the default speaks for itself. A range is a function of the
+/// key's name and value that says what is wrong with it.
+macro_rules! table {
+    (
+        $(#[doc = $about:literal])+
+        $(#[derive($($derive:ident),+)])?
+        $name:ident, $prefix:literal {
+            $(
+                $(#[doc = $doc:literal])+
+                $(#[serde($($serde:tt)+)])?
+                $key:ident: $type:ty = $default:expr $(=> $words:literal)?, $range:expr;
+            )+
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Clone, Debug, serde::Deserialize $($(, $derive)+)?)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $( $(#[doc = $doc])+ $(#[serde($($serde)+)])? pub $key: $type, )+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $( $key: $default, )+ }
+            }
+        }
+
+        impl $name {
+            /// Its keys, in order.
+            pub const KEYS: &'static [$crate::config::table::Key] = &[$(
+                $crate::config::table::Key {
+                    name: concat!($prefix, stringify!($key)),
+                    default: $crate::config::table::either(&[$($words,)? stringify!($default)]),
+                    meaning: concat!($($doc),+),
+                },
+            )+];
+
+            /// Whether every value lies in its range.
+            ///
+            /// # Errors
+            /// The key, what it is, and what it may be.
+            pub fn check_ranges(&self) -> Result<(), String> {
+                $( ($range)(concat!($prefix, stringify!($key)), &self.$key)?; )+
+                Ok(())
+            }
+        }
+    };
+}
+pub(crate) use table;
+
+/// The first of one or two.
+#[must_use]
+pub const fn either(words: &[&'static str]) -> &'static str {
+    words[0]
+}
+
+/// Anything of its type.
+///
+/// # Errors
+/// None.
+pub fn any<T>(_: &str, _: &T) -> Result<(), String> {
+    Ok(())
+}
+
+/// A length above 0 and below a metre.
+///
+/// # Errors
+/// If it is not.
+pub fn length(key: &str, length: &f64) -> Result<(), String> {
+    match *length > 0.0 && *length < 1.0 {
+        true => Ok(()),
+        false => {
+            Err(format!("{key} is {length}, must be above 0 and below 1 (lengths are metres)"))
+        }
+    }
+}
+
+/// A [`length`], if there is one.
+///
+/// # Errors
+/// If it is not.
+pub fn optional_length(key: &str, value: &Option<f64>) -> Result<(), String> {
+    value.as_ref().map_or(Ok(()), |value| length(key, value))
+}
+
+/// A ratio above 0.
+///
+/// # Errors
+/// If it is not.
+pub fn ratio(key: &str, ratio: &f64) -> Result<(), String> {
+    match *ratio > 0.0 && ratio.is_finite() {
+        true => Ok(()),
+        false => Err(format!("{key} is {ratio}, must be a ratio above 0")),
+    }
+}
+
+/// A direction with a length, if there is one.
+///
+/// # Errors
+/// If it has none.
+pub fn optional_direction(key: &str, direction: &Option<[f64; 3]>) -> Result<(), String> {
+    let Some(d) = direction else { return Ok(()) };
+    let norm = Vec3::from(*d).norm();
+    match norm.is_finite() && norm > 1e-9 {
+        true => Ok(()),
+        false => Err(format!("{key} is {d:?}, must be a direction with a length above 0")),
+    }
+}
+
+/// Keys as a table in Markdown; of those with one name the first.
+#[must_use]
+pub fn markdown<'a>(keys: impl Iterator<Item = &'a Key>) -> String {
+    let mut text = String::from("| key | default | meaning |\n|---|---|---|\n");
+    let mut names = std::collections::BTreeSet::new();
+    for Key { name, default, meaning } in keys.filter(|key| names.insert(key.name)) {
+        // A default that is written as it stands begins with a digit, a quote, or is true or false.
+        let plain = default.starts_with(|c: char| c.is_ascii_digit() || c == '"');
+        let code = if plain || ["true", "false"].contains(default) { "`" } else { "" };
+        text += &format!("| `{name}` | {code}{default}{code} | {} |\n", meaning.trim());
+    }
+    text
+}

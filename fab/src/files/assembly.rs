@@ -1,0 +1,116 @@
+//! The mold put together from what is printed, closed and taken apart.
+
+use mesh::{SurfaceMesh, Vec3};
+use nalgebra::Matrix3;
+
+use crate::files::report::MoldReport;
+
+/// Room between parts that are taken apart, as a share of the mold's diagonal.
+const GAP: f64 = 0.06;
+
+/// A body of the assembly in the closed mold's coordinates [mm].
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Its name.
+    pub name: String,
+    /// Its surface in the closed mold [mm].
+    pub surface: SurfaceMesh,
+    /// How far it is moved in the exploded view [mm].
+    pub apart: Vec3,
+    /// Whether it is printed; otherwise it is what is cast.
+    pub printed: bool,
+}
+
+/// All parts in the order of the report, then the cast. `surfaces` are those of the
+/// files: the parts as they are printed, and the cast.
+#[must_use]
+pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
+    let names = report.parts.iter().map(|part| (part.name.clone(), true));
+    let turns = report.parts.iter().map(|p| Matrix3::from_fn(|i, j| p.to_mold[i][j]));
+    let mut members: Vec<Member> = names
+        .chain([("cast".into(), false)])
+        .zip(turns.chain([Matrix3::identity()]))
+        .zip(surfaces)
+        .map(|(((name, printed), turn), surface)| {
+            let vertices = surface.vertices.iter().map(|p| turn * p).collect();
+            let surface = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
+            Member { name, surface, apart: Vec3::zeros(), printed }
+        })
+        .collect();
+    take_apart(
+        &mut members,
+        &report.parts.iter().map(|p| Vec3::from(p.demolding)).collect::<Vec<_>>(),
+    );
+    members
+}
+
+/// Moves every part along the direction in which it is demolded, beyond the cast and
+/// beyond the parts that leave the same way and lie further in.
+fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
+    let Some((cast, parts)) = members.split_last_mut() else { return };
+    let points = parts.iter().flat_map(|part| &part.surface.vertices);
+    let gap = GAP * mesh::measure::diagonal(&points.copied().collect::<Vec<_>>());
+    let reach = |surface: &SurfaceMesh, d: &Vec3| {
+        let along = surface.vertices.iter().map(|p| p.dot(d));
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let mut waiting: Vec<usize> = (0..parts.len()).collect();
+    while let Some(&first) = waiting.first() {
+        let direction = demolding[first];
+        let same = |&part: &usize| demolding[part].dot(&direction) > 1.0 - 1e-9;
+        let mut column: Vec<(f64, usize)> = waiting
+            .iter()
+            .copied()
+            .filter(same)
+            .map(|part| (reach(&parts[part].surface, &direction).1, part))
+            .collect();
+        waiting.retain(|part| !same(part));
+        // The one that ends first lies innermost.
+        column.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let mut front = reach(&cast.surface, &direction).1;
+        for (end, part) in column {
+            let start = reach(&parts[part].surface, &direction).0;
+            let way = (front + gap - start).max(0.0);
+            parts[part].apart = direction * way;
+            front = end + way;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh::solid::Solid;
+
+    fn member(low: [f64; 3], high: [f64; 3], printed: bool) -> Member {
+        let surface = Solid::cube(&Vec3::from(low), &Vec3::from(high)).to_surface();
+        Member { name: String::new(), surface, apart: Vec3::zeros(), printed }
+    }
+
+    #[test]
+    fn nothing_overlaps_when_taken_apart() {
+        // Left, right and base around a cast that holds a core.
+        let mut members = [
+            member([-5.0, 0.0, 0.0], [5.0, 5.0, 9.0], true),
+            member([-5.0, -5.0, 0.0], [5.0, 0.0, 9.0], true),
+            member([-5.0, -5.0, -3.0], [5.0, 5.0, 0.0], true),
+            member([-1.0, -1.0, -2.5], [1.0, 1.0, 6.0], true),
+            member([-2.0, -2.0, 0.0], [2.0, 2.0, 8.0], false),
+        ];
+        let demolding = [Vec3::y(), -Vec3::y(), -Vec3::z(), -Vec3::z()];
+        take_apart(&mut members, &demolding);
+        let bounds = members.each_ref().map(|m| {
+            let (low, high) = mesh::measure::bounds(&m.surface.vertices);
+            (low + m.apart, high + m.apart)
+        });
+        for (i, a) in bounds.iter().enumerate() {
+            for b in &bounds[i + 1..] {
+                let apart = (0..3).any(|k| a.1[k] < b.0[k] || b.1[k] < a.0[k]);
+                assert!(apart, "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(members[4].apart, Vec3::zeros());
+        // The base is below the core that stood in it.
+        assert!(members[2].apart.z < members[3].apart.z);
+    }
+}

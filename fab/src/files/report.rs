@@ -1,0 +1,347 @@
+//! `mold.json`: what was made, in millimetres, for the person who casts and for `fab verify`.
+
+use std::path::{Component, Path};
+
+use mesh::io::{IoError, write_atomic};
+use mesh::measure::{area, bounds, enclosed_volume};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::body::collar::FittedTube;
+use crate::body::source::{CastPart, Input};
+use crate::config::method::Method;
+use crate::config::{CastingConfig, Config};
+use crate::geometry::frame::{Frame, Turn};
+use crate::geometry::overhang::{CUSTOMARY, Overhangs};
+use crate::geometry::{MM, Triple};
+use crate::library::printer;
+use crate::mold::{Feature, Mold, Piece, Purpose};
+
+/// Name of the report in the folder of a mold.
+pub const FILE: &str = "mold.json";
+
+/// Name of the file with the body that is cast.
+pub const CAST: &str = "reference/cast.stl";
+
+/// Name of the file with the outside of the closed mold.
+pub const OUTSIDE: &str = "reference/outside.stl";
+
+/// The content of mold.json.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MoldReport {
+    /// Program and version.
+    pub program: String,
+    /// Unit of every length in this file and in the STL files.
+    pub units: String,
+    /// The body.
+    pub input: Input,
+    /// From the design [m], or from a core [mm], to the mold [mm]: three rows of (s R | t).
+    pub design_to_mold: [[f64; 4]; 3],
+    /// Bounds of the closed mold.
+    pub block: Bounds,
+    /// File with the outside of the closed mold as a solid: parts, cast, channels and gaps fill it.
+    pub outside: String,
+    /// Volume of the box that the outside replaces, less the outside [mm³].
+    pub plastic_saved: f64,
+    /// Whether it is cast open: the top of the cast is at the top of the mold, without sprue.
+    pub open: bool,
+    /// Least thickness of the mold around the part [mm].
+    pub wall: f64,
+    /// How the chamber comes into the body.
+    pub method: Method,
+    /// Printed parts; taken apart in reverse order.
+    pub parts: Vec<Part>,
+    /// What is cast.
+    pub cast: Cast,
+    /// The silicone, and how it is cast.
+    pub casting: CastingConfig,
+    /// Collars for tubes, which are cast and are not part of the design.
+    #[serde(default)]
+    pub collars: Vec<FittedTube>,
+    /// Channels and gaps.
+    pub features: Vec<Outline>,
+    /// What a person should know.
+    pub findings: Vec<Note>,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// Lowest corner [mm].
+    pub min: Triple,
+    /// Highest corner [mm].
+    pub max: Triple,
+}
+
+/// A printed part.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub file: String,
+    /// What it does.
+    pub role: Role,
+    /// Rotation from the file, which has +z up on the printer, to the closed mold [1].
+    pub to_mold: [Triple; 3],
+    /// Direction in which it is demolded [1].
+    pub demolding: Triple,
+    /// Volume of the written surface [mm³].
+    pub volume: f64,
+    /// Area of the written surface [mm²].
+    pub area: f64,
+    /// Area on the printer's bed [mm²].
+    pub bed: f64,
+    /// Area that hangs over beyond what is printed without support [mm²].
+    pub overhang: f64,
+    /// Height as it is printed [mm].
+    pub height: f64,
+    /// Triangles of the written surface.
+    pub triangles: usize,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
+}
+
+/// What a part does.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Shapes the outside.
+    Shell,
+    /// Shapes the chamber.
+    Core,
+    /// Stands in the sprue while the mold is filled.
+    Funnel,
+}
+
+/// What is cast.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cast {
+    /// Its file, in the closed mold.
+    pub file: String,
+    /// Volume of the body [mm³].
+    pub volume: f64,
+    /// Handles of the solid before its coordinates were rounded.
+    pub genus: i32,
+    /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
+    pub silicone_ml: f64,
+}
+
+/// The outline of a channel or gap: a frustum.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outline {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// Centre of the base [mm].
+    pub base: Triple,
+    /// From there to the centre of the top [mm].
+    pub axis: Triple,
+    /// Radius of the base [mm].
+    pub base_radius: f64,
+    /// Radius of the top [mm].
+    pub top_radius: f64,
+}
+
+/// A finding.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Note {
+    /// Its kind.
+    pub rule: String,
+    /// In words, with numbers.
+    pub message: String,
+    /// How many times.
+    pub count: usize,
+}
+
+impl MoldReport {
+    /// The report of a mold whose parts are still to be added.
+    #[must_use]
+    pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
+        let volume = enclosed_volume(cast);
+        let (low, high) = mold.outside.bounds();
+        let outside = mold.outside.difference(&mold.cast);
+        let channels: f64 = mold
+            .features
+            .iter()
+            .filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent))
+            .map(|f| f.frustum.solid().intersection(&outside).volume() * MM.powi(3))
+            .sum();
+        let head = mold.funnel.as_ref().map_or(0.0, |(_, volume)| volume * MM.powi(3));
+        Self {
+            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
+            units: "mm".into(),
+            design_to_mold: in_millimetres(&mold.frame, &input.part),
+            input,
+            block: Bounds { min: millimetres(&low), max: millimetres(&high) },
+            outside: OUTSIDE.into(),
+            open: mold.open,
+            plastic_saved: mold.saved() * MM.powi(3),
+            wall: config.wall * MM,
+            method: mold.method,
+            parts: Vec::new(),
+            cast: Cast {
+                file: CAST.into(),
+                volume,
+                genus: handles(&mold.cast),
+                silicone_ml: (volume + channels + head) / 1e3,
+            },
+            casting: config.casting.clone(),
+            collars: Vec::new(),
+            features: mold.features.iter().map(outline).collect(),
+            findings: mold
+                .findings
+                .iter()
+                .map(|f| Note { rule: f.rule.into(), message: f.message.clone(), count: f.count })
+                .collect(),
+        }
+    }
+
+    /// Adds a part written as `surface` after `turn`.
+    pub fn add_part(&mut self, piece: &Piece, role: Role, turn: Turn, surface: &SurfaceMesh) {
+        let below = Overhangs::new(surface, self.steepest(), |_| false);
+        let (low, high) = bounds(&surface.vertices);
+        self.parts.push(Part {
+            name: piece.name.clone(),
+            file: format!("{}.stl", piece.name),
+            role,
+            to_mold: rows(&turn.inverse().0),
+            demolding: piece.demolding.into(),
+            volume: enclosed_volume(surface),
+            area: area(surface),
+            bed: below.bed,
+            overhang: below.hanging,
+            height: high.z - low.z,
+            triangles: surface.triangles.len(),
+            genus: handles(&piece.solid),
+        });
+    }
+
+    /// The steepest overhang that the named printer prints without support, from the
+    /// vertical [degrees].
+    fn steepest(&self) -> f64 {
+        let printer = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        printer.map_or(CUSTOMARY, |printer| printer.overhang)
+    }
+
+    /// Reads the report of the mold in `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not such a report.
+    pub fn read(folder: &Path) -> Result<Self, IoError> {
+        let path = folder.join(FILE);
+        let text = mesh::io::read_text(&path)?;
+        let report: Self =
+            serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
+        report.require_plausible().map_err(|message| IoError::content(&path, message))?;
+        Ok(report)
+    }
+
+    /// Whether what the checks rely on is plausible.
+    fn require_plausible(&self) -> Result<(), String> {
+        let plain =
+            |file: &&str| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
+        if let Some(file) = self.files().find(|file| !plain(file)) {
+            return Err(format!("lists {file:?}; files must lie in its own folder"));
+        }
+        if self.units != "mm" {
+            return Err(format!("units are {:?}, must be \"mm\"", self.units));
+        }
+        self.casting.check_ranges()?;
+        for Part { name, demolding, to_mold, .. } in &self.parts {
+            let direction = Vec3::from(*demolding);
+            if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {
+                return Err(format!(
+                    "{name} is demolded along {demolding:?}, must be one of ±y and ±z"
+                ));
+            }
+            let expected = rows(&Turn::lowering(direction).inverse().0);
+            if *to_mold != expected {
+                return Err(format!("{name} is turned by {to_mold:?}, must be {expected:?}"));
+            }
+        }
+        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        let scale = map.row(0).norm();
+        let off = ((map / scale) * (map / scale).transpose() - Matrix3::identity()).amax();
+        let least = if self.input.part == CastPart::Core { 1.0 } else { MM };
+        let plausible = (least..1.3 * least).contains(&(scale * (1.0 + 1e-12)));
+        let shift = self.design_to_mold.iter().fold(0.0, |m: f64, row| m.max(row[3].abs()));
+        // A million kilometres is beyond any design.
+        if !plausible || off > 1e-9 || shift > 1e15 {
+            return Err(format!(
+                "design_to_mold is {:?}, must be {least} times a rotation, up to 1.3 times that for what shrinks, \
+                 and a shift",
+                self.design_to_mold
+            ));
+        }
+        Ok(())
+    }
+
+    /// Millimetres of the mold per metre of the design [mm/m].
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        let m = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
+        m.determinant().abs().cbrt()
+    }
+
+    /// Writes the report into `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
+        write_atomic(&folder.join(FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+
+    /// Files other than the report, relative to its folder: those of the parts, the cast
+    /// and the outside.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        let references = [self.cast.file.as_str(), self.outside.as_str()];
+        self.parts.iter().map(|p| p.file.as_str()).chain(references)
+    }
+}
+
+/// Handles of the largest body: Booleans can leave films beside it, without volume, that
+/// rounding removes.
+fn handles(solid: &Solid) -> i32 {
+    solid.decompose().first().map_or(0, Solid::genus)
+}
+
+fn outline(feature: &Feature) -> Outline {
+    Outline {
+        purpose: feature.purpose,
+        base: millimetres(&feature.frustum.base),
+        axis: millimetres(&feature.frustum.axis),
+        base_radius: feature.frustum.base_radius * MM,
+        top_radius: feature.frustum.top_radius * MM,
+    }
+}
+
+/// The map of a frame to millimetres, from metres or, for a core, from millimetres.
+fn in_millimetres(frame: &Frame, part: &CastPart) -> [[f64; 4]; 3] {
+    let unit = if *part == CastPart::Core { 1.0 } else { MM };
+    let shift = -(frame.rotation * frame.origin) * frame.scale * MM;
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| match j {
+            0..3 => frame.rotation[(i, j)] * frame.scale * unit,
+            _ => shift[i],
+        })
+    })
+}
+
+fn rows(m: &Matrix3<f64>) -> [Triple; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)] + 0.0))
+}
+
+fn millimetres(p: &Vec3) -> Triple {
+    (p * MM).map(|x| x + 0.0).into()
+}

@@ -1,0 +1,299 @@
+//! `cast.json` and `cast.md`: what to weigh, and what to do in which order.
+//!
+//! A mold of volume V is filled with V (1 + w) of silicone, w the share that stays in
+//! the cup; its mass is that times the density, and is divided by the mix ratio.
+
+mod steps;
+
+use std::path::Path;
+
+use mesh::io::{IoError, write_atomic};
+use serde::Serialize;
+
+use crate::files::report::MoldReport;
+use crate::geometry::overhang::needs_supports;
+use crate::library::printer::{self, Kind, Printer};
+use crate::library::silicone::{self, Chemistry, Silicone};
+use crate::plan::report as plan;
+
+/// The sheet for programs.
+pub const JSON: &str = "cast.json";
+
+/// The sheet for people.
+pub const MARKDOWN: &str = "cast.md";
+
+/// Everything a person needs to cast a body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sheet {
+    /// Program and version.
+    pub program: String,
+    /// The silicone, if one was named.
+    pub silicone: Option<Pour>,
+    /// The body [mL].
+    pub body_ml: f64,
+    /// The body with sprue and vents [mL].
+    pub mold_ml: f64,
+    /// What stays in the cup, as a share of `mold_ml` [1].
+    pub waste: f64,
+    /// What to mix [mL].
+    pub mix_ml: f64,
+    /// What to print.
+    pub printed: Vec<Printed>,
+    /// The plastic of all parts when printed solid [g].
+    pub plastic_g: f64,
+    /// What else to have, and how many.
+    pub materials: Vec<Item>,
+    /// Gauge pressure of the leak test [kPa], if one was set.
+    pub leak_test_kpa: Option<f64>,
+    /// What can go wrong.
+    pub warnings: Vec<String>,
+    /// What to do, in order.
+    pub steps: Vec<String>,
+    /// Where the numbers come from.
+    pub sources: Vec<String>,
+}
+
+/// A silicone by weight and time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pour {
+    /// Name on the bottle.
+    pub name: String,
+    /// Who sells it.
+    pub vendor: String,
+    /// Parts by weight, if known.
+    pub mix: Option<String>,
+    /// What to mix [g], if the density is known.
+    pub mass_g: Option<f64>,
+    /// Of parts A and B [g], if density and mix are known.
+    pub parts_g: Option<[f64; 2]>,
+    /// Time to pour after mixing [min], if known.
+    pub pot_life_min: Option<f64>,
+    /// Time to demold at 23 °C [h], if known.
+    pub cure_h: Option<f64>,
+}
+
+/// A part to print.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Printed {
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub file: String,
+    /// Its volume [mL].
+    pub volume_ml: f64,
+    /// Its mass when printed solid [g].
+    pub mass_g: f64,
+    /// Whether it hangs over so that it needs supports.
+    pub supports: bool,
+}
+
+/// Something to have.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Item {
+    /// How many.
+    pub count: usize,
+    /// What.
+    pub what: String,
+}
+
+/// Cubic millimetres per millilitre.
+const MM3: f64 = 1e3;
+
+impl Sheet {
+    /// The sheet of a mold.
+    ///
+    /// # Errors
+    /// If its silicone or its printer is none that is known.
+    pub fn new(report: &MoldReport) -> Result<Self, String> {
+        let casting = &report.casting;
+        // Wax is poured into the mold of a core.
+        let named = casting.silicone.as_deref().filter(|_| !steps::is_wax(report));
+        let silicone = named.map(silicone::find).transpose()?;
+        let printer = casting.printer.as_deref().map(printer::find).transpose()?;
+        let (plastic, density) = printer.map_or(Kind::Filament, |p| p.kind).plastic();
+        let mold_ml = report.cast.silicone_ml;
+        let mix_ml = mold_ml * (1.0 + casting.waste);
+        let printed: Vec<Printed> = report
+            .parts
+            .iter()
+            .map(|part| Printed {
+                name: part.name.clone(),
+                file: part.file.clone(),
+                volume_ml: part.volume / MM3,
+                mass_g: part.volume / MM3 * density * 1e-3,
+                supports: needs_supports(part.overhang),
+            })
+            .collect();
+        let silicone_sources = silicone.and_then(Silicone::citation).map(str::to_owned);
+        let mut sheet = Self {
+            program: report.program.clone(),
+            silicone: silicone.map(|s| Pour::new(s, mix_ml)),
+            body_ml: report.cast.volume / MM3,
+            mold_ml,
+            waste: casting.waste,
+            mix_ml,
+            plastic_g: printed.iter().map(|part| part.mass_g).sum(),
+            printed,
+            materials: Vec::new(),
+            leak_test_kpa: casting.leak_test.map(|pressure| pressure * 1e-3),
+            warnings: warnings(report, silicone, printer),
+            steps: Vec::new(),
+            sources: silicone_sources
+                .into_iter()
+                .chain(printer.map(|p| p.citation().into()))
+                .chain(report.collars.first().map(|collar| collar.source.clone()))
+                .collect(),
+        };
+        sheet.materials = steps::materials(&sheet, report, plastic);
+        sheet.steps = steps::steps(&sheet, report);
+        Ok(sheet)
+    }
+
+    /// The sheet in Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = String::from("# Casting\n\n");
+        if !self.warnings.is_empty() {
+            text += &list(self.warnings.iter().map(|w| format!("- **{w}**")));
+        }
+        text += "## What to pour\n\n| | |\n|-|-|\n";
+        text += &list(self.silicone_rows().into_iter().map(|(a, b)| format!("| {a} | {b} |")));
+        text += "## Parts to print\n\n| part | file | volume | mass, if solid | supports |\n|-|-|-|-|-|\n";
+        text += &list(self.printed.iter().map(|part| {
+            let Printed { name, file, volume_ml, mass_g, supports } = part;
+            let supports = if *supports { "yes" } else { "no" };
+            format!("| {name} | `{file}` [mm] | {volume_ml:.1} mL | {mass_g:.0} g | {supports} |")
+        }));
+        text += "## Have ready\n\n";
+        text +=
+            &list(self.materials.iter().map(|item| format!("- {} × {}", item.count, item.what)));
+        text += "## Do\n\n";
+        text += &list(self.steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
+        if !self.sources.is_empty() {
+            text += "## Sources\n\n";
+            text += &list(self.sources.iter().map(|source| format!("- {source}")));
+        }
+        text.trim_end().to_owned() + "\n"
+    }
+
+    fn silicone_rows(&self) -> Vec<(&str, String)> {
+        let mut rows = Vec::new();
+        if let Some(pour) = &self.silicone {
+            rows.push(("silicone", format!("{}, {}", pour.name, pour.vendor)));
+        }
+        rows.push(("body", format!("{:.2} mL", self.body_ml)));
+        rows.push(("with sprue and vents", format!("{:.2} mL", self.mold_ml)));
+        rows.push((
+            "to mix",
+            format!("{:.1} mL, {:.0} % of it for the cup", self.mix_ml, 100.0 * self.waste),
+        ));
+        let Some(pour) = &self.silicone else { return rows };
+        if let (Some(mass), Some([a, b]), Some(mix)) = (pour.mass_g, pour.parts_g, &pour.mix) {
+            rows.push(("mass", format!("{mass:.1} g")));
+            rows.push(("part A", format!("{a:.1} g")));
+            rows.push(("part B", format!("{b:.1} g, {mix} by weight")));
+        }
+        rows.extend(pour.pot_life_min.map(|t| ("pot life", format!("{t} min"))));
+        rows.extend(pour.cure_h.map(|t| ("demold after", format!("{t} h at 23 °C"))));
+        rows
+    }
+
+    /// Writes both sheets into `folder`.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
+        write_atomic(&folder.join(JSON), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })?;
+        write_atomic(&folder.join(MARKDOWN), |out| out.write_all(self.markdown().as_bytes()))
+    }
+}
+
+/// The sheet of a body that takes several molds, which have sheets of their own.
+///
+/// # Errors
+/// If a mold has no readable report, or the file cannot be written.
+pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
+    let mut text = format!("# Casting\n\n{}\n\n## Molds\n\n", plan.reason);
+    let mut silicone = 0.0;
+    for entry in &plan.molds {
+        let below = folder.join(&entry.folder);
+        let sheet = Sheet::new(&MoldReport::read(&below)?);
+        let sheet = sheet.map_err(|message| IoError::content(&below, message))?;
+        let what = match entry.casts {
+            plan::Material::Silicone => "silicone",
+            plan::Material::Wax => "wax",
+        };
+        silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };
+        text += &format!(
+            "- {}: {:.1} mL of {what}, see [{below}/{MARKDOWN}]({below}/{MARKDOWN})\n",
+            entry.name,
+            sheet.mix_ml,
+            below = entry.folder
+        );
+    }
+    text += &format!("\n{silicone:.1} mL of silicone in all.\n\n## Do\n\n");
+    text += &list(plan.steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
+    let text = text.trim_end().to_owned() + "\n";
+    write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))
+}
+
+impl Pour {
+    fn new(silicone: &Silicone, volume_ml: f64) -> Self {
+        // 1 kg/m³ is 10⁻³ g/mL.
+        let mass_g = silicone.density.map(|density| volume_ml * density * 1e-3);
+        let shares = silicone.shares();
+        Self {
+            name: silicone.name.clone(),
+            vendor: silicone.vendor.clone(),
+            mix: silicone.mix.clone(),
+            mass_g,
+            parts_g: mass_g.zip(shares).map(|(mass, shares)| shares.map(|share| share * mass)),
+            pot_life_min: silicone.pot_life_min,
+            cure_h: silicone.cure_h,
+        }
+    }
+}
+
+fn warnings(
+    report: &MoldReport,
+    silicone: Option<&Silicone>,
+    printer: Option<&Printer>,
+) -> Vec<String> {
+    let mut warnings: Vec<String> =
+        report.findings.iter().map(|note| format!("{}: {}", note.rule, note.message)).collect();
+    match silicone {
+        None if steps::is_wax(report) => return warnings,
+        None => warnings.push(
+            "No silicone is named: no masses and times. Set `casting.silicone` in mold.toml."
+                .into(),
+        ),
+        Some(s) if s.density.is_none() || s.casting.is_none() => warnings.push(format!(
+            "Not all that casting {} needs is known here: read the bulletin of {}.",
+            s.name, s.vendor
+        )),
+        Some(_) => {}
+    }
+    let platinum = silicone
+        .and_then(|s| s.casting.as_ref())
+        .is_none_or(|facts| facts.chemistry == Chemistry::Platinum);
+    if platinum && printer.is_some_and(|p| p.kind == Kind::Resin) {
+        warnings.push(
+            "Uncured resin inhibits platinum-cured silicone: it stays sticky on the mold. Wash \
+             the parts twice, cure them fully with light and warmth, seal them with clear acrylic \
+             lacquer, and cast a test patch on each first."
+                .into(),
+        );
+    }
+    if platinum {
+        warnings.push("No latex gloves, sulphur or tin near platinum-cured silicone.".into());
+    }
+    warnings
+}
+
+/// Lines and an empty one.
+fn list(lines: impl Iterator<Item = String>) -> String {
+    lines.map(|line| line + "\n").collect::<String>() + "\n"
+}

@@ -1,0 +1,241 @@
+//! What to have and what to do, in words.
+
+use std::collections::BTreeSet;
+
+use super::{Item, Pour, Sheet};
+use crate::body::collar::FittedTube;
+use crate::body::source::CastPart;
+use crate::config::method::Method;
+use crate::files::report::{MoldReport, Outline, Role};
+use crate::files::slicer;
+use crate::geometry::MM;
+use crate::mold::Purpose;
+
+/// Radius of the hole for a bolt, and the bolt [mm].
+const BOLTS: [(f64, &str); 4] = [(1.45, "M2.5"), (1.95, "M3"), (2.45, "M4"), (3.0, "M5")];
+
+/// Bolts are sold in lengths that differ by this [mm]; a nut needs as much again.
+const LENGTHS: f64 = 5.0;
+
+/// Whether it is wax that is poured, for a core.
+pub fn is_wax(report: &MoldReport) -> bool {
+    report.input.part == CastPart::Core
+}
+
+/// Whether the casting is only a part of the body.
+fn is_half(report: &MoldReport) -> bool {
+    matches!(report.input.part, CastPart::Above(_) | CastPart::Below(_))
+}
+
+/// The bill of materials.
+pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item> {
+    let mut items: Vec<Item> = Vec::new();
+    let mut add = |count, what: String| items.push(Item { count, what });
+    add(1, format!("{:.0} g of {plastic}, if printed solid", sheet.plastic_g));
+    if report.method == Method::Soluble {
+        add(1, "filament that water dissolves (PVA or BVOH), for the core".into());
+    }
+    match &sheet.silicone {
+        _ if is_wax(report) => add(1, format!("{:.0} mL of wax", sheet.mix_ml)),
+        Some(Pour { name, mass_g: Some(mass), .. }) => add(1, format!("{mass:.0} g of {name}")),
+        Some(Pour { name, .. }) => add(1, format!("{:.0} mL of {name}", sheet.mix_ml)),
+        None => add(1, format!("{:.0} mL of silicone", sheet.mix_ml)),
+    }
+    if !is_wax(report) {
+        add(1, "spray of release agent for silicone".into());
+        add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
+    }
+    let bolts: Vec<String> = with(report, Purpose::Bolt).map(bolt).collect();
+    let lengths: BTreeSet<&String> = bolts.iter().collect();
+    for name in lengths {
+        let count = bolts.iter().filter(|other| *other == name).count();
+        add(count, format!("{name} with nut and washers"));
+    }
+    if bolts.is_empty() && !report.open {
+        add(2, "clamps that span the closed mold, or strong rubber bands".into());
+    }
+    for collar in &report.collars {
+        add(1, collar.tube.clone());
+    }
+    let inlets = with(report, Purpose::Socket).count();
+    if inlets > 0 && report.collars.is_empty() && !is_wax(report) {
+        add(inlets, "tube that fits the inlet, and silicone glue".into());
+    }
+    items
+}
+
+/// The bolt for a hole, as long as the hole and a nut.
+fn bolt(hole: &Outline) -> String {
+    let name = BOLTS.iter().find(|(radius, _)| hole.base_radius <= *radius);
+    let length = mesh::Vec3::from(hole.axis).norm();
+    let length = ((length / LENGTHS).ceil() + 1.0) * LENGTHS;
+    match name {
+        Some((_, name)) => format!("bolt {name} × {length:.0} mm"),
+        None => format!("bolt of {:.1} mm × {length:.0} mm", 2.0 * hole.base_radius),
+    }
+}
+
+fn with(report: &MoldReport, purpose: Purpose) -> impl Iterator<Item = &Outline> {
+    report.features.iter().filter(move |f| f.purpose == purpose)
+}
+
+/// What to do, in order.
+pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
+    let shells = names(report, Role::Shell);
+    let cores = names(report, Role::Core);
+    let mut steps = vec![
+        print(report),
+        "Put the mold together once while it is empty; it fits one way only.".into(),
+    ];
+    if report.method == Method::Soluble && !cores.is_empty() {
+        steps.push(format!("Print {} of a filament that water dissolves.", and(&cores)));
+    }
+    steps.push(close(report, &shells, &cores));
+    steps.extend(pour(sheet, report));
+    steps.push(open(report, &shells, &cores));
+    if is_wax(report) {
+        return steps;
+    }
+    if !report.open {
+        steps.push("Cut off what stood in the sprue and the vents.".into());
+    }
+    if is_half(report) {
+        steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
+        return steps;
+    }
+    match &report.collars[..] {
+        [] => steps.push("Glue the tube into the inlet.".into()),
+        collars => steps.extend(collars.iter().map(|collar| insert(collar, report))),
+    }
+    let pressure = sheet.leak_test_kpa;
+    let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
+    steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
+    steps
+}
+
+fn print(report: &MoldReport) -> String {
+    let settings = report.parts.iter().any(|part| slicer::settings(report, part).is_some());
+    let slice = match settings {
+        true => " Load the printer's profile into PrusaSlicer and the part's .ini after it.",
+        false => "",
+    };
+    format!(
+        "Print the parts as they lie in their files, with supports where the table says so, \
+         below shells from the bed only.{slice} Sand what touches the silicone until it is smooth."
+    )
+}
+
+fn names(report: &MoldReport, role: Role) -> Vec<&str> {
+    report.parts.iter().filter(|p| p.role == role).map(|p| p.name.as_str()).collect()
+}
+
+fn and(names: &[&str]) -> String {
+    match names {
+        [] => "nothing".into(),
+        [one] => (*one).into(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
+    let all: Vec<&str> = shells.iter().chain(cores).copied().collect();
+    let spray = format!("Spray {} with release agent and let it dry. ", and(&all));
+    let (holder, others) = shells.split_last().map_or(("", &[][..]), |(h, o)| (*h, o));
+    let mut words = format!("Stand {holder} on the table");
+    if !cores.is_empty() {
+        words += &format!(", put {} into its socket", and(cores));
+    }
+    if !others.is_empty() {
+        let fix = if with(report, Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
+        words += &format!(", add {}, and {fix} them", and(others));
+    }
+    if is_wax(report) { words + "." } else { spray + &words + "." }
+}
+
+/// How a tube is put into its collar.
+fn insert(collar: &FittedTube, report: &MoldReport) -> String {
+    let FittedTube { tube, outer, bore, length, .. } = collar;
+    // What shrinks does so with its bore.
+    let shrinks = report.scale() / MM;
+    let bore = 2.0 * bore / shrinks;
+    format!(
+        "Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
+         farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around \
+         the collar; glue it with silicone if it must not come out.",
+        length / shrinks,
+        100.0 * (1.0 - bore / outer)
+    )
+}
+
+/// Mixing, pouring and curing.
+fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
+    if is_wax(report) {
+        return vec![
+            format!("Melt {:.0} mL of wax, no hotter than it needs to flow.", sheet.mix_ml),
+            "Warm the mold by hand, pour, and top up while the wax shrinks.".into(),
+            "Let it become hard all through.".into(),
+        ];
+    }
+    let funnels = names(report, Role::Funnel);
+    let stand = format!("Stand {} in the sprue and keep it filled while you pour.", and(&funnels));
+    let stand = (!funnels.is_empty()).then_some(stand);
+    let vents = with(report, Purpose::Vent).count();
+    let pour = match vents {
+        _ if report.open => {
+            "Pour a thin stream into one corner, up to the brim, and level it.".into()
+        }
+        0 => "Pour a thin stream into the sprue, slowly, until it stays full.".into(),
+        n => format!(
+            "Pour a thin stream into the sprue, the widest hole, slowly, until silicone stands \
+             in it and in {n} vent{}.",
+            if n == 1 { "" } else { "s" }
+        ),
+    };
+    let cure = match sheet.silicone.as_ref().and_then(|s| s.cure_h) {
+        Some(hours) => format!("Let it cure for {hours} h at 23 °C, longer when colder."),
+        None => "Let it cure as long as its bulletin says.".into(),
+    };
+    let degas = "Degas the mix in a cup three times as high as the liquid, until it has risen, \
+                 fallen back and only few bubbles come."
+        .into();
+    [mixing(sheet), degas].into_iter().chain(stand).chain([pour, cure]).collect()
+}
+
+fn mixing(sheet: &Sheet) -> String {
+    let haste = |minutes: f64| format!(" It must be in the mold within {minutes} min.");
+    match &sheet.silicone {
+        Some(Pour { parts_g: Some([a, b]), pot_life_min, .. }) => format!(
+            "Weigh {a:.1} g of part A and {b:.1} g of part B into one cup and stir for three \
+             minutes; scrape walls and bottom.{}",
+            pot_life_min.map(haste).unwrap_or_default()
+        ),
+        _ => format!("Mix {:.1} mL of silicone as its bulletin says.", sheet.mix_ml),
+    }
+}
+
+fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
+    let taken: Vec<&str> = shells.iter().rev().copied().collect();
+    let off = match taken[..] {
+        [one] => format!("Peel the casting out of {one}."),
+        _ => format!("Take off {}, in this order.", taken.join(", ")),
+    };
+    let out = match report.method {
+        _ if cores.is_empty() || is_wax(report) => String::new(),
+        Method::Soluble => format!(
+            " Leave the body in warm water, flushed through the bore of {}, until nothing of it \
+             is left.",
+            and(cores)
+        ),
+        Method::Wax => format!(
+            " Let {} melt out through the inlet, and rinse it with hot water; stay below what \
+             softens the printed parts.",
+            and(cores)
+        ),
+        _ => format!(
+            " Let soapy water or air in between {} and the silicone, and pull it out through \
+             the inlet.",
+            and(cores)
+        ),
+    };
+    off + &out
+}

@@ -1,0 +1,40 @@
+//! The frustum of a cone, the shape of all round features.
+
+use mesh::Vec3;
+use mesh::solid::Solid;
+
+/// Sides of the prisms that stand for round features.
+pub const SEGMENTS: usize = 48;
+
+/// A frustum of a cone: every feature is one or is cut from one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frustum {
+    /// Centre of the base [m].
+    pub base: Vec3,
+    /// From the centre of the base to that of the top [m].
+    pub axis: Vec3,
+    /// Radius of the base [m].
+    pub base_radius: f64,
+    /// Radius of the top [m].
+    pub top_radius: f64,
+}
+
+impl Frustum {
+    /// The inscribed polyhedron with [`SEGMENTS`] sides.
+    #[must_use]
+    pub fn solid(&self) -> Solid {
+        Solid::cylinder(&self.base, &self.axis, self.base_radius, self.top_radius, SEGMENTS)
+    }
+
+    /// With both radii larger by `clearance` and longer by it at both ends [m].
+    #[must_use]
+    pub fn grown(&self, clearance: f64) -> Self {
+        let end = self.axis.normalize() * clearance;
+        Self {
+            base: self.base - end,
+            axis: self.axis + 2.0 * end,
+            base_radius: self.base_radius + clearance,
+            top_radius: self.top_radius + clearance,
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The core print: a stub that holds the core at its inlet.
+//!
+//! The stub is narrower than the inlet by the clearance of its socket and by a
+//! shoulder, with which the core rests on the floor around the socket and seals
+//! it. A flat on one side keeps the core from turning.
+
+use mesh::Vec3;
+use mesh::solid::Solid;
+
+use crate::config::{Config, CoreConfig};
+use crate::geometry::frustum::Frustum;
+
+/// Distance of the flat from the stub's axis, in radii.
+const FLAT: f64 = 0.7;
+
+/// The thinnest stub that can be printed [m].
+const THINNEST: f64 = 5e-4;
+
+/// Tries to root the stub in the core, each half as deep as the one before.
+const TRIES: usize = 10;
+
+/// A stub and the socket for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Print {
+    /// The stub, its axis pointing down from inside the core.
+    pub stub: Frustum,
+    /// The socket, open at the bottom.
+    pub socket: Frustum,
+    /// Gap between the flats [m].
+    clearance: f64,
+}
+
+/// Why an inlet cannot hold a stub.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum PrintError {
+    /// The inlet is too narrow.
+    #[error(
+        "the inlet at ({x:.5}, {y:.5}) m has an inscribed radius of {radius_mm:.3} mm; less clearance and shoulder \
+         it leaves a stub of radius {stub_mm:.3} mm, at least {least_mm:.3} mm are needed: \
+         widen the inlet or reduce core.clearance and core.shoulder",
+        x = centre.x, y = centre.y
+    )]
+    Narrow {
+        /// Centre of the inlet in the mold's frame [m].
+        centre: Vec3,
+        /// Inscribed radius of the inlet [mm].
+        radius_mm: f64,
+        /// Radius left for the stub [mm].
+        stub_mm: f64,
+        /// Radius needed [mm].
+        least_mm: f64,
+    },
+    /// The stub would cut into the part wherever it is rooted.
+    #[error(
+        "a stub in the inlet at ({:.5}, {:.5}) m cuts into the part: the chamber narrows behind its rim; \
+         increase core.shoulder",
+        centre.x, centre.y
+    )]
+    Blocked {
+        /// Centre of the inlet in the mold's frame [m].
+        centre: Vec3,
+    },
+}
+
+impl Print {
+    /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m] down
+    /// to just above `floor` [m], rooted in the core without touching `cast`.
+    ///
+    /// # Errors
+    /// [`PrintError`] if the inlet is too narrow.
+    pub fn new(
+        centre: Vec3,
+        radius: f64,
+        floor: f64,
+        cast: &Solid,
+        config: &Config,
+    ) -> Result<Self, PrintError> {
+        let clearance = config.stub_clearance();
+        let narrow = radius - clearance - config.core.shoulder;
+        if narrow < THINNEST {
+            return Err(PrintError::Narrow {
+                centre,
+                radius_mm: radius * 1e3,
+                stub_mm: narrow * 1e3,
+                least_mm: THINNEST * 1e3,
+            });
+        }
+        for k in 0..TRIES {
+            let root = radius * 0.5_f64.powi(k as i32);
+            let top = centre + Vec3::z() * root;
+            let column = |radius: f64, end: f64| Frustum {
+                base: top,
+                axis: Vec3::z() * (end - top.z),
+                base_radius: radius,
+                top_radius: radius,
+            };
+            let print = Self {
+                stub: column(narrow, floor + clearance),
+                socket: column(narrow + clearance, floor - clearance),
+                clearance,
+            };
+            if cast.intersection(&print.socket.solid()).is_empty() {
+                return Ok(print);
+            }
+        }
+        Err(PrintError::Blocked { centre })
+    }
+
+    /// The stub as a solid.
+    #[must_use]
+    pub fn stub_solid(&self) -> Solid {
+        self.flattened(&self.stub, 0.0)
+    }
+
+    /// The socket as a solid.
+    #[must_use]
+    pub fn socket_solid(&self) -> Solid {
+        self.flattened(&self.socket, self.clearance)
+    }
+
+    fn flattened(&self, frustum: &Frustum, gap: f64) -> Solid {
+        let flat = self.stub.base.x + FLAT * self.stub.base_radius + gap;
+        frustum.solid().trim_by_plane(&-Vec3::x(), -flat)
+    }
+}
+
+/// Halvings of the range in which the end of a bore is searched.
+const HALVINGS: usize = 10;
+
+/// The least that a bore must reach beyond the stub's root, in its radii.
+const LEAST: f64 = 1.0;
+
+/// A bore for water along a stub and up into its core, as high as the core stays
+/// `core.skin` thick around it; none if the stub or the core is too thin.
+#[must_use]
+pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
+    let CoreConfig { drain: radius, skin, .. } = config.core;
+    if stub.base_radius < radius + skin {
+        return None;
+    }
+    let top = core.bounds().1.z;
+    let bore = |from: f64, to: f64, radius: f64| Frustum {
+        base: Vec3::new(stub.base.x, stub.base.y, from),
+        axis: Vec3::z() * (to - from),
+        base_radius: radius,
+        top_radius: radius,
+    };
+    let fits = |height: f64| {
+        let around = bore(stub.base.z, height + skin, radius + skin).solid();
+        around.difference(core).volume() <= 1e-6 * around.volume()
+    };
+    // Whatever fits up to a height fits up to all lower ones.
+    let (mut low, mut high) = (stub.base.z + LEAST * radius, top - skin);
+    if low >= high || !fits(low) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = (low + high) / 2.0;
+        if fits(middle) { low = middle } else { high = middle }
+    }
+    // Beyond the end of the stub, so that no faces coincide.
+    let end = stub.base.z + stub.axis.z - skin;
+    Some(bore(end, low, radius))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_bore_ends_below_the_top_of_its_core() {
+        let config = Config::default();
+        let stub = Frustum {
+            base: Vec3::z() * 1e-3,
+            axis: -Vec3::z() * 9e-3,
+            base_radius: 1.7e-3,
+            top_radius: 1.7e-3,
+        };
+        let neck = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 5e-3), 2e-3, 2e-3, 48);
+        let ball = Solid::sphere(&(Vec3::z() * 14e-3), 10e-3, 96);
+        let core = neck.union(&ball);
+        let bore = drain(&stub, &core, &config).unwrap();
+        let reaches = bore.base.z + bore.axis.z;
+        // The ball ends at 24 mm, at r = drain + skin from its axis a little lower.
+        let top = 14e-3 + (100e-6_f64 - 1.4e-3_f64.powi(2)).sqrt() - config.core.skin;
+        assert!((reaches - top).abs() < 1e-4, "{reaches} {top}");
+        // A neck that bends away after 5 mm.
+        let bent = neck.union(&Solid::sphere(&Vec3::new(11e-3, 0.0, 5e-3), 10e-3, 96));
+        let bore = drain(&stub, &bent, &config).unwrap();
+        let reaches = bore.base.z + bore.axis.z;
+        assert!((3.5e-3..5e-3).contains(&(reaches + config.core.skin)), "{reaches}");
+        assert!(bore.base.z < stub.base.z + stub.axis.z);
+        let thin = Frustum { base_radius: 1.3e-3, ..stub };
+        assert_eq!(drain(&thin, &core, &config), None);
+    }
+}

@@ -1,0 +1,205 @@
+//! The mold of a body: outside − filled body, divided into pieces, with features.
+//!
+//! A mold is made in steps, each a function from values to a value:
+//!
+//! | step | gives |
+//! |-|-|
+//! | [`layout::frame`] | the mold's frame, in which everything below is |
+//! | `CastBody::new` | what is cast, and what fills its chambers |
+//! | [`venting::places`] | where silicone enters and air leaves |
+//! | `Division::new` | the outside, and shells with keys and bolts |
+//! | `Channels::new` | the sprue, the vents, and the funnel |
+//! | `Cores::new` | cores on their stubs, shells with sockets, the cast with holes of pins |
+//! | `cut`, `connected` | shells with channels; every piece in one piece |
+
+mod cast_body;
+mod channels;
+mod cores;
+mod division;
+pub mod features;
+mod height_field;
+pub mod parting;
+mod piece;
+pub mod venting;
+
+use mesh::bvh::SurfaceBvh;
+use mesh::check::Finding;
+use mesh::solid::{Solid, SolidError};
+use mesh::{SurfaceMesh, Vec3, measure};
+
+use crate::body::boundary::Boundary;
+use crate::body::layout::{self, LayoutError};
+use crate::body::orientation::{Orientation, PartingSurface, Portion};
+use crate::config::Config;
+use crate::config::method::Method;
+use crate::geometry::frame::{Frame, Pull};
+use cast_body::CastBody;
+use channels::Channels;
+use cores::{Cores, Mount};
+use division::{Blank, Division};
+use features::block::Block;
+use features::core::PrintError;
+use features::pin::PinError;
+pub use piece::{Feature, Piece, Purpose};
+use piece::{connected, cut};
+use venting::{Places, VentError};
+
+/// Channels reach this far out of the block, so that no faces coincide [m].
+const BEYOND: f64 = 1e-3;
+
+/// A mold, in its frame.
+#[derive(Clone)]
+pub struct Mold {
+    /// From the design to the mold.
+    pub frame: Frame,
+    /// How the chamber comes into the body.
+    pub method: Method,
+    /// What is cast of the design.
+    pub portion: Portion,
+    /// Whether it is cast open.
+    pub open: bool,
+    /// Bounds of the closed mold, without labels.
+    pub block: Block,
+    /// Outside of the closed mold.
+    pub outside: Solid,
+    /// Shells, and the base if there is one, taken apart in reverse order.
+    pub shells: Vec<Piece>,
+    /// One per connected chamber that is held on a stub.
+    pub cores: Vec<Piece>,
+    /// What stands in the sprue while the mold is filled, and the volume it holds [m³].
+    pub funnel: Option<(Piece, f64)>,
+    /// What is cast, without sprue and vents.
+    pub cast: Solid,
+    /// All channels and gaps.
+    pub features: Vec<Feature>,
+    /// What a person should know.
+    pub findings: Vec<Finding>,
+}
+
+/// Why a mold cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MoldError {
+    /// The directions do not fit.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// A core cannot be held.
+    #[error(transparent)]
+    Print(#[from] PrintError),
+    /// The pin that was asked for has no place.
+    #[error(transparent)]
+    Pin(#[from] PinError),
+    /// A channel misses the part.
+    #[error(transparent)]
+    Vent(#[from] VentError),
+    /// A surface is refused by the solid kernel.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// A grid too fine to work with.
+    #[error(
+        "parting.cell = {cell} m makes {columns:.1e} columns over the mold, at most {most:.1e} are allowed; enlarge it"
+    )]
+    Columns {
+        /// Spacing asked for [m].
+        cell: f64,
+        /// Columns it makes.
+        columns: f64,
+        /// Columns allowed.
+        most: f64,
+    },
+    /// A shell fell apart.
+    #[error(
+        "the {name} shell has {count} separate pieces, the second of {volume_mm3:.3} mm³: \
+         choose another parting.pull, or another parting.kind"
+    )]
+    Pieces {
+        /// Name of the shell.
+        name: String,
+        /// How many pieces it has.
+        count: usize,
+        /// Volume of the second [mm³].
+        volume_mm3: f64,
+    },
+}
+
+impl Mold {
+    /// The mold of a body whose chamber comes into it by `method`.
+    ///
+    /// # Errors
+    /// [`MoldError`] if it cannot be made as configured.
+    pub fn new(
+        boundary: &Boundary,
+        orientation: &Orientation,
+        method: Method,
+        config: &Config,
+    ) -> Result<Self, MoldError> {
+        let portion = orientation.portion;
+        let (frame, pull) = layout::frame(&boundary.filled, orientation, config.shrinkage())?;
+        let joint = orientation.joint.map(|joint| frame.point(&(orientation.up * joint)).z);
+        let foot = Block::foot(orientation, pull, config);
+        let body = CastBody::new(boundary, &frame, portion, joint, foot)?;
+        let bounds = measure::bounds(&body.surface.vertices);
+        let block = Block::around(bounds, orientation, pull, joint, config);
+        let surface = SurfaceBvh::new(&body.surface);
+        let open = matches!(orientation.parting, PartingSurface::Open);
+        let places = match open {
+            true => None,
+            false => Some(venting::places(boundary, &frame, portion, &surface, config)?),
+        };
+        let rims = places.as_ref().map_or(Vec::new(), |p| rims(p, &body.surface, config));
+        let blank = Blank { body: &body, block: &block, frame: &frame, orientation, pull, config };
+        let division = Division::new(&blank, &rims)?;
+        let end = block.max.z + BEYOND;
+        let outside = division.outside;
+        let channels = places.map_or(Channels::default(), |places| {
+            Channels::new(places, &surface, end, &outside, &body.cast, config)
+        });
+        let mount = Mount {
+            method,
+            outside: &outside,
+            floor: block.min.z,
+            end,
+            level: (pull == Pull::Y).then_some(division.level),
+            channels: &channels.features,
+            config,
+        };
+        let cores = match portion {
+            Portion::Whole => Cores::new(&body, division.shells, &mount)?,
+            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells),
+        };
+        let shells = cut(cores.shells, &channels.features);
+        Ok(Self {
+            shells: shells.into_iter().map(connected).collect::<Result<_, _>>()?,
+            cores: cores.pieces.into_iter().map(connected).collect::<Result<_, _>>()?,
+            features: [division.features, cores.features, channels.features].concat(),
+            findings: [division.findings, channels.findings, cores.findings].concat(),
+            cast: cores.cast,
+            funnel: channels.funnel,
+            frame,
+            method,
+            portion,
+            open,
+            block,
+            outside,
+        })
+    }
+
+    /// Volume of the box that the outside replaces, less the outside [m³].
+    #[must_use]
+    pub fn saved(&self) -> f64 {
+        self.block.solid().volume() - self.outside.volume()
+    }
+}
+
+/// Points around sprue and vents at the height of the part's top: the outside encloses
+/// them like the part, so that nothing runs over before the mold is full.
+fn rims(places: &Places, filled: &SurfaceMesh, config: &Config) -> Vec<Vec3> {
+    let top = measure::bounds(&filled.vertices).1.z;
+    let vents = places.vents.iter().map(|vent| (vent, config.vents.radius));
+    let channels = [(&places.sprue, config.sprue.top_radius)].into_iter().chain(vents);
+    let rim = |(at, radius): (&Vec3, f64)| {
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let at = Vec3::new(at.x, at.y, top);
+        corners.map(|[x, y]| at + Vec3::new(x, y, 0.0) * radius)
+    };
+    channels.flat_map(rim).collect()
+}

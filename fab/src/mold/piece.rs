@@ -1,0 +1,98 @@
+//! Printed pieces, and the channels and gaps that are cut into them.
+
+use mesh::Vec3;
+use mesh::solid::Solid;
+use serde::{Deserialize, Serialize};
+
+use super::MoldError;
+use super::parting::FILM;
+use crate::geometry::frustum::Frustum;
+
+/// A printed part.
+#[derive(Clone)]
+pub struct Piece {
+    /// Its name, and that of its file without extension.
+    pub name: String,
+    /// Its shape in the closed mold [m].
+    pub solid: Solid,
+    /// The unit vector along which it is demolded [1].
+    pub demolding: Vec3,
+}
+
+/// What a channel or gap is for.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Purpose {
+    /// Silicone in.
+    Sprue,
+    /// Air out.
+    Vent,
+    /// Hole for a registration key.
+    Key,
+    /// Hole for a core's stub.
+    Socket,
+    /// Hole for a bolt through a flange.
+    Bolt,
+    /// Slot for a screwdriver between two shells.
+    Pry,
+    /// Bore in a soluble core, for water.
+    Drain,
+    /// Hole in the silicone that a core's second support leaves, to be plugged.
+    Pin,
+}
+
+/// A channel or gap in the mold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// Its outline.
+    pub frustum: Frustum,
+}
+
+impl Purpose {
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sprue => "sprue",
+            Self::Vent => "vent",
+            Self::Key => "key",
+            Self::Socket => "socket",
+            Self::Bolt => "bolt",
+            Self::Pry => "pry",
+            Self::Drain => "drain",
+            Self::Pin => "pin",
+        }
+    }
+}
+
+/// Pieces with all features cut out of each of them.
+#[must_use]
+pub fn cut(pieces: Vec<Piece>, features: &[Feature]) -> Vec<Piece> {
+    features.iter().fold(pieces, |pieces, feature| {
+        let hole = feature.frustum.solid();
+        let without = |piece: Piece| Piece { solid: piece.solid.difference(&hole), ..piece };
+        pieces.into_iter().map(without).collect()
+    })
+}
+
+/// A piece without films of rounding.
+///
+/// # Errors
+/// [`MoldError::Pieces`] if what is left is not connected.
+pub fn connected(piece: Piece) -> Result<Piece, MoldError> {
+    let mut bodies = piece.solid.decompose();
+    if bodies.len() < 2 {
+        return Ok(piece);
+    }
+    bodies.retain(|body| body.volume() > FILM);
+    if let Some(second) = bodies.get(1) {
+        return Err(MoldError::Pieces {
+            name: piece.name,
+            count: bodies.len(),
+            volume_mm3: second.volume() * 1e9,
+        });
+    }
+    Ok(Piece { solid: bodies.swap_remove(0), ..piece })
+}

@@ -1,0 +1,112 @@
+//! Where silicone enters and air leaves.
+//!
+//! Air rises through the silicone along the edges of the volume mesh until it
+//! reaches a local maximum of height. Those on the outer boundary get a vent; those
+//! on the wall of the chamber, below the core, cannot have one and are reported.
+
+use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
+use mesh::check::Finding;
+
+use crate::body::boundary::{AirPaths, Boundary};
+use crate::body::orientation::Portion;
+use crate::config::Config;
+use crate::geometry::frame::Frame;
+use crate::geometry::maxima::{self, Peak};
+
+/// Tops that are flat within this height get their channel in the middle [m].
+const FLAT: f64 = 2e-4;
+
+/// A vent must keep this distance from the rim of the sprue's mouth [m].
+const APART: f64 = 1e-3;
+
+/// Points on top of the part, in the mold's frame.
+pub struct Places {
+    /// Where the sprue meets the part [m].
+    pub sprue: Vec3,
+    /// Where the vents do [m].
+    pub vents: Vec<Vec3>,
+    /// Air that no vent reaches.
+    pub findings: Vec<Finding>,
+}
+
+/// A channel that would not meet the part.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the vertical through sprue.at = ({x:.5}, {y:.5}, {z:.5}) m does not meet the part; choose a point above it",
+    x = at.x, y = at.y, z = at.z
+)]
+pub struct VentError {
+    /// The point in the design [m].
+    at: Vec3,
+}
+
+/// Finds the places for sprue and vents; `filled` is the boundary in the mold's frame.
+///
+/// # Errors
+/// [`VentError`] if the vertical through `sprue.at` misses the part.
+pub fn places(
+    boundary: &Boundary,
+    frame: &Frame,
+    portion: Portion,
+    filled: &SurfaceBvh,
+    config: &Config,
+) -> Result<Places, VentError> {
+    let AirPaths { points, neighbours, outer } = &boundary.air_paths;
+    let positions: Vec<Vec3> = points.iter().map(|p| frame.point(p)).collect();
+    let heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
+    let is_cast = |v: &usize| portion.cut().is_none() || heights[*v] > 0.0;
+    let neighbours: Vec<Vec<usize>> = (0..heights.len())
+        .map(|v| match is_cast(&v) {
+            true => neighbours[v].iter().copied().filter(is_cast).collect(),
+            false => Vec::new(),
+        })
+        .collect();
+    let peaks = maxima::peaks(&heights, &neighbours, config.vents.persistence);
+    let (open, trapped): (Vec<Peak>, Vec<Peak>) =
+        peaks.into_iter().partition(|peak| outer.contains(&peak.vertex));
+    let top_of = |peak: &Peak| {
+        let middle = maxima::middle_of_top(peak.vertex, &positions, &neighbours, FLAT);
+        surface_near(filled, &positions[middle], positions[peak.vertex].z)
+    };
+    let mut tops: Vec<Vec3> = open.iter().filter_map(top_of).collect();
+    // The place asked for is that of the whole body's sprue.
+    let asked = config.sprue.at.filter(|_| portion == Portion::Whole);
+    let sprue = match asked.map(Vec3::from) {
+        Some(at) => {
+            surface_near(filled, &frame.point(&at), f64::INFINITY).ok_or(VentError { at })?
+        }
+        None => tops.first().copied().ok_or(VentError { at: boundary.filled.vertices[0] })?,
+    };
+    let reach = config.sprue.radius + config.vents.radius + APART;
+    tops.retain(|top| (top - sprue).xy().norm() > reach);
+    let findings = trapped_air(&trapped, &positions);
+    Ok(Places { sprue, vents: tops, findings })
+}
+
+/// Where the vertical through `p` meets the surface nearest to height `z`.
+fn surface_near(surface: &SurfaceBvh, p: &Vec3, z: f64) -> Option<Vec3> {
+    let above = Vec3::new(p.x, p.y, 1.0 + p.z.abs());
+    let heights = surface.ray(&above, &-Vec3::z()).into_iter().map(|hit| above.z - hit.0);
+    let z = z.min(above.z);
+    let nearest = heights.min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs()))?;
+    Some(Vec3::new(p.x, p.y, nearest))
+}
+
+fn trapped_air(peaks: &[Peak], positions: &[Vec3]) -> Vec<Finding> {
+    let Some(first) = peaks.first() else { return Vec::new() };
+    let deepest = peaks.iter().map(|p| p.persistence).fold(0.0, f64::max) * 1e3;
+    let at = positions[first.vertex] * 1e3;
+    vec![Finding {
+        rule: "trapped air",
+        message: format!(
+            "air can collect at {} places below the core, up to {deepest:.1} mm deep, the highest at \
+             ({:.1}, {:.1}, {:.1}) mm: degas the silicone and tilt the mold while filling",
+            peaks.len(),
+            at.x,
+            at.y,
+            at.z
+        ),
+        count: peaks.len(),
+    }]
+}

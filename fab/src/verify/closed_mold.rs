@@ -1,0 +1,194 @@
+//! The files of a mold, read back and put together.
+
+use std::path::Path;
+
+use mesh::io::read_surface;
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3, measure};
+use nalgebra::Matrix3;
+
+use super::Line;
+use crate::files::report::{MoldReport, Outline, Part, Role};
+
+/// Surfaces of a mold in the closed mold's coordinates [mm].
+pub struct Files {
+    /// The report that `fab mold` wrote.
+    pub report: MoldReport,
+    /// One per part of the report.
+    pub parts: Vec<SurfaceMesh>,
+    /// The body that is cast.
+    pub cast: SurfaceMesh,
+    /// Outside of the closed mold.
+    pub outside: SurfaceMesh,
+}
+
+/// A part as a solid.
+pub struct Body {
+    /// Its name.
+    pub name: String,
+    /// Its shape in the closed mold [mm].
+    pub solid: Solid,
+    /// Volume [mm³].
+    pub volume: f64,
+    /// Area [mm²].
+    pub area: f64,
+    /// Direction in which it is demolded [1].
+    pub demolding: Vec3,
+}
+
+/// A mold put together from its files [mm].
+pub struct ClosedMold {
+    /// The report that `fab mold` wrote.
+    pub report: MoldReport,
+    /// Shells, in the order of the report.
+    pub shells: Vec<Body>,
+    /// Cores.
+    pub cores: Vec<Body>,
+    /// What stands in the sprue, above the closed mold.
+    pub funnel: Option<Body>,
+    /// The body that is cast.
+    pub cast: Body,
+    /// Lowest and highest corner of all shells.
+    pub bounds: (Vec3, Vec3),
+    /// Outside of the closed mold.
+    pub outside: Body,
+    /// Largest displacement of a vertex by the rounding of the files.
+    pub rounding: f64,
+    /// Outside − shells − cores.
+    pub cavity: Solid,
+    /// All channels and gaps.
+    pub channels: Solid,
+}
+
+impl Files {
+    /// The surfaces of a report's files in their order: parts as they are printed, then the
+    /// cast and the outside.
+    pub fn of(report: MoldReport, mut surfaces: Vec<SurfaceMesh>) -> Self {
+        let outside = surfaces.pop().expect("a report lists the outside");
+        let cast = surfaces.pop().expect("a report lists the cast");
+        for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
+            let turn = Files::turn(part);
+            surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
+        }
+        Self { report, parts: surfaces, cast, outside }
+    }
+
+    /// The rotation of a part from its file to the closed mold.
+    #[must_use]
+    pub fn turn(part: &Part) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| part.to_mold[i][j])
+    }
+}
+
+/// Reads the files of a report; none of them if one is missing.
+pub fn read(folder: &Path, report: MoldReport) -> (Vec<Line>, Option<Files>) {
+    let mut lines = vec![only_listed(folder, &report)];
+    let mut surfaces = Vec::new();
+    for file in report.files() {
+        match read_surface(&folder.join(file)) {
+            Ok(surface) => surfaces.push(surface),
+            Err(error) => lines.push(Line::new(
+                format!("{file}: readable"),
+                false,
+                error.to_string(),
+                "a complete STL file",
+            )),
+        }
+    }
+    if surfaces.len() < report.files().count() {
+        return (lines, None);
+    }
+    (lines, Some(Files::of(report, surfaces)))
+}
+
+/// No STL file lies in the folder that the report does not list.
+fn only_listed(folder: &Path, report: &MoldReport) -> Line {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let mut strangers: Vec<String> = names
+        .filter(|name| name.ends_with(".stl") && !report.files().any(|file| file == name))
+        .collect();
+    strangers.sort();
+    let found = match strangers.len() {
+        0 => format!("{} listed, 0 others", report.files().count()),
+        n => format!("{n} others: {}", strangers.join(", ")),
+    };
+    Line::new("files", strangers.is_empty(), found, "only the STL files in mold.json")
+}
+
+impl ClosedMold {
+    /// Puts valid surfaces together.
+    ///
+    /// # Panics
+    /// If a surface is not closed, oriented and manifold.
+    #[must_use]
+    pub fn new(files: Files) -> Self {
+        let Files { report, parts, cast, outside } = files;
+        let points: Vec<Vec3> = parts.iter().flat_map(|s| s.vertices.iter().copied()).collect();
+        let reach = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let rounding = 3.0_f64.sqrt() * reach * 2.0_f64.powi(-24);
+        let (mut shells, mut cores) = (Vec::new(), Vec::new());
+        let mut funnel = None;
+        let mut shell_points = Vec::new();
+        for (surface, part) in parts.iter().zip(&report.parts) {
+            let body = Body::new(&part.name, surface, Vec3::from(part.demolding));
+            match part.role {
+                Role::Shell => {
+                    shell_points.extend_from_slice(&surface.vertices);
+                    shells.push(body);
+                }
+                Role::Core => cores.push(body),
+                Role::Funnel => funnel = Some(body),
+            }
+        }
+        let bounds = measure::bounds(&shell_points);
+        let outside = Body::new("outside", &outside, Vec3::zeros());
+        let solids = shells.iter().chain(&cores);
+        let whole = outside.solid.clone();
+        let cavity = solids.fold(whole, |rest, body| rest.difference(&body.solid));
+        let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
+        let channels =
+            report.features.iter().fold(empty, |all, outline| all.union(&outline.solid()));
+        let cast = Body::new("cast", &cast, Vec3::zeros());
+        Self { report, shells, cores, funnel, cast, bounds, outside, rounding, cavity, channels }
+    }
+
+    /// Largest change of a volume with this boundary area by rounding [mm³].
+    #[must_use]
+    pub fn volume_rounding(&self, area: f64) -> f64 {
+        self.rounding * area
+    }
+
+    /// Shells and cores.
+    pub fn parts(&self) -> impl Iterator<Item = &Body> {
+        self.shells.iter().chain(&self.cores)
+    }
+}
+
+impl Body {
+    fn new(name: &str, surface: &SurfaceMesh, demolding: Vec3) -> Self {
+        let solid = Solid::from_surface(surface).expect("the surface was checked");
+        Self {
+            name: name.into(),
+            volume: measure::enclosed_volume(surface),
+            area: measure::area(surface),
+            solid,
+            demolding,
+        }
+    }
+}
+
+impl Outline {
+    /// The frustum, a little wider than it was cut so that rounding leaves no film beside it [mm].
+    #[must_use]
+    pub fn solid(&self) -> Solid {
+        const WIDER: f64 = 1e-3;
+        let frustum = crate::geometry::frustum::Frustum {
+            base: Vec3::from(self.base),
+            axis: Vec3::from(self.axis),
+            base_radius: self.base_radius,
+            top_radius: self.top_radius,
+        };
+        frustum.grown(WIDER).solid()
+    }
+}
