@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use mesh::check::Finding;
-use mesh::io::sha256_file;
+use program::sha256_file;
 use serde::Serialize;
 
 /// An input file and its fingerprint.

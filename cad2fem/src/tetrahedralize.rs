@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
 use mesh::check::{check_tets, orient_by_nesting, run};
-use mesh::cli::Unusable;
 use mesh::improve::improve_interior;
 use mesh::measure::{Quality, area, enclosed_volume, hausdorff, quality, tet_volume, volume};
 use mesh::topology::{boundary, components, is_manifold, submesh};
 use mesh::{SurfaceMesh, TetMesh};
+use program::Unusable;
 use serde::Serialize;
 
 use crate::cache::{Cache, key};

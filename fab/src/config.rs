@@ -9,8 +9,9 @@ mod pour;
 
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use mesh::Vec3;
+use program::{parse_toml, read_checked};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::method::Method;
@@ -279,8 +280,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is not TOML, has an unknown key or a value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        Self::parse(&text).with_context(|| path.display().to_string())
+        read_checked(path, Self::parse)
     }
 
     /// Reads and checks the text of a file.
@@ -288,7 +288,7 @@ impl Config {
     /// # Errors
     /// As for [`Config::read`].
     pub fn parse(text: &str) -> Result<Self> {
-        let config: Self = toml::from_str(text)?;
+        let config: Self = parse_toml(text)?;
         config.check()?;
         Ok(config)
     }

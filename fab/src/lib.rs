@@ -26,7 +26,6 @@ pub mod parts;
 pub mod picture;
 pub mod plan;
 pub mod printer;
-pub mod progress;
 pub mod report;
 pub mod silicone;
 pub mod skin;

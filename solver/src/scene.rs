@@ -67,7 +67,7 @@ impl Scene {
     /// # Errors
     /// With the file, what was found and what was needed.
     pub fn read_with(path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
-        let mut config: SimConfig = mesh::io::read_toml(path)?;
+        let mut config: SimConfig = program::read_toml(path)?;
         let context = || path.display().to_string();
         config.check().with_context(context)?;
         let bodies = config.bodies().with_context(context)?;

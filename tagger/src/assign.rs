@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result, anyhow};
 use mesh::Tags;
-use mesh::cli::Unusable;
+use program::Unusable;
 
 use crate::config::{Config, Tag};
 use crate::facets::Facets;

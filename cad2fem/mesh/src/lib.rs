@@ -5,7 +5,6 @@
 
 pub mod bvh;
 pub mod check;
-pub mod cli;
 pub mod improve;
 pub mod inside;
 pub mod io;

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::check::{Finding, check_surface, check_tets};
-use mesh::cli::Unusable;
 use mesh::io::{read_surface, read_tets};
 use mesh::measure::{
     Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, volume,
 };
 use mesh::topology::{boundary, boundary_edges, boundary_loops, components};
 use mesh::{SurfaceMesh, Tags};
+use program::Unusable;
 use serde::Serialize;
 
 use crate::report::findings;

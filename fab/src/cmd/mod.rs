@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
+use program::Progress;
 
 use crate::collar::{self, Collar};
 use crate::config::Config;
 use crate::plan::Plan;
 use crate::plan::report::Report;
-use crate::progress::Progress;
 use crate::report::{CastPart, Input};
 use crate::skin::Skin;
 

@@ -21,11 +21,11 @@ use std::path::Path;
 
 use mesh::SurfaceMesh;
 use mesh::io::IoError;
+use program::Progress;
 
 pub use set::Set;
 
 use crate::plan::report as plan;
-use crate::progress::Progress;
 use crate::report::{CastPart, Report};
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the

@@ -153,7 +153,7 @@ impl DesignConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
-        let design: Self = mesh::io::read_toml(path)?;
+        let design: Self = program::read_toml(path)?;
         design.check().with_context(|| path.display().to_string())?;
         Ok(design)
     }

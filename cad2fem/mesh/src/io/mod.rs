@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use msh::{MshFile, read_tets, write_tets};
 pub use tags::{read_tags, write_tags};
-pub use text::{read_text, read_toml, sha256_file};
+pub use text::read_text;
 
 use crate::SurfaceMesh;
 
@@ -162,7 +162,11 @@ fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
     ))
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+/// Reads a file.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     std::fs::read(path).map_err(|cause| IoError::system(path, "read", cause))
 }
 
