@@ -10,13 +10,12 @@ mod pour;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use library::{Chemistry, printers, silicones};
 use mesh::Vec3;
 use program::{parse_toml, read_checked};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::method::Method;
-use crate::printer;
-use crate::silicone::{self, Chemistry};
 pub use fitting::Fitting;
 pub use parting::{Auto, HeightField, Parting, Plane};
 pub use pour::{Sprue, Vents};
@@ -227,9 +226,9 @@ impl Default for Core {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Casting {
-    /// A silicone of `solver/silicones.toml`. Unset: volumes only.
+    /// A silicone of `silicones.toml` of the crate `library`. Unset: volumes only.
     pub silicone: Option<String>,
-    /// A printer of `printers.toml`. Unset: no build volume is checked.
+    /// A printer of `printers.toml` of the crate `library`. Unset: no build volume is checked.
     pub printer: Option<String>,
     /// Silicone that stays in the cup, as a share of what fills the mold [1].
     pub waste: f64,
@@ -253,10 +252,10 @@ impl Casting {
     pub fn check(&self) -> Result<(), String> {
         let name = |key: &str, message| format!("casting.{key}: {message}");
         if let Some(key) = &self.silicone {
-            silicone::find(key).map_err(|message| name("silicone", message))?;
+            silicones().find(key).map_err(|message| name("silicone", message))?;
         }
         if let Some(key) = &self.printer {
-            printer::find(key).map_err(|message| name("printer", message))?;
+            printers().find(key).map_err(|message| name("printer", message))?;
         }
         if !(0.0..=10.0).contains(&self.waste) {
             return Err(format!("casting.waste is {}, must lie between 0 and 10", self.waste));
@@ -298,7 +297,7 @@ impl Config {
     #[must_use]
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
-            let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
+            let silicone = silicones().find(self.casting.silicone.as_deref()?).ok()?;
             let facts =
                 silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
             facts.shrinkage.map(|percent| percent / 100.0)
@@ -309,7 +308,7 @@ impl Config {
     /// Density of the silicone that is named, if it is known [kg/m³].
     #[must_use]
     pub fn density(&self) -> Option<f64> {
-        silicone::find(self.casting.silicone.as_deref()?).ok()?.density
+        silicones().find(self.casting.silicone.as_deref()?).ok()?.density
     }
 
     /// Gap around keys [m].
@@ -326,7 +325,7 @@ impl Config {
 
     /// Gap around a part that slides into another: that of the printer, if one is named [m].
     fn printer_clearance(&self) -> f64 {
-        let named = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        let named = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
         named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
     }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use library::printers;
 use mesh::io::{IoError, write_atomic};
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
@@ -16,7 +17,6 @@ use crate::export::MM;
 use crate::frame::{Frame, Turn};
 use crate::method::Method;
 use crate::mold::{Feature, Mold, Piece, Purpose};
-use crate::printer;
 use crate::stance::Portion;
 use crate::underside::{self, Underside};
 
@@ -260,7 +260,7 @@ impl Report {
     /// The steepest overhang that the named printer prints without support, from the
     /// vertical [degrees].
     fn steepest(&self) -> f64 {
-        let printer = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        let printer = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
         printer.map_or(underside::CUSTOMARY, |printer| printer.overhang)
     }
 

@@ -6,10 +6,10 @@
 
 use std::path::Path;
 
+use library::{Printer, PrinterKind, printers};
 use mesh::io::{IoError, write_atomic};
 
 use crate::method::Method;
-use crate::printer::{self, Kind, Printer};
 use crate::report::{Part, Report, Role};
 use crate::underside::needs_supports;
 
@@ -38,9 +38,9 @@ pub fn file(part: &Part) -> String {
 /// cast of wax.
 #[must_use]
 pub fn settings(report: &Report, part: &Part) -> Option<String> {
-    let printer = printer::find(report.casting.printer.as_deref()?).ok()?;
+    let printer = printers().find(report.casting.printer.as_deref()?).ok()?;
     let printed = part.role == Role::Shell || report.method != Method::Wax;
-    (printer.kind == Kind::Filament && printed).then(|| text(printer, report, part))
+    (printer.kind == PrinterKind::Filament && printed).then(|| text(printer, report, part))
 }
 
 /// Writes the settings of all parts that have some.

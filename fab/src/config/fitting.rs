@@ -1,8 +1,7 @@
 //! `[fitting]`: the tube that is put into the inlet, and the collar that holds it.
 
+use library::tubes;
 use serde::Deserialize;
-
-use crate::fitting;
 
 /// Interference that is usual for a tube in soft silicone: a judgement, not a measurement [1].
 const INTERFERENCE: f64 = 0.1;
@@ -11,7 +10,7 @@ const INTERFERENCE: f64 = 0.1;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fitting {
-    /// A tube of `fittings.toml`. Instead of it, `outer` and `inner` can be given.
+    /// A tube of `tubes.toml` of the crate `library`. Instead of it, `outer` and `inner` can be given.
     pub name: Option<String>,
     /// Outer diameter of the tube [m].
     pub outer: Option<f64>,
@@ -53,8 +52,9 @@ impl Fitting {
     pub fn tube(&self) -> Result<Tube, String> {
         match (&self.name, self.outer, self.inner) {
             (Some(key), None, None) => {
-                let found =
-                    fitting::find(key).map_err(|message| format!("fitting.name: {message}"))?;
+                let found = tubes().find(key).map_err(|message| {
+                    format!("fitting.name: {message}; or give outer and inner instead")
+                })?;
                 Ok(Tube {
                     name: found.name.clone(),
                     outer: found.outer * 1e-3,

@@ -1,11 +1,11 @@
 //! The parts can be printed on the named printer.
 
+use library::{Printer, printers};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
 use super::set::{Files, Set};
 use super::{Line, Status};
-use crate::printer::{self, Printer};
 use crate::report::Part;
 use crate::underside::{Underside, needs_supports};
 
@@ -24,7 +24,7 @@ pub fn checks(set: &Set, parts: &[SurfaceMesh]) -> Vec<Line> {
         line.status = Status::Warn;
         return vec![line];
     };
-    let printer = match printer::find(key) {
+    let printer = match printers().find(key) {
         Ok(printer) => printer,
         Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
     };
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn parts_too_large_are_refused() {
-        let printer = printer::find("prusa-mini").expect("known");
+        let printer = printers().find("prusa-mini").expect("known");
         let part = Solid::cube(&Vec3::zeros(), &Vec3::new(181.0, 20.0, 20.0)).to_surface();
         assert_eq!(fits(printer, "bar", &part).status, Status::Fail);
     }

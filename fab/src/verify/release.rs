@@ -5,12 +5,13 @@
 //! pass. So it is with every neck of the cavity and what lies behind it. Soluble and molten
 //! cores need no way out.
 
+use library::silicones;
+
 use super::set::{Body, Set};
 use super::{Line, Status};
 use crate::method::Method;
 use crate::plan::girth::{self, Passage};
 use crate::plan::report::Report;
-use crate::silicone;
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
 /// uneven rim, within the 1 mm that any wall is thick at least [mm].
@@ -55,7 +56,7 @@ fn passes(set: &Set, core: &Body, plan: Option<&Report>) -> Line {
 /// Whether silicone can be stretched so far; a warning if it is not known which.
 fn stretched(set: &Set, name: String, ratio: f64, found: String) -> Line {
     let key = set.report.casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => {
             let limit = 1.0 + SAFE * elongation / 100.0;

@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
 use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
@@ -16,7 +17,6 @@ use super::set::Set;
 use super::{Line, Status};
 use crate::export::MM;
 use crate::mold::Purpose;
-use crate::silicone;
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
 /// it is an edge, whose thickness is zero and no fault.
@@ -143,7 +143,7 @@ pub fn inflated(set: &Set, folder: &Path) -> Vec<Line> {
 fn stretch(set: &Set, largest: f64) -> Line {
     let name = "inflated: largest stretch";
     let key = set.report.casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),
         None => {
