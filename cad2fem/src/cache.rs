@@ -1,8 +1,8 @@
-//! Meshes that were made before, by a hash of everything that decides them.
+//! Meshes of earlier runs, by a hash of everything that determines them.
 //!
 //! fTetWild is not deterministic: without the cache a second run would give another
 //! mesh. An entry is `<key>.msh` and `<key>.sha256`, the fingerprint of the former;
-//! an entry that does not match its fingerprint is made anew.
+//! an entry that does not match its fingerprint is replaced.
 
 use std::path::{Path, PathBuf};
 
@@ -68,7 +68,7 @@ fn checkout() -> Option<PathBuf> {
     places.find(|folder| folder.join("cad2fem/Cargo.toml").is_file()).map(Path::to_path_buf)
 }
 
-/// SHA-256 over a surface, bit for bit, and whatever else decides a mesh.
+/// SHA-256 of the bits of a surface and of everything else that determines a mesh.
 ///
 /// # Errors
 /// If `rest` cannot be written as JSON.

@@ -143,7 +143,7 @@ impl LabelledSurface {
 }
 
 impl Report {
-    /// Tells the counts, areas and volumes.
+    /// Logs counts, areas and volumes.
     pub fn log(&self) {
         log::info!(
             "{} triangles, area {:.2} cm2, volume {:.3} cm3",

@@ -1,4 +1,4 @@
-//! What reports of several verbs say alike.
+//! Entries that the reports of several verbs share.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::report::findings;
 
-/// Lengths are taken to be metres; findings are told, and with --check an error
+/// Lengths are taken to be metres; findings are listed, and are an error with --check
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// .stl, .obj, .ply or .msh

@@ -111,7 +111,7 @@ fn format_of(path: &Path) -> Result<&'static Format, IoError> {
 
 /// Reads a surface; the format follows from the extension, see [`FORMATS`].
 ///
-/// STL stores every triangle's corners anew: bit-equal corners become one vertex.
+/// STL repeats the corners of every triangle: bit-equal corners become one vertex.
 ///
 /// # Errors
 /// If the file cannot be read, is malformed, has coordinates that are not
@@ -135,7 +135,7 @@ pub fn write_surface(path: &Path, surface: &SurfaceMesh) -> Result<(), IoError> 
     write_atomic(path, |out| (format.write)(surface, out))
 }
 
-/// Whether a surface can be handed on: not empty, finite, indices in range.
+/// Whether a surface can be used: not empty, finite, indices in range.
 fn require_sound(surface: &SurfaceMesh) -> Parsed<()> {
     let n = surface.vertices.len();
     if surface.triangles.is_empty() {
