@@ -1,16 +1,16 @@
-//! Meshes that were made before, by a hash of everything that decides them.
+//! Meshes of earlier runs, by a hash of everything that determines them.
 //!
 //! fTetWild is not deterministic: without the cache a second run would give another
 //! mesh. An entry is `<key>.msh` and `<key>.sha256`, the fingerprint of the former;
-//! an entry that does not match its fingerprint is made anew.
+//! an entry that does not match its fingerprint is replaced.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use mesh::io::{read_tets, sha256_file, write_atomic, write_tets};
+use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::{SurfaceMesh, Tags, TetMesh};
+use program::{sha256, sha256_file};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 /// Environment variable that names the folder of caches.
 pub const CACHE_VARIABLE: &str = "PUFFER_CACHE";
@@ -68,20 +68,17 @@ fn checkout() -> Option<PathBuf> {
     places.find(|folder| folder.join("cad2fem/Cargo.toml").is_file()).map(Path::to_path_buf)
 }
 
-/// SHA-256 over a surface, bit for bit, and whatever else decides a mesh.
+/// SHA-256 of the bits of a surface and of everything else that determines a mesh.
 ///
 /// # Errors
 /// If `rest` cannot be written as JSON.
 pub fn key(surface: &SurfaceMesh, rest: &impl Serialize) -> Result<String> {
-    let mut hash = Sha256::new();
-    for x in surface.vertices.iter().flat_map(|v| v.iter()) {
-        hash.update(x.to_le_bytes());
-    }
-    for &v in surface.triangles.iter().flatten() {
-        hash.update((v as u64).to_le_bytes());
-    }
-    hash.update(serde_json::to_vec(rest)?);
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    let coordinates = surface.vertices.iter().flat_map(|v| v.iter());
+    let mut bytes: Vec<u8> = coordinates.flat_map(|x| x.to_le_bytes()).collect();
+    let corners = surface.triangles.iter().flatten();
+    bytes.extend(corners.flat_map(|&v| (v as u64).to_le_bytes()));
+    serde_json::to_writer(&mut bytes, rest)?;
+    Ok(sha256(&bytes))
 }
 
 #[cfg(test)]

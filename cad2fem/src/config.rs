@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use mesh::io::read_toml;
+use program::read_toml;
 use serde::Deserialize;
 
 use crate::mesher::{MESHERS, Options, Refinement, TetMesher};

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
 use mesh::io::{read_surface, write_atomic, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::topology::{boundary_loops, components, submesh};
 use mesh::{SurfaceMesh, check};
+use program::Unusable;
 use serde::Serialize;
 
 use crate::report::{Input, findings};
@@ -143,7 +143,7 @@ impl LabelledSurface {
 }
 
 impl Report {
-    /// Tells the counts, areas and volumes.
+    /// Logs counts, areas and volumes.
     pub fn log(&self) {
         log::info!(
             "{} triangles, area {:.2} cm2, volume {:.3} cm3",

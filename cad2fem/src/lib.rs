@@ -7,9 +7,9 @@
 //! - [`offset`]: open patch → closed selection volume
 //! - [`tetrahedralize`]: checks around a mesher, and its report
 //! - [`mesher`]: the external programs
-//! - [`crumbs`]: pieces that are no part of the body
+//! - [`fragments`]: removes small components that a mesher has cut off
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
-//! - [`cache`]: meshes that were made before
+//! - [`cache`]: meshes kept from earlier runs
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
 //! model file.
@@ -18,7 +18,7 @@ pub mod cache;
 pub mod cad;
 pub mod cmd;
 pub mod config;
-pub mod crumbs;
+pub mod fragments;
 pub mod implicit;
 pub mod labelled;
 pub mod mesher;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use cad2fem::cmd::Verb;
 use clap::Parser;
-use mesh::cli::Verbosity;
+use program::Verbosity;
 
 /// CAD surfaces and implicit models → surfaces in named regions → tetrahedra.
 ///
@@ -21,5 +21,5 @@ struct Cli {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    mesh::cli::run("cad2fem", cli.verbosity, || cli.verb.run())
+    program::run("cad2fem", cli.verbosity, || cli.verb.run())
 }

@@ -5,9 +5,9 @@
 //! copies along the rim. A closed patch becomes a shell with two surfaces.
 
 use anyhow::{Result, bail, ensure};
-use mesh::cli::Unusable;
 use mesh::topology::boundary_edges;
 use mesh::{SurfaceMesh, Vec3, check};
+use program::Unusable;
 
 use crate::report::findings;
 

@@ -1,11 +1,11 @@
-//! What reports of several verbs say alike.
+//! Entries that the reports of several verbs share.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
 use mesh::check::Finding;
-use mesh::io::sha256_file;
+use program::sha256_file;
 use serde::Serialize;
 
 /// An input file and its fingerprint.

@@ -4,15 +4,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
 use mesh::check::{check_tets, orient_by_nesting, run};
-use mesh::cli::Unusable;
 use mesh::improve::improve_interior;
 use mesh::measure::{Quality, area, enclosed_volume, hausdorff, quality, tet_volume, volume};
 use mesh::topology::{boundary, components, is_manifold, submesh};
 use mesh::{SurfaceMesh, TetMesh};
+use program::Unusable;
 use serde::Serialize;
 
 use crate::cache::{Cache, key};
-use crate::crumbs::remove_crumbs;
+use crate::fragments::remove_fragments;
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
 use crate::planar::flatten;
@@ -79,8 +79,8 @@ pub struct Outcome {
 }
 
 /// Checks that a surface bounds a body, and orients its shells by nesting: outer
-/// shells outward, cavities inward. A cavity that has to be turned is told; an
-/// outer shell only if `orient`, since it hints at a mistake.
+/// shells outward, cavities inward. Reversing a cavity is
+/// logged. An outer shell is reversed only if `orient`, since it hints at a mistake.
 ///
 /// # Errors
 /// If the surface is open, not manifold, self-intersecting, or faces inward.
@@ -171,9 +171,11 @@ fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMe
 /// What follows the mesher, whichever it was.
 fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
     make_positive(mesh);
-    let crumbs = remove_crumbs(mesh);
-    if crumbs > 0 {
-        log::info!("{crumbs} tets that hung on the body by an edge or a vertex are removed");
+    let fragments = remove_fragments(mesh);
+    if fragments > 0 {
+        log::info!(
+            "removed {fragments} tets that were connected to the body by an edge or a vertex only"
+        );
     }
     let flattened = flatten(mesh, surface, request.options.envelope);
     log::debug!("{} vertices moved onto planar faces and their rims", flattened.moved);
@@ -239,7 +241,7 @@ fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Unusable
 }
 
 impl Outcome {
-    /// Tells the numbers.
+    /// Logs counts, quality and distances.
     pub fn log(&self) {
         let q = &self.quality;
         let origin = if self.cached { ", from the cache" } else { "" };

@@ -47,8 +47,8 @@ impl Folder {
 
     fn draw(&self, args: &str) -> Picture {
         let output = self.run(args);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{args}: {told}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{args}: {message}");
         let decoder = png::Decoder::new(BufReader::new(File::open(self.path("out.png")).unwrap()));
         let mut reader = decoder.read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -58,10 +58,10 @@ impl Folder {
 
     fn fails(&self, args: &str, expected: &[&str]) {
         let output = self.run(args);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{args}: {told}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args}: {message}");
         for e in expected {
-            assert!(told.contains(e), "{args}: {e:?} is not in: {told}");
+            assert!(message.contains(e), "{args}: {e:?} is not in: {message}");
         }
         assert!(!self.path("out.png").exists(), "{args}: a picture was left behind");
     }

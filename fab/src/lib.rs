@@ -4,10 +4,6 @@
 //!
 //! Lengths are metres until the files for printing, which are in millimetres.
 
-// what a long run is doing, on standard error
-pub mod progress;
-// silicones, printers and tubes that one can buy
-pub mod library;
 // mold.toml: its keys with defaults, limits and documentation
 pub mod config;
 // frames, columns, sections: geometry that knows no bodies

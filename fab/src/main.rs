@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use fab::cmd::Verb;
-use mesh::cli::Verbosity;
+use program::Verbosity;
 
 /// Printable molds from an optimised body.
 ///
@@ -21,5 +21,5 @@ struct Cli {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    mesh::cli::run("fab", cli.verbosity, || cli.verb.run())
+    program::run("fab", cli.verbosity, || cli.verb.run())
 }

@@ -5,7 +5,7 @@ mod cmd;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use mesh::cli::Verbosity;
+use program::Verbosity;
 
 /// Keeps freed memory at hand: fronts and element blocks come and go by the
 /// megabyte, and pages from the system cost a quarter of an assembly.
@@ -40,7 +40,7 @@ enum Verb {
 
 fn main() -> ExitCode {
     let program = Program::parse();
-    mesh::cli::run("solver", program.verbosity, || {
+    program::run("solver", program.verbosity, || {
         if let Some(threads) = program.threads {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
         }

@@ -334,16 +334,6 @@ fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64
     space.tets().iter().zip(space.element_nodes().chunks_exact(n)).map(one).collect()
 }
 
-/// Largest resident set of this process so far [MiB]; none where the system
-/// does not tell.
-#[must_use]
-pub fn peak_rss_mb() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
-    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kib / 1024.0)
-}
-
 /// Writes JSON with indentation.
 ///
 /// # Errors

@@ -1,32 +1,18 @@
-//! Known silicones: the fits of `silicones.toml` by name.
-//!
-//! That file says where its numbers come from, what they are worth and under
-//! which licence they are.
+//! Known silicones: the laws of the crate `library` by name.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use anyhow::{Context, Result, bail};
-use serde::Deserialize;
+use anyhow::{Context, Result};
+use library::silicones;
 
 use crate::material::Specification;
 
-/// A silicone one can buy.
+/// A silicone one can buy, and its laws.
 pub struct Silicone {
     /// Name in scenes, such as `ecoflex-00-30`.
-    pub key: String,
-    /// Name on the bottle.
-    pub name: String,
-    /// Who sells it.
-    pub vendor: String,
-    /// Density [kg/m³], if known.
-    pub density: Option<f64>,
-    /// Parts to mix, if known.
-    pub mix: Option<String>,
-    /// Time to pour after mixing [min], if known.
-    pub pot_life_min: Option<f64>,
-    /// Time to demold at room temperature [h], if known.
-    pub cure_h: Option<f64>,
+    pub key: &'static str,
+    /// Its entry in the library.
+    pub entry: &'static library::Silicone,
     /// Fits, the default first.
     pub fits: Vec<Fit>,
 }
@@ -37,20 +23,31 @@ pub struct Fit {
     pub specification: Specification,
     /// Coefficient of determination of the fit, if known [1].
     pub r2: Option<f64>,
-    /// Where the numbers come from.
-    pub citation: String,
-    /// Licence of the numbers.
-    pub licence: String,
+    /// Where the numbers come from, and their licence.
+    pub source: &'static library::Source,
+}
+
+impl Silicone {
+    fn new(key: &'static str, entry: &'static library::Silicone) -> Result<Self> {
+        let fit = |fit: &'static library::Fit| {
+            let mut specification = Specification::read(&fit.law).context(key)?;
+            specification.density = entry.density;
+            Ok(Fit { specification, r2: fit.r2, source: fit.source() })
+        };
+        let fits = entry.fits.iter().map(fit).collect::<Result<_>>()?;
+        Ok(Self { key, entry, fits })
+    }
 }
 
 /// All silicones, by key.
 ///
 /// # Panics
-/// When the built-in file is wrong, which a test rules out.
+/// When a law of the library is wrong, which a test rules out.
 #[must_use]
 pub fn all() -> &'static [Silicone] {
     static ALL: LazyLock<Vec<Silicone>> = LazyLock::new(|| {
-        parse(include_str!("../silicones.toml")).expect("silicones.toml is checked by a test")
+        let all = silicones().iter().map(|(key, entry)| Silicone::new(key, entry));
+        all.collect::<Result<_>>().expect("a test builds the laws of all silicones")
     });
     &ALL
 }
@@ -62,11 +59,10 @@ pub fn all() -> &'static [Silicone] {
 pub fn find(name: &str) -> Result<&'static Fit> {
     let (key, law) = name.split_once('/').map_or((name, None), |(key, law)| (key, Some(law)));
     let silicone = all().iter().find(|s| s.key == key).with_context(|| {
-        let known: Vec<_> = all().iter().map(|s| s.key.as_str()).collect();
+        let unknown = silicones().find(key).err().unwrap_or_default();
         format!(
-            "material = \"{name}\": no such silicone; known are {}\n  `solver list --silicones` \
-             tells more; for another one use a table [material], or `solver fit`",
-            known.join(", ")
+            "material = \"{name}\": {unknown}\n  `solver list --silicones` describes them; for \
+             another one use a table [material], or `solver fit`"
         )
     })?;
     let of_law = |fit: &&Fit| law.is_none_or(|law| fit.specification.law.key == law);
@@ -76,60 +72,6 @@ pub fn find(name: &str) -> Result<&'static Fit> {
     })
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    source: BTreeMap<String, Source>,
-    silicone: BTreeMap<String, Entry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Source {
-    citation: String,
-    licence: String,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Entry {
-    name: String,
-    vendor: String,
-    density: Option<f64>,
-    mix: Option<String>,
-    pot_life_min: Option<f64>,
-    cure_h: Option<f64>,
-    /// For `fab`.
-    #[serde(rename = "casting")]
-    _casting: Option<toml::Table>,
-    fit: Vec<toml::Table>,
-}
-
-fn parse(text: &str) -> Result<Vec<Silicone>> {
-    let file: File = toml::from_str(text)?;
-    let one = |(key, entry): (String, Entry)| {
-        let read = |table| read_fit(table, entry.density, &file.source).context(key.clone());
-        let fits = entry.fit.into_iter().map(read).collect::<Result<Vec<_>>>()?;
-        let Entry { name, vendor, density, mix, pot_life_min, cure_h, .. } = entry;
-        Ok(Silicone { key, name, vendor, density, mix, pot_life_min, cure_h, fits })
-    };
-    file.silicone.into_iter().map(one).collect()
-}
-
-fn read_fit(
-    mut table: toml::Table,
-    density: Option<f64>,
-    sources: &BTreeMap<String, Source>,
-) -> Result<Fit> {
-    let Some(toml::Value::String(key)) = table.remove("source") else { bail!("no source") };
-    let source = sources.get(&key).with_context(|| format!("unknown source {key}"))?;
-    let r2 = table.remove("r2").and_then(|v| v.as_float());
-    let mut specification = Specification::read(&table)?;
-    specification.density = density;
-    let (citation, licence) = (source.citation.clone(), source.licence.clone());
-    Ok(Fit { specification, r2, citation, licence })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,11 +79,11 @@ mod tests {
 
     #[test]
     fn every_fit_is_soft_stable_and_has_the_stated_bulk_modulus() {
-        let silicones = parse(include_str!("../silicones.toml")).expect("the built-in file");
+        let silicones = all();
         assert!(silicones.len() >= 16);
-        for silicone in &silicones {
+        for silicone in silicones {
             for fit in &silicone.fits {
-                let (s, key) = (&fit.specification, &silicone.key);
+                let (s, key) = (&fit.specification, silicone.key);
                 let moduli = s.moduli();
                 // units: silicones have 1 kPa to 5 MPa
                 assert!((1e3..5e6).contains(&moduli.shear), "{key}: {moduli:?}");

@@ -2,14 +2,14 @@
 
 use anyhow::{Context as _, Result, anyhow};
 use mesh::Tags;
-use mesh::cli::Unusable;
+use program::Unusable;
 
 use crate::config::{Config, Tag};
 use crate::facets::Facets;
 use crate::select::{SELECTORS, Selector, Sources, nearest_patches};
 use crate::wall;
 
-/// Relative difference between selected and input area that is worth a warning.
+/// Relative difference between selected and input area above which there is a warning.
 const AREA_TOLERANCE: f64 = 0.03;
 
 /// What the selections of a tag file make of a boundary.

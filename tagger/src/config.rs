@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use program::{parse_toml, read_checked};
 use serde::Deserialize;
 
 use crate::select::SELECTORS;
@@ -84,13 +85,11 @@ impl Config {
     /// If the file cannot be read, a key is unknown or has a wrong value, a
     /// name is used twice or a rim names no tag.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("{}: cannot be read", path.display()))?;
-        Self::parse(&text).with_context(|| path.display().to_string())
+        read_checked(path, Self::parse)
     }
 
     fn parse(text: &str) -> Result<Self> {
-        let file: File = toml::from_str(text)?;
+        let file: File = parse_toml(text)?;
         ensure!(!file.tag.is_empty(), "no [[tag]]: at least one selection is needed");
         let epsilon = Epsilon::of(&file)?;
         let tags: Vec<Tag> = file

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use mesh::cli::Verbosity;
+use program::Verbosity;
 use tagger::cmd::Verb;
 
 /// Gives names to parts of the boundary of a tetrahedral mesh.
@@ -18,5 +18,5 @@ struct Cli {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    mesh::cli::run("tagger", cli.verbosity, || cli.verb.run())
+    program::run("tagger", cli.verbosity, || cli.verb.run())
 }

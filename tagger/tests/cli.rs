@@ -110,12 +110,12 @@ impl Scene {
     /// Checks the exit code and that stderr holds all of `expected`, and that a
     /// failure leaves no result.
     fn fails(&self, output: &Output, code: i32, expected: &[&str]) {
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{told}");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{message}");
         for e in expected {
-            assert!(told.contains(e), "{e:?} is not in: {told}");
+            assert!(message.contains(e), "{e:?} is not in: {message}");
         }
-        assert!(!told.contains("panicked"), "{told}");
+        assert!(!message.contains("panicked"), "{message}");
         assert!(!self.path("tagged.msh").exists());
     }
 }
@@ -125,9 +125,9 @@ fn text(bytes: &[u8]) -> String {
 }
 
 fn succeeded(output: &Output) -> String {
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    told
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    message
 }
 
 const PATCHES: &str = r#"
@@ -152,8 +152,8 @@ fn facet_count(path: &Path, name: &str) -> usize {
 #[test]
 fn patches_partition_the_boundary() {
     let scene = Scene::new();
-    let told = succeeded(&scene.tag(PATCHES));
-    assert!(told.contains("0 contested, 0 of 324 facets left over"), "{told}");
+    let message = succeeded(&scene.tag(PATCHES));
+    assert!(message.contains("0 contested, 0 of 324 facets left over"), "{message}");
     let tagged = scene.path("tagged.msh");
     // two triangles per square: 25 − 1 below, 4 × 3 + 1 in the hole, 5 × 25 outside
     let counts = ["seat", "cavity", "skin"].map(|name| facet_count(&tagged, name));
@@ -201,8 +201,11 @@ fn other_selectors_pick_the_same_facets() {
         name = "skin"
         component = 0
     "#;
-    let told = succeeded(&scene.tag(config));
-    assert!(told.contains("skin: 250 facets") && told.contains("74 contested, 0 of 324"), "{told}");
+    let message = succeeded(&scene.tag(config));
+    assert!(
+        message.contains("skin: 250 facets") && message.contains("74 contested, 0 of 324"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -284,8 +287,11 @@ fn pinhole_in_a_wall_is_filled() {
     let hole = wall.triangles.iter().position(top).unwrap();
     wall.triangles.remove(hole);
     scene.write_patch("cavity.obj", &wall);
-    let told = succeeded(&scene.tag(PATCHES));
-    assert!(told.contains("cavity: 26 facets, 13.000 mm², 0 contested, 1 pinholes"), "{told}");
+    let message = succeeded(&scene.tag(PATCHES));
+    assert!(
+        message.contains("cavity: 26 facets, 13.000 mm², 0 contested, 1 pinholes"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -293,8 +299,8 @@ fn area_mismatch_is_a_warning() {
     let scene = Scene::new();
     let config = format!("[[tag]]\nname = \"half\"\nbox = {{ min = [-1, -1, -1], max = [0.002, 1, 1e-6] }}\n{PATCHES}")
         .replace("pressure = true\n    rim = \"seat\"", "");
-    let told = succeeded(&scene.tag(&config));
-    assert!(told.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{told}");
+    let message = succeeded(&scene.tag(&config));
+    assert!(message.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{message}");
 }
 
 #[test]
@@ -333,7 +339,7 @@ fn tags_follow_a_new_interior_but_not_a_new_boundary() {
     io::write_tets(&scene.path("moved.msh"), &moved, &Tags::default()).unwrap();
     let output = scene.run(&["transfer", "tagged.msh", "moved.msh", "-o", "never.msh"]);
     assert_eq!(output.status.code(), Some(2));
-    let told = text(&output.stderr);
-    assert!(told.contains("boundary facets have no exact twin"), "{told}");
+    let message = text(&output.stderr);
+    assert!(message.contains("boundary facets have no exact twin"), "{message}");
     assert!(!scene.path("never.msh").exists());
 }

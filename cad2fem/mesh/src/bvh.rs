@@ -221,7 +221,7 @@ fn ray_meets_box(origin: &Vec3, direction: &Vec3, min: &Vec3, max: &Vec3) -> boo
 /// The parameter s ≥ 0 at which the ray meets the triangle.
 ///
 /// The triangle is sheared so that the ray becomes the coordinate axis of its
-/// largest component; the signs of three planar determinants then tell on which
+/// largest component; the signs of three planar determinants then show on which
 /// side of each edge the axis passes (Woop, Benthin, Wald 2013).
 fn ray_meets_triangle(origin: &Vec3, direction: &Vec3, corners: &[Vec3; 3]) -> Option<f64> {
     let z = direction.iamax();

@@ -1,11 +1,10 @@
-//! Meshes, tags, validity checks and file formats: what every stage shares.
+//! Meshes, tags, validity checks and file formats, shared by all stages.
 //!
 //! Lengths are metres. Triangles are counter-clockwise seen from outside,
 //! tetrahedra have positive volume, indices start at zero.
 
 pub mod bvh;
 pub mod check;
-pub mod cli;
 pub mod improve;
 pub mod inside;
 pub mod io;

@@ -1,7 +1,7 @@
 //! Title, captions, colour scale and legend.
 
 use super::color::{Rgb, Scale, encode};
-use super::font::{Anchor, Style, draw, width};
+use super::font::{Anchor, Style, Weight, draw, width};
 use super::image::Image;
 
 const INK: Rgb = [0.13, 0.16, 0.20];
@@ -25,19 +25,19 @@ impl Type {
     /// Style of the title.
     #[must_use]
     pub fn title(&self) -> Style {
-        Style { height: 1.45 * self.height, color: INK, weight: 1.15 }
+        Style { height: 1.45 * self.height, color: INK, weight: Weight::Bold }
     }
 
     /// Style of captions and names.
     #[must_use]
     pub fn text(&self) -> Style {
-        Style { height: self.height, color: INK, weight: 1.05 }
+        Style { height: self.height, color: INK, weight: Weight::Regular }
     }
 
     /// Style of numbers on a scale.
     #[must_use]
     pub fn number(&self) -> Style {
-        Style { height: 0.9 * self.height, color: PALE, weight: 1.05 }
+        Style { height: 0.9 * self.height, color: PALE, weight: Weight::Regular }
     }
 }
 

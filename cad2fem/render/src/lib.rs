@@ -1,6 +1,6 @@
 //! Shaded pictures in software, without a display.
 //!
-//! The way of a picture: a file becomes a [`shape::Shape`] (triangles with
+//! Steps of a picture: a file becomes a [`shape::Shape`] (triangles with
 //! shading normals, and cells where it is solid), is cut by a plane
 //! ([`cut`]), seen by a [`camera::Camera`], reduced to visible fragments
 //! ([`raster`]), lit by a sky and a key light with real shadows ([`light`]),
@@ -50,7 +50,7 @@ pub struct Facet {
 pub struct Piece {
     /// What to draw.
     pub facets: Vec<Facet>,
-    /// Whether the facets leave no way to the inside.
+    /// Whether the facets enclose a volume.
     pub closed: bool,
     /// Set if the facets are a closed surface that was cut: wherever its
     /// inside would be seen, the cut face is drawn in this colour.

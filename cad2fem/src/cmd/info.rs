@@ -5,18 +5,18 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::check::{Finding, check_surface, check_tets};
-use mesh::cli::Unusable;
 use mesh::io::{read_surface, read_tets};
 use mesh::measure::{
     Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, volume,
 };
 use mesh::topology::{boundary, boundary_edges, boundary_loops, components};
 use mesh::{SurfaceMesh, Tags};
+use program::Unusable;
 use serde::Serialize;
 
 use crate::report::findings;
 
-/// Lengths are taken to be metres; findings are told, and with --check an error
+/// Lengths are taken to be metres; findings are listed, and are an error with --check
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// .stl, .obj, .ply or .msh

@@ -34,14 +34,14 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{}: not a valid mesh:{}", args.mesh.display(), findings(&found));
     }
     let report = improve_interior(&mut file.mesh, args.passes);
-    tell("before", &report.before);
-    tell("after", &report.after);
+    log_quality("before", &report.before);
+    log_quality("after", &report.after);
     log::info!("{} moves, {} flips", report.moved, report.flips);
     write_tets(&args.output, &file.mesh, &file.tags)
         .with_context(|| format!("improving {}", args.mesh.display()))
 }
 
-fn tell(when: &str, q: &Quality) {
+fn log_quality(when: &str, q: &Quality) {
     log::info!(
         "{when:<6}  radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg",
         q.radius_ratio_min,

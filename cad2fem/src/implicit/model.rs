@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
-use mesh::io::read_text;
+use program::{parse_toml, read_checked};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -143,13 +143,12 @@ impl ModelFile {
     /// If the file cannot be read, has an unknown or missing key, or a value
     /// that makes no sense.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(&read_text(path)?).with_context(|| path.display().to_string())
+        read_checked(path, Self::parse)
     }
 
     fn parse(text: &str) -> Result<Self> {
-        let parsed = |e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().to_owned());
-        let model: Model = toml::from_str(text).map_err(parsed)?;
-        let mut table: Table = text.parse().map_err(parsed)?;
+        let model: Model = parse_toml(text)?;
+        let mut table: Table = parse_toml(text)?;
         table.remove("variant");
         require_finite("", &Value::Table(table.clone()))?;
         model.check()?;

@@ -4,17 +4,14 @@
 //! arrays in `.npy` files. What the external program prints goes to a log there, of
 //! which an error shows the end.
 
-use std::cell::Cell;
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
-use mesh::cli::Unusable;
 use mesh::io::npy;
 use mesh::{SurfaceMesh, Vec3};
+use program::{Spinner, Unusable};
 use tempfile::TempDir;
 
 use super::python::Python;
@@ -100,7 +97,7 @@ impl Job {
         start: Instant,
         timeout: Duration,
     ) -> Result<Option<ExitStatus>> {
-        let progress = Progress::new(self.title);
+        let spinner = Spinner::new(self.title);
         loop {
             if let Some(status) = child.try_wait()? {
                 return Ok(Some(status));
@@ -110,7 +107,7 @@ impl Job {
                 child.wait()?;
                 return Ok(None);
             }
-            progress.show(start.elapsed());
+            spinner.show(start.elapsed());
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -170,47 +167,5 @@ impl Job {
         }
         let (rows, _) = values.as_chunks::<N>();
         Ok(rows.to_vec())
-    }
-}
-
-/// The time that has passed: live on a terminal, else a line every ten seconds.
-struct Progress {
-    title: &'static str,
-    bar: Option<ProgressBar>,
-    reported: Cell<u64>,
-}
-
-impl Progress {
-    fn new(title: &'static str) -> Self {
-        let live = std::io::stderr().is_terminal() && log::log_enabled!(log::Level::Info);
-        let bar = live.then(|| {
-            let style = ProgressStyle::with_template("{spinner} {msg}");
-            let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
-            ProgressBar::new_spinner().with_style(style)
-        });
-        Self { title, bar, reported: 0.into() }
-    }
-
-    fn show(&self, elapsed: Duration) {
-        let message = format!("{}  {} s", self.title, elapsed.as_secs());
-        match &self.bar {
-            Some(bar) => {
-                bar.set_message(message);
-                bar.tick();
-            }
-            None if elapsed.as_secs() >= self.reported.get() + 10 => {
-                self.reported.set(elapsed.as_secs());
-                log::info!("{message}");
-            }
-            None => {}
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
     }
 }

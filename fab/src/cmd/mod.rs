@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
+use program::Progress;
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
@@ -17,7 +18,6 @@ use crate::body::source::{CastPart, Input};
 use crate::config::Config;
 use crate::plan::Plan;
 use crate::plan::report::{PlanReport, entries};
-use crate::progress::Progress;
 
 /// What `fab` can do.
 #[derive(Debug, Subcommand)]

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
 use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
+use program::{Progress, Unusable, peak_rss_mb};
 
 use super::{Planned, Task};
 use crate::body::boundary::Boundary;
@@ -25,7 +25,6 @@ use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting};
-use crate::progress::{Progress, peak_memory};
 use crate::verify::{Status, before_writing};
 
 /// Arguments of `fab mold`.
@@ -76,7 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
             log::warn!("{}: {}: {}", entry.name, note.rule, note.message);
         }
     }
-    let memory = peak_memory().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
+    let memory = peak_rss_mb().map_or(String::new(), |mb| format!(", {mb:.0} MB"));
     log::info!(
         "{} molds, {} parts, {:.2} mL of silicone, {:.1} s{memory}: {}",
         planned.molds.len(),

@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
+use library::printers;
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::measure;
 
-use crate::library::printer;
 use crate::tolerance::offset::offset;
 use crate::tolerance::run::Solver;
 use crate::tolerance::{FILE, Response, Study};
@@ -44,7 +44,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let tolerance = match (args.tolerance, &args.printer) {
         (Some(tolerance), _) => tolerance,
-        (None, Some(key)) => printer::find(key).map_err(anyhow::Error::msg)?.tolerance * 1e-3,
+        (None, Some(key)) => printers().find(key).map_err(anyhow::Error::msg)?.tolerance * 1e-3,
         (None, None) => unreachable!("clap requires one of the two"),
     };
     ensure!(

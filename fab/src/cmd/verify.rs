@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use mesh::cli::Unusable;
+use program::Unusable;
 
 use crate::verify::{Against, Status, verify};
 

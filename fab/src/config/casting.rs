@@ -1,18 +1,18 @@
 //! `[casting]`: what is cast, and what the mold is printed on.
 
+use library::{printers, silicones};
 use serde::Serialize;
 
 use super::table::table;
-use crate::library::{printer, silicone};
 
 table! {
     /// What is cast, and what the mold is printed on.
     #[derive(PartialEq, Serialize)]
     CastingConfig, "casting." {
-        /// A silicone of [`solver/silicones.toml`](../solver/silicones.toml): for masses, times and
+        /// A silicone of [`silicones.toml`](../cad2fem/library/silicones.toml): for masses, times and
         /// warnings of `cast.md`.
         silicone: Option<String> = None => "none: volumes only", known_silicone;
-        /// A printer of [`printers.toml`](printers.toml): for gaps, build volume and overhangs, and a
+        /// A printer of [`printers.toml`](../cad2fem/library/printers.toml): for gaps, build volume and overhangs, and a
         /// warning of resin.
         printer: Option<String> = None => "none", known_printer;
         /// Silicone that stays in the cup, as a share of what fills the mold [1].
@@ -26,12 +26,12 @@ table! {
 
 fn known_silicone(key: &str, name: &Option<String>) -> Result<(), String> {
     let Some(name) = name else { return Ok(()) };
-    silicone::find(name).map(drop).map_err(|message| format!("{key}: {message}"))
+    silicones().find(name).map(drop).map_err(|message| format!("{key}: {message}"))
 }
 
 fn known_printer(key: &str, name: &Option<String>) -> Result<(), String> {
     let Some(name) = name else { return Ok(()) };
-    printer::find(name).map(drop).map_err(|message| format!("{key}: {message}"))
+    printers().find(name).map(drop).map_err(|message| format!("{key}: {message}"))
 }
 
 fn share(key: &str, waste: &f64) -> Result<(), String> {

@@ -1,12 +1,13 @@
 //! `[fitting]`: the tube that is put into the inlet, and the collar that holds it.
 
+use library::tubes;
+
 use super::table::{any, table};
-use crate::library::fitting;
 
 table! {
     /// A tube and its collar.
     FittingConfig, "fitting." {
-        /// A tube of [`fittings.toml`](fittings.toml), for which a collar is cast around each inlet.
+        /// A tube of [`tubes.toml`](../cad2fem/library/tubes.toml), for which a collar is cast around each inlet.
         name: Option<String> = None => "none: no collar", any;
         /// Outer diameter of the tube, instead of its name [m].
         outer: Option<f64> = None => "that of the named tube", any;
@@ -52,8 +53,9 @@ impl FittingConfig {
     pub fn tube(&self) -> Result<Tube, String> {
         match (&self.name, self.outer, self.inner) {
             (Some(key), None, None) => {
-                let found =
-                    fitting::find(key).map_err(|message| format!("fitting.name: {message}"))?;
+                let found = tubes().find(key).map_err(|message| {
+                    format!("fitting.name: {message}; or give outer and inner instead")
+                })?;
                 Ok(Tube {
                     name: found.name.clone(),
                     outer: found.outer * 1e-3,

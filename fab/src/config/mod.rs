@@ -21,11 +21,11 @@ mod vents;
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
+use library::{Chemistry, printers, silicones};
+use program::{parse_toml, read_checked};
 use serde::{Deserialize, Deserializer};
 
-use crate::library::printer;
-use crate::library::silicone::{self, Chemistry};
 pub use casting::CastingConfig;
 pub use core::{CoreConfig, Support};
 pub use fitting::FittingConfig;
@@ -131,8 +131,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is not TOML, has an unknown key or a value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        Self::parse(&text).with_context(|| path.display().to_string())
+        read_checked(path, Self::parse)
     }
 
     /// Reads and checks the text of a file.
@@ -140,10 +139,10 @@ impl Config {
     /// # Errors
     /// As for [`Config::read`].
     pub fn parse(text: &str) -> Result<Self> {
-        if let Some(tag) = toml::from_str::<toml::Table>(text)?.get("cavity") {
+        if let Some(tag) = parse_toml::<toml::Table>(text)?.get("cavity") {
             bail!("the key `cavity` is now called `chamber`: write chamber = {tag}");
         }
-        let config: Self = toml::from_str(text)?;
+        let config: Self = parse_toml(text)?;
         config.check()?;
         Ok(config)
     }
@@ -153,7 +152,7 @@ impl Config {
     #[must_use]
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
-            let silicone = silicone::find(self.casting.silicone.as_deref()?).ok()?;
+            let silicone = silicones().find(self.casting.silicone.as_deref()?).ok()?;
             let facts =
                 silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
             facts.shrinkage.map(|percent| percent / 100.0)
@@ -164,7 +163,7 @@ impl Config {
     /// Density of the silicone that is named, if it is known [kg/m³].
     #[must_use]
     pub fn density(&self) -> Option<f64> {
-        silicone::find(self.casting.silicone.as_deref()?).ok()?.density
+        silicones().find(self.casting.silicone.as_deref()?).ok()?.density
     }
 
     /// Gap around keys [m].
@@ -181,7 +180,7 @@ impl Config {
 
     /// Gap around a part that slides into another: that of the printer, if one is named [m].
     fn printer_clearance(&self) -> f64 {
-        let named = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        let named = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
         named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
     }
 
@@ -246,7 +245,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
             ("[sprue]\nhead = 20", "sprue.head is 20"),
-            ("[casting]\nsilicone = \"rubber\"", "known are dragon-boundary-10-medium"),
+            ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),
             ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),

@@ -7,6 +7,7 @@ use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
+use program::sha256_file;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
@@ -16,7 +17,6 @@ use crate::config::{CastingConfig, Config};
 use crate::geometry::frame::{Frame, Turn};
 use crate::geometry::overhang::{CUSTOMARY, Overhangs};
 use crate::geometry::{MM, Triple};
-use crate::library::printer;
 use crate::mold::{Feature, Mold, Piece, Purpose};
 
 /// Name of the report in the folder of a mold.
@@ -227,7 +227,7 @@ impl MoldReport {
     /// The steepest overhang that the named printer prints without support, from the
     /// vertical [degrees].
     fn steepest(&self) -> f64 {
-        let printer = self.casting.printer.as_deref().and_then(|key| printer::find(key).ok());
+        let printer = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
         printer.map_or(CUSTOMARY, |printer| printer.overhang)
     }
 

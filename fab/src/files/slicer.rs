@@ -6,12 +6,12 @@
 
 use std::path::Path;
 
+use library::{Printer, PrinterKind, printers};
 use mesh::io::{IoError, write_atomic};
 
 use crate::config::method::Method;
 use crate::files::report::{MoldReport, Part, Role};
 use crate::geometry::overhang::needs_supports;
-use crate::library::printer::{self, Kind, Printer};
 
 /// Lines along every outline: what makes a wall tight.
 const PERIMETERS: usize = 3;
@@ -38,9 +38,9 @@ pub fn file(part: &Part) -> String {
 /// cast of wax.
 #[must_use]
 pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
-    let printer = printer::find(report.casting.printer.as_deref()?).ok()?;
+    let printer = printers().find(report.casting.printer.as_deref()?).ok()?;
     let printed = part.role == Role::Shell || report.method != Method::Wax;
-    (printer.kind == Kind::Filament && printed).then(|| text(printer, report, part))
+    (printer.kind == PrinterKind::Filament && printed).then(|| text(printer, report, part))
 }
 
 /// Writes the settings of all parts that have some.

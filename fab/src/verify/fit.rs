@@ -4,9 +4,10 @@ use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{MshFile, read_surface, read_tets, sha256_file};
+use mesh::io::{MshFile, read_surface, read_tets};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure, topology};
+use program::sha256_file;
 
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};

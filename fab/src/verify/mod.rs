@@ -21,13 +21,13 @@ use std::path::Path;
 
 use mesh::SurfaceMesh;
 use mesh::io::IoError;
+use program::Progress;
 
 pub use closed_mold::ClosedMold;
 
 use crate::body::source::CastPart;
 use crate::files::report::MoldReport;
 use crate::plan::report as plan;
-use crate::progress::Progress;
 
 /// Error of the sum of all castings as a part of the body's volume: a flat wall of the
 /// chamber that is cut off with a sheet is uneven by some micrometres.

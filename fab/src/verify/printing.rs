@@ -1,5 +1,6 @@
 //! The parts can be printed on the named printer.
 
+use library::{Printer, printers};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
@@ -7,7 +8,6 @@ use super::closed_mold::{ClosedMold, Files};
 use super::{Line, Status};
 use crate::files::report::Part;
 use crate::geometry::overhang::{Overhangs, needs_supports};
-use crate::library::printer::{self, Printer};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
 /// centroids of facets across a fold [mm].
@@ -24,7 +24,7 @@ pub fn checks(mold: &ClosedMold, parts: &[SurfaceMesh]) -> Vec<Line> {
         line.status = Status::Warn;
         return vec![line];
     };
-    let printer = match printer::find(key) {
+    let printer = match printers().find(key) {
         Ok(printer) => printer,
         Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
     };
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn parts_too_large_are_refused() {
-        let printer = printer::find("prusa-mini").expect("known");
+        let printer = printers().find("prusa-mini").expect("known");
         let part = Solid::cube(&Vec3::zeros(), &Vec3::new(181.0, 20.0, 20.0)).to_surface();
         assert_eq!(fits(printer, "bar", &part).status, Status::Fail);
     }

@@ -5,11 +5,12 @@
 //! pass. So it is with every neck of the chamber and what lies behind it. Soluble and molten
 //! cores need no way out.
 
+use library::silicones;
+
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 use crate::config::method::Method;
 use crate::geometry::girth::{self, Passage};
-use crate::library::silicone;
 use crate::plan::report::PlanReport;
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
@@ -55,7 +56,7 @@ fn passes(mold: &ClosedMold, core: &Body, plan: Option<&PlanReport>) -> Line {
 /// Whether silicone can be stretched so far; a warning if it is not known which.
 fn stretched(mold: &ClosedMold, name: String, ratio: f64, found: String) -> Line {
     let key = mold.report.casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => {
             let limit = 1.0 + SAFE * elongation / 100.0;

@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
 use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
@@ -15,7 +16,6 @@ use serde::Deserialize;
 use super::closed_mold::ClosedMold;
 use super::{Line, Status};
 use crate::geometry::MM;
-use crate::library::silicone;
 use crate::mold::Purpose;
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
@@ -145,7 +145,7 @@ pub fn inflated(mold: &ClosedMold, folder: &Path) -> Vec<Line> {
 fn stretch(mold: &ClosedMold, largest: f64) -> Line {
     let name = "inflated: largest stretch";
     let key = mold.report.casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicone::find(k).ok()).and_then(|s| s.casting.as_ref());
+    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),
         None => {

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
+use program::Unusable;
 use solver::config::LevelConfig;
 use solver::math::linear::dot;
 use solver::math::random::Random;

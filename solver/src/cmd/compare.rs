@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use mesh::cli::Unusable;
+use program::Unusable;
 use serde_json::json;
 use solver::compare::{Comparison, Run};
 use solver::results;

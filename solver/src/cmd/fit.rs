@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use mesh::cli::Unusable;
+use program::Unusable;
 use serde_json::{Value, json};
 use solver::fit::{self, CANDIDATES, Fitted, Test, Units};
 use solver::material::BULK_RATIO;
@@ -162,7 +162,7 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
     let data = |test: &Test| -> Result<Value> {
         Ok(json!({
             "path": test.path,
-            "sha256": mesh::io::sha256_file(&test.path)?,
+            "sha256": program::sha256_file(&test.path)?,
             "mode": test.mode,
             "points": test.points.len(),
         }))

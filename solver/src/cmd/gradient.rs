@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
 use mesh::io::vtu;
+use program::Unusable;
 use serde_json::json;
 use solver::element::FunctionSpace;
 use solver::optimize::{Level, Parameter, Start};

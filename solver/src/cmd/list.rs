@@ -183,17 +183,17 @@ fn law_json(law: &Law) -> Value {
 }
 
 fn silicone_text(silicone: &Silicone) -> String {
-    let mut facts = vec![format!("{}, {}", silicone.name, silicone.vendor)];
-    facts.extend(silicone.density.map(|d| format!("{d} kg/m³")));
-    facts.extend(silicone.mix.as_ref().map(|m| format!("mix {m}")));
-    facts.extend(silicone.pot_life_min.map(|t| format!("pot life {t} min")));
-    facts.extend(silicone.cure_h.map(|t| format!("demold after {t} h")));
+    let mut facts = vec![format!("{}, {}", silicone.entry.name, silicone.entry.vendor)];
+    facts.extend(silicone.entry.density.map(|d| format!("{d} kg/m³")));
+    facts.extend(silicone.entry.mix.as_ref().map(|m| format!("mix {m}")));
+    facts.extend(silicone.entry.pot_life_min.map(|t| format!("pot life {t} min")));
+    facts.extend(silicone.entry.cure_h.map(|t| format!("demold after {t} h")));
     let mut text = format!("{}\n  {}\n", silicone.key, facts.join("; "));
     for fit in &silicone.fits {
         text += &fit_text(fit);
     }
     if let Some(fit) = silicone.fits.first() {
-        text += &wrapped("source: ", &format!("{} [{}]", fit.citation, fit.licence));
+        text += &wrapped("source: ", &format!("{} [{}]", fit.source.citation, fit.source.licence));
     }
     text
 }
@@ -227,18 +227,18 @@ fn silicone_json(silicone: &Silicone) -> Value {
             "moduli": s.moduli(),
             "stretch_range": s.stretch_range,
             "r2": fit.r2,
-            "source": fit.citation,
-            "licence": fit.licence,
+            "source": fit.source.citation,
+            "licence": fit.source.licence,
         })
     };
     json!({
         "key": silicone.key,
-        "name": silicone.name,
-        "vendor": silicone.vendor,
-        "density": silicone.density,
-        "mix": silicone.mix,
-        "pot_life_min": silicone.pot_life_min,
-        "cure_h": silicone.cure_h,
+        "name": silicone.entry.name,
+        "vendor": silicone.entry.vendor,
+        "density": silicone.entry.density,
+        "mix": silicone.entry.mix,
+        "pot_life_min": silicone.entry.pot_life_min,
+        "cure_h": silicone.entry.cure_h,
         "fits": silicone.fits.iter().map(fit).collect::<Vec<_>>(),
     })
 }

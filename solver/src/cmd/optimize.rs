@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
 use mesh::io::vtu;
+use program::Unusable;
 use serde_json::{Value, json};
 use solver::config::{DesignConfig, beside};
 use solver::failure;
@@ -135,13 +135,13 @@ fn remove(folder: &Path, names: &[&str]) -> Result<()> {
 
 /// A checkpoint is only good for the problem it was made for.
 fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<String> {
-    let mut hashes = vec![mesh::io::sha256_file(path)?, mesh::io::sha256_file(&scene.path)?];
+    let mut hashes = vec![program::sha256_file(path)?, program::sha256_file(&scene.path)?];
     for part in &scene.parts {
-        hashes.push(mesh::io::sha256_file(&part.mesh_path)?);
+        hashes.push(program::sha256_file(&part.mesh_path)?);
     }
     for objective in &design.objective {
         for file in objective.files() {
-            hashes.push(mesh::io::sha256_file(&beside(path, file))?);
+            hashes.push(program::sha256_file(&beside(path, file))?);
         }
     }
     Ok(hashes.join(" "))
@@ -213,6 +213,6 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "forward_s": sum("forward_s"),
         "gradient_s": sum("gradient_s"),
         "wall_s_of_this_run": start.elapsed().as_secs_f64(),
-        "peak_rss_mb": results::peak_rss_mb(),
+        "peak_rss_mb": program::peak_rss_mb(),
     }))
 }

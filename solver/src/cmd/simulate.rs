@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
-use mesh::cli::Unusable;
 use mesh::io::vtu;
+use program::Unusable;
 use serde_json::{Value, json};
 use solver::failure::{self, Diagnosis};
 use solver::forward::{LoadStep, March, System, Unreached};
@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     fill(&mut report, &scene, &mut system, &march, &recorder)?;
     report["equilibrium_s"] = json!(equilibrium_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
-    report["peak_rss_mb"] = json!(results::peak_rss_mb());
+    report["peak_rss_mb"] = json!(program::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)
 }
 
@@ -178,13 +178,13 @@ fn merge(report: &mut Value, more: &Value) {
 
 /// What the states depend on: the scene, its meshes and the changes to it.
 fn hash_inputs(scene: &Scene) -> Result<String> {
-    let mut hashes = vec![mesh::io::sha256_file(&scene.path)?, scene.config.degree.to_string()];
+    let mut hashes = vec![program::sha256_file(&scene.path)?, scene.config.degree.to_string()];
     for part in &scene.parts {
-        hashes.push(mesh::io::sha256_file(&part.mesh_path)?);
+        hashes.push(program::sha256_file(&part.mesh_path)?);
     }
     for obstacle in &scene.config.obstacle {
         let path = solver::config::beside(&scene.path, &obstacle.surface);
-        hashes.push(mesh::io::sha256_file(&path)?);
+        hashes.push(program::sha256_file(&path)?);
     }
     Ok(hashes.join(" "))
 }
@@ -211,7 +211,7 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
 
 fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
     let file = |path: &Path| -> Result<Value> {
-        Ok(json!({ "path": path, "sha256": mesh::io::sha256_file(path)? }))
+        Ok(json!({ "path": path, "sha256": program::sha256_file(path)? }))
     };
     let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
     let materials = scene.parts.iter().map(|part| {

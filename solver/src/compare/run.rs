@@ -115,7 +115,7 @@ fn read_mesh(input: &Value) -> Result<TetMesh> {
     };
     let path = Path::new(path);
     let context = "the mesh of the run; compare reads it from the folder in which simulate was run";
-    let found = mesh::io::sha256_file(path).context(context)?;
+    let found = program::sha256_file(path).context(context)?;
     ensure!(
         found == expected,
         "{} is not the mesh of this run (sha256 {found}, it was {expected}); simulate again",

@@ -142,7 +142,7 @@ impl DesignConfig {
     /// With what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         superseded::refuse_in_design(path)?;
-        let design: Self = mesh::io::read_toml(path)?;
+        let design: Self = program::read_toml(path)?;
         design.check().with_context(|| path.display().to_string())?;
         Ok(design)
     }

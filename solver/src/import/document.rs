@@ -44,7 +44,7 @@ impl Document {
             return Err(anyhow!("{}: a list or a value; needed is {{...}}", path.display()));
         }
         let (fates, entered) = Default::default();
-        let sha256 = mesh::io::sha256_file(path)?;
+        let sha256 = program::sha256_file(path)?;
         Ok(Self { path: path.to_path_buf(), sha256, root, fates, entered })
     }
 

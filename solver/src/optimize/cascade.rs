@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mesh::cli::Unusable;
+use program::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;

@@ -1,6 +1,6 @@
 //! `tagger transfer`: carry tags to a mesh with the same boundary.
 //!
-//! Between levels the interior is meshed anew while the boundary stays as it
+//! Between levels the interior is remeshed while the boundary stays as it
 //! is, bit for bit. Facets are therefore matched by the exact positions of
 //! their vertices; anything else is an error, never a nearest neighbour.
 

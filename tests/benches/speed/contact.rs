@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
+use program::peak_rss_mb;
 use solver::contact::candidates::between;
 use solver::contact::ccd::max_step;
 use solver::contact::certificate::certify;
 use solver::contact::pairs::Features;
-use solver::results::peak_rss_mb;
 
 use crate::row::{Row, Seconds, Work, find};
 use crate::scaling::Curve;

@@ -57,8 +57,8 @@ pub struct ImproveReport {
 /// Boundary vertices keep their numbers, so that facet tags stay valid; interior
 /// ones may be renumbered. Interior vertices are only removed as long as no
 /// boundary vertex has a number beyond their count: a mesh that numbers its
-/// boundary first leaves most freedom. Inverted tetrahedra are turned right where
-/// that can be done; `after.radius_ratio_min` tells.
+/// boundary first leaves most freedom. Inverted tetrahedra are repaired where
+/// possible; `after.radius_ratio_min` is positive if all were.
 ///
 /// The result depends on nothing but the arguments.
 pub fn improve_interior(mesh: &mut TetMesh, passes: usize) -> ImproveReport {

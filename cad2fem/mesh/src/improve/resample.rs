@@ -5,7 +5,7 @@ use super::smooth::{relocate, worst_about};
 use crate::topology::TET_FACETS;
 use crate::{Vec3, facet_key};
 
-/// Tetrahedra that make room for a new vertex, at most.
+/// Most tetrahedra that are replaced around a new vertex.
 const CAVITY: usize = 40;
 
 /// A new vertex must make the worst shape better by this factor.

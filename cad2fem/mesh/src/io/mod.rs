@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use msh::{MshFile, read_tets, write_tets};
 pub use tags::{read_tags, write_tags};
-pub use text::{read_text, read_toml, sha256_file};
+pub use text::read_text;
 
 use crate::SurfaceMesh;
 
@@ -111,7 +111,7 @@ fn format_of(path: &Path) -> Result<&'static Format, IoError> {
 
 /// Reads a surface; the format follows from the extension, see [`FORMATS`].
 ///
-/// STL stores every triangle's corners anew: bit-equal corners become one vertex.
+/// STL repeats the corners of every triangle: bit-equal corners become one vertex.
 ///
 /// # Errors
 /// If the file cannot be read, is malformed, has coordinates that are not
@@ -135,7 +135,7 @@ pub fn write_surface(path: &Path, surface: &SurfaceMesh) -> Result<(), IoError> 
     write_atomic(path, |out| (format.write)(surface, out))
 }
 
-/// Whether a surface can be handed on: not empty, finite, indices in range.
+/// Whether a surface can be used: not empty, finite, indices in range.
 fn require_sound(surface: &SurfaceMesh) -> Parsed<()> {
     let n = surface.vertices.len();
     if surface.triangles.is_empty() {
@@ -162,7 +162,11 @@ fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
     ))
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+/// Reads a file.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     std::fs::read(path).map_err(|cause| IoError::system(path, "read", cause))
 }
 

@@ -7,13 +7,12 @@ mod steps;
 
 use std::path::Path;
 
+use library::{Chemistry, Printer, PrinterKind, Silicone, printers, silicones};
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
 use crate::files::report::MoldReport;
 use crate::geometry::overhang::needs_supports;
-use crate::library::printer::{self, Kind, Printer};
-use crate::library::silicone::{self, Chemistry, Silicone};
 use crate::plan::report as plan;
 
 /// The sheet for programs.
@@ -108,9 +107,9 @@ impl Sheet {
         let casting = &report.casting;
         // Wax is poured into the mold of a core.
         let named = casting.silicone.as_deref().filter(|_| !steps::is_wax(report));
-        let silicone = named.map(silicone::find).transpose()?;
-        let printer = casting.printer.as_deref().map(printer::find).transpose()?;
-        let (plastic, density) = printer.map_or(Kind::Filament, |p| p.kind).plastic();
+        let silicone = named.map(|key| silicones().find(key)).transpose()?;
+        let printer = casting.printer.as_deref().map(|key| printers().find(key)).transpose()?;
+        let (plastic, density) = printer.map_or(PrinterKind::Filament, |p| p.kind).plastic();
         let mold_ml = report.cast.silicone_ml;
         let mix_ml = mold_ml * (1.0 + casting.waste);
         let printed: Vec<Printed> = report
@@ -279,7 +278,7 @@ fn warnings(
     let platinum = silicone
         .and_then(|s| s.casting.as_ref())
         .is_none_or(|facts| facts.chemistry == Chemistry::Platinum);
-    if platinum && printer.is_some_and(|p| p.kind == Kind::Resin) {
+    if platinum && printer.is_some_and(|p| p.kind == PrinterKind::Resin) {
         warnings.push(
             "Uncured resin inhibits platinum-cured silicone: it stays sticky on the mold. Wash \
              the parts twice, cure them fully with light and warmth, seal them with clear acrylic \

@@ -1,51 +1,28 @@
 //! Raised letters.
 //!
-//! A glyph is five rows of three squares; squares reach a little over each other, so
-//! that those that touch at a corner are one body.
+//! The letters of [`render::font`] in bold are extruded. On the way out they are slanted
+//! upwards on the printer, so that no underside of a stroke needs support.
 
 use mesh::Vec3;
 use mesh::solid::Solid;
+use nalgebra::Matrix3x4;
+use render::font::{Weight, outlines};
 
-/// Rows of a glyph, and columns with the gap to the next.
-const ROWS: usize = 5;
-const PITCH: usize = 4;
+/// Lowest and highest capitals [m]. The thinnest strokes are a sixth of the height: lower
+/// letters have strokes below 0.4 mm, the width of a printed line.
+const LOWEST: f64 = 2.5e-3;
+const HIGHEST: f64 = 5e-3;
 
-/// How far a square reaches over the next, in squares.
-const OVER: f64 = 0.05;
+/// Least free space around the word [height of a capital].
+const MARGIN: f64 = 0.2;
 
-/// How far letters stand out at most, and how deep they are rooted [m].
+/// How far letters stand out at most, and how deep they are rooted [m]; of low letters a
+/// tenth of their height.
 const RAISED: f64 = 5e-4;
 
-/// The undersides of letters recede by this for each unit that they stand out: 39° from the
-/// vertical, so that they are printed without support.
-const RECEDES: f64 = 1.25;
-
-/// Rows from the top, three bits each; 0 for what has no glyph.
-fn glyph(c: char) -> [u8; ROWS] {
-    match c {
-        'A' => [0b010, 0b101, 0b111, 0b101, 0b101],
-        'B' => [0b110, 0b101, 0b110, 0b101, 0b110],
-        'C' => [0b011, 0b100, 0b100, 0b100, 0b011],
-        'D' => [0b110, 0b101, 0b101, 0b101, 0b110],
-        'E' => [0b111, 0b100, 0b110, 0b100, 0b111],
-        'F' => [0b111, 0b100, 0b110, 0b100, 0b100],
-        'G' => [0b011, 0b100, 0b101, 0b101, 0b011],
-        'H' => [0b101, 0b101, 0b111, 0b101, 0b101],
-        'I' => [0b111, 0b010, 0b010, 0b010, 0b111],
-        'L' => [0b100, 0b100, 0b100, 0b100, 0b111],
-        'O' => [0b010, 0b101, 0b101, 0b101, 0b010],
-        'P' => [0b110, 0b101, 0b110, 0b100, 0b100],
-        'R' => [0b110, 0b101, 0b110, 0b101, 0b101],
-        'S' => [0b011, 0b100, 0b010, 0b001, 0b110],
-        'T' => [0b111, 0b010, 0b010, 0b010, 0b010],
-        'U' => [0b101, 0b101, 0b101, 0b101, 0b111],
-        'W' => [0b101, 0b101, 0b111, 0b111, 0b101],
-        'Y' => [0b101, 0b101, 0b010, 0b010, 0b010],
-        '1' => [0b010, 0b110, 0b010, 0b010, 0b111],
-        '2' => [0b110, 0b001, 0b010, 0b100, 0b111],
-        _ => [0; ROWS],
-    }
-}
+/// Letters rise by this on the printer for each unit that they stand out: their undersides
+/// are 39° from the vertical and are printed without support.
+const SLANT: f64 = 1.25;
 
 /// A face across an axis that looks along `along` × `up`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,49 +40,22 @@ pub struct Face {
 }
 
 /// The word in capitals, raised on the face as large as it fits; empty if it would be
-/// lower than 2 mm.
+/// lower than 2.5 mm. Symbols that the font does not have become boxes, with a warning.
 #[must_use]
 pub fn word(word: &str, face: &Face) -> Solid {
-    let letters: Vec<char> = word.to_uppercase().chars().collect();
-    let columns = (letters.len() * PITCH - 1) as f64;
-    // One square free all around, and not more than 1 mm per square.
-    let side = (face.size[1] / (ROWS + 2) as f64).min(face.size[0] / (columns + 2.0)).min(1e-3);
-    let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
-    if side * (ROWS as f64) < 2e-3 {
-        return empty;
+    let (polygons, width) = outlines(&word.to_uppercase(), Weight::Bold);
+    let room = [face.size[0] / (width + 2.0 * MARGIN), face.size[1] / (1.0 + 2.0 * MARGIN)];
+    let height = room[0].min(room[1]).min(HIGHEST);
+    if height < LOWEST {
+        return Solid::cube(&Vec3::zeros(), &Vec3::zeros());
     }
-    let raised = RAISED.min(side / 2.0);
-    let squares = letters.iter().enumerate().flat_map(|(k, &c)| {
-        let rows = glyph(c);
-        (0..ROWS).flat_map(move |row| {
-            let bits = (0..3).filter(move |column| rows[row] >> (2 - column) & 1 == 1);
-            bits.map(move |column| [k * PITCH + column, row])
-        })
-    });
-    let squares: Vec<[usize; 2]> = squares.collect();
-    let out = face.along.cross(&face.up);
-    let [right, rise] = [&face.along, &face.up].map(|axis| face.down.dot(axis).round() as isize);
-    let stands_on_one = |[column, row]: [usize; 2]| {
-        let below = column.checked_add_signed(right).zip(row.checked_add_signed(-rise));
-        below.is_some_and(|(column, row)| squares.contains(&[column, row]))
-    };
-    squares.iter().fold(empty, |all, &[column, row]| {
-        let left = column as f64 - columns / 2.0;
-        let low = ROWS as f64 / 2.0 - 1.0 - row as f64;
-        let corner = |u: f64, w: f64, y: f64| {
-            face.middle + face.along * (u * side) + face.up * (w * side) + out * y
-        };
-        let a = corner(left - OVER, low - OVER, -RAISED);
-        let b = corner(left + 1.0 + OVER, low + 1.0 + OVER, raised);
-        let square = Solid::cube(&a.inf(&b), &a.sup(&b));
-        if stands_on_one([column, row]) {
-            return all.union(&square);
-        }
-        let slope = face.down + out * RECEDES;
-        let lowest = a.dot(&face.down).max(b.dot(&face.down));
-        let offset = (lowest + face.middle.dot(&out) * RECEDES) / slope.norm();
-        all.union(&square.trim_by_plane(&-slope, -offset))
-    })
+    let centred = |p: &[f64; 2]| [(p[0] - width / 2.0) * height, (p[1] - 0.5) * height];
+    let polygons: Vec<Vec<[f64; 2]>> =
+        polygons.iter().map(|polygon| polygon.iter().map(centred).collect()).collect();
+    let raised = RAISED.min(height / 10.0);
+    let out = face.along.cross(&face.up) - face.down * SLANT;
+    let place = Matrix3x4::from_columns(&[face.along, face.up, out, face.middle]);
+    Solid::extrude(&polygons, -raised, raised).transform(&place)
 }
 
 #[cfg(test)]
@@ -115,12 +65,36 @@ mod tests {
     use mesh::SurfaceMesh;
 
     #[test]
-    fn every_name_of_a_piece_has_its_letters() {
-        for word in ["upper", "lower", "left", "right", "base", "cup", "lid", "tray"] {
-            for c in word.to_uppercase().chars() {
-                assert_ne!(glyph(c), [0; ROWS], "{c} of {word}");
-            }
+    fn every_letter_is_one_body_of_its_own_shape() {
+        let face = Face {
+            middle: Vec3::zeros(),
+            along: Vec3::x(),
+            up: Vec3::z(),
+            size: [40e-3, 7e-3],
+            down: -Vec3::z(),
+        };
+        let mut volumes = Vec::new();
+        for symbol in 'A'..='Z' {
+            let solid = word(&symbol.to_string(), &face);
+            assert_eq!(solid.decompose().len(), 1, "{symbol}");
+            volumes.push((solid.volume(), symbol));
         }
+        volumes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert!(volumes[0].0 > 0.0);
+        for pair in volumes.windows(2) {
+            assert!(pair[0].0 < pair[1].0, "{} has the volume of {}", pair[0].1, pair[1].1);
+        }
+    }
+
+    #[test]
+    fn the_thinnest_strokes_of_the_lowest_letters_can_be_printed() {
+        // the bar of a hyphen is the thinnest
+        let (polygons, _) = outlines("-", Weight::Bold);
+        let level = |pick: fn(f64, f64) -> f64| {
+            polygons[0].iter().map(|p| p[1]).reduce(pick).unwrap_or_default()
+        };
+        let stroke = (level(f64::max) - level(f64::min)) * LOWEST;
+        assert!((0.4e-3..0.5e-3).contains(&stroke), "{stroke}");
     }
 
     #[test]
@@ -134,7 +108,7 @@ mod tests {
         let half = [(high.x - low.x) / 2.0, (high.z - low.z) / 2.0];
         assert!(half[0] < 20e-3 && half[1] < 3.5e-3, "{half:?}");
         assert!((high.y - low.y - 2.0 * RAISED).abs() < 1e-12);
-        // U has more of its squares low.
+        // U has more of its strokes low.
         let u = word("u", &face);
         let half = u.trim_by_plane(&Vec3::z(), face.middle.z).volume();
         assert!(half < 0.5 * u.volume());

@@ -8,7 +8,7 @@ use crate::measure::tet_volume;
 use crate::topology::TET_FACETS;
 use crate::{Tags, TetMesh, facet_key};
 
-/// The mesh, and what its user should be told.
+/// The mesh, and warnings.
 pub fn assemble(raw: Raw) -> Parsed<(MshFile, Vec<String>)> {
     if raw.tets.is_empty() {
         return Err(format!(

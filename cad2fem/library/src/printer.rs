@@ -1,9 +1,10 @@
-//! Printers that may be named in mold.toml: those of `printers.toml`, with sources.
+//! Printers, and what they can print.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde::Deserialize;
+
+use crate::Catalog;
 
 /// A printer. Lengths are millimetres.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -12,7 +13,7 @@ pub struct Printer {
     /// Its name.
     pub name: String,
     /// What it prints.
-    pub kind: Kind,
+    pub kind: PrinterKind,
     /// The largest part it prints [mm]; none for a kind of printers.
     pub volume: Option<[f64; 3]>,
     /// Width of a line, or of a pixel [mm].
@@ -32,14 +33,14 @@ pub struct Printer {
 /// What a printer prints.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum PrinterKind {
     /// Molten filament.
     Filament,
     /// Resin that light hardens.
     Resin,
 }
 
-impl Kind {
+impl PrinterKind {
     /// The usual plastic and its density [kg/m³]: PLA, and acrylic resin when cured.
     #[must_use]
     pub fn plastic(self) -> (&'static str, f64) {
@@ -50,39 +51,19 @@ impl Kind {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Library {
-    source: BTreeMap<String, Source>,
-    printer: BTreeMap<String, Printer>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Source {
-    citation: String,
-}
-
-static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
-    toml::from_str(include_str!("../../printers.toml")).expect("printers.toml is checked by a test")
-});
-
-/// The printer of a name such as `prusa-mk4`, or the names there are.
-///
-/// # Errors
-/// If there is none of that name.
-pub fn find(key: &str) -> Result<&'static Printer, String> {
-    LIBRARY.printer.get(key).ok_or_else(|| {
-        let known: Vec<&str> = LIBRARY.printer.keys().map(String::as_str).collect();
-        format!("{key:?} is no known printer; known are {}", known.join(", "))
-    })
+/// All printers.
+#[must_use]
+pub fn printers() -> &'static Catalog<Printer> {
+    static CATALOG: LazyLock<Catalog<Printer>> =
+        LazyLock::new(|| Catalog::new("printer", include_str!("../printers.toml")));
+    &CATALOG
 }
 
 impl Printer {
     /// Where its numbers come from.
     #[must_use]
     pub fn citation(&self) -> &'static str {
-        LIBRARY.source.get(&self.source).map_or("", |source| &source.citation)
+        &printers().source(&self.source).citation
     }
 
     /// Whether a part of this size fits when turned about the vertical by quarters [mm].
@@ -101,21 +82,21 @@ mod tests {
 
     #[test]
     fn printers_can_be_and_have_a_source() {
-        for (key, printer) in &LIBRARY.printer {
+        for (key, printer) in printers().iter() {
             assert!(!printer.citation().is_empty(), "{key}");
             let [thin, thick] = printer.layer;
             assert!(0.0 < thin && thin < thick, "{key}");
             // A layer is no higher than its line is wide.
-            assert!(printer.kind == Kind::Resin || thick < printer.nozzle, "{key}");
+            assert!(printer.kind == PrinterKind::Resin || thick < printer.nozzle, "{key}");
             assert!(printer.clearance >= 0.1 && printer.tolerance > 0.0, "{key}");
         }
     }
 
     #[test]
     fn parts_may_be_turned_on_the_bed() {
-        let form = find("form-4").unwrap();
+        let form = printers().find("form-4").unwrap();
         assert!(form.holds([125.0, 200.0, 210.0]));
         assert!(!form.holds([126.0, 130.0, 10.0]));
-        assert!(find("printer").unwrap_err().contains("prusa-mk4"));
+        assert!(printers().find("printer").unwrap_err().contains("prusa-mk4"));
     }
 }

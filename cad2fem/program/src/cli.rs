@@ -1,4 +1,4 @@
-//! The frame every program runs in: logging to stderr and exit codes.
+//! Log messages on standard error, and exit codes.
 //!
 //! Exit codes: 0 the result is usable; 1 the program ran but its result must not
 //! be used ([`Unusable`]); 2 usage or input error.
@@ -9,16 +9,15 @@ use std::process::ExitCode;
 
 use clap::{ArgAction, Args};
 use log::{Level, LevelFilter, Log, Metadata, Record};
+use mesh::io::IoError;
 
-use crate::io::IoError;
-
-/// How much a program tells on stderr; flatten it into the arguments.
+/// How much a program reports on standard error; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Verbosity {
-    /// Tell only warnings and errors
+    /// Report only warnings and errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Tell more; twice for everything
+    /// Report more; twice for everything
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
 }
@@ -73,7 +72,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Nobody is left to be told if stderr itself cannot be written.
+/// A failure to write to standard error cannot be reported and is ignored.
 fn to_stderr(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

@@ -1,20 +1,21 @@
-//! Silicones that can be cast: the facts of the solver's `silicones.toml`.
-//!
-//! That file says where its numbers come from and what they are worth. Here only what
-//! casting needs is read; the laws of elasticity in it are the solver's.
+//! Silicones: data of their makers, and laws of elasticity fitted to tests of them.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use crate::{Catalog, Source};
+
 /// A silicone one can buy.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
 pub struct Silicone {
     /// Name on the bottle.
     pub name: String,
     /// Who sells it.
     pub vendor: String,
+    /// Key of the source of all numbers but the fits, if there are any.
+    pub source: Option<String>,
     /// Density when mixed [kg/m³], if known.
     pub density: Option<f64>,
     /// Parts by weight, such as `1A:1B`, if known.
@@ -24,15 +25,16 @@ pub struct Silicone {
     /// Time to demold at 23 °C [h], if known.
     pub cure_h: Option<f64>,
     /// What else casting needs, if known.
-    pub casting: Option<Facts>,
+    pub casting: Option<Casting>,
+    /// Laws fitted to tests, the default first.
+    #[serde(rename = "fit")]
+    pub fits: Vec<Fit>,
 }
 
-/// What only those who cast need to know.
+/// What only casting needs to know.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
-pub struct Facts {
-    /// Key of the source of all of the silicone's numbers but its fits.
-    pub source: String,
+pub struct Casting {
     /// How it cures.
     pub chemistry: Chemistry,
     /// Elongation at break [%], if known.
@@ -53,31 +55,33 @@ pub enum Chemistry {
     Tin,
 }
 
-#[derive(Deserialize)]
-struct Library {
-    source: BTreeMap<String, Source>,
-    silicone: BTreeMap<String, Silicone>,
+/// A law of elasticity fitted to tests of a silicone.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+pub struct Fit {
+    /// Key of the source of its numbers.
+    pub source: String,
+    /// Coefficient of determination of the fit, if known [1].
+    pub r2: Option<f64>,
+    /// `kind` of the law, its parameters and `stretch_range`, as in a table `[material]` of a
+    /// scene. The solver builds the law of them.
+    #[serde(flatten)]
+    pub law: toml::Table,
 }
 
-#[derive(Deserialize)]
-struct Source {
-    citation: String,
+/// All silicones.
+#[must_use]
+pub fn silicones() -> &'static Catalog<Silicone> {
+    static CATALOG: LazyLock<Catalog<Silicone>> =
+        LazyLock::new(|| Catalog::new("silicone", include_str!("../silicones.toml")));
+    &CATALOG
 }
 
-static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
-    let text = include_str!("../../../solver/silicones.toml");
-    toml::from_str(text).expect("silicones.toml is checked by a test")
-});
-
-/// The silicone of a name such as `dragon-boundary-20`, or the names there are.
-///
-/// # Errors
-/// If there is none of that name.
-pub fn find(key: &str) -> Result<&'static Silicone, String> {
-    LIBRARY.silicone.get(key).ok_or_else(|| {
-        let known: Vec<&str> = LIBRARY.silicone.keys().map(String::as_str).collect();
-        format!("{key:?} is no known silicone; known are {}", known.join(", "))
-    })
+impl Fit {
+    /// Where its numbers come from, and their licence.
+    #[must_use]
+    pub fn source(&self) -> &'static Source {
+        silicones().source(&self.source)
+    }
 }
 
 impl Silicone {
@@ -90,10 +94,10 @@ impl Silicone {
         Some([a / (a + b), b / (a + b)])
     }
 
-    /// Where its numbers come from, if that is known.
+    /// Where its numbers come from, if it has any but the fits.
     #[must_use]
     pub fn citation(&self) -> Option<&'static str> {
-        let source = LIBRARY.source.get(&self.casting.as_ref()?.source)?;
+        let source = silicones().source(self.source.as_ref()?);
         Some(&source.citation)
     }
 }
@@ -105,7 +109,7 @@ mod tests {
 
     #[test]
     fn facts_are_complete_and_have_a_source() {
-        let known = LIBRARY.silicone.iter().filter(|(_, s)| s.casting.is_some());
+        let known = silicones().iter().filter(|(_, s)| s.casting.is_some());
         let known: Vec<_> = known.collect();
         assert!(known.len() >= 6);
         for (key, silicone) in known {
@@ -121,9 +125,9 @@ mod tests {
 
     #[test]
     fn shares_are_those_of_the_bottle() {
-        assert_eq!(find("dragon-boundary-20").unwrap().shares(), Some([0.5, 0.5]));
-        assert_eq!(find("elastosil-m4601").unwrap().shares(), Some([0.9, 0.1]));
-        let message = find("rubber").unwrap_err();
+        assert_eq!(silicones().find("dragon-skin-20").unwrap().shares(), Some([0.5, 0.5]));
+        assert_eq!(silicones().find("elastosil-m4601").unwrap().shares(), Some([0.9, 0.1]));
+        let message = silicones().find("rubber").unwrap_err();
         assert!(message.contains("ecoflex-00-30"), "{message}");
     }
 }

@@ -1,18 +1,18 @@
-//! Crumbs: tetrahedra that hang on the body by an edge or a vertex only.
+//! Fragments: tetrahedra connected to the body by an edge or a vertex only.
 //!
-//! A mesher that makes its boundary manifold separates them from the body, as
-//! pieces of their own. Those too small to matter are taken out.
+//! A mesher that makes its boundary manifold separates them from the body into
+//! components of their own. Components of negligible volume are removed.
 
 use mesh::TetMesh;
 use mesh::measure::tet_volume;
 use mesh::topology::{TET_FACETS, submesh};
 
-/// A crumb has less than this part of the volume of the whole.
+/// Largest volume of a fragment, relative to that of the mesh [1].
 const MAX_VOLUME: f64 = 1e-4;
 
 /// Removes the pieces of `mesh`, connected over facets, that have less than 10⁻⁴ of
 /// its volume. Returns the number of tetrahedra removed.
-pub fn remove_crumbs(mesh: &mut TetMesh) -> usize {
+pub fn remove_fragments(mesh: &mut TetMesh) -> usize {
     let piece_of = pieces(&mesh.tets);
     let mut volumes = vec![0.0; mesh.tets.len()];
     for (t, &piece) in piece_of.iter().enumerate() {
@@ -45,7 +45,7 @@ fn pieces(tets: &[[usize; 4]]) -> Vec<usize> {
     (0..tets.len()).map(|t| root(&mut parent, t)).collect()
 }
 
-/// Representative of `t`; halves the path to it on the way.
+/// Representative of `t`; halves the path to it.
 fn root(parent: &mut [usize], mut t: usize) -> usize {
     while parent[t] != t {
         parent[t] = parent[parent[t]];
@@ -76,9 +76,9 @@ mod tests {
         vertices.extend(corner(0.5).map(|v| v + Vec3::x() * 3.0));
         let tets = vec![[5, 7, 6, 8], [0, 1, 2, 3], [1, 2, 3, 4], [9, 10, 11, 12]];
         let mut mesh = TetMesh { vertices, tets };
-        assert_eq!(remove_crumbs(&mut mesh), 1);
+        assert_eq!(remove_fragments(&mut mesh), 1);
         assert_eq!(mesh.vertices.len(), 9);
         assert_eq!(mesh.tets, vec![[0, 1, 2, 3], [1, 2, 3, 4], [5, 6, 7, 8]]);
-        assert_eq!(remove_crumbs(&mut mesh), 0);
+        assert_eq!(remove_fragments(&mut mesh), 0);
     }
 }

@@ -1,0 +1,35 @@
+//! SHA-256, by which results name their inputs.
+
+use std::path::Path;
+
+use mesh::io::{IoError, read_bytes};
+use sha2::{Digest, Sha256};
+
+/// SHA-256 of some bytes, hexadecimal.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a file's content, hexadecimal.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn sha256_file(path: &Path) -> Result<String, IoError> {
+    Ok(sha256(&read_bytes(path)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_digest_is_that_of_the_standard() {
+        // FIPS 180-2, example B.1.
+        let known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256(b"abc"), known);
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(file.path(), "abc").expect("it is writable");
+        assert_eq!(sha256_file(file.path()).expect("readable"), known);
+    }
+}
