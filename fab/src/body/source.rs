@@ -2,7 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use mesh::io::{IoError, sha256_file};
+use mesh::io::IoError;
+use program::sha256_file;
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;

@@ -2,12 +2,12 @@
 
 use std::path::{Component, Path};
 
+use library::printers;
 use mesh::io::{IoError, write_atomic};
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
-use program::sha256_file;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
