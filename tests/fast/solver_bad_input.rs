@@ -40,7 +40,11 @@ fn scenes() {
             ("c1 = 55e3", "c1 = -5e3", &["shear = 2 (c1 + c2) = 0 Pa"]),
             ("c1 = 55e3", "c1 = nan", &["c1 = NaN [Pa]"]),
             ("d1 = 1e6", "d1 = 0.0", &["bulk = 2 d1 = 0 Pa"]),
-            ("pressure = 8e3", "pressure = nan", &["pressure on \"cavity\": NaN is not finite"]),
+            (
+                "pressure = 8e3",
+                "pressure = nan",
+                &["[[chamber]] on \"cavity\": pressure: NaN is not finite"],
+            ),
             ("[[fixed]]\non = \"seat\"", "", &["no [[fixed]] tag"]),
             ("on = \"seat\"", "on = \"seta\"", &["\"seta\"", "seat, cavity, top, skin"]),
             ("on = \"cavity\"", "on = \"hole\"", &["\"hole\"", "seat, cavity, top, skin"]),
@@ -84,18 +88,22 @@ fn schedules() {
             (
                 "pressure = 8e3",
                 "pressure = \"8e3*x\"",
-                &["pressure on \"cavity\" = \"8e3*x\": must depend on t alone"],
+                &["[[chamber]] on \"cavity\": pressure = \"8e3*x\": must depend on t alone"],
             ),
             (
                 "pressure = 8e3",
                 "pressure = \"8e3/(t - 1)\"",
-                &["pressure on \"cavity\": \"8e3/(t - 1)\" is inf at t = 1 s"],
+                &["[[chamber]] on \"cavity\": pressure: \"8e3/(t - 1)\" is inf at t = 1 s"],
             ),
             ("pressure = 8e3", "pressure = \"log(t)\"", &["\"log(t)\" is -inf at t = 0 s"]),
             (
                 "pressure = 8e3",
                 "pressure = { t = [0, 0.5], value = [0, 8e3] }",
-                &["pressure on \"cavity\"", "from t = 0 to 0.5 s", "needed is from 0 to 1 s"],
+                &[
+                    "[[chamber]] on \"cavity\": pressure",
+                    "from t = 0 to 0.5 s",
+                    "needed is from 0 to 1 s",
+                ],
             ),
             (
                 "pressure = 8e3",

@@ -97,7 +97,7 @@ pub(super) fn check_rim(
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
         bail!(
-            "pressure on \"{name}\": {} of the {} edges of its rim are free, the first at \
+            "[[chamber]] on \"{name}\": {} of the {} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
              rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
              along that: add the tag around the opening to [[fixed]]",
