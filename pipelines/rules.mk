@@ -63,13 +63,14 @@ $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
 $(2)/done: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
 endef
 
-# Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4).
+# Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
+# its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
 $(2)/mold/plan.json: $(4) pipelines/$(1)/mold.toml | setup
 	$(BIN)/fab mold $(3) --config pipelines/$(1)/mold.toml -o $$(@D)
 
-$(2)/mold.checks.txt: $(2)/mold/plan.json | setup
-	$(BIN)/fab verify $(2)/mold | tee $$@
+$(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup
+	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) | tee $$@
 
 # Taken apart, and closed as mold-closed.png; of a second mold mold2.png, mold2-closed.png.
 $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
@@ -88,7 +89,7 @@ define scene
 $(call simulate,$(1),$(2),$(3))
 $(if $(wildcard pipelines/$(1)/design$(3).toml),
 $(call optimize,$(1),$(2),$(3))
-$(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json),
+$(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json,$(2)/optimized),
 $(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh))
 endef
 

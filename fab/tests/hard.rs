@@ -69,7 +69,7 @@ const RING: Cubes = Cubes {
     chamber: |c| (ring(c) == 3 && c[2] == 2) || (c[0] == 7 && c[1] == 4 && c[2] < 2),
 };
 
-/// How bodies are moved: as they are and turned anyhow; in tests that take longer smaller,
+/// How bodies are moved: turned obliquely; in tests that take longer as they are, smaller,
 /// larger and lying on their sides, too.
 struct Cases {
     maps: Vec<Matrix3<f64>>,
@@ -79,14 +79,14 @@ struct Cases {
 impl Cases {
     fn few() -> Self {
         let axis = Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0));
-        let anyhow = Rotation3::from_axis_angle(&axis, 0.7).into_inner();
-        Self { maps: vec![Matrix3::identity(), anyhow], sizes: vec![1.0] }
+        let oblique = Rotation3::from_axis_angle(&axis, 0.7).into_inner();
+        Self { maps: vec![oblique], sizes: vec![1.0] }
     }
 
     fn others() -> Self {
         let aside = Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
         let sized = |size: f64| Matrix3::identity() * size;
-        Self { maps: vec![sized(0.75), sized(1.5), aside], sizes: vec![0.75, 1.5] }
+        Self { maps: vec![sized(1.0), sized(0.75), sized(1.5), aside], sizes: vec![0.75, 1.5] }
     }
 
     /// The outcomes of a body; what is wrong is refused before anything is written.
@@ -158,45 +158,70 @@ impl Cases {
             assert_eq!(outcome(&pressed(&thinner)), Outcome::Verified, "{size}");
         }
     }
+
+    /// Shells that come off sideways meet no undercut.
     fn mushrooms_and_spools(&self) {
-        for (body, has_foot) in [(&MUSHROOM, false), (&SPOOL, true)] {
-            // Shells that come off sideways meet no undercut.
-            self.all_verified(body, "");
-            // By 12 mm on both sides, the cap of 36 mm would have to give way: the shell above is
-            // split where that frees it.
-            for &size in &self.sizes {
-                let upward = "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
-                let upward = upward.replace("0.018", &format!("{}", 0.018 * size));
-                // Above its foot the shell of the spool is split, but is caught on the foot.
-                match (outcome(&moved(Scene::new(body, &upward), |p| *p *= size)), has_foot) {
-                    (Outcome::Verified, false) => {}
-                    (Outcome::Refused(said), true) => {
-                        assert!(said.contains("cannot be peeled"), "{said}");
-                    }
-                    (other, _) => panic!("{other:?}"),
-                }
+        self.all_verified(&MUSHROOM, "");
+        self.all_verified(&SPOOL, "");
+    }
+
+    /// By 12 mm on both sides, the cap of 36 mm would have to give way: the shell above is split
+    /// where that frees it. Above its foot the shell of the spool is split, but is caught on the
+    /// foot.
+    fn mushrooms_and_spools_pulled_along_their_stems(&self) {
+        for &size in &self.sizes {
+            let offset = 0.018 * size;
+            let upward =
+                format!("[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = {offset}");
+            let of = |body| outcome(&moved(Scene::new(body, &upward), |p| *p *= size));
+            assert_eq!(of(&MUSHROOM), Outcome::Verified, "{size}");
+            match of(&SPOOL) {
+                Outcome::Refused(said) => assert!(said.contains("cannot be peeled"), "{said}"),
+                other => panic!("{size}: {other:?}"),
             }
         }
     }
-    fn a_height_field_along_the_stem_of_a_mushroom(&self) {
-        // What lies below the cap belongs to the lower shell, which leaves downward.
-        let mut verified = 0;
-        for &size in &self.sizes {
-            for cell in [6e-4, 8e-4, 1.1e-3] {
-                let upward =
-                    format!("[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\ncell = {cell}");
-                match outcome(&moved(Scene::new(&MUSHROOM, &upward), |p| *p *= size)) {
-                    Outcome::Verified => verified += 1,
-                    // Sheets may touch after rounding.
-                    Outcome::Refused(said) => assert!(said.contains("after rounding"), "{said}"),
+
+    fn height_fields_along_the_stem_of_a_mushroom(&self) {
+        for &(size, cell, expected) in HEIGHT_FIELDS.iter().filter(|f| self.sizes.contains(&f.0)) {
+            let upward =
+                format!("[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\ncell = {cell}");
+            let found = outcome(&moved(Scene::new(&MUSHROOM, &upward), |p| *p *= size));
+            match expected {
+                Field::Verified => assert_eq!(found, Outcome::Verified, "{size}, {cell}"),
+                Field::SheetsTouch => match found {
+                    Outcome::Refused(said) => {
+                        assert!(said.contains("after rounding"), "{size}, {cell}: {said}");
+                    }
                     other => panic!("{size}, {cell}: {other:?}"),
-                }
+                },
             }
         }
-        eprintln!("{verified} of {} verified", 3 * self.sizes.len());
-        assert!(verified > 0);
     }
 }
+
+/// What becomes of a height field.
+#[derive(Clone, Copy)]
+enum Field {
+    /// Parts, and every check holds.
+    Verified,
+    /// No parts: sheets of its steps touch after rounding.
+    SheetsTouch,
+}
+
+/// Height fields along the stem of a mushroom: its size, the spacing of the columns [m], and what
+/// becomes of them. What lies below the cap belongs to the lower shell, which leaves downward.
+const HEIGHT_FIELDS: [(f64, f64, Field); 9] = [
+    (0.75, 6e-4, Field::Verified),
+    (0.75, 8e-4, Field::Verified),
+    (0.75, 1.1e-3, Field::Verified),
+    (1.0, 6e-4, Field::Verified),
+    (1.0, 8e-4, Field::Verified),
+    (1.0, 1.1e-3, Field::Verified),
+    (1.5, 6e-4, Field::Verified),
+    (1.5, 8e-4, Field::Verified),
+    (1.5, 1.1e-3, Field::Verified),
+];
 
 #[test]
 fn a_ring() {
@@ -272,8 +297,8 @@ fn mushrooms_and_spools() {
 }
 
 #[test]
-fn a_height_field_along_the_stem_of_a_mushroom() {
-    Cases::few().a_height_field_along_the_stem_of_a_mushroom();
+fn height_fields_along_the_stem_of_a_mushroom() {
+    Cases::few().height_fields_along_the_stem_of_a_mushroom();
 }
 
 /// Numbers in [-1, 1) that look random, with a fixed seed (Knuth's linear congruence).
@@ -286,8 +311,31 @@ fn noise() -> impl FnMut() -> f64 {
     }
 }
 
+/// Noise of up to a part of a cell, everywhere.
+fn shaken(part: f64, config: &str) -> Outcome {
+    let mut random = noise();
+    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * part * CELL;
+    outcome(&bent(&CHAMBER, config, shake))
+}
+
+/// Bumps of a scan are undercuts, but shallow ones.
+const SOFT: &str = "[limits]\npeel = 5";
+
 #[test]
 fn a_scan_with_noise() {
+    // Up to 0.4 mm, also where the inlet is.
+    assert_eq!(shaken(0.1, SOFT), Outcome::Verified);
+}
+
+#[test]
+fn a_scan_with_fine_noise_keeps_its_plan() {
+    // Up to 0.2 mm everywhere, and no limit changed.
+    assert_eq!(shaken(0.05, ""), Outcome::Verified);
+}
+
+#[test]
+#[ignore = "takes tens of seconds: runs in make test-all"]
+fn other_scans_with_noise() {
     let mut random = noise();
     // Up to 0.4 mm, but not where the body sits.
     let shake = |p: &mut Vec3| {
@@ -295,25 +343,9 @@ fn a_scan_with_noise() {
             *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
         }
     };
-    // Bumps are undercuts, but shallow ones.
-    let soft = "[limits]\npeel = 5";
-    assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
-    let mut random = noise();
-    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.1 * CELL;
-    // The same where the inlet is uneven, too.
-    assert_eq!(outcome(&bent(&CHAMBER, soft, shake)), Outcome::Verified);
-}
-
-#[test]
-fn a_scan_with_fine_noise_keeps_its_plan() {
-    let mut random = noise();
-    // Up to 0.2 mm everywhere, and no limit changed.
-    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
-    assert_eq!(outcome(&bent(&CHAMBER, "", shake)), Outcome::Verified);
-    let mut random = noise();
-    let shake = |p: &mut Vec3| *p += Vec3::new(random(), random(), random()) * 0.05 * CELL;
+    assert_eq!(outcome(&bent(&CHAMBER, SOFT, shake)), Outcome::Verified);
     let sideways = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]";
-    assert_eq!(outcome(&bent(&CHAMBER, sideways, shake)), Outcome::Verified);
+    assert_eq!(shaken(0.05, sideways), Outcome::Verified);
 }
 
 #[test]
@@ -325,7 +357,9 @@ fn other_sizes_and_directions() {
     others.a_closed_chamber();
     others.a_fin_too_thin_for_silicone();
     others.mushrooms_and_spools();
-    others.a_height_field_along_the_stem_of_a_mushroom();
+    let all = Cases { sizes: vec![0.75, 1.0, 1.5], ..Cases::others() };
+    all.mushrooms_and_spools_pulled_along_their_stems();
+    others.height_fields_along_the_stem_of_a_mushroom();
 }
 
 /// A sheet of 288 × 288 × 3 cells with a flat chamber, whose boundary has 600 000 triangles.

@@ -7,6 +7,8 @@ mod fixture;
 #[allow(dead_code, clippy::expect_used)]
 mod judges;
 
+use std::sync::OnceLock;
+
 use fab::files::report::MoldReport;
 use fab::geometry::overhang::needs_supports;
 use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
@@ -23,8 +25,11 @@ fn molded(body: &Cubes, parting: &str) -> Scene {
 const PLANE: &str = "[parting]\nkind = \"plane\"";
 const FIELD: &str = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
 
-fn molds() -> [Scene; 3] {
-    [molded(&CHAMBER, FIELD), molded(&CHAMBER, PLANE), molded(&TWO_TOPS, FIELD)]
+fn molds() -> &'static [Scene; 3] {
+    static MOLDS: OnceLock<[Scene; 3]> = OnceLock::new();
+    MOLDS.get_or_init(|| {
+        [molded(&CHAMBER, FIELD), molded(&CHAMBER, PLANE), molded(&TWO_TOPS, FIELD)]
+    })
 }
 
 /// The printed parts of a mold.
@@ -53,10 +58,10 @@ fn solids(scene: &Scene) -> Vec<Solid> {
 fn trimesh_and_manifold3d_agree() {
     let Some(python) = judges::python(judges::PACKAGES) else { return };
     for scene in molds() {
-        judges::trimesh_and_manifold3d_agree(&python, &solids(&scene));
+        judges::trimesh_and_manifold3d_agree(&python, &solids(scene));
         let places: Vec<_> = MoldReport::read(&scene.path("mold")).unwrap().parts;
         let places: Vec<_> = places.iter().map(|part| part.to_mold).collect();
-        judges::trimesh_reads_3mf(&python, &parts(&scene), &places);
+        judges::trimesh_reads_3mf(&python, &parts(scene), &places);
     }
 }
 
@@ -74,7 +79,7 @@ fn prusa_slicer_needs_supports_where_told() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let scene = molded(&CHAMBER, PLANE);
+    let scene = &molds()[1];
     let report = MoldReport::read(&scene.path("mold")).unwrap();
     // One shell is as the other.
     for part in report.parts.iter().filter(|part| part.name != "right") {

@@ -61,7 +61,7 @@ fn gap_under(pressure: f64) -> f64 {
     for _ in 0..60 {
         let gap = f64::midpoint(low, high);
         let d = gap * ACTIVATION;
-        let push = -0.25 * barrier.scale() * barrier.at(d * d)[1] * 2.0 * d;
+        let push = -0.25 * barrier.scale() * barrier.repulsion().at(d * d)[1] * 2.0 * d;
         if push > pressure { low = gap } else { high = gap }
     }
     low

@@ -228,9 +228,8 @@ impl AirPaths {
         Self { points, neighbours, outer }
     }
 
-    /// Along the edges of a surface, where there is no volume mesh: a top of the
-    /// surface may be higher than its surroundings but no top of the volume, which costs
-    /// a vent too many.
+    /// Along the edges of a surface, where there is no volume mesh. A local maximum of the
+    /// surface need not be one of the volume: there may be a vent too many.
     fn on(surface: &SurfaceMesh) -> Self {
         let points = surface.vertices.clone();
         let edges: Vec<[usize; 2]> =
@@ -341,7 +340,7 @@ fn middle(points: &[Vec3]) -> Vec3 {
     (low + high) / 2.0
 }
 
-/// A point for a message.
+/// A point in words.
 fn place(p: &Vec3) -> String {
     format!("({:.5}, {:.5}, {:.5}) m", p.x, p.y, p.z)
 }

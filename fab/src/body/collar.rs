@@ -175,7 +175,7 @@ impl Collar {
         Self::cylinder(self.base, self.axis, self.bore)
     }
 
-    /// The bore and some way out of it, so that no faces coincide.
+    /// The bore and a bit beyond its free end, so that no faces coincide.
     fn through(&self) -> Solid {
         let beyond = self.axis * 0.1;
         Self::cylinder(self.base - beyond, self.axis + beyond, self.bore)

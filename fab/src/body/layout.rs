@@ -8,7 +8,7 @@ use crate::body::orientation::Orientation;
 use crate::config::Config;
 use crate::geometry::frame::{Frame, Pull};
 
-/// An inlet faces down, and the way up is a coordinate axis, within this angle's
+/// An inlet faces down, and `up` is a coordinate axis, within this angle's
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
 const DOWN: f64 = 0.9962;
 
@@ -38,7 +38,7 @@ pub enum LayoutError {
     },
 }
 
-/// The way up that the configuration asks for, or away from the first inlet; z for a
+/// The direction `up` that the configuration asks for, or away from the first inlet; z for a
 /// closed chamber.
 #[must_use]
 pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
@@ -60,7 +60,7 @@ pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, Layout
     Ok(up)
 }
 
-/// The mold's frame for a orientation. The filled part stands on z = 0, or is cut there.
+/// The mold's frame for an orientation. The filled part stands on z = 0, or is cut there.
 ///
 /// # Errors
 /// [`LayoutError`] if the shells are pulled neither along nor across `up`.

@@ -1,5 +1,6 @@
 //! The verbs, one per file.
 
+pub mod keys;
 pub mod mold;
 pub mod plan;
 pub mod tolerance;
@@ -30,6 +31,8 @@ pub enum Verb {
     Verify(verify::Args),
     /// Simulate a body with walls off by the print tolerance: spread of its response
     Tolerance(tolerance::Args),
+    /// Print all keys of mold.toml with defaults and meanings, as a table in Markdown
+    Keys,
 }
 
 /// What is to be molded, and where to.
@@ -112,6 +115,7 @@ impl Verb {
             Self::Plan(task) => plan::run(task),
             Self::Verify(args) => verify::run(args),
             Self::Tolerance(args) => tolerance::run(args),
+            Self::Keys => keys::run(),
         }
     }
 }

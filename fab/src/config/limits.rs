@@ -9,7 +9,7 @@ table! {
         girth: f64 = 2.5, ratio;
         /// Largest depth of an undercut over the width of the silicone that must give way [1].
         peel: f64 = 0.5, ratio;
-        /// Least part of the chamber's outline that must lie flat on a plane for an open-top mold [1].
+        /// Least part of the chamber's outline that a flat wall must cover for an open-top mold [1].
         flat: f64 = 0.8, ratio;
         /// Largest motion of the far end of a core that is not reported [m].
         sag: f64 = 5e-4, length;

@@ -20,7 +20,7 @@ table! {
     /// Settings of a parting surface that is chosen by what is measured.
     AutoParting, "parting." {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
     }
 }
 
@@ -28,9 +28,9 @@ table! {
     /// Settings of a planar parting surface.
     PlaneParting, "parting." {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
         /// Plane: its position along `pull`, in the design's coordinates [m].
-        offset: Option<f64> = None => "where least is hidden", any;
+        offset: Option<f64> = None => "where undercuts are least", any;
     }
 }
 
@@ -38,7 +38,7 @@ table! {
     /// Settings of a height-field parting surface.
     HeightFieldConfig, "parting." {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where least is hidden", optional_direction;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
         /// Height field: spacing of the columns [m].
         cell: f64 = 8e-4, length;
         /// Height field: standard deviation of the Gaussian that smooths the heights [m].
@@ -61,8 +61,8 @@ impl PartingConfig {
         const KIND: Key = Key {
             name: "parting.kind",
             default: "\"auto\"",
-            meaning: "where the shells separate: `\"plane\"`, `\"height-field\"`, or `\"auto\"`, \
-                      which chooses by what is measured; halves and sheets always choose themselves",
+            meaning: "Where the shells separate: `\"plane\"`, `\"height-field\"`, or `\"auto\"`, \
+                      which chooses by what is measured; halves and sheets always choose by it.",
         };
         let tables = [AutoParting::KEYS, PlaneParting::KEYS, HeightFieldConfig::KEYS];
         std::iter::once(&KIND).chain(tables.into_iter().flatten())

@@ -96,7 +96,8 @@ pub fn turned(frustum: &Frustum, turn: Turn) -> Frustum {
     Frustum { base: turn.0 * frustum.base, axis: turn.0 * frustum.axis, ..frustum.clone() }
 }
 
-/// Reports how much of the part's outline hides something below it.
+/// Reports the columns with more than one layer of the part: undercuts for any surface along
+/// this pull.
 fn undercut_columns(grid: &Grid, spans: &[Option<Span>]) -> Vec<Finding> {
     let covered = spans.iter().flatten().count();
     let hidden = spans.iter().flatten().filter(|s| s.intervals > 1).count();

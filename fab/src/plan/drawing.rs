@@ -1,4 +1,4 @@
-//! A picture of what shells leave hidden, coloured by its depth.
+//! A picture of the undercuts, coloured by their depth.
 
 use std::path::Path;
 
@@ -28,10 +28,10 @@ const SIZE: [usize; 2] = [1200, 560];
 /// Castings are seen from obliquely above.
 const VIEW: View = View { azimuth: -58.0, elevation: 38.0 };
 
-/// The least range of the colours: less than this is nothing [mm].
+/// The least range of the colours: undercuts less deep than this do not matter [mm].
 const RANGE: f64 = 0.5;
 
-/// Draws every casting as seen by the shell that leaves along the pull, and by the other.
+/// Draws every casting as seen along the pull, and against it.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -1,8 +1,8 @@
-//! Where a body can be cut in two, so that each part leaves its mold and its core.
+//! The plane in which a body is cut in two, so that each half can be demolded.
 //!
 //! Each half is cast over a plate that carries its half of the core, cut face down.
-//! What the plane leaves hidden of the filled body is in the way of the cup, and what
-//! it leaves hidden of the core is silicone caught below the core.
+//! Undercuts of the filled body block the cup, and undercuts of the core hold silicone
+//! below the core.
 
 use std::collections::BTreeMap;
 
@@ -16,8 +16,8 @@ use super::undercut::{PartingHeight, View};
 use crate::body::boundary::Boundary;
 use crate::config::GluingConfig;
 
-/// Planes that hide this much more of an area than the best are as good: the one
-/// along which the body is thinnest is taken [1].
+/// Planes that leave up to this much more of an area in undercuts than the best count as
+/// equally good: the one along whose normal the body is thinnest is taken [1].
 const AS_GOOD: f64 = 5e-3;
 
 /// A body counts as thin along a normal up to this many times its least thickness.
@@ -43,14 +43,14 @@ pub struct Cut {
     pub normal: Vec3,
     /// Its position along the normal [m].
     pub offset: f64,
-    /// Part of the area of the outside that is hidden [1].
+    /// Part of the area of the outside that is in undercuts [1].
     pub outside: f64,
-    /// Part of the area of the cores that is hidden [1].
+    /// Part of the area of the cores that is in undercuts [1].
     pub core: f64,
-    /// Part of the area of the cores from which the straight way to the plane leaves the
+    /// Part of the area of the cores from which the straight line to the plane leaves the
     /// body: the mold around it stands there, as in the hole of a ring [1].
     pub caught: f64,
-    /// Largest depth over width of what is hidden of the cores [1].
+    /// Largest depth over width of the undercuts of the cores [1].
     pub core_ratio: f64,
     /// Area that is glued [m²].
     pub glued: f64,
@@ -73,7 +73,7 @@ impl Cut {
     }
 }
 
-/// The plane through the middle of the chamber that hides least, or the one asked for.
+/// The plane through the middle of the chamber that leaves least in undercuts, or the one asked for.
 #[must_use]
 pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3]) -> Cut {
     let asked = gluing.normal.map(|n| vec![Vec3::from(n).normalize()]);
@@ -188,7 +188,7 @@ fn measured(boundary: &Boundary, normal: Vec3, offset: f64) -> Cut {
     }
 }
 
-/// Part of the cores' area from which the straight way to a plane leaves the body.
+/// Part of the cores' area from which the straight line to a plane leaves the body.
 fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
     let bvh = SurfaceBvh::new(&boundary.filled);
     let (mut sum, mut total) = (0.0, 0.0);
@@ -208,7 +208,7 @@ fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
     sum / total
 }
 
-/// Adds what takes longer to measure.
+/// Adds the measures that take longer.
 fn complete(boundary: &Boundary, cut: &mut Cut) {
     let plane = PartingHeight::Plane(cut.offset);
     let ratios = boundary.cores.iter().map(|core| {

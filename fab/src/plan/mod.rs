@@ -1,4 +1,4 @@
-//! How a body is to be molded: what is measured, what that decides, and why.
+//! How a body is molded: what is measured, which method, pull and parting surface follow, and why.
 
 pub mod drawing;
 pub mod gluing;
@@ -31,11 +31,11 @@ pub struct Plan {
     pub chosen_by: ChosenBy,
     /// Why.
     pub reason: String,
-    /// Every number that decided.
+    /// Every number that led to the choice.
     pub measures: Vec<Measure>,
     /// What was found about each method.
     pub verdicts: Vec<Verdict>,
-    /// What is hidden along every direction.
+    /// The undercuts along every direction.
     pub directions: Vec<DirectionUndercut>,
     /// What is cast of silicone.
     pub castings: Vec<Casting>,
@@ -50,9 +50,9 @@ pub struct Casting {
     pub orientation: Orientation,
     /// What is cast, with its chamber filled [m].
     pub filled: SurfaceMesh,
-    /// Depth of what its shells leave hidden, at each triangle of that [m].
+    /// Depth of the undercuts of its shells, at each triangle of `filled` [m].
     pub undercut: Vec<f64>,
-    /// Where that is most for the width of what must give way.
+    /// Where the depth is largest over the width of the silicone that must give way.
     pub worst: Option<Worst>,
 }
 
@@ -167,7 +167,7 @@ impl Casting {
     }
 }
 
-/// A casting whose upper shell locks, with two sides instead, if that frees it.
+/// A casting whose upper shell cannot be demolded, with two sides instead, if these can.
 fn split(name: &str, filled: &SurfaceMesh, locked: &Orientation, limit: f64) -> Option<Casting> {
     let along = locked.pull.dot(&locked.up);
     let joint = match locked.parting {

@@ -1,7 +1,7 @@
 //! In which direction the shells separate, and along which surface.
 //!
 //! The undercuts of the body are measured along many directions. A mold can be pulled along `up` or
-//! across it. A plane is preferred to a height field if it hides hardly more, as it
+//! across it. A plane is preferred to a height field if it leaves hardly more in undercuts, as it
 //! is easier to print, to seal and to bolt.
 
 use mesh::{SurfaceMesh, Vec3};
@@ -17,7 +17,7 @@ const HEMISPHERE: usize = 60;
 /// Directions across `up`, over half a turn.
 const AROUND: usize = 12;
 
-/// A plane may hide this much more of the area than the best surface, and one of two
+/// A plane may leave this much more of the area in undercuts than the best surface, and one of two
 /// planes that differ by less is chosen by the thickness of the body along it [1].
 const EASIER: f64 = 0.01;
 
@@ -30,14 +30,14 @@ pub const ALONG: f64 = 1.0 - 1e-9;
 /// Positions along the pull that are tried for a plane.
 const POSITIONS: usize = 9;
 
-/// A direction and what is hidden along it at best.
+/// A direction and the undercuts along it at best.
 #[derive(Clone, Debug)]
 pub struct DirectionUndercut {
     /// The direction [1].
     pub pull: Vec3,
     /// Whether it is along or across `up`.
     pub usable: bool,
-    /// Part of the area that is hidden from a parting in the middle of every column [1].
+    /// Part of the area in undercuts of a parting surface in the middle of every column [1].
     pub share: f64,
     /// How deep [m].
     pub depth: f64,
@@ -50,7 +50,7 @@ pub struct Choice {
     pub pull: Vec3,
     /// The surface.
     pub parting: PartingSurface,
-    /// What they leave hidden.
+    /// The undercuts they leave.
     pub undercut: Undercut,
     /// Where that is worst.
     pub worst: Option<Worst>,
@@ -75,8 +75,8 @@ impl Choice {
     }
 }
 
-/// DirectionUndercut at a body along a hemisphere of directions, the coordinate axes, `up` and
-/// across it; what hides least comes first.
+/// The undercuts of a body along a hemisphere of directions, `up`, coordinate axes across it and
+/// other directions across it; the least come first.
 #[must_use]
 pub fn directions(body: &SurfaceMesh, up: &Vec3) -> Vec<DirectionUndercut> {
     let spiral = hemisphere().map(|pull| (pull, false));
@@ -121,7 +121,7 @@ fn usable(up: &Vec3) -> Vec<Vec3> {
     found
 }
 
-/// The parting that hides least, or what the configuration asks for.
+/// The parting surface that leaves least in undercuts, or what the configuration asks for.
 #[must_use]
 pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) -> Choice {
     let directions = |pull: Option<[f64; 3]>| match pull {
@@ -153,7 +153,7 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) 
     }
 }
 
-/// The plane that hides least of those that contain `up`.
+/// Of the planes that contain `up`, the one that leaves least in undercuts.
 #[must_use]
 pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
     let across = usable(up).into_iter().filter(|pull| pull.dot(up).abs() < 1e-9);
@@ -181,7 +181,7 @@ fn planes(
     }
 }
 
-/// The plane that hides least, of those that hide at most `limit`.
+/// The plane that leaves least in undercuts, if that is at most `limit` of the area.
 fn best_plane(
     body: &SurfaceMesh,
     options: Vec<(Vec3, Vec<PartingSurface>)>,

@@ -30,7 +30,7 @@ pub struct PlanReport {
     pub chosen_by: ChosenBy,
     /// Why, with numbers.
     pub reason: String,
-    /// Every number that decided.
+    /// Every number that led to the choice.
     pub measures: Vec<Measure>,
     /// Whether each of the methods can be used, and why.
     pub methods: Vec<Verdict>,
@@ -80,7 +80,7 @@ pub struct Verdict {
     pub reason: String,
 }
 
-/// What two shells that separate along a direction leave hidden.
+/// The undercuts of two shells that separate along a direction.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Direction {
@@ -88,7 +88,7 @@ pub struct Direction {
     pub pull: Triple,
     /// Whether a mold can be made so: along or across `up`.
     pub usable: bool,
-    /// Part of the area that neither shell can leave along it, at best [%].
+    /// Part of the area in undercuts along it, at best [%].
     pub undercut: f64,
     /// How far the mold reaches under the body there, at most [mm].
     pub depth: f64,

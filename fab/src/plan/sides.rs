@@ -1,8 +1,9 @@
-//! Two sides in place of an upper shell that locks.
+//! Two sides in place of an upper shell that cannot be demolded.
 //!
-//! A shell that leaves upward is caught where the body has something below it that is
-//! narrower. Split by a plane that contains `up`, its halves leave sideways, and meet
-//! only what is hidden along that way. The shell below the joint becomes their base.
+//! A shell that is demolded upward is held by undercuts: places where the body is narrower
+//! below. If the shell is split by a plane that contains `up`, its halves are demolded
+//! sideways, where only undercuts along that direction hold them. The shell below the joint
+//! becomes their base.
 
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
@@ -10,8 +11,8 @@ use mesh::{SurfaceMesh, Vec3};
 use super::pull::{self, Choice};
 use super::undercut::{PartingHeight, View};
 
-/// How sides above the height `joint` along `up` [m] come off a body, if they do and what
-/// is below leaves downward, both giving way by at most `limit` of their widths.
+/// How sides above the height `joint` along `up` [m] separate. None if their undercuts, or
+/// those of the base below the joint, exceed `limit` of the widths of the silicone.
 #[must_use]
 pub fn instead(filled: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> Option<Choice> {
     let (above, below) = Solid::from_surface(filled).ok()?.split_by_plane(up, joint);
@@ -21,7 +22,7 @@ pub fn instead(filled: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> Optio
     Some(pull::sideways(&above.to_surface(), up)).filter(|choice| choice.ratio() <= limit)
 }
 
-/// Whether a body below a joint holds back the shell that leaves it downward.
+/// Whether undercuts below a joint hold the shell that is demolded downward.
 fn locks(below: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> bool {
     let view = View::along(below, up);
     let undercut = view.undercut(PartingHeight::Plane(joint));

@@ -1,13 +1,13 @@
-//! What shells that separate along a direction leave hidden, and how deeply.
+//! Undercuts of two shells that separate along a direction, and their depth.
 //!
-//! The body is seen along the pull in columns. Above the parting, empty space that
-//! has the body over it is *trapped*: what fills it belongs to a shell that leaves
-//! upward, and the body is in its way; below the parting likewise. The depth of a
-//! trapped place is its distance across the pull from where the same space is open:
-//! so far the body must give way. Its width w in that direction is the chord through what
-//! is in the way; if the same shell reaches below the other end of the chord, too, the body
-//! is squeezed from both sides. Squeezed by d on this and d' on the other side, silicone
-//! is compressed by (d + d')/w, which is the ratio that decides whether it can be peeled out.
+//! The body is cut into columns along the pull. Above the parting surface, empty space with
+//! the body over it is *trapped*: it is filled by a shell that is demolded upward, and the
+//! body blocks this shell. Below the parting surface it is the same with down and up
+//! exchanged. The depth of a trapped place is its distance, across the pull, from the nearest
+//! open place of the same empty space: the body must give way by it. The width w is the chord,
+//! in that direction, through the part of the body that blocks the shell. If the shell reaches
+//! below the other end of the chord, too, the body is squeezed from both sides. Squeezed by d
+//! and d' it is compressed by (d + d')/w, the ratio that decides whether it can be peeled out.
 
 use std::collections::BinaryHeap;
 
@@ -19,7 +19,7 @@ use nalgebra::Matrix3;
 use crate::geometry::columns::{Grid, Layer, layers};
 use crate::geometry::frame::Frame;
 
-/// Columns along the longest side of what is looked at.
+/// Columns along the longest side of the body.
 const COLUMNS: f64 = 120.0;
 
 /// Films between a flat face and the parting it lies on are not trapped [m].
@@ -46,12 +46,12 @@ pub enum PartingHeight {
     Middle,
 }
 
-/// What stays hidden.
+/// The undercuts of two shells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undercut {
     /// Depth at each triangle of the body, 0 where it is free [m].
     pub facets: Vec<f64>,
-    /// Part of the area that is hidden deeper than the view resolves [1].
+    /// Part of the area in undercuts deeper than the view resolves [1].
     pub share: f64,
     /// Largest depth [m].
     pub depth: f64,
@@ -79,12 +79,12 @@ struct Trapped {
     node: usize,
     low: f64,
     high: f64,
-    /// The layer in the way.
+    /// The layer that blocks the shell.
     over: Layer,
     /// Where the same space is open [m].
     rim: Option<[f64; 2]>,
     depth: f64,
-    /// Whether the shell that leaves upward fills it.
+    /// Whether the shell that is demolded upward fills it.
     upper: bool,
 }
 
@@ -123,7 +123,7 @@ impl View {
         covered as f64 * self.grid.step.powi(2)
     }
 
-    /// What the two shells of a parting leave hidden.
+    /// The undercuts of the two shells of a parting surface.
     #[must_use]
     pub fn undercut(&self, parting: PartingHeight) -> Undercut {
         let upper = self.side(parting, &self.columns, 1.0);
@@ -151,7 +151,7 @@ impl View {
         Undercut { facets, share: hidden / all + 0.0, depth, trapped }
     }
 
-    /// Depths of the triangles and trapped places of the shell that leaves upward;
+    /// Depths of the triangles and trapped places of the shell that is demolded upward;
     /// heights are multiplied by `sign`.
     fn side(
         &self,
@@ -282,7 +282,7 @@ impl View {
         undercut.trapped.iter().for_each(|place| above[place.node].push(*place));
         let samples = deep.iter().step_by(deep.len().div_ceil(SAMPLES));
         let measured = samples.filter_map(|place| {
-            let from = self.in_the_way(place)?;
+            let from = self.blocking(place)?;
             let inward = place.inward(&self.grid)?;
             let reach = |d: Vec3| bvh.ray(&from, &d).first().map_or(0.0, |hit| hit.0);
             let ahead = reach(inward);
@@ -296,9 +296,9 @@ impl View {
         measured.collect()
     }
 
-    /// The middle of what is in the way of `place`, where that is thickest between there and
-    /// the open: near its edge it may be as thin as can be.
-    fn in_the_way(&self, place: &Trapped) -> Option<Vec3> {
+    /// The middle of the part of the body over `place`, where that is thickest between there and
+    /// the nearest open place: near its edge it may have no thickness.
+    fn blocking(&self, place: &Trapped) -> Option<Vec3> {
         let ([x, y], rim) = (self.grid.point(place.node), place.rim?);
         let steps = ((x - rim[0]).hypot(y - rim[1]) / self.grid.step).ceil();
         let along = (0..=steps as usize).map(|k| {
@@ -315,7 +315,7 @@ impl View {
     }
 
     /// How far the shell that fills `place` reaches below the body from the other side, along
-    /// the `way` from there through the body: the greatest depth against that direction.
+    /// the vector `way` from there through the body: the greatest depth against that direction.
     fn opposite(&self, place: &Trapped, from: &Vec3, way: Vec3, above: &[Vec<Trapped>]) -> f64 {
         let steps = (way.norm() / self.grid.step) as usize;
         let mut deepest: f64 = 0.0;

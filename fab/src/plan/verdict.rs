@@ -11,15 +11,15 @@ use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::girth::{self, Passage};
 
-/// Part of the area of the cores that may be caught by the mold: facets at inlets.
+/// Part of the area of the cores that may be blocked by the mold: facets at inlets.
 const CAUGHT: f64 = 1e-3;
 
-/// Why a core would not come out of its mold.
+/// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {
     format!("the mold around the body stands in the way of {:.1} % of the core", 100.0 * cut.caught)
 }
 
-/// Measures a body only as far as it is asked.
+/// Measures a body only as far as the judged methods need it.
 pub struct Judge<'a> {
     boundary: &'a Boundary,
     config: &'a Config,
@@ -233,7 +233,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// How far silicone must stretch to let a core out through an inlet, and what of it.
+/// How far silicone must stretch to let a core pass through an inlet, and where.
 fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
     let around = girth::largest(&core.surface, &inlet.normal).length;
     let passage = girth::tightest(&core.surface, &inlet.normal, inlet.deviation);

@@ -1,4 +1,4 @@
-//! Silicone gets in, air gets out, the core is held, keys engage.
+//! Channels are open, cores are held, keys engage, bolts join.
 
 use std::f64::consts::PI;
 

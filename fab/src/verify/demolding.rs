@@ -1,10 +1,10 @@
-//! Every shell comes off.
+//! Every shell can be demolded.
 //!
-//! The shells are taken away in the reverse order of the report, each along its direction.
-//! It must meet none of the shells that are still there, which is decided for the whole
-//! way by what lies before its facets, and for four places of it by the volume that the two
-//! share. What it presses into the silicone is reported: silicone gives way and can be
-//! peeled out, so that an undercut is a warning.
+//! The shells are taken off in the reverse order of the report, each along its demolding
+//! direction. A shell must not meet the shells that are still there. This is checked in two
+//! ways: by rays from its facets along the whole path, and by the volume that it shares with
+//! the others at four places of the path. The volume that it presses into the silicone is an
+//! undercut; it is a warning only, because silicone gives way and can be peeled out.
 
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
@@ -13,11 +13,11 @@ use rayon::prelude::*;
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 
-/// Distances by which a shell is moved: from what play lets it, to beyond keys and undercuts;
+/// Distances by which a shell is moved: from about the play of the keys to beyond keys and undercuts;
 /// what lies further is found by `path` [mm].
 const PULLS: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 
-/// Undercuts above this part of the silicone are pointed out: a judgement, not a
+/// Undercuts above this part of the silicone are a warning: a judgement, not a
 /// measurement.
 const UNDERCUT: f64 = 0.01;
 
@@ -25,8 +25,8 @@ const UNDERCUT: f64 = 0.01;
 /// sine of half a degree.
 const SLIDING: f64 = 9e-3;
 
-/// Area that may seem blocked, from rays along common edges, as a part of that which looks
-/// along the pull.
+/// Area that may seem blocked, from rays along common edges, as a part of the area that faces
+/// the demolding direction.
 const BLOCKED: f64 = 1e-4;
 
 /// All checks of demolding.

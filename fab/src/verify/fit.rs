@@ -1,4 +1,4 @@
-//! The parts fit each other, and between them they leave the designed body.
+//! The parts fit each other, and the mold cavity between them is the designed body.
 
 use std::path::Path;
 
@@ -87,7 +87,7 @@ fn leaks(mold: &ClosedMold, voids: &Solid) -> Line {
     Line::at_most("leaks: empty elsewhere", other.volume(), limit, "mm³")
 }
 
-/// What the parts leave has the surface of the design.
+/// The mold cavity has the surface of the design.
 fn surface(mold: &ClosedMold, voids: &Solid, folder: &Path, design: Option<&Path>) -> Vec<Line> {
     let path = design.map_or_else(|| folder.join(&mold.report.input.path), Path::to_path_buf);
     let hash = match sha256_file(&path) {
@@ -155,7 +155,7 @@ fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
     surface
 }
 
-/// Distances between the largest body that the parts leave and the design, both ways.
+/// Distances between the largest piece of the mold cavity and the design, both ways.
 fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
     let mut bodies = mold.cavity.difference(voids).decompose();
     plug(mold, design, &mut bodies);
@@ -176,7 +176,7 @@ fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line
     ]
 }
 
-/// Fills the holes that pins leave in the largest body, as people do afterwards.
+/// Fills the holes that pins leave in the largest body, as is done after casting.
 fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
     let pins = mold.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
     let (Some(body), Ok(design)) = (bodies.first_mut(), Solid::from_surface(design)) else {
@@ -223,7 +223,7 @@ fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
     worst
 }
 
-/// Other bodies the parts leave are films of rounding between touching faces.
+/// Other pieces of the mold cavity are films of rounding between touching faces.
 fn crumbs(mold: &ClosedMold, others: &[Solid]) -> Line {
     let volume: f64 = others.iter().map(Solid::volume).sum();
     let limit = mold.volume_rounding(mold.cavity.area());

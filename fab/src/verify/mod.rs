@@ -4,6 +4,21 @@
 //! cannot be exact is compared with a bound on the rounding of the files: a
 //! coordinate below c [mm] is off by at most c·2⁻²⁴, so that a vertex moves by at
 //! most δ = √3·c·2⁻²⁴ and a volume with the boundary area A changes by at most δ·A.
+//!
+//! # What these proofs share with what they check
+//!
+//! A check that uses the same code as what it checks repeats its errors.
+//!
+//! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
+//!   collars, `demolding`, `filling`, `walls`. They use the written surfaces. `fit` and `filling`
+//!   take the outlines of channels and gaps from the report.
+//! - `channels`: places and sizes of features come from the report, and `pin::LAND` is the limit by
+//!   which pins were placed. That there are enough features is not checked.
+//! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
+//!   as the mold was.
+//! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
+//! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
+//! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
 
 mod channels;
 mod closed_mold;

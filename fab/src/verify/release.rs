@@ -1,9 +1,9 @@
-//! The core leaves the body.
+//! Every core can be demolded from the body.
 //!
-//! What has to be stretched over a core that is pulled out is the inlet: its girth is that
-//! of the core just inside, and the largest girth of the core across the pull is what has to
-//! pass. So it is with every neck of the chamber and what lies behind it. Soluble and molten
-//! cores need no way out.
+//! When a core is pulled out, the inlet is stretched over it. The girth of the inlet is that of
+//! the core just inside of it, and the largest girth of the core across the pull has to pass.
+//! The same holds for every neck of the chamber and for what lies behind it. Soluble and molten
+//! cores can always be removed.
 
 use library::silicones;
 

@@ -63,8 +63,9 @@ fn genus(surface: &SurfaceMesh) -> f64 {
     1.0 - (v - f / 2.0) / 2.0
 }
 
-/// No hole of the body was opened or closed when it was rounded. In a part, rounding may
-/// remove a film that closed a hole, which a person should know.
+/// No hole of the body was opened or closed when it was rounded. In a part it is only a warning:
+/// rounding may remove a film thinner than a micrometre that closed a hole, and a hole through a
+/// part that matters is found as a leak.
 fn handles(name: &str, surface: &SurfaceMesh, reported: i32) -> Line {
     let found = genus(surface);
     let holds = found == f64::from(reported);

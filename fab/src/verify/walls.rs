@@ -1,6 +1,6 @@
 //! Walls are thick enough: of the mold, and of the silicone at rest and inflated.
 //!
-//! The thickness of silicone at a point of its surface is the way straight through it to
+//! The thickness of silicone at a point of its surface is the length of the straight line through it to
 //! a facet that faces the other way, within [`OPPOSITE`]; where the surface across is
 //! tilted more, as near a sharp edge, there is no wall to measure.
 

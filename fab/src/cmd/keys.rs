@@ -1,0 +1,14 @@
+//! `fab keys`: the keys of mold.toml.
+
+use std::io::Write;
+
+use anyhow::Result;
+
+/// Prints all keys on standard output, as the table in fab/README.md.
+///
+/// # Errors
+/// If standard output cannot be written.
+pub fn run() -> Result<()> {
+    std::io::stdout().lock().write_all(crate::config::markdown().as_bytes())?;
+    Ok(())
+}
