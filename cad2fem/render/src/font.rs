@@ -1,7 +1,7 @@
 //! Text in pictures, and outlines of text for raised letters.
 //!
 //! The typeface is Inter, under the SIL Open Font License (see the folder `fonts`). A symbol
-//! that it does not have is drawn as an empty box, with a warning.
+//! that it does not have is drawn as a question mark, with a warning.
 
 use std::sync::LazyLock;
 
@@ -75,9 +75,10 @@ impl Face {
         Self { parsed, capital: f64::from(capital) }
     }
 
-    /// The glyph of a symbol; of an unknown one the empty box, glyph 0.
+    /// The glyph of a symbol; of an unknown one the question mark.
     fn glyph(&self, symbol: char) -> GlyphId {
-        self.parsed.glyph_index(symbol).unwrap_or_default()
+        let known = self.parsed.glyph_index(symbol);
+        known.or_else(|| self.parsed.glyph_index('?')).unwrap_or_default()
     }
 
     /// From the origin of a glyph to that of the next [height of a capital].
@@ -99,7 +100,7 @@ pub fn missing(text: &str) -> Vec<char> {
 pub fn outlines(text: &str, weight: Weight) -> (Vec<Polygon>, f64) {
     let unknown = missing(text);
     if !unknown.is_empty() {
-        log::warn!("the font has no {unknown:?} of {text:?}: drawn as empty boxes");
+        log::warn!("the font has no {unknown:?} of {text:?}: drawn as ?");
     }
     let face = weight.face();
     let mut builder = Flattener { polygons: Vec::new(), left: 0.0, capital: face.capital };
@@ -263,10 +264,9 @@ mod tests {
     }
 
     #[test]
-    fn unknown_symbols_are_boxes() {
+    fn unknown_symbols_are_question_marks() {
         assert_eq!(missing("aфb中"), ['ф', '中']);
-        assert_eq!(outlines("中", Weight::Bold), outlines("ф", Weight::Bold));
-        assert!(!outlines("中", Weight::Bold).0.is_empty());
+        assert_eq!(outlines("中", Weight::Bold), outlines("?", Weight::Bold));
     }
 
     #[test]

@@ -1,4 +1,8 @@
 //! NumPy arrays of 64-bit floats in C order (`.npy` format 1.0).
+//!
+//! No crate does this as needed: npyz 0.9.1 writes another header (`(2, 3, )`), so that
+//! hashes of results would change, accepts a shape whose product overflows, and, as
+//! ndarray-npy 0.10, allocates whatever header length a damaged file claims (up to 4 GB).
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};

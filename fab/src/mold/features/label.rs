@@ -40,7 +40,7 @@ pub struct Face {
 }
 
 /// The word in capitals, raised on the face as large as it fits; empty if it would be
-/// lower than 2.5 mm. Symbols that the font does not have become boxes, with a warning.
+/// lower than 2.5 mm. Symbols that the font does not have become question marks, with a warning.
 #[must_use]
 pub fn word(word: &str, face: &Face) -> Solid {
     let (polygons, width) = outlines(&word.to_uppercase(), Weight::Bold);
