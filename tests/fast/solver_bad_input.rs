@@ -301,16 +301,16 @@ fn two_pressures_on_one_wall() {
 /// The three tables of older scenes, and the one of older designs.
 #[test]
 fn tables_of_older_programs() {
-    let now = "is now [[chamber]]: write\n\n[[chamber]]\non = \"cavity\"\n";
+    const NOW: &str = "is now [[chamber]]: write\n\n[[chamber]]\non = \"cavity\"\n";
     refuse(
         "simulate",
         "p1.toml",
         &[
-            ("[[chamber]]", "[[pressure]]", &["[[pressure]]", now, "\npressure = 8000.0"]),
+            ("[[chamber]]", "[[pressure]]", &["[[pressure]]", NOW, "\npressure = 8000.0"]),
             (
                 "[[chamber]]\non = \"cavity\"\npressure = 8e3",
                 "[[volume]]\non = \"cavity\"\nfactor = \"1 + t\"",
-                &["[[volume]]", now, "\nvolume_factor = \"1 + t\""],
+                &["[[volume]]", NOW, "\nvolume_factor = \"1 + t\""],
             ),
         ],
     );
@@ -320,7 +320,7 @@ fn tables_of_older_programs() {
         &[(
             "[shape]",
             "[[pressure]]\non = \"cavity\"\nslope = [-1e3, 1e3]\n\n[shape]",
-            &["[[pressure]]", now, "slope = [-1000.0, 1000.0]"],
+            &["[[pressure]]", NOW, "slope = [-1000.0, 1000.0]"],
         )],
     );
 }
