@@ -110,7 +110,7 @@ struct FaceNodes {
     largest: f64,
     /// How many such nodes there are.
     free: usize,
-    /// Smallest force on a node that is nearer to a plate than half the activation [N].
+    /// Smallest force on a node that is nearer to a plate than the activation [N].
     smallest_near: f64,
     /// How many such nodes there are.
     near: usize,
@@ -132,7 +132,7 @@ fn face_nodes(motion: &Motion) -> FaceNodes {
         if gap >= ACTIVATION {
             found.free += 1;
             found.largest = found.largest.max(force);
-        } else if gap < 0.5 * ACTIVATION {
+        } else {
             found.near += 1;
             found.smallest_near = found.smallest_near.min(force);
         }

@@ -74,7 +74,7 @@ fn bulge(dir: &Workdir) -> (f64, f64) {
 #[test]
 fn a_pressure_over_time_is_found_within_its_bounds() {
     let dir = workdir();
-    // in slow motion inertia changes the terms by less than 1e-9 of them
+    // in this slow motion inertia hardly changes the terms: the remainders are within rounding
     let unmeasured = ["density of body", "velocity of body"];
     dir.solver("check design.toml --steps 5").assert_all_but(&unmeasured);
     dir.solver("-q optimize design.toml -o out").assert_good();
