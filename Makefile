@@ -24,13 +24,14 @@ worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose c
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
-	@cargo build --release --locked --quiet
+	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"
+	@cargo build --release --locked
 
 test: setup  ## all tests that take seconds
-	cargo test --release --locked --workspace
+	@.ci/test
 
 test-all: setup beam  ## also those that take minutes
-	cargo test --release --locked --workspace -- --include-ignored
+	@.ci/test -- --include-ignored
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)
@@ -51,8 +52,9 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 		{ echo "setup: $(PYTHON) is $$($(PYTHON) --version 2>&1), needed is Python 3.10 to 3.13: make PYTHON=..."; exit 1; }
 	@$(PYTHON) -c 'import ensurepip' || { echo "setup: Python's venv is missing: apt install python3-venv"; exit 1; }
 	rm -rf .venv
+	@echo "setup: downloading Python packages (meshers, readers) into .venv, 270 MB: about a minute"
 	$(PYTHON) -m venv .venv
-	.venv/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<
+	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
 
 include pipelines/rules.mk

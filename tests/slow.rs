@@ -1,11 +1,39 @@
-//! Tests that take minutes: the beam from model to molds, and the molds of all scenes.
+//! Tests that take minutes: the beam from model to molds, a design of the frog, and the molds
+//! of all scenes.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+use tests::workdir::repository;
+
 #[path = "slow/beam.rs"]
 mod beam;
 
+#[path = "slow/frog.rs"]
+mod frog;
+
 #[path = "slow/molds.rs"]
 mod molds;
+
+/// Runs `make GOAL` in this checkout, one at a time, and returns what it printed.
+fn make(goal: &str) -> String {
+    static ONE: Mutex<()> = Mutex::new(());
+    let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut command = Command::new("make");
+    // a make that runs these tests must not hand its own flags down
+    command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
+    run(command.arg(goal).current_dir(repository()))
+}
+
+/// Runs a command to its good end and returns what it printed.
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8_lossy(&said).into_owned();
+    assert!(output.status.success(), "{command:?}: {said}");
+    said
+}

@@ -16,6 +16,8 @@ pub mod motion;
 pub mod polyfem;
 #[path = "support/published.rs"]
 pub mod published;
+#[path = "support/skip.rs"]
+pub mod skip;
 #[path = "support/symmetric_gas.rs"]
 pub mod symmetric_gas;
 #[path = "support/workdir.rs"]
@@ -81,14 +83,14 @@ pub fn tag(mesh: TetMesh, rules: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Body {
     Body::new(mesh, tags)
 }
 
-/// A file beside the repository that is not part of it; none, with a printed
-/// reason, where it is absent.
+/// A file beside the repository that is not part of it; none where it is absent,
+/// and the test is counted as skipped.
 #[must_use]
 pub fn shared(path: &str) -> Option<PathBuf> {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
     if file.exists() {
         return Some(file);
     }
-    eprintln!("SKIPPED: {} is not on this machine", file.display());
+    skip::skip(&format!("{path} of the shared files is not on this machine"));
     None
 }

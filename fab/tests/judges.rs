@@ -3,6 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod fixture;
+#[path = "../../tests/support/skip.rs"]
+#[allow(clippy::expect_used)]
+mod skip;
 #[path = "../../tests/support/judges.rs"]
 #[allow(dead_code, clippy::expect_used)]
 mod judges;

@@ -177,7 +177,7 @@ fn a_tolerance_below_rounding_is_reported_as_missed() {
 #[test]
 fn a_factor_that_does_not_fit_is_refused_before_it_is_made() {
     if !cfg!(target_os = "linux") {
-        eprintln!("SKIPPED: limits are read on Linux only");
+        tests::skip::skip("limits of memory are read on Linux only");
         return;
     }
     let dir = chamber::workdir();

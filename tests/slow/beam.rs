@@ -10,23 +10,13 @@ use std::time::SystemTime;
 use serde_json::Value;
 use tests::workdir::{program, repository};
 
-/// Runs `make beam` and returns what it said.
-fn make_beam() -> String {
-    let mut command = Command::new("make");
-    // a make that runs these tests must not hand its own flags down
-    command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
-    let output = command.arg("beam").current_dir(repository()).output().unwrap();
-    let said = [output.stdout, output.stderr].concat();
-    let said = String::from_utf8_lossy(&said).into_owned();
-    assert!(output.status.success(), "{said}");
-    said
-}
+use crate::make;
 
 /// The folder of results; made once for all tests here.
-fn beam() -> PathBuf {
+pub fn beam() -> PathBuf {
     static MADE: Once = Once::new();
     MADE.call_once(|| {
-        make_beam();
+        make("beam");
     });
     repository().join("build/beam")
 }
@@ -54,7 +44,7 @@ fn json(path: &Path) -> Value {
 fn a_second_make_does_nothing() {
     let folder = beam();
     let before = files(&folder);
-    make_beam();
+    make("beam");
     assert!(before == files(&folder), "files changed");
     // atomic writes leave nothing beside what they wrote
     let name = |p: &PathBuf| p.file_name().unwrap().to_string_lossy().into_owned();

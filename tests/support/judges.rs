@@ -1,11 +1,13 @@
 //! Other programs that judge what `fab mold` writes: trimesh and manifold3d of the
 //! repository's `.venv`, admesh and prusa-slicer.
 //!
-//! The tests of `fab`, which cannot use this crate, include this file, so that it uses
-//! nothing but the standard library.
+//! The tests of `fab`, which cannot use this crate, include this file and `skip.rs`, so that
+//! it uses nothing else but the standard library.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use super::skip::skip;
 
 /// Largest difference of two volumes as a part of them: they are sums over the same
 /// triangles in another order, found equal to 10⁻¹⁴; 10⁻⁵ is wanted.
@@ -67,7 +69,7 @@ const COMPLAINTS: [&str; 6] =
 pub const PACKAGES: &str = "numpy, trimesh, manifold3d, lxml, networkx";
 
 /// The interpreter of the repository's `.venv` if it has the packages that a
-/// test needs; none, with a printed reason, if not.
+/// test needs; none if not, and the test is counted as skipped.
 #[must_use]
 pub fn python(packages: &str) -> Option<PathBuf> {
     // Of every package that includes this file the repository is the folder above.
@@ -76,16 +78,16 @@ pub fn python(packages: &str) -> Option<PathBuf> {
     if found.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
-    eprintln!("SKIPPED: {} has not all of {packages}; run `make setup`", python.display());
+    skip(&format!("Python packages {packages} are missing: run `make setup`"));
     None
 }
 
-/// Whether a program is there; says so if not.
+/// Whether a program is there; if not, the test is counted as skipped.
 #[must_use]
 pub fn installed(program: &str) -> bool {
     let found = Command::new(program).arg("--help").output().is_ok();
     if !found {
-        eprintln!("SKIPPED: {program} is not installed");
+        skip(&format!("{program} is not installed"));
     }
     found
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -33,22 +34,36 @@ pub fn repository() -> PathBuf {
 
 /// A program of the workspace, from the profile that this test was built with.
 ///
-/// Cargo builds the programs of other packages neither for `cargo test -p tests`
-/// nor tells where they are; they lie beside the folder of the test executable.
-///
 /// # Panics
-/// When the program has not been built.
+/// When it cannot be built.
 #[must_use]
 pub fn program(name: &str) -> PathBuf {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    BUILT.get_or_init(build_programs).join(name)
+}
+
+/// Brings the programs up to date and returns their folder, `target/<profile>`.
+///
+/// Cargo builds the programs of other packages neither for `cargo test -p tests` nor tells
+/// where they are. It holds its lock while it compiles, not while it runs tests, so that a
+/// test may call it; several test programs at once wait for each other. Where nothing has
+/// changed, the call takes a fraction of a second.
+fn build_programs() -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
-    let profile = test.parent().and_then(Path::parent).expect("target/<profile>/deps/<test>");
-    let program = profile.join(name);
-    assert!(
-        program.is_file(),
-        "{} is missing; build first: cargo build --release",
-        program.display()
-    );
-    program
+    let folder = test.parent().and_then(Path::parent).expect("target/<profile>/deps/<test>");
+    let target = folder.parent().expect("target/<profile>");
+    let profile = match folder.file_name().and_then(|name| name.to_str()) {
+        Some("debug") => "dev",
+        Some(name) => name,
+        None => panic!("{} is not a folder of cargo's", folder.display()),
+    };
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut build = Command::new(cargo);
+    build.args(["build", "--quiet", "--locked", "--workspace", "--bins", "--profile", profile]);
+    build.arg("--target-dir").arg(target).current_dir(repository());
+    let status = build.status().unwrap_or_else(|e| panic!("{build:?}: {e}"));
+    assert!(status.success(), "{build:?}: {status}");
+    folder.to_path_buf()
 }
 
 impl Workdir {
@@ -161,6 +176,19 @@ impl Run {
     /// When it did not.
     pub fn assert_good(&self) {
         assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
+    }
+
+    /// Asserts that `solver check` found no wrong gradient, and that it could measure all
+    /// but those by `parameters`, of which each has an effect that is within rounding.
+    ///
+    /// # Panics
+    /// When it did not.
+    pub fn assert_all_but(&self, parameters: &[&str]) {
+        self.assert_refused(1, parameters);
+        for line in self.stderr.lines().filter(|line| line.starts_with("  \"")) {
+            let expected = parameters.iter().any(|p| line.contains(&format!(" by {p}, ")));
+            assert!(expected && line.contains("not measurable"), "{line}\n{}", self.stdout);
+        }
     }
 
     /// Asserts that the program ended with an exit code and a message that has

@@ -7,6 +7,9 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+#[path = "../../../tests/support/skip.rs"]
+mod skip;
+
 /// A folder that disappears with the test; runs use caches of their own.
 pub struct Workdir {
     folder: tempfile::TempDir,
@@ -82,7 +85,8 @@ impl Run {
     }
 }
 
-/// The Python with the meshers, unless it lacks `package`: then says so.
+/// The Python with the meshers; none if it lacks `package`, and the test is counted as
+/// skipped.
 pub fn python_with(package: &str) -> Option<String> {
     let named = std::env::var("PUFFER_PYTHON").ok();
     let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
@@ -93,7 +97,7 @@ pub fn python_with(package: &str) -> Option<String> {
         Ok(output) if output.status.success() => return Some(python),
         Ok(output) => String::from_utf8_lossy(&output.stderr).lines().last()?.to_owned(),
     };
-    eprintln!("skipped, {package} is not usable: {reason}");
+    skip::skip(&format!("Python's {package} is not usable: {reason}"));
     None
 }
 
