@@ -246,7 +246,7 @@ mod tests {
             ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
             ("[sprue]\nradius = nan", "sprue.radius is NaN"),
             ("[sprue]\nhead = 20", "sprue.head is 20"),
-            ("[casting]\nsilicone = \"rubber\"", "known are dragon-boundary-10-medium"),
+            ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),
             ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),

@@ -69,7 +69,7 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     toml::from_str(text).expect("silicones.toml is checked by a test")
 });
 
-/// The silicone of a name such as `dragon-boundary-20`, or the names there are.
+/// The silicone of a name such as `dragon-skin-20`, or the names there are.
 ///
 /// # Errors
 /// If there is none of that name.
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn shares_are_those_of_the_bottle() {
-        assert_eq!(find("dragon-boundary-20").unwrap().shares(), Some([0.5, 0.5]));
+        assert_eq!(find("dragon-skin-20").unwrap().shares(), Some([0.5, 0.5]));
         assert_eq!(find("elastosil-m4601").unwrap().shares(), Some([0.9, 0.1]));
         let message = find("rubber").unwrap_err();
         assert!(message.contains("ecoflex-00-30"), "{message}");
