@@ -59,7 +59,7 @@ fn pressed(friction: f64, cells: usize) -> Motion {
 
 /// ∫ P N dA over the facets of a tag, from the stress in their elements [N].
 fn traction(motion: &Motion, name: &str) -> Vec3 {
-    let (space, body) = (&motion.system.space, &motion.scene.body);
+    let (space, body) = (&motion.problem.space, &motion.scene.body);
     let law = motion.scene.parts[0].material.build();
     let facets = body.facets(name).unwrap();
     let n = space.nodes_per_element();
@@ -106,8 +106,9 @@ fn plate_force(motion: &mut Motion) -> f64 {
 /// plate is near [N], and how many such nodes there are.
 fn force_on_free_nodes(motion: &Motion) -> (f64, usize) {
     let rest = &motion.scene.body.mesh.vertices;
-    let load = motion.march.progress.load();
-    let grid = grid_with_forces(&motion.system, rest, motion.u(), load);
+    let load = motion.stepper.progress.load();
+    let state = motion.stepper.iterate(&motion.problem, rest);
+    let grid = grid_with_forces(&motion.problem.energies, &state);
     let half = 0.5 * EDGE + 0.99 * ACTIVATION - 0.25 * EDGE * load;
     let (mut largest, mut count) = (0.0_f64, 0);
     for (node, x) in grid.points.iter().enumerate() {
@@ -148,7 +149,7 @@ fn press(friction: f64, cells: usize) -> Vec<(f64, f64)> {
         100.0 * last.0,
         last.1,
         plate_force(&mut cube),
-        cube.march.progress.newton_iterations,
+        cube.stepper.progress.newton_iterations,
         clock.elapsed().as_secs_f64()
     );
     curve
