@@ -24,14 +24,12 @@
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
 //! 2023. One factorisation per step.
 
-use std::time::Instant;
-
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, ParameterGradients, PastCotangent, Term};
-use crate::forward::{State, System, Trajectory};
+use crate::energy::{Constraint, Iterate, ParameterGradients, PastCotangent, Term};
+use crate::forward::{Linearization, Problem, State, Trajectory, Workspace, solve_multipliers};
 use crate::math::linear::{dot, norm};
 
 /// Relative residual of the adjoint system that is too large.
@@ -68,52 +66,46 @@ pub struct Gradient {
 }
 
 /// Sweeps back through a run on a rest shape. `partials` adds the objective's at
-/// moment n, 0 at the start, to zeros. `linearized` says that the system has a
-/// factor of the Hessian at the last state.
+/// moment n, 0 at the start, to zeros. A linearisation at the last state, if the
+/// workspace still holds it, saves one factorisation.
 ///
 /// # Errors
 /// [`Singular`] when H has no accurate inverse at some step.
 pub fn sweep(
-    system: &mut System,
-    rest: &[Vec3],
-    run: &Trajectory,
-    linearized: bool,
+    problem: &Problem,
+    workspace: &mut Workspace,
+    (rest, run): (&[Vec3], &Trajectory),
+    linearization: Option<&Linearization>,
     mut partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
 ) -> Result<Gradient, Singular> {
-    let (len, steps) = (system.len(), run.steps());
+    let (len, steps) = (problem.dofs(), run.steps());
     let mut rest_bar = vec![0.0; 3 * rest.len()];
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
         let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials { by_u: u, by_contact: vec![0.0; len] };
-        partials(&system.space, n, &mut own);
-        let state = run.state(n);
-        let at = Moment { rest, u: &state.u, load: run.times[n] };
-        system.step = Some(run.step(system, rest, n));
-        system.hold_volumes(rest, at.u, at.load);
-        let sweep = Step { by_velocity: v, partials: own };
-        let factored = linearized && n == steps;
-        let solution = sweep.solve(system, &at, factored)?;
+        partials(&problem.space, n, &mut own);
+        let (state, step) = (run.state(n), run.step(problem, rest, n));
+        let at = problem.iterate(rest, &state.u, run.times[n]);
+        let at = Iterate { step: Some(&step), ..at };
+        let multipliers = solve_multipliers(problem, workspace, &at);
+        let at = Iterate { multipliers: &multipliers, ..at };
+        let moment = Moment { at, h: step.h, by_velocity: v, partials: own };
+        let linearization = linearization.filter(|_| n == steps);
+        let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
-        let past = sweep.pull_back(system, &at, &solution, n, into);
-        hand_on(system, rest, run, n, &past, &mut states, &mut rest_bar);
+        let past = moment.pull_back(problem, &solution, n - 1, into);
+        hand_on(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
     }
     let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials { by_u: u, by_contact: vec![0.0; len] };
-    partials(&system.space, 0, &mut first);
+    partials(&problem.space, 0, &mut first);
     Ok(Gradient { rest: rest_bar, parameters, start: State { u: first.by_u, v } })
 }
 
 fn zeros(len: usize) -> State {
     State { u: vec![0.0; len], v: vec![0.0; len] }
-}
-
-/// Where a step ends.
-struct Moment<'a> {
-    rest: &'a [Vec3],
-    u: &'a [f64],
-    load: f64,
 }
 
 /// Of the adjoint system of a step.
@@ -124,81 +116,75 @@ struct Solution {
     mu: Vec<f64>,
 }
 
-/// What is known at a step before its adjoint system is solved.
-struct Step {
+/// Where a step ends, and what is known there before its adjoint system is solved.
+struct Moment<'a> {
+    at: Iterate<'a>,
+    /// h of the step [s].
+    h: f64,
     by_velocity: Vec<f64>,
     partials: Partials,
 }
 
-impl Step {
+impl Moment<'_> {
     fn solve(
         &self,
-        system: &mut System,
-        at: &Moment,
-        factored: bool,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        linearization: Option<&Linearization>,
     ) -> Result<Solution, Singular> {
-        let h = system.step.as_ref().expect("set by the sweep").h;
-        let by_contact = &self.partials.by_contact;
-        let through = system.contact_hessian_times(at.rest, at.u, at.load, by_contact);
+        let (at, by_contact) = (&self.at, &self.partials.by_contact);
+        let through = workspace.contact_hessian_times(problem, at, by_contact);
         let sum = |d: usize| {
-            let own = self.partials.by_u[d] + self.by_velocity[d] / h;
+            let own = self.partials.by_u[d] + self.by_velocity[d] / self.h;
             -(own - through.as_ref().map_or(0.0, |t| t[d]))
         };
-        let rhs = system.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
-        let constraints = system.constraints(at.rest, at.u, at.load);
+        let rhs = problem.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
+        let constraints = problem.constraints(at);
         if norm(&rhs) == 0.0 {
             return Ok(Solution {
                 lambda: vec![0.0; at.u.len()],
                 mu: vec![0.0; constraints.len()],
             });
         }
-        if !factored {
-            system.linearize(at.rest, at.u, at.load);
+        if !linearization.is_some_and(|l| workspace.holds(l, at)) {
+            workspace.linearize(problem, at);
         }
-        let mut lambda = solve(system, rhs)?;
-        let mu = hold(system, &constraints, &mut lambda)?;
-        Ok(Solution { lambda: system.prolong(&lambda), mu })
+        let mut lambda = solve(workspace, rhs)?;
+        let mu = hold(problem, workspace, &constraints, &mut lambda)?;
+        Ok(Solution { lambda: problem.prolong(&lambda), mu })
     }
 
-    /// The cotangent of the past; adds those of the rest shape and parameters.
+    /// The cotangent of the past; adds those of the rest shape and of the parameters in
+    /// a time step counted from 0.
     fn pull_back(
         &self,
-        system: &System,
-        at: &Moment,
+        problem: &Problem,
         Solution { lambda, mu }: &Solution,
-        n: usize,
+        step: usize,
         (rest_bar, parameters): (&mut [f64], &mut ParameterGradients),
     ) -> PastCotangent {
-        let iterate = system.iterate(at.rest, at.u, at.load);
+        let at = &self.at;
         let mut past = PastCotangent::zeros(at.u.len());
         let by_contact = &self.partials.by_contact;
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
-        for Term { kind, energy } in system.energies.terms() {
+        for Term { kind, energy } in problem.energies.terms() {
             let lambda = if kind.is_contact() { &in_contact } else { lambda };
-            energy.add_mixed_vjp(&iterate, lambda, rest_bar);
-            energy.add_past_vjp(&iterate, lambda, &mut past);
-            let mut by = energy.parameter_vjp(&iterate, lambda);
-            by.extend(energy.constraint_vjp(&iterate, mu, rest_bar));
+            energy.add_mixed_vjp(at, lambda, rest_bar);
+            energy.add_past_vjp(at, lambda, &mut past);
+            let mut by = energy.parameter_vjp(at, lambda);
+            by.extend(energy.constraint_vjp(at, mu, rest_bar));
             if let Some(id) = kind.parameter() {
-                parameters.add(n - 1, id, by);
+                parameters.add(step, id, by);
             }
         }
-        let h = system.step.as_ref().expect("set by the sweep").h;
-        past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
+        past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / self.h);
         past
     }
 }
 
-/// H⁻¹ of a vector over the free degrees of freedom.
-fn solve(system: &mut System, rhs: Vec<f64>) -> Result<Vec<f64>, Singular> {
-    let start = Instant::now();
-    let mut x = rhs.clone();
-    let mut residual = system.linear.solve_to(&mut x, SOUGHT);
-    if (residual.is_nan() || residual > TOLERANCE) && system.linear.sharpen() {
-        x = rhs;
-        residual = system.linear.solve_to(&mut x, SOUGHT);
-    }
-    system.timings.solve_s += start.elapsed().as_secs_f64();
+/// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
+fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, Singular> {
+    let residual = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
     if residual.is_nan() || residual > TOLERANCE {
         return Err(Singular { residual });
     }
@@ -208,7 +194,8 @@ fn solve(system: &mut System, rhs: Vec<f64>) -> Result<Vec<f64>, Singular> {
 /// Takes G μ out of the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0. The penalty
 /// in H does not matter, for it acts along G only.
 fn hold(
-    system: &mut System,
+    problem: &Problem,
+    workspace: &mut Workspace,
     constraints: &[Constraint],
     lambda: &mut [f64],
 ) -> Result<Vec<f64>, Singular> {
@@ -217,8 +204,8 @@ fn hold(
     if count == 0 {
         return Ok(mu);
     }
-    let across: Vec<Vec<f64>> = constraints.iter().map(|c| system.restrict(&c.gradient)).collect();
-    let solved = across.iter().map(|g| solve(system, g.clone()));
+    let across: Vec<Vec<f64>> = constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
+    let solved = across.iter().map(|g| solve(workspace, g.clone()));
     let solved: Vec<Vec<f64>> = solved.collect::<Result<_, _>>()?;
     let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
     let side = DVector::from_fn(count, |i, _| dot(&across[i], lambda));
@@ -230,21 +217,19 @@ fn hold(
     Ok(mu)
 }
 
-/// Hands the cotangent of the past of step n on to the states before it.
+/// Hands the cotangent of the past of step n, which has this h [s], on to the states
+/// before it.
 fn hand_on(
-    system: &System,
-    rest: &[Vec3],
-    run: &Trajectory,
-    n: usize,
-    past: &PastCotangent,
+    problem: &Problem,
+    (rest, run, n): (&[Vec3], &Trajectory, usize),
+    (past, h): (&PastCotangent, f64),
     states: &mut [Option<State>],
     rest_bar: &mut [f64],
 ) {
-    let h = system.step.as_ref().expect("set by the sweep").h;
-    let integrator = run.past(n);
+    let (len, integrator) = (problem.dofs(), run.past(n));
     for (i, alpha) in integrator.formula().0.iter().enumerate() {
-        let state = states[n - 1 - i].get_or_insert_with(|| zeros(system.len()));
-        for d in 0..system.len() {
+        let state = states[n - 1 - i].get_or_insert_with(|| zeros(len));
+        for d in 0..len {
             let flight = past.free_flight[d];
             state.u[d] += alpha * (past.history[d] + flight);
             state.v[d] += alpha * h * flight;
@@ -254,9 +239,9 @@ fn hand_on(
         return;
     }
     let last = run.state(n - 1);
-    let before = system.iterate(rest, &last.u, run.times[n - 1]);
-    let state = states[n - 1].get_or_insert_with(|| zeros(system.len()));
-    for energy in system.energies.iter() {
+    let before = problem.iterate(rest, &last.u, run.times[n - 1]);
+    let state = states[n - 1].get_or_insert_with(|| zeros(len));
+    for energy in problem.energies.iter() {
         energy.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
     }
 }

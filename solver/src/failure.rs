@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 
 use crate::body::Body;
 use crate::element::{FunctionSpace, at};
-use crate::forward::{Failure, Softness, System, Uncertified, Unreached};
+use crate::energy::Iterate;
+use crate::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Workspace};
 use crate::material::Kinematics;
 use crate::math::linear::Pivot;
 use crate::math::tensor::{Mat3, cofactor};
@@ -60,21 +61,30 @@ pub struct WorstElement {
 impl Diagnosis {
     /// Looks at both sides of the load step that failed; factors twice.
     #[must_use]
-    pub fn new(scene: &Scene, body: &Body, system: &mut System, unreached: &Unreached) -> Self {
+    pub fn new(
+        scene: &Scene,
+        body: &Body,
+        (problem, workspace): (&Problem, &mut Workspace),
+        unreached: &Unreached,
+    ) -> Self {
         let rest = &body.mesh.vertices;
         let attempt = &unreached.attempt;
-        let force = unbalanced_force(system, rest, &attempt.u, attempt.load);
-        let worst = worst_element(&system.space, rest, &attempt.u, &force, &unreached.failure);
-        let (load, next) = (unreached.load, attempt.load);
-        let zero = vec![0.0; system.len()];
-        let at_rest = Softness::of(system, rest, &zero, [0.0, next - load]);
-        let reached = Softness::of(system, rest, &attempt.reached, [load, next]);
+        let (space, next) = (&*problem.space, attempt.load);
+        let (multipliers, step) = (&attempt.multipliers, Some(&*attempt.step));
+        let (u, load) = (&attempt.reached, unreached.load);
+        let at = Iterate { space, rest, u, load, multipliers, step };
+        let force = unbalanced_force(problem, &Iterate { u: &attempt.u, load: next, ..at });
+        let worst = worst_element(space, rest, &attempt.u, &force, &unreached.failure);
+        let zero = vec![0.0; problem.dofs()];
+        let start = Iterate { u: &zero, load: 0.0, ..at };
+        let at_rest = SoftestMode::of(problem, workspace, &start, next - load);
+        let reached = SoftestMode::of(problem, workspace, &at, next);
         let range = scene.stretch_range();
-        let stretches = Stretches::of(&system.space, rest, &attempt.reached, range);
+        let stretches = Stretches::of(space, rest, &attempt.reached, range);
 
-        let reason = reason(scene, unreached, &at_rest, &system.space, rest);
+        let reason = reason(scene, unreached, &at_rest, space, rest);
         let mut lines = vec![reason.clone()];
-        lines.extend(facts(scene, unreached, &worst, system, rest, [&at_rest, &reached]));
+        lines.extend(facts(scene, unreached, &worst, problem, rest, [&at_rest, &reached]));
         let advice = advice(scene, unreached, &worst, [&at_rest, &reached], &stretches);
         lines.extend(advice.iter().map(|a| format!("try: {a}")));
         let status = if at_rest.floats() { "not enough supports" } else { "no equilibrium" };
@@ -87,14 +97,14 @@ impl Diagnosis {
                 "load_tried": attempt.load,
                 "residuals": last(&attempt.residuals),
                 "worst_element": worst,
-                "smallest_pivot": pivot(&reached.pivot, system, rest),
+                "smallest_pivot": pivot(&reached.pivot, problem, rest),
                 "softest_stiffness": { "at_rest": at_rest.stiffness, "reached": reached.stiffness },
                 "softening": softening(&at_rest, &reached),
                 "try": advice,
                 "state": STATE,
             },
         });
-        let grid = grid(&system.space, rest, &attempt.reached, &worst, &force);
+        let grid = grid(space, rest, &attempt.reached, &worst, &force);
         Self { message: lines.join("\n  "), report, grid }
     }
 
@@ -113,9 +123,9 @@ fn last(residuals: &[f64]) -> &[f64] {
 }
 
 /// Gradient on the free degrees of freedom [N]; zero where it is not finite.
-fn unbalanced_force(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Vec<f64> {
-    let (gradient, _) = system.gradient(rest, u, load);
-    let mut force = system.prolong(&system.restrict(&gradient));
+fn unbalanced_force(problem: &Problem, at: &Iterate) -> Vec<f64> {
+    let (gradient, _) = problem.gradient(at);
+    let mut force = problem.prolong(&problem.restrict(&gradient));
     force.iter_mut().filter(|f| !f.is_finite()).for_each(|f| *f = 0.0);
     force
 }
@@ -176,7 +186,7 @@ fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usi
 fn reason(
     scene: &Scene,
     unreached: &Unreached,
-    at_rest: &Softness,
+    at_rest: &SoftestMode,
     space: &FunctionSpace,
     rest: &[Vec3],
 ) -> String {
@@ -200,9 +210,9 @@ fn facts(
     scene: &Scene,
     unreached: &Unreached,
     worst: &WorstElement,
-    system: &System,
+    problem: &Problem,
     rest: &[Vec3],
-    [at_rest, reached]: [&Softness; 2],
+    [at_rest, reached]: [&SoftestMode; 2],
 ) -> Vec<String> {
     let residuals: Vec<String> =
         last(&unreached.attempt.residuals).iter().map(|r| format!("{r:.1e}")).collect();
@@ -224,11 +234,11 @@ fn facts(
         worst.quality
     ));
     if let Some(Pivot { value, largest, unknown }) = reached.pivot {
-        let node = system.dof(unknown) / 3;
+        let node = problem.dirichlet.free()[unknown] / 3;
         facts.push(format!(
             "smallest pivot at {}: {value:.1e} N/m at {}, largest {largest:.1e} N/m",
             scene.progress(unreached.load),
-            point(&system.space.node_positions(rest)[node])
+            point(&problem.space.node_positions(rest)[node])
         ));
     }
     if reached.pivot.is_none() {
@@ -240,7 +250,7 @@ fn facts(
 }
 
 /// Compliance to the loads, relative to that at rest.
-fn softening(at_rest: &Softness, reached: &Softness) -> Option<f64> {
+fn softening(at_rest: &SoftestMode, reached: &SoftestMode) -> Option<f64> {
     Some(reached.compliance? / at_rest.compliance?)
 }
 
@@ -248,7 +258,7 @@ fn advice(
     scene: &Scene,
     unreached: &Unreached,
     worst: &WorstElement,
-    [at_rest, reached]: [&Softness; 2],
+    [at_rest, reached]: [&SoftestMode; 2],
     stretches: &Stretches,
 ) -> Vec<String> {
     let mut advice = Vec::new();
@@ -309,10 +319,10 @@ fn advice(
     advice
 }
 
-fn pivot(pivot: &Option<Pivot>, system: &System, rest: &[Vec3]) -> Value {
+fn pivot(pivot: &Option<Pivot>, problem: &Problem, rest: &[Vec3]) -> Value {
     let Some(Pivot { value, largest, unknown }) = pivot else { return Value::Null };
-    let dof = system.dof(*unknown);
-    let at: [f64; 3] = system.space.node_positions(rest)[dof / 3].into();
+    let dof = problem.dirichlet.free()[*unknown];
+    let at: [f64; 3] = problem.space.node_positions(rest)[dof / 3].into();
     let axis = ["x", "y", "z"][dof % 3];
     json!({ "value": value, "largest": largest, "at": at, "axis": axis })
 }

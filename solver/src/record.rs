@@ -4,12 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use mesh::Vec3;
 use mesh::io::vtu;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::energy::Iterate;
-use crate::forward::{LoadStep, Progress, System, Timings};
+use crate::energy::{Iterate, Multiplier};
+use crate::forward::{LoadStep, Problem, Progress, Timings};
 use crate::results;
 use crate::scene::Scene;
 
@@ -86,10 +87,11 @@ impl Checkpoint {
 /// Writes the reported steps of a run.
 pub struct Recorder<'a> {
     scene: &'a Scene,
+    problem: &'a Problem,
     folder: PathBuf,
     /// Whether every step gets its picture.
     pictures: bool,
-    /// What was told of each step.
+    /// What was reported of each step.
     pub lines: Vec<Value>,
     work: Work,
 }
@@ -101,12 +103,13 @@ impl<'a> Recorder<'a> {
     /// When they cannot be read.
     pub fn new(
         scene: &'a Scene,
-        system: &mut System,
+        problem: &'a Problem,
         folder: &Path,
         pictures: bool,
         done: Option<&Checkpoint>,
     ) -> Result<Self> {
-        let mut work = Work::new(scene, system);
+        let rest = &scene.body.mesh.vertices;
+        let mut work = Work::new(problem, rest);
         let mut lines = Vec::new();
         if let Some(done) = done {
             let path = folder.join(STEPS);
@@ -125,16 +128,15 @@ impl<'a> Recorder<'a> {
                 done.steps
             );
             let so_far = lines.last().and_then(|line: &Value| line["work_of_loads"].as_f64());
-            work.resume(scene, system, &done.progress, so_far.unwrap_or(0.0));
+            work.resume(problem, rest, &done.progress, so_far.unwrap_or(0.0));
         }
-        Ok(Self { scene, folder: folder.to_path_buf(), pictures, lines, work })
+        Ok(Self { scene, problem, folder: folder.to_path_buf(), pictures, lines, work })
     }
 
     /// Follows the work of the loads through every load step.
-    pub fn follow(&mut self, system: &mut System, step: &LoadStep) {
-        let at = (step.load, &step.u[..]);
-        system.multipliers.clone_from(&step.multipliers);
-        self.work.follow(self.scene, system, at);
+    pub fn follow(&mut self, step: &LoadStep) {
+        let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
+        self.work.follow(self.problem, &at);
     }
 
     /// Work of gas, dead loads and moving supports so far [J].
@@ -147,20 +149,15 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn record(
-        &mut self,
-        system: &mut System,
-        step: &LoadStep,
-        v: Option<&[f64]>,
-    ) -> Result<()> {
+    pub fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
         let body = &self.scene.body;
-        let mut line = results::step(self.scene, body, system, step, v)?;
+        let mut line = results::step(self.scene, body, self.problem, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
-            let rest = &body.mesh.vertices;
-            let grid = results::grid_with_forces(system, rest, &step.u, step.load);
+            let at = step.iterate(self.problem, &body.mesh.vertices);
+            let grid = results::grid_with_forces(&self.problem.energies, &at);
             vtu::write_vtu(&self.folder.join(name), &grid)?;
             let picture = |(i, line): (usize, &Value)| (time(line), picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
@@ -192,48 +189,48 @@ struct Work {
 }
 
 impl Work {
-    fn new(scene: &Scene, system: &mut System) -> Self {
-        let mut work = Self { last: Vec::new(), total: 0.0 };
-        let multipliers = system.multipliers.clone();
-        system.multipliers.iter_mut().for_each(|m| m.pressure = 0.0);
-        work.last = work.pairs(scene, system, (0.0, &vec![0.0; system.len()]));
-        system.multipliers = multipliers;
-        work
+    /// Begins at rest, where prescribed volumes need no pressure.
+    fn new(problem: &Problem, rest: &[Vec3]) -> Self {
+        let still = vec![0.0; problem.dofs()];
+        let relaxed = |m: &Multiplier| Multiplier { pressure: 0.0, ..*m };
+        let multipliers: Vec<Multiplier> = problem.multipliers.iter().map(relaxed).collect();
+        let at = problem.iterate(rest, &still, 0.0);
+        let last = pairs(problem, &Iterate { multipliers: &multipliers, ..at });
+        Self { last, total: 0.0 }
     }
 
-    fn resume(&mut self, scene: &Scene, system: &mut System, progress: &Progress, total: f64) {
-        if let Some(last) = progress.last.last() {
-            system.multipliers.clone_from(&last.multipliers);
-        }
-        self.last = self.pairs(scene, system, (progress.load(), progress.reached()));
+    fn resume(&mut self, problem: &Problem, rest: &[Vec3], progress: &Progress, total: f64) {
+        let at = problem.iterate(rest, progress.reached(), progress.load());
+        let reached = progress.last.last();
+        let multipliers = reached.map_or(at.multipliers, |last| &last.multipliers);
+        self.last = pairs(problem, &Iterate { multipliers, ..at });
         self.total = total;
     }
 
-    fn follow(&mut self, scene: &Scene, system: &mut System, at: (f64, &[f64])) {
-        let next = self.pairs(scene, system, at);
+    fn follow(&mut self, problem: &Problem, at: &Iterate) {
+        let next = pairs(problem, at);
         for ([f, q], [next_f, next_q]) in self.last.iter().zip(&next) {
             self.total += 0.5 * (f + next_f) * (next_q - q);
         }
         self.last = next;
     }
+}
 
-    fn pairs(&self, scene: &Scene, system: &mut System, (load, u): (f64, &[f64])) -> Vec<[f64; 2]> {
-        let rest = &scene.body.mesh.vertices;
-        let (reactions, _) = system.gradient(rest, u, load);
-        let here: Iterate = system.iterate(rest, u, load);
-        let mut dead = vec![0.0; u.len()];
-        for term in system.energies.terms().filter(|term| term.kind.is_dead_load()) {
-            term.energy.add_gradient(&here, &mut dead);
-        }
-        let gas = system.energies.chambers().map(|(_, named)| {
-            let (volume, gas) = named.chamber.state(&here);
-            [gas.pressure, volume]
-        });
-        let fixed = system.fixed();
-        let dofs = (0..u.len()).map(|dof| {
-            let reaction = if fixed[dof] { reactions[dof] } else { 0.0 };
-            [reaction - dead[dof], u[dof]]
-        });
-        gas.chain(dofs).collect()
+/// Forces and the quantities that they work on.
+fn pairs(problem: &Problem, at: &Iterate) -> Vec<[f64; 2]> {
+    let (reactions, _) = problem.gradient(at);
+    let mut dead = vec![0.0; at.u.len()];
+    for term in problem.energies.terms().filter(|term| term.kind.is_dead_load()) {
+        term.energy.add_gradient(at, &mut dead);
     }
+    let gas = problem.energies.chambers().map(|(_, named)| {
+        let (volume, gas) = named.chamber.state(at);
+        [gas.pressure, volume]
+    });
+    let fixed = problem.dirichlet.fixed();
+    let dofs = (0..at.u.len()).map(|dof| {
+        let reaction = if fixed[dof] { reactions[dof] } else { 0.0 };
+        [reaction - dead[dof], at.u[dof]]
+    });
+    gas.chain(dofs).collect()
 }

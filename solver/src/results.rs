@@ -13,7 +13,7 @@ use crate::body::Body;
 use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
 use crate::energy::{Chamber, Energies, Iterate, Kind, Term};
-use crate::forward::{LoadStep, System};
+use crate::forward::{LoadStep, Problem};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
 use crate::scene::Scene;
@@ -55,14 +55,13 @@ pub struct ChamberReport {
 pub fn tags(
     scene: &Scene,
     body: &Body,
-    system: &mut System,
-    u: &[f64],
-    load: f64,
+    problem: &Problem,
+    at: &Iterate,
 ) -> Result<BTreeMap<String, TagReport>> {
-    let reactions = reactions(scene, body, system, u, load)?;
+    let reactions = reactions(scene, body, problem, at)?;
     let mut reports = BTreeMap::new();
     for name in body.used_tags() {
-        let mut report = displacements(body, &system.space, &body.facets(name)?, u);
+        let mut report = displacements(body, at.space, &body.facets(name)?, at.u);
         if let Some(reaction) = reactions.get(name) {
             report.reaction = *reaction;
         }
@@ -76,12 +75,11 @@ pub fn tags(
 fn reactions(
     scene: &Scene,
     body: &Body,
-    system: &mut System,
-    u: &[f64],
-    load: f64,
+    problem: &Problem,
+    at: &Iterate,
 ) -> Result<BTreeMap<String, [f64; 3]>> {
-    let (gradient, _) = system.gradient(&body.mesh.vertices, u, load);
-    let supports = scene.supports(body, &system.space)?;
+    let (gradient, _) = problem.gradient(at);
+    let supports = scene.supports(body, at.space)?;
     let fixed = &scene.config.fixed;
     let mut reactions: BTreeMap<String, [f64; 3]> =
         fixed.iter().map(|support| (support.on.clone(), [0.0; 3])).collect();
@@ -132,11 +130,11 @@ pub fn displacements(
 pub fn step(
     scene: &Scene,
     body: &Body,
-    system: &mut System,
+    problem: &Problem,
     step: &LoadStep,
     v: Option<&[f64]>,
 ) -> Result<Value> {
-    system.multipliers.clone_from(&step.multipliers);
+    let (energies, at) = (&problem.energies, step.iterate(problem, &body.mesh.vertices));
     let mut report = json!(step);
     report["t"] = json!(step.load);
     if scene.config.time.is_some()
@@ -145,24 +143,22 @@ pub fn step(
         // there is no full load of which it would be a fraction
         report.remove("load");
     }
-    report["chambers"] = json!(chambers(system, &body.mesh.vertices, &step.u, step.load));
+    report["chambers"] = json!(chambers(energies, &at));
     let mut moved = BTreeMap::new();
     for name in body.used_tags() {
-        let report = displacements(body, &system.space, &body.facets(name)?, &step.u);
+        let report = displacements(body, at.space, &body.facets(name)?, at.u);
         moved.insert(name.clone(), report.mean_displacement_vector);
     }
     report["mean_displacement"] = json!(moved);
-    report["reactions"] = json!(reactions(scene, body, system, &step.u, step.load)?);
-    report["force_balance"] = balance(system, &body.mesh.vertices, &step.u, step.load);
-    report["energies"] = json!(energies(system, &body.mesh.vertices, &step.u, step.load));
+    report["reactions"] = json!(reactions(scene, body, problem, &at)?);
+    report["force_balance"] = balance(problem, &at);
+    report["energies"] = json!(stored_energies(energies, &at));
     if let Some(v) = v {
-        let (space, rest) = (&system.space, &body.mesh.vertices);
-        report["energies"]["kinetic"] = json!(kinetic_energy(&system.energies, space, rest, v));
-        let momentum = momentum(&system.energies, space, rest, v);
+        report["energies"]["kinetic"] = json!(kinetic_energy(energies, at.space, at.rest, v));
+        let momentum = momentum(energies, at.space, at.rest, v);
         report["momentum"] = json!(<[f64; 3]>::from(momentum));
     }
-    let here = system.iterate(&body.mesh.vertices, &step.u, step.load);
-    if let Some(collisions) = collisions(scene, &system.energies, &here) {
+    if let Some(collisions) = collisions(scene, energies, &at) {
         report["collisions"] = collisions;
     }
     Ok(report)
@@ -180,60 +176,48 @@ pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[
     energies.inertia().map(|i| i.momentum(space, rest, v)).sum()
 }
 
-/// Measures every chamber at a load.
+/// Measures every chamber.
 #[must_use]
-pub fn chambers(
-    system: &System,
-    rest: &[Vec3],
-    u: &[f64],
-    load: f64,
-) -> BTreeMap<String, ChamberReport> {
-    let here = system.iterate(rest, u, load);
+pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, ChamberReport> {
     let report = |chamber: &Chamber| {
-        let (volume, gas) = chamber.state(&here);
-        let volume_rest = chamber.rest_volume(&here);
+        let (volume, gas) = chamber.state(at);
+        let volume_rest = chamber.rest_volume(at);
         let closed = chamber.wall.is_closed();
         ChamberReport { volume_rest, volume, pressure: gas.pressure, closed }
     };
-    let chambers = system.energies.chambers();
+    let chambers = energies.chambers();
     chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
 }
 
 /// Energies of a state by kind, and their sum `total` [J]. What inertia and
 /// friction add to the potential of a step in time is none.
 #[must_use]
-pub fn energies(
-    system: &System,
-    rest: &[Vec3],
-    u: &[f64],
-    load: f64,
-) -> BTreeMap<&'static str, f64> {
-    let at = system.iterate(rest, u, load);
+pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<&'static str, f64> {
     // those that a scene may lack are reported, too
-    let mut energies = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
-    for Term { energy, .. } in system.energies.terms().filter(|term| term.kind.is_stored()) {
-        let value = energy.value(&at);
-        *energies.entry(energy.name()).or_insert(0.0) += value;
-        *energies.entry("total").or_insert(0.0) += value;
+    let mut stored = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
+    for Term { energy, .. } in energies.terms().filter(|term| term.kind.is_stored()) {
+        let value = energy.value(at);
+        *stored.entry(energy.name()).or_insert(0.0) += value;
+        *stored.entry("total").or_insert(0.0) += value;
     }
-    energies
+    stored
 }
 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their
 /// sum is `out_of_balance`.
 #[must_use]
-pub fn balance(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Value {
-    let nodes = system.space.node_count();
+pub fn balance(problem: &Problem, state: &Iterate) -> Value {
+    let nodes = state.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
     let is_elastic = |term: &Term| matches!(term.kind, Kind::Elastic(_));
-    for Term { energy, .. } in system.energies.terms().filter(|term| !is_elastic(term)) {
-        let mut gradient = vec![0.0; system.len()];
-        energy.add_gradient(&system.iterate(rest, u, load), &mut gradient);
+    for Term { energy, .. } in problem.energies.terms().filter(|term| !is_elastic(term)) {
+        let mut gradient = vec![0.0; state.u.len()];
+        energy.add_gradient(state, &mut gradient);
         *loads.entry(energy.name()).or_default() -= resultant(&gradient);
     }
-    let (gradient, _) = system.gradient(rest, u, load);
+    let (gradient, _) = problem.gradient(state);
     loads.insert("reaction", resultant(&gradient));
     let sum: Vec3 = loads.values().sum();
     let mut report: BTreeMap<&str, Value> =
@@ -283,11 +267,11 @@ pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Va
 
 /// [`grid`] with the forces of contact and friction on the nodes [N].
 #[must_use]
-pub fn grid_with_forces(system: &System, rest: &[Vec3], u: &[f64], load: f64) -> vtu::Grid {
-    let mut grid = grid(&system.space, rest, u);
-    for energy in system.energies.contact_terms() {
-        let mut values = vec![0.0; u.len()];
-        energy.add_gradient(&system.iterate(rest, u, load), &mut values);
+pub fn grid_with_forces(energies: &Energies, at: &Iterate) -> vtu::Grid {
+    let mut grid = grid(at.space, at.rest, at.u);
+    for energy in energies.contact_terms() {
+        let mut values = vec![0.0; at.u.len()];
+        energy.add_gradient(at, &mut values);
         values.iter_mut().for_each(|f| *f = -*f);
         let (name, unit) = (format!("{}_force", energy.name()), "N".to_owned());
         grid.point_fields.push(vtu::Field { name, unit, components: 3, values });

@@ -17,7 +17,7 @@ use crate::body::{Body, Part};
 use crate::config::{BodyConfig, SimConfig, SolverConfig, beside};
 use crate::element::FunctionSpace;
 use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
-use crate::forward::{Integrator, Newton, State, Stepping, System};
+use crate::forward::{Integrator, Newton, Problem, State, Stepping, Workspace};
 use crate::material::Specification;
 use crate::memory;
 use crate::schedule::Field;
@@ -134,12 +134,12 @@ impl Scene {
         ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])
     }
 
-    /// The discrete problem on a body with this scene's tags.
+    /// The discrete problem on a body with this scene's tags, and what solving it needs.
     ///
     /// # Errors
     /// When a tag is missing, a pressure wall is open with a free rim, or the
     /// memory is too small.
-    pub fn system(&self, body: &Body) -> Result<System> {
+    pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
         let context = || self.path.display().to_string();
         let (degree, exact) = (self.config.degree, self.config.quadrature);
         let vertices = body.mesh.vertices.len();
@@ -147,12 +147,14 @@ impl Scene {
         let supports = self.supports(body, &space)?;
         let energies = self.energies(body, &space, &supports).with_context(context)?;
         let multipliers = self.multipliers(body, &space, &energies);
-        let system = System::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
-        system.memory().check(memory::available()).with_context(context)?;
+        let mut problem =
+            Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
         if supports.move_at_all() {
-            return Ok(system.with_motion(Box::new(move |load| supports.displacement(load))));
+            problem = problem.with_motion(move |load| supports.displacement(load));
         }
-        Ok(system)
+        let workspace = Workspace::new(&problem);
+        workspace.memory().check(memory::available()).with_context(context)?;
+        Ok((problem, workspace))
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.
@@ -188,8 +190,8 @@ impl Scene {
 
     /// The bodies at t = 0, and how they go on.
     #[must_use]
-    pub fn integrator(&self, body: &Body, system: &System) -> Integrator {
-        let space = &system.space;
+    pub fn integrator(&self, body: &Body, problem: &Problem) -> Integrator {
+        let space = &problem.space;
         let nodes = space.node_count();
         let mut v = vec![0.0; 3 * nodes];
         for (i, part) in self.parts.iter().enumerate() {
@@ -197,7 +199,7 @@ impl Scene {
                 v[3 * node..3 * node + 3].copy_from_slice(&part.config.velocity);
             }
         }
-        v.iter_mut().zip(system.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        problem.dirichlet.supports().iter().for_each(|&dof| v[dof] = 0.0);
         Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
     }
 

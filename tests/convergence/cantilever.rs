@@ -7,7 +7,7 @@
 use mesh::{TetMesh, Vec3};
 use solver::energy::{Energies, Traction};
 use tests::block;
-use tests::equilibrium::{MODULI, Problem, SILICONE, facets_where, mean};
+use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 
 const LENGTH: f64 = 0.1;
 const SIDE: f64 = 0.01;
@@ -52,10 +52,11 @@ fn ratio(end_held: End, degree: usize, cells: usize) -> f64 {
     let end = facets_where(&mesh, |p| p.x > LENGTH - 1e-9);
     let energies = |space: &_| {
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
-        let tractions = vec![Traction::new(space, &end, shear.into())];
-        Energies { tractions, ..Energies::elastic(Box::new(SILICONE)) }
+        let mut energies = Energies::elastic(Box::new(SILICONE));
+        energies.tractions.push(Traction::new(space, &end, shear.into()));
+        energies
     };
-    let mut problem = Problem::new(mesh, degree, energies, |p| end_held.held(p));
+    let mut problem = Equilibrium::new(mesh, degree, energies, |p| end_held.held(p));
     problem.solve(1.0);
     let tip = |x: &&(Vec3, Vec3)| x.0.x > LENGTH - 1e-9;
     let lifts: Vec<f64> = problem.nodes().iter().filter(tip).map(|x| x.1.z - x.0.z).collect();

@@ -90,11 +90,12 @@ fn press(even: usize, growth: f64) {
     press.go(1);
     let report = press.report();
     let force = 4.0 * report["collisions"]["contact"][0]["force"][2].as_f64().unwrap();
-    let nodes = press.system.space.node_positions(&press.scene.body.mesh.vertices);
+    let nodes = press.problem.space.node_positions(&press.scene.body.mesh.vertices);
     let pole = nodes.iter().position(|x| (x + Vec3::new(0.0, 0.0, RADIUS)).norm() < near);
     let delta = at(press.u(), pole.unwrap()).z;
     // ∫ p r² dA = 2/5 a² F of Hertz's pressure
-    let grid = grid_with_forces(&press.system, &press.scene.body.mesh.vertices, press.u(), 1.0);
+    let state = press.stepper.iterate(&press.problem, &press.scene.body.mesh.vertices);
+    let grid = grid_with_forces(&press.problem.energies, &state);
     let field = grid.point_fields.iter().find(|f| f.name == "contact_force").unwrap();
     let (mut moment, mut sum) = (0.0, 0.0);
     for (node, x) in nodes.iter().enumerate() {
@@ -113,7 +114,7 @@ fn press(even: usize, growth: f64) {
         force / by_radius,
         radius / (RADIUS * delta).sqrt(),
         (delta / RADIUS).sqrt(),
-        press.march.progress.newton_iterations,
+        press.stepper.progress.newton_iterations,
         clock.elapsed().as_secs_f64()
     );
     assert!((force / by_approach - 1.0).abs() < 0.05, "{force} {by_approach}");

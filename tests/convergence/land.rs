@@ -1,4 +1,4 @@
-//! Problem 1 of Land et al. 2015, "Verification of cardiac mechanics software",
+//! Equilibrium 1 of Land et al. 2015, "Verification of cardiac mechanics software",
 //! doi:10.1098/rspa.2015.0641: a bar of 10 × 1 × 1 mm of Guccione's material
 //! with fibres along it, one end held, 4 Pa on its lower face, which follow it.
 //! All codes of that paper find the end at a height of 4.0 to 4.2 mm.
@@ -16,7 +16,7 @@ use solver::material::{Kinematics, Material};
 use solver::math::sparse::BlockMatrix;
 use solver::math::tensor::{Mat3, Mat9, vec9};
 use tests::block;
-use tests::equilibrium::{Problem, facets_where};
+use tests::equilibrium::{Equilibrium, facets_where};
 
 /// ψ = ½ C (e^Q − 1) + ½ K ln²J,  Q = b_f E₁₁² + b_t (E₂₂² + E₃₃² + 2E₂₃²)
 /// + 2 b_fs (E₁₂² + E₁₃²), K for incompressibility.
@@ -108,22 +108,22 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let mesh = block([10 * cells, cells, cells], edge, |_| false, |p| p);
     let below = facets_where(&mesh, |p| p.z < 1e-9);
     let elastic = |_: &_| Energies::elastic(Box::new(Guccione));
-    let mut problem = Problem::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
-    let wall = Wall::new(&problem.system.space, &below);
+    let mut body = Equilibrium::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
+    let wall = Wall::new(&body.problem.space, &below);
     let gas = Chamber { wall, gas: Box::new(Isobaric { pressure: 4.0.into() }), multiplier: None };
     let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0 };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
-    let node = problem.nodes().iter().position(tip).expect("an even number of halves");
+    let node = body.nodes().iter().position(tip).expect("an even number of halves");
     let mut last = 0.0;
     for count in 1..60 {
         // the first loads are small steps
         let load = (0.25 * f64::from(count)).min(1.0);
-        let mut force = vec![0.0; problem.u.len()];
-        gas.add_gradient(&problem.system.iterate(&problem.rest, &problem.u, load), &mut force);
+        let mut force = vec![0.0; body.u.len()];
+        gas.add_gradient(&body.problem.iterate(&body.rest, &body.u, load), &mut force);
         force.iter_mut().for_each(|f| *f = -*f);
-        problem.system.energies.others = vec![Arc::new(Dead { force })];
-        newton.solve(&mut problem.system, &problem.rest, &mut problem.u, 1.0).unwrap();
-        let now = 1e3 * (1e-3 + at(&problem.u, node).z);
+        body.problem.energies.others = vec![Arc::new(Dead { force })];
+        body.balance(&newton, 1.0).unwrap();
+        let now = 1e3 * (1e-3 + at(&body.u, node).z);
         if load == 1.0 && (now - last).abs() < 1e-5 {
             return (now, count as usize);
         }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use mesh::Vec3;
 use solver::element::{FunctionSpace, add_at, at, quadrature, tabulate};
 use solver::energy::{Energies, Energy, Hessian, Iterate};
-use solver::forward::{Newton, System};
+use solver::forward::{Configuration, Newton, Problem, Workspace};
 use solver::material::{Kinematics, Material, MooneyRivlin};
 use solver::math::sparse::BlockMatrix;
 use solver::math::taylor::log_slope;
@@ -125,14 +125,16 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let nodes = space.node_positions(&rest);
     let on_boundary = |p: &Vec3| p.iter().any(|c| !(1e-9..1.0 - 1e-9).contains(c));
     let fixed: Vec<bool> = nodes.iter().flat_map(|p| [on_boundary(p); 3]).collect();
-    let mut u: Vec<f64> = nodes.iter().flat_map(|&p| <[f64; 3]>::from(displacement(p))).collect();
+    let u: Vec<f64> = nodes.iter().flat_map(|&p| <[f64; 3]>::from(displacement(p))).collect();
     let forcing = Forcing::new(&space, &rest);
     let energies = Energies::elastic(Box::new(LAW)).with(forcing);
-    let mut system = System::new(space, energies, &fixed);
+    let problem = Problem::new(space, energies, &fixed);
     let newton = Newton { iterations: 20, relative: 1e-11, absolute: 0.0 };
-    newton.solve(&mut system, &rest, &mut u, 1.0).unwrap();
+    let mut state = Configuration::new(&problem, &rest, u, 1.0);
+    newton.solve(&problem, &mut Workspace::new(&problem), &mut state).unwrap();
+    let u = state.u;
     let mut squares = [0.0; 2];
-    for_each_point(&system.space, &rest, |nodes, to_rest, values, slopes, x, weight| {
+    for_each_point(&problem.space, &rest, |nodes, to_rest, values, slopes, x, weight| {
         let (mut value, mut slope) = (Vec3::zeros(), Mat3::zeros());
         for ((&n, v), g) in nodes.iter().zip(values).zip(slopes) {
             value += at(&u, n) * *v;

@@ -87,16 +87,17 @@ fn throw(seed: u64, steps: usize) -> f64 {
             assert!(inside, "seed {seed}: {x:?} at step {step}");
         }
     }
-    let contact = pile.system.energies.contact.clone().expect("the scene has contact");
+    let contact = pile.problem.energies.contact.clone().expect("the scene has contact");
     let surface = contact.surface();
-    let x = surface.positions(&pile.system.space, &scene_body, pile.u(), pile.march.progress.time);
+    let x =
+        surface.positions(&pile.problem.space, &scene_body, pile.u(), pile.stepper.progress.time);
     let proof = certify(&surface.features().triangles, &x, |v| !surface.immovable(&[v]));
     assert_eq!(proof, Ok(()), "seed {seed}");
     let energy = pile.report()["energies"]["kinetic"].as_f64().unwrap();
     eprintln!(
         "pile, seed {seed}: smallest gap {smallest:.3} of the activation, at most {pairs} pairs, \
          {energy:.1e} J left, {} Newton iterations, {:.1} s",
-        pile.march.progress.newton_iterations,
+        pile.stepper.progress.newton_iterations,
         clock.elapsed().as_secs_f64()
     );
     assert!(pairs > 20, "seed {seed}: {pairs} pairs: it is no pile");

@@ -60,7 +60,7 @@ fn pressed(friction: f64, cells: usize) -> Motion {
 
 /// ∫ P N dA over the facets of a tag, from the stress in their elements [N].
 fn traction(motion: &Motion, name: &str) -> Vec3 {
-    let (space, body) = (&motion.system.space, &motion.scene.body);
+    let (space, body) = (&motion.problem.space, &motion.scene.body);
     let law = motion.scene.parts[0].material.build();
     let facets = body.facets(name).unwrap();
     let n = space.nodes_per_element();
@@ -118,8 +118,9 @@ struct FaceNodes {
 
 fn face_nodes(motion: &Motion) -> FaceNodes {
     let rest = &motion.scene.body.mesh.vertices;
-    let load = motion.march.progress.load();
-    let grid = grid_with_forces(&motion.system, rest, motion.u(), load);
+    let load = motion.stepper.progress.load();
+    let state = motion.stepper.iterate(&motion.problem, rest);
+    let grid = grid_with_forces(&motion.problem.energies, &state);
     let half = 0.5 * EDGE + 0.99 * ACTIVATION - 0.25 * EDGE * load;
     let mut found = FaceNodes { smallest_near: f64::INFINITY, ..FaceNodes::default() };
     for (node, x) in grid.points.iter().enumerate() {
@@ -181,7 +182,7 @@ fn press(friction: f64, cells: usize) -> Vec<Point> {
         last.stress,
         plate_force(&mut cube),
         last.contact,
-        cube.march.progress.newton_iterations,
+        cube.stepper.progress.newton_iterations,
         clock.elapsed().as_secs_f64()
     );
     curve

@@ -8,7 +8,7 @@ use mesh::Vec3;
 use solver::element::FunctionSpace;
 use solver::energy::{Energies, GasLaw, Isobaric};
 use solver::material::{Lame, Material, NeoHookean};
-use tests::equilibrium::{Problem, SILICONE, facets_where, mean};
+use tests::equilibrium::{Equilibrium, SILICONE, facets_where, mean};
 use tests::meshes::ring_quarter;
 use tests::symmetric_gas::{Planes, SymmetricGas};
 
@@ -19,7 +19,7 @@ fn ring(
     n: [usize; 2],
     material: impl Fn() -> Box<dyn Material>,
     pressure: f64,
-) -> Problem {
+) -> Equilibrium {
     let mesh = ring_quarter(1.0, 1.5, HEIGHT, n);
     let law = Isobaric { pressure: pressure.into() };
     let inner = facets_where(&mesh, |p| p.xy().norm() < 1.0 + 1e-9);
@@ -27,11 +27,11 @@ fn ring(
         let gas = SymmetricGas::new(space, &inner, Planes::Slab, law.boxed());
         Energies::elastic(material()).with(gas)
     };
-    Problem::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])
+    Equilibrium::new(mesh, degree, energies, |p| [p.x < 1e-9, p.y < 1e-9, true])
 }
 
 /// a/A and b/B.
-fn stretches(problem: &Problem) -> [f64; 2] {
+fn stretches(problem: &Equilibrium) -> [f64; 2] {
     [1.0, 1.5].map(|radius: f64| {
         let on = |x: &&(Vec3, Vec3)| (x.0.xy().norm() / radius - 1.0).abs() < 1e-9;
         let vertices = problem.vertices();

@@ -62,12 +62,13 @@ fn reactions_balance_every_load() {
     std::fs::write(&path, SCENE).unwrap();
 
     let scene = Scene::read(&path).unwrap();
-    let mut system = scene.system(&scene.body).unwrap();
+    let (problem, mut workspace) = scene.problem(&scene.body).unwrap();
     let rest = scene.body.mesh.vertices.clone();
-    let solution = solve(&mut system, &rest, &scene.stepping(), |_| ()).unwrap();
+    let solution = solve(&problem, &mut workspace, &rest, &scene.stepping(), |_| ()).unwrap();
     assert!(solution.steps.iter().all(|s| s.smallest_volume_ratio > 0.0));
 
-    let balance = results::balance(&mut system, &rest, &solution.u, 1.0);
+    let at = problem.iterate(&rest, &solution.u, 1.0);
+    let balance = results::balance(&problem, &at);
     let weight = 9810.0 * (45.0 - 1.0) * 1e-6;
     let [body_force, traction, pressure, reaction] =
         ["body_force", "traction", "chamber", "reaction"].map(|key| vector(&balance[key]));
@@ -77,7 +78,7 @@ fn reactions_balance_every_load() {
     assert!((body_force + traction + reaction).norm() < 1e-9, "{balance}");
     assert!(balance["out_of_balance"].as_f64().unwrap() < 1e-9);
 
-    let tags = results::tags(&scene, &scene.body, &mut system, &solution.u, 1.0).unwrap();
+    let tags = results::tags(&scene, &scene.body, &problem, &at).unwrap();
     let [root, end, top] = ["root", "end", "top"].map(|name| Vec3::from(tags[name].reaction));
     assert!((root + end - reaction).norm() < 1e-9);
     assert!(end.x > 0.1 && end.y == 0.0, "the end is pulled and free along y: {end}");
@@ -103,7 +104,7 @@ fn a_wall_whose_rim_leaves_its_plane_is_refused() {
         );
         std::fs::write(&path, format!("{material}{rest}")).unwrap();
         let scene = Scene::read(&path).unwrap();
-        scene.system(&scene.body).map(|_| ())
+        scene.problem(&scene.body).map(|_| ())
     };
     // the rim lies in the plane x = 0
     let error = format!("{:#}", scene("yz").unwrap_err());

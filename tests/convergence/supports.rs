@@ -4,6 +4,7 @@
 use mesh::{SurfaceMesh, Vec3};
 use solver::body::Body;
 use solver::element::at;
+use solver::energy::Iterate;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::{block, tag};
 
@@ -32,15 +33,16 @@ fn wall(x: f64) -> SurfaceMesh {
 /// load steps.
 fn go(motion: &mut Motion) -> (f64, usize) {
     let rest = motion.scene.body.mesh.vertices.clone();
-    let (still, end) = (vec![0.0; motion.system.len()], *motion.scene.times().last().unwrap());
-    let mut straight = still.clone();
-    motion.system.move_supports(&rest, &mut straight, end);
-    let free = motion.system.max_step(&rest, (&still, 0.0), (&straight, end));
+    let (still, end) = (vec![0.0; motion.problem.dofs()], *motion.scene.times().last().unwrap());
+    let from = motion.problem.iterate(&rest, &still, 0.0);
+    let to = Iterate { load: end, ..from };
+    let straight = motion.workspace.move_supports(&motion.problem, &to);
+    let free = motion.problem.max_step(&from, &Iterate { u: &straight, ..to });
     let mut load_steps = 0;
     for end in motion.scene.times() {
         motion
-            .march
-            .advance(&mut motion.system, &rest, end, |step| {
+            .stepper
+            .advance(&motion.problem, &mut motion.workspace, &rest, end, |step| {
                 load_steps += 1;
                 motion.last = Some(step.clone());
             })
@@ -88,7 +90,7 @@ fn a_cube_pressed_at_its_ends_until_its_sides_touch() {
         eprintln!(
             "cube pressed at its ends, P{degree}: {free:.2} is free; {load_steps} load step, {} Newton iterations; \
              in 40: {}; {apart:.1e} apart",
-            one.march.progress.newton_iterations, many.march.progress.newton_iterations
+            one.stepper.progress.newton_iterations, many.stepper.progress.newton_iterations
         );
         assert!(free < 0.9 && load_steps == 1, "{free} {load_steps}");
         assert!(apart < 1e-6, "{apart:e}");
@@ -123,7 +125,7 @@ fn a_block_moved_onto_a_body_by_more_than_the_gap() {
     eprintln!(
         "block moved onto a body: {load_steps} load step, {} Newton iterations; in 60: {}; \
          {apart:.1e} apart",
-        one.march.progress.newton_iterations, many.march.progress.newton_iterations
+        one.stepper.progress.newton_iterations, many.stepper.progress.newton_iterations
     );
     assert_eq!(load_steps, 1);
     assert!(apart < 1e-6, "{apart:e}");

@@ -11,7 +11,7 @@ fn the_volume_of_a_pressure_needs_that_pressure() {
         .iter()
         .map(|(on, p)| format!("[[chamber]]\non = \"{on}\"\npressure = {p}\n"))
         .collect();
-    let mut isobaric = simulate(&format!("{HELD}{pressures}"));
+    let isobaric = simulate(&format!("{HELD}{pressures}"));
     let chambers = isobaric.last_chambers();
     // by change, and by factor
     let volumes = PRESSURES.iter().enumerate().map(|(i, (on, _))| {
@@ -23,7 +23,7 @@ fn the_volume_of_a_pressure_needs_that_pressure() {
         format!("[[chamber]]\non = \"{on}\"\n{value}\n")
     });
     let volumes: String = volumes.collect();
-    let mut held = simulate(&format!("{HELD}{volumes}"));
+    let held = simulate(&format!("{HELD}{volumes}"));
     let found = held.last_chambers();
     eprintln!(
         "three chambers by volume: {} Newton iterations, by pressure {}",
@@ -46,7 +46,7 @@ fn volume_gas_and_pressure_work_together() {
     let loads = "[[chamber]]\non = \"left\"\nvolume_factor = 1.2\n\
                  [[chamber]]\non = \"middle\"\nfill = 0\nambient = 101.3e3\nexponent = 1.4\n\
                  [[chamber]]\non = \"right\"\npressure = 40e3\n";
-    let mut simulated = simulate(&format!("{HELD}{loads}"));
+    let simulated = simulate(&format!("{HELD}{loads}"));
     let chambers = simulated.last_chambers();
     let [left, middle, right] = ["left", "middle", "right"].map(|on| &chambers[on]);
     assert!((left.volume / left.volume_rest / 1.2 - 1.0).abs() < 1e-10);
@@ -71,7 +71,7 @@ fn a_volume_follows_its_schedule() {
     let loads = "[time]\nmethod = \"quasistatic\"\nend = 2.0\nsteps = 4\n\
                  [[chamber]]\non = \"middle\"\n\
                  volume_change = { t = [0, 1, 1.5, 2], value = [0, 4e-7, 4e-7, 0] }\n";
-    let mut simulated = simulate(&format!("{HELD}{loads}"));
+    let simulated = simulate(&format!("{HELD}{loads}"));
     let ends = simulated.ends();
     let chambers: Vec<_> =
         ends.iter().map(|step| simulated.chambers(step)["middle"].clone()).collect();
@@ -89,7 +89,7 @@ fn a_volume_follows_its_schedule() {
 fn a_fill_follows_its_schedule() {
     let loads = "[time]\nmethod = \"quasistatic\"\nat = [0.25, 1.0, 1.5]\n\
                  [[chamber]]\non = \"middle\"\nfill = \"60e3*t*(2 - t)\"\nambient = 101.3e3\nexponent = 1.4\n";
-    let mut simulated = simulate(&format!("{HELD}{loads}"));
+    let simulated = simulate(&format!("{HELD}{loads}"));
     for step in simulated.ends() {
         let chamber = simulated.chambers(&step)["middle"].clone();
         let fill = 60e3 * step.load * (2.0 - step.load);

@@ -2,12 +2,12 @@
 
 use mesh::Vec3;
 use solver::energy::{BodyForce, Energies};
-use solver::forward::{Failure, Newton, Softness};
+use solver::forward::{Failure, Newton, SoftestMode};
 use solver::material::{Kinematics, Material, MooneyRivlin};
 use solver::math::linear::{Precision, SparseSolver, Symmetric};
 use solver::math::tensor::{Mat3, Mat9};
 use tests::block;
-use tests::equilibrium::{Problem, SILICONE};
+use tests::equilibrium::{Equilibrium, SILICONE};
 
 /// A law whose stresses are wrong in their ninth digit, in a way that changes with
 /// every bit of F.
@@ -35,13 +35,14 @@ impl Material for Blurred {
 }
 
 /// A bar of square section that bends under its weight.
-fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>) -> Problem {
-    Problem::new(
+fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>) -> Equilibrium {
+    Equilibrium::new(
         block(cells, edge, |_| false, |p| p),
         2,
         |_| {
-            let body_forces = vec![BodyForce::whole(Vec3::new(0.0, 0.0, -force).into())];
-            Energies { body_forces, ..Energies::elastic(law()) }
+            let mut energies = Energies::elastic(law());
+            energies.body_forces.push(BodyForce::whole(Vec3::new(0.0, 0.0, -force).into()));
+            energies
         },
         |p| [p.x < 1e-9; 3],
     )
@@ -61,8 +62,7 @@ fn the_rounding_floor_is_where_residuals_end() {
         ([40, 1, 1], 1e-3, 1e2),
     ] {
         let mut bar = bar(cells, edge, force, || Box::new(SILICONE));
-        let (system, rest) = (&mut bar.system, &bar.rest);
-        let end = UNREACHABLE.solve(system, rest, &mut bar.u, 1.0).unwrap();
+        let end = bar.balance(&UNREACHABLE, 1.0).unwrap();
         let floor = end.floor.expect("nobody reaches 1e-20");
         eprintln!("{cells:?}: residual {:.1e} N, floor {floor:.1e} N", end.residual);
         assert!(end.residual < floor && end.residual > 1e-3 * floor, "{cells:?} {end:?}");
@@ -73,7 +73,7 @@ fn the_rounding_floor_is_where_residuals_end() {
 fn forces_that_are_not_accurate_stagnate_above_the_floor() {
     let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(SILICONE)));
     let newton = Newton { iterations: 40, relative: 1e-12, absolute: 0.0 };
-    let failure = newton.solve(&mut bar.system, &bar.rest, &mut bar.u, 1.0).unwrap_err();
+    let failure = bar.balance(&newton, 1.0).unwrap_err();
     let Failure::Stagnated { iterations, residual, wanted, floor, scale } = failure else {
         panic!("{failure}")
     };
@@ -88,14 +88,19 @@ fn forces_that_are_not_accurate_stagnate_above_the_floor() {
 #[test]
 fn the_softest_motion_of_a_bar_bends_it() {
     let softness = |length: usize, held: bool| {
-        let mut bar = Problem::new(
+        let mut bar = Equilibrium::new(
             block([length, 1, 1], 1e-2, |_| false, |p| p),
             2,
             |_| Energies::elastic(Box::new(SILICONE)),
             |p| [held && p.x < 1e-9; 3],
         );
-        let zero = vec![0.0; bar.system.len()];
-        let softness = Softness::of(&mut bar.system, &bar.rest, &zero, [0.0, 0.1]);
+        let zero = vec![0.0; bar.problem.dofs()];
+        let softness = SoftestMode::of(
+            &bar.problem,
+            &mut bar.workspace,
+            &bar.problem.iterate(&bar.rest, &zero, 0.0),
+            0.1,
+        );
         let end = bar.rest.iter().position(|p| p.x > 0.01 * length as f64 - 1e-9).unwrap();
         let motion = solver::element::at(&softness.motion, end);
         (softness, motion)

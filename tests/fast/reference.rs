@@ -4,7 +4,7 @@
 use mesh::Vec3;
 use solver::element::{FunctionSpace, at};
 use solver::energy::{Chamber, Energies, Isobaric, Wall};
-use solver::forward::{Newton, Stepping, System, solve};
+use solver::forward::{Newton, Problem, Stepping, Workspace, solve};
 use solver::material::MooneyRivlin;
 use tests::published::gripper;
 
@@ -23,17 +23,18 @@ fn compare(degree: usize, reference: &str) {
     let gas = Box::new(Isobaric { pressure: 5e3.into() });
     let chamber = Chamber { wall, gas, multiplier: None };
     let energies = Energies::elastic(Box::new(law)).with_chamber("cavity", chamber);
-    let mut system = System::new(space, energies, &fixed);
+    let problem = Problem::new(space, energies, &fixed);
+    let mut workspace = Workspace::new(&problem);
     let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10 };
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     let rest = body.mesh.vertices.clone();
     let clock = std::time::Instant::now();
-    let solution = solve(&mut system, &rest, &stepping, |_| ()).unwrap();
+    let solution = solve(&problem, &mut workspace, &rest, &stepping, |_| ()).unwrap();
     eprintln!(
         "P{degree}: {} Newton iterations, {:.2} s, {:?}",
         solution.newton_iterations,
         clock.elapsed().as_secs_f64(),
-        system.timings
+        workspace.timings
     );
 
     let json: serde_json::Value =

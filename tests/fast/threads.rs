@@ -19,27 +19,28 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 /// that is no equilibrium, as bits.
 fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
     let scene = Scene::read(&dir.path(scene)).unwrap();
-    let mut system = scene.system(&scene.body).unwrap();
+    let (problem, mut workspace) = scene.problem(&scene.body).unwrap();
     let mut random = Random::new(5);
     let rest: Vec<Vec3> =
         scene.body.mesh.vertices.iter().map(|x| x + 2e-4 * random.vector()).collect();
-    let u: Vec<f64> = random.numbers(system.len()).iter().map(|u| 1e-4 * u).collect();
+    let u: Vec<f64> = random.numbers(problem.dofs()).iter().map(|u| 1e-4 * u).collect();
+    let at = problem.iterate(&rest, &u, 1.0);
     let mut found = vec![
-        ("energy".to_owned(), vec![system.value(&rest, &u, 1.0)]),
-        ("gradient".to_owned(), system.gradient(&rest, &u, 1.0).0),
-        ("hessian".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Exact).lower),
-        ("projected".to_owned(), system.hessian(&rest, &u, 1.0, Hessian::Projected).lower),
+        ("energy".to_owned(), vec![problem.value(&at)]),
+        ("gradient".to_owned(), problem.gradient(&at).0),
+        ("hessian".to_owned(), workspace.hessian(&problem, &at, Hessian::Exact).lower),
+        ("projected".to_owned(), workspace.hessian(&problem, &at, Hessian::Projected).lower),
     ];
     let mut mixed = vec![0.0; 3 * rest.len()];
-    for energy in system.energies.iter() {
-        energy.add_mixed_vjp(&system.iterate(&rest, &u, 1.0), &u, &mut mixed);
+    for energy in problem.energies.iter() {
+        energy.add_mixed_vjp(&at, &u, &mut mixed);
     }
     found.push(("mixed".to_owned(), mixed));
     let path = dir.path("design.toml");
     let design = DesignConfig::read(&path).unwrap();
     let builder = ObjectiveBuilder::new(&path, &design.objective, &scene).unwrap();
-    let at = Equilibrium { space: &system.space, rest: &rest, u: &u, load: 1.0, contact: &[] };
-    for term in builder.build(&scene.body, &system.space).unwrap() {
+    let at = Equilibrium { space: &problem.space, rest: &rest, u: &u, load: 1.0, contact: &[] };
+    for term in builder.build(&scene.body, &problem.space).unwrap() {
         let (mut du, mut drest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
         let value = term.objective.value(&at);
         term.objective.add_du(&at, term.weight, &mut du);

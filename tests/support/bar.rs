@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mesh::Vec3;
-use solver::forward::{LoadStep, Solution, System, solve_in_time};
+use solver::forward::{LoadStep, Problem, Solution, solve_in_time};
 use solver::results::{self, ChamberReport};
 use solver::scene::Scene;
 
@@ -30,7 +30,7 @@ pub struct Simulated {
     /// The scene.
     pub scene: Scene,
     /// Its discrete problem.
-    pub system: System,
+    pub problem: Problem,
     /// All accepted load steps.
     pub solution: Solution,
 }
@@ -62,11 +62,12 @@ pub fn simulate(loads: &str) -> Simulated {
     let path = folder.path().join("sim.toml");
     std::fs::write(&path, format!("{BODY}{loads}")).expect("the folder is writable");
     let scene = Scene::read(&path).unwrap_or_else(|e| panic!("{e:#}"));
-    let mut system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
+    let (problem, mut workspace) = scene.problem(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
     let rest = scene.body.mesh.vertices.clone();
-    let solution = solve_in_time(&mut system, &rest, &scene.stepping(), &scene.times(), |_| ())
-        .unwrap_or_else(|e| panic!("{e}"));
-    Simulated { scene, system, solution }
+    let (stepping, times) = (scene.stepping(), scene.times());
+    let solution = solve_in_time(&problem, &mut workspace, &rest, &stepping, &times, |_| ());
+    let solution = solution.unwrap_or_else(|e| panic!("{e}"));
+    Simulated { scene, problem, solution }
 }
 
 impl Simulated {
@@ -77,20 +78,18 @@ impl Simulated {
     }
 
     /// The chambers at a load step.
-    ///
-    /// # Panics
-    /// Never for a scene that was solved.
-    pub fn chambers(&mut self, step: &LoadStep) -> BTreeMap<String, ChamberReport> {
-        self.system.multipliers.clone_from(&step.multipliers);
-        let rest = &self.scene.body.mesh.vertices;
-        results::chambers(&self.system, rest, &step.u, step.load)
+    #[must_use]
+    pub fn chambers(&self, step: &LoadStep) -> BTreeMap<String, ChamberReport> {
+        let at = step.iterate(&self.problem, &self.scene.body.mesh.vertices);
+        results::chambers(&self.problem.energies, &at)
     }
 
     /// The chambers at the end.
     ///
     /// # Panics
     /// Never for a scene that was solved.
-    pub fn last_chambers(&mut self) -> BTreeMap<String, ChamberReport> {
+    #[must_use]
+    pub fn last_chambers(&self) -> BTreeMap<String, ChamberReport> {
         let last = self.ends().pop().expect("there is a step");
         self.chambers(&last)
     }

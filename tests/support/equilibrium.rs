@@ -3,7 +3,7 @@
 use mesh::{TetMesh, Vec3};
 use solver::element::{FunctionSpace, at};
 use solver::energy::Energies;
-use solver::forward::{Newton, System, certificate};
+use solver::forward::{Configuration, Converged, Failure, Newton, Problem, Workspace, certificate};
 use solver::material::MooneyRivlin;
 
 /// The silicone of the frog, finger and gripper of Gjoka et al. 2024.
@@ -13,16 +13,18 @@ pub const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, 
 pub const MODULI: (f64, f64) = (120e3, 2e6);
 
 /// A body under loads that grow together.
-pub struct Problem {
+pub struct Equilibrium {
     /// Rest positions of the vertices [m].
     pub rest: Vec<Vec3>,
     /// The discrete problem.
-    pub system: System,
+    pub problem: Problem,
+    /// What solving it needs.
+    pub workspace: Workspace,
     /// Displacement of the last equilibrium [m].
     pub u: Vec<f64>,
 }
 
-impl Problem {
+impl Equilibrium {
     /// Elements of a degree on a mesh; `energies` may look at the space, and
     /// `held` tells which components are fixed at a rest position.
     pub fn new(
@@ -36,7 +38,8 @@ impl Problem {
         let fixed: Vec<bool> = space.node_positions(&rest).into_iter().flat_map(held).collect();
         let energies = energies(&space);
         let u = vec![0.0; fixed.len()];
-        Self { rest, system: System::new(space, energies, &fixed), u }
+        let problem = Problem::new(space, energies, &fixed);
+        Self { rest, workspace: Workspace::new(&problem), problem, u }
     }
 
     /// Moves on to the equilibrium at a fraction of the load.
@@ -46,17 +49,27 @@ impl Problem {
     pub fn solve(&mut self, load: f64) {
         // slender bodies cancel large inner forces: 1e-10 is below their rounding
         let newton = Newton { iterations: 40, relative: 1e-9, absolute: 0.0 };
-        newton
-            .solve(&mut self.system, &self.rest, &mut self.u, load)
-            .unwrap_or_else(|failure| panic!("load {load}: {failure}"));
-        certificate(&self.system.space, &self.rest, &self.u)
+        self.balance(&newton, load).unwrap_or_else(|failure| panic!("load {load}: {failure}"));
+        certificate(&self.problem.space, &self.rest, &self.u)
             .unwrap_or_else(|found| panic!("load {load}: {found}"));
+    }
+
+    /// The same by Newton's method alone.
+    ///
+    /// # Errors
+    /// When there is none; the displacement is then that of the last iterate.
+    pub fn balance(&mut self, newton: &Newton, load: f64) -> Result<Converged, Failure> {
+        let u = std::mem::take(&mut self.u);
+        let mut state = Configuration::new(&self.problem, &self.rest, u, load);
+        let result = newton.solve(&self.problem, &mut self.workspace, &mut state);
+        self.u = state.u;
+        result
     }
 
     /// Rest and deformed positions of all nodes [m].
     #[must_use]
     pub fn nodes(&self) -> Vec<(Vec3, Vec3)> {
-        let rest = self.system.space.node_positions(&self.rest);
+        let rest = self.problem.space.node_positions(&self.rest);
         rest.into_iter().enumerate().map(|(i, x)| (x, x + at(&self.u, i))).collect()
     }
 

@@ -3,7 +3,7 @@
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use solver::body::Body;
-use solver::forward::{LoadStep, March, System};
+use solver::forward::{LoadStep, Problem, TimeStepper, Workspace};
 use solver::results;
 use solver::scene::Scene;
 use tempfile::TempDir;
@@ -17,9 +17,11 @@ pub struct Motion {
     /// The scene.
     pub scene: Scene,
     /// Its discrete problem.
-    pub system: System,
+    pub problem: Problem,
+    /// What solving it needs.
+    pub workspace: Workspace,
     /// How far it is.
-    pub march: March,
+    pub stepper: TimeStepper,
     /// The last time step.
     pub last: Option<LoadStep>,
     /// The files of the scene, which reports read again.
@@ -54,9 +56,10 @@ impl Motion {
     /// When it is refused.
     #[must_use]
     pub fn of(scene: Scene) -> Self {
-        let system = scene.system(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
-        let march = March::new(scene.stepping(), scene.integrator(&scene.body, &system));
-        Self { scene, system, march, last: None, _folder: None }
+        let (problem, workspace) = scene.problem(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
+        let integrator = scene.integrator(&scene.body, &problem);
+        let stepper = TimeStepper::new(scene.stepping(), integrator);
+        Self { scene, problem, workspace, stepper, last: None, _folder: None }
     }
 
     /// Goes through the next `count` time steps.
@@ -66,11 +69,13 @@ impl Motion {
     pub fn go(&mut self, count: usize) {
         let rest = self.scene.body.mesh.vertices.clone();
         for _ in 0..count {
-            let now = self.march.progress.time;
+            let now = self.stepper.progress.time;
             let next = self.scene.times().into_iter().find(|&t| t > now).expect("a time step");
             let mut last = None;
-            self.march
-                .advance(&mut self.system, &rest, next, |step| last = Some(step.clone()))
+            self.stepper
+                .advance(&self.problem, &mut self.workspace, &rest, next, |step| {
+                    last = Some(step.clone())
+                })
                 .unwrap_or_else(|e| panic!("{e}"));
             self.last = last;
         }
@@ -79,13 +84,13 @@ impl Motion {
     /// Nodal displacements [m].
     #[must_use]
     pub fn u(&self) -> &[f64] {
-        self.march.progress.reached()
+        self.stepper.progress.reached()
     }
 
     /// Nodal velocities [m/s].
     #[must_use]
     pub fn v(&self) -> &[f64] {
-        &self.march.progress.integrator.last().v
+        &self.stepper.progress.integrator.last().v
     }
 
     /// What `solver simulate` reports of the last step.
@@ -94,9 +99,9 @@ impl Motion {
     /// Before the first step.
     pub fn report(&mut self) -> Value {
         let step = self.last.as_ref().expect("a step was made");
-        let v = self.march.progress.integrator.last().v.clone();
-        let v = self.march.progress.integrator.method.has_inertia().then_some(&v[..]);
-        results::step(&self.scene, &self.scene.body, &mut self.system, step, v)
+        let v = self.stepper.progress.integrator.last().v.clone();
+        let v = self.stepper.progress.integrator.method.has_inertia().then_some(&v[..]);
+        results::step(&self.scene, &self.scene.body, &self.problem, step, v)
             .expect("tags are known")
     }
 
@@ -104,6 +109,6 @@ impl Motion {
     #[must_use]
     pub fn momentum(&self, w: &[f64]) -> Vec3 {
         let rest = &self.scene.body.mesh.vertices;
-        results::momentum(&self.system.energies, &self.system.space, rest, w)
+        results::momentum(&self.problem.energies, &self.problem.space, rest, w)
     }
 }

@@ -13,7 +13,7 @@ use crate::energy::{
     BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, GasLaw, IdealGas,
     Inertia, Isobaric, Multiplier, ParameterId, PrescribedVolume, Wall,
 };
-use crate::forward::{Integrator, March, Method, Newton, Stepping};
+use crate::forward::{Integrator, Method, Newton, Stepping, TimeStepper};
 use crate::material::MooneyRivlin;
 use crate::math::linear::dot;
 use crate::math::random::Random;
@@ -142,7 +142,7 @@ impl Case {
         matches!(self.inside, Inside::Volume | Inside::Factor)
     }
 
-    fn system(&self, numbers: &Numbers) -> (System, Vec<Vec3>) {
+    fn problem(&self, numbers: &Numbers) -> (Problem, Workspace, Vec<Vec3>) {
         let (mesh, upper, wall) = self.bodies();
         let TetMesh { vertices: rest, tets } = mesh.clone();
         let count = tets.len();
@@ -187,7 +187,9 @@ impl Case {
             energies.contact = Some(Arc::new(contact));
             energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
         }
-        (System::new(space, energies, &fixed).with_multipliers(multipliers), rest)
+        let problem = Problem::new(space, energies, &fixed).with_multipliers(multipliers);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace, rest)
     }
 
     fn hits(&self) -> bool {
@@ -204,39 +206,45 @@ impl Case {
         Contact::new(Arc::new(surface), barrier)
     }
 
-    /// Largest number of pairs of nearly parallel edges that repel each other in a step.
-    fn mollified_pairs(&self, system: &System, rest: &[Vec3], run: &Trajectory) -> usize {
-        let contact = self.barrier(&self.bodies().0, &system.space, system.fixed());
-        let at = |n: usize| {
-            contact.mollified_pairs(&system.iterate(rest, &run.state(n).u, run.times[n]))
-        };
-        (1..=run.steps()).map(at).max().unwrap_or(0)
-    }
-
-    fn run(&self, system: &mut System, rest: &[Vec3], start: State) -> Trajectory {
+    fn run(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        start: State,
+    ) -> Trajectory {
         let integrator = Integrator::new(self.method, start);
         let mut run = Trajectory::begin(&integrator, ON_DISK);
-        let mut march = March::new(TIGHT, integrator);
+        let mut stepper = TimeStepper::new(TIGHT, integrator);
         for n in 1..=self.steps {
             let end = self.dt * n as f64;
-            march.advance(system, rest, end, |_| ()).expect("an equilibrium");
-            run.push(end, march.progress.integrator.last().clone());
+            let outcome = stepper.advance(problem, workspace, rest, end, |_| ());
+            outcome.expect("an equilibrium");
+            run.push(end, stepper.progress.integrator.last().clone());
         }
         run
     }
 
     /// At rest, the upper body in motion.
-    fn start(&self, system: &System, rest: &[Vec3]) -> State {
-        let mut v = vec![0.0; system.len()];
+    fn start(&self, problem: &Problem, rest: &[Vec3]) -> State {
+        let mut v = vec![0.0; problem.dofs()];
         if self.hits() && self.method.has_inertia() {
-            for (node, x) in system.space.node_positions(rest).iter().enumerate() {
+            for (node, x) in problem.space.node_positions(rest).iter().enumerate() {
                 if x.z > 0.0205 {
                     v[3 * node..3 * node + 3].copy_from_slice(&[0.15, 0.05, -0.3]);
                 }
             }
         }
-        State { u: vec![0.0; system.len()], v }
+        State { u: vec![0.0; problem.dofs()], v }
     }
+}
+
+/// Largest number of pairs of nearly parallel edges that repel each other in a step.
+fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize {
+    let contact = problem.energies.contact.as_ref().expect("bodies that hit");
+    let at =
+        |n: usize| contact.mollified_pairs(&problem.iterate(rest, &run.state(n).u, run.times[n]));
+    (1..=run.steps()).map(at).max().unwrap_or(0)
 }
 
 /// J = Σ_n ω_n (a·x + ½ |x|² + b·f + ½ c |f|²) with random vectors, x = ΠX + u.
@@ -258,24 +266,25 @@ impl Probe {
         1.0 / (1.0 + n as f64)
     }
 
-    fn forces(system: &mut System, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
+    fn forces(problem: &Problem, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
         if n == 0 {
-            return vec![0.0; system.len()];
+            return vec![0.0; problem.dofs()];
         }
-        system.step = Some(run.step(system, rest, n));
-        system.contact_forces(rest, &run.state(n).u, run.times[n])
+        let (state, step) = (run.state(n), run.step(problem, rest, n));
+        let at = problem.iterate(rest, &state.u, run.times[n]);
+        problem.energies.contact_forces(&Iterate { step: Some(&step), ..at })
     }
 
-    fn positions(system: &System, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
-        let x = flat(&system.space.node_positions(rest));
+    fn positions(problem: &Problem, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
+        let x = flat(&problem.space.node_positions(rest));
         x.iter().zip(u).map(|(x, u)| 10.0 * (x + u)).collect()
     }
 
-    fn value(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> f64 {
+    fn value(&self, problem: &Problem, rest: &[Vec3], run: &Trajectory) -> f64 {
         let mut sum = 0.0;
         for n in 0..=run.steps() {
-            let x = Self::positions(system, rest, &run.state(n).u);
-            let f = Self::forces(system, rest, run, n);
+            let x = Self::positions(problem, rest, &run.state(n).u);
+            let f = Self::forces(problem, rest, run, n);
             let of_x = dot(&self.a, &x) + 0.5 * dot(&x, &x);
             let of_f = dot(&self.b, &f) + 0.5 * self.stiff * dot(&f, &f);
             sum += Self::weight(n) * (of_x + of_f);
@@ -283,13 +292,20 @@ impl Probe {
         sum
     }
 
-    fn gradient(&self, system: &mut System, rest: &[Vec3], run: &Trajectory) -> Gradient {
+    fn gradient(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        run: &Trajectory,
+    ) -> Gradient {
         let forces: Vec<_> =
-            (0..=run.steps()).map(|n| Self::forces(system, rest, run, n)).collect();
-        let x = |n: usize| Self::positions(system, rest, &run.state(n).u);
+            (0..=run.steps()).map(|n| Self::forces(problem, rest, run, n)).collect();
+        let x = |n: usize| Self::positions(problem, rest, &run.state(n).u);
         let xs: Vec<_> = (0..=run.steps()).map(x).collect();
-        let mut by_x = vec![0.0; system.len()];
-        let mut gradient = sweep(system, rest, run, false, |_, n, out| {
+        let mut by_x = vec![0.0; problem.dofs()];
+        let on = (rest, run);
+        let mut gradient = sweep(problem, workspace, on, None, |_, n, out| {
             for d in 0..by_x.len() {
                 let by = 10.0 * Self::weight(n) * (self.a[d] + xs[n][d]);
                 out.by_u[d] += by;
@@ -299,21 +315,21 @@ impl Probe {
             }
         })
         .expect("regular");
-        system.space.add_to_vertices(&by_x, &mut gradient.rest);
+        problem.space.add_to_vertices(&by_x, &mut gradient.rest);
         gradient
     }
 }
 
 fn check(case: &Case, forces: bool) {
-    let (mut system, rest) = case.system(&NUMBERS);
-    let start = case.start(&system, &rest);
-    let run = case.run(&mut system, &rest, start.clone());
-    let probe = Probe::new(system.len(), forces);
-    let gradient = probe.gradient(&mut system, &rest, &run);
+    let (problem, mut workspace, rest) = case.problem(&NUMBERS);
+    let start = case.start(&problem, &rest);
+    let run = case.run(&problem, &mut workspace, &rest, start.clone());
+    let probe = Probe::new(problem.dofs(), forces);
+    let gradient = probe.gradient(&problem, &mut workspace, &rest, &run);
     if case.hits() {
-        assert!(case.mollified_pairs(&system, &rest, &run) > 0, "no edges are nearly parallel");
+        assert!(mollified_pairs(&problem, &rest, &run) > 0, "no edges are nearly parallel");
         let size = |n: usize| -> f64 {
-            run.step(&system, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
+            run.step(&problem, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
         };
         let rubbing = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
         assert!(case.steps == 1 || rubbing > 0, "nothing rubs");
@@ -324,9 +340,9 @@ fn check(case: &Case, forces: bool) {
     // shape: vertices that are not fixed, so that supports stay in place
     check_gradient(&flat(&rest), &gradient.rest, 2e-6 * size, |x| {
         let rest = points(x);
-        let (mut system, _) = case.system(&NUMBERS);
-        let run = case.run(&mut system, &rest, start.clone());
-        probe.value(&mut system, &rest, &run)
+        let (problem, mut workspace, _) = case.problem(&NUMBERS);
+        let run = case.run(&problem, &mut workspace, &rest, start.clone());
+        probe.value(&problem, &rest, &run)
     });
     // numbers, each relative to itself
     let of = |id: ParameterId| gradient.parameters.total(id);
@@ -340,9 +356,9 @@ fn check(case: &Case, forces: bool) {
                 friction: scaled(5, NUMBERS.friction),
                 pressure: scaled(6, NUMBERS.pressure),
             };
-            let (mut system, _) = case.system(&numbers);
-            let run = case.run(&mut system, &rest, start.clone());
-            probe.value(&mut system, &rest, &run)
+            let (problem, mut workspace, _) = case.problem(&numbers);
+            let run = case.run(&problem, &mut workspace, &rest, start.clone());
+            probe.value(&problem, &rest, &run)
         });
     };
     let law = of(ParameterId::Material(0));
@@ -350,7 +366,7 @@ fn check(case: &Case, forces: bool) {
     let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
     by.push(one(ParameterId::Density(0)) * NUMBERS.density);
     by.push(one(ParameterId::Friction) * NUMBERS.friction);
-    let chamber = system.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
     let pressure = chamber.map_or(0.0, one);
     let per_number = match case.inside {
         Inside::Pressure | Inside::Gas => 1.0,
@@ -362,21 +378,24 @@ fn check(case: &Case, forces: bool) {
     // the start, of what can move
     if case.method.has_inertia() {
         let free = |g: &[f64]| -> Vec<f64> {
-            g.iter().zip(system.fixed()).map(|(g, fixed)| if *fixed { 0.0 } else { *g }).collect()
+            g.iter()
+                .zip(problem.dirichlet.fixed())
+                .map(|(g, fixed)| if *fixed { 0.0 } else { *g })
+                .collect()
         };
         let by: Vec<f64> = free(&gradient.start.v);
         check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { 0.2 }, |v| {
-            let (mut system, _) = case.system(&NUMBERS);
-            let v = free(v);
-            let run = case.run(&mut system, &rest, State { u: start.u.clone(), v });
-            probe.value(&mut system, &rest, &run)
+            let (problem, mut workspace, _) = case.problem(&NUMBERS);
+            let from = State { u: start.u.clone(), v: free(v) };
+            let run = case.run(&problem, &mut workspace, &rest, from);
+            probe.value(&problem, &rest, &run)
         });
         let by: Vec<f64> = free(&gradient.start.u);
         check_gradient(&start.u, &by, size * if case.hits() { 1e-6 } else { 2e-4 }, |u| {
-            let (mut system, _) = case.system(&NUMBERS);
-            let u = free(u);
-            let run = case.run(&mut system, &rest, State { u, v: start.v.clone() });
-            probe.value(&mut system, &rest, &run)
+            let (problem, mut workspace, _) = case.problem(&NUMBERS);
+            let from = State { u: free(u), v: start.v.clone() };
+            let run = case.run(&problem, &mut workspace, &rest, from);
+            probe.value(&problem, &rest, &run)
         });
     }
 }

@@ -130,7 +130,7 @@ fn sweeps(
     for name in &names {
         let terms: Vec<usize> = (0..names.len()).filter(|&i| names[i] == *name).collect();
         if !swept.contains_key(name) {
-            let gradient = level.sweep(start, &terms, false)?;
+            let gradient = level.sweep(start, &terms)?;
             swept.insert(name.clone(), gradient);
         }
     }

@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .evaluate(&theta, Start::Rest)
         .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
     let terms: Vec<usize> = (0..level.term_names().len()).collect();
-    let swept = level.sweep(&at, &terms, false)?;
+    let swept = level.sweep(&at, &terms)?;
     let on_boundary = level.map().on_boundary(&swept.rest);
     let field = |name: &str, values: Vec<f64>| vtu::Field {
         name: name.to_owned(),

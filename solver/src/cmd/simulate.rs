@@ -8,8 +8,9 @@ use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
 use program::Unusable;
 use serde_json::{Value, json};
+use solver::energy::Iterate;
 use solver::failure::{self, Diagnosis};
-use solver::forward::{LoadStep, March, System, Unreached};
+use solver::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace};
 use solver::memory;
 use solver::record::{Checkpoint, Recorder, STEPS};
 use solver::results;
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
-    let mut system = scene.system(&scene.body)?;
+    let (problem, mut workspace) = scene.problem(&scene.body)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let inputs = hash_inputs(&scene)?;
@@ -66,36 +67,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
         scene.config.degree,
-        system.memory().describe(memory::available())
+        workspace.memory().describe(memory::available())
     );
-    let mut march = March::new(scene.stepping(), scene.integrator(&scene.body, &system));
+    let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
     let pictures = !arguments.final_only;
-    let mut recorder = Recorder::new(&scene, &mut system, folder, pictures, checkpoint.as_ref())?;
+    let recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
         log::info!("goes on after {} time steps", checkpoint.steps);
-        system.couple(checkpoint.couplings);
-        system.timings = checkpoint.timings;
-        march.progress = checkpoint.progress;
+        workspace.set_couplings(&problem, checkpoint.couplings);
+        workspace.timings = checkpoint.timings;
+        stepper.progress = checkpoint.progress;
     }
-    let mut report = header(&scene, &system, arguments)?;
-    let outcome =
-        go(&scene, &mut system, &mut march, &mut recorder, arguments, |system, march, steps| {
-            let checkpoint = Checkpoint {
-                inputs: inputs.clone(),
-                steps,
-                progress: march.progress.clone(),
-                couplings: system.couplings().to_vec(),
-                timings: system.timings,
-                elapsed_s: before_s + begin.elapsed().as_secs_f64(),
-            };
-            checkpoint.write(folder)
-        })?;
+    let mut report = header(&scene, &problem, &workspace, arguments)?;
+    let mut run = Run { scene: &scene, problem: &problem, workspace, stepper, recorder };
+    let outcome = run.go(arguments, |run, steps| {
+        let checkpoint = Checkpoint {
+            inputs: inputs.clone(),
+            steps,
+            progress: run.stepper.progress.clone(),
+            couplings: run.workspace.couplings().to_vec(),
+            timings: run.workspace.timings,
+            elapsed_s: before_s + begin.elapsed().as_secs_f64(),
+        };
+        checkpoint.write(folder)
+    })?;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
-    report["steps"] = json!(recorder.lines);
+    report["steps"] = json!(run.recorder.lines);
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {
-        let diagnosis = Diagnosis::new(&scene, &scene.body, &mut system, &unreached);
+        let solver = (&problem, &mut run.workspace);
+        let diagnosis = Diagnosis::new(&scene, &scene.body, solver, &unreached);
         diagnosis.write_state(folder)?;
         merge(&mut report, &diagnosis.report);
         results::write_json(&folder.join("report.json"), &report)?;
@@ -108,66 +110,104 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ))
         .into());
     }
-    let u = march.progress.reached().to_vec();
-    let rest = &scene.body.mesh.vertices;
-    results::write_state(folder, &system.space, rest, &u)?;
-    let grid = results::grid_with_forces(&system, rest, &u, march.progress.load());
+    let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
+    results::write_state(folder, end.space, end.rest, end.u)?;
+    let grid = results::grid_with_forces(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
-    fill(&mut report, &scene, &mut system, &march, &recorder)?;
+    run.fill(&mut report, &end)?;
     report["equilibrium_s"] = json!(equilibrium_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)
 }
 
-/// Goes through all time steps that are left, and tells where that ends early.
-fn go(
-    scene: &Scene,
-    system: &mut System,
-    march: &mut March,
-    recorder: &mut Recorder,
-    arguments: &Arguments,
-    save: impl Fn(&System, &March, usize) -> Result<()>,
-) -> Result<Option<Unreached>> {
-    let start = Instant::now();
-    let rest = &scene.body.mesh.vertices;
-    let times = scene.times();
-    let count = arguments.steps.map_or(times.len(), |n| n.min(times.len()));
-    let timed = scene.config.time.is_some();
-    let done = if timed { recorder.lines.len() } else { 0 };
-    for (n, &end) in times.iter().enumerate().take(count).skip(done) {
-        let mut steps: Vec<LoadStep> = Vec::new();
-        let outcome = march.advance(system, rest, end, |step| {
-            log::info!(
-                "{}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
-                if timed { format!("step {}/{count}  ", n + 1) } else { String::new() },
-                scene.progress(step.load),
-                step.newton_iterations,
-                step.residual,
-                start.elapsed().as_secs_f64()
-            );
-            steps.push(step.clone());
-        });
-        if let (Err(unreached), false) = (&outcome, timed) {
-            return Ok(Some(unreached.clone()));
-        }
-        let last = steps.len();
-        for (i, step) in steps.iter().enumerate() {
-            recorder.follow(system, step);
-            if !timed || (i + 1 == last && step.ends_time_step) {
-                let v = &march.progress.integrator.last().v;
-                let inertia = march.progress.integrator.method.has_inertia();
-                recorder.record(system, step, inertia.then_some(v))?;
+/// A scene under way.
+struct Run<'a> {
+    scene: &'a Scene,
+    problem: &'a Problem,
+    workspace: Workspace,
+    stepper: TimeStepper,
+    recorder: Recorder<'a>,
+}
+
+impl Run<'_> {
+    /// Goes through all time steps that are left; the result says where that ends
+    /// early.
+    fn go(
+        &mut self,
+        arguments: &Arguments,
+        save: impl Fn(&Self, usize) -> Result<()>,
+    ) -> Result<Option<Unreached>> {
+        let start = Instant::now();
+        let rest = &self.scene.body.mesh.vertices;
+        let times = self.scene.times();
+        let count = arguments.steps.map_or(times.len(), |n| n.min(times.len()));
+        let timed = self.scene.config.time.is_some();
+        let done = if timed { self.recorder.lines.len() } else { 0 };
+        for (n, &end) in times.iter().enumerate().take(count).skip(done) {
+            let mut steps: Vec<LoadStep> = Vec::new();
+            let observe = |step: &LoadStep| {
+                log::info!(
+                    "{}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
+                    if timed { format!("step {}/{count}  ", n + 1) } else { String::new() },
+                    self.scene.progress(step.load),
+                    step.newton_iterations,
+                    step.residual,
+                    start.elapsed().as_secs_f64()
+                );
+                steps.push(step.clone());
+            };
+            let workspace = &mut self.workspace;
+            let outcome = self.stepper.advance(self.problem, workspace, rest, end, observe);
+            if let (Err(unreached), false) = (&outcome, timed) {
+                return Ok(Some(unreached.clone()));
+            }
+            let last = steps.len();
+            let integrator = &self.stepper.progress.integrator;
+            let v = integrator.method.has_inertia().then_some(&integrator.last().v[..]);
+            for (i, step) in steps.iter().enumerate() {
+                self.recorder.follow(step);
+                if !timed || (i + 1 == last && step.ends_time_step) {
+                    self.recorder.record(step, v)?;
+                }
+            }
+            if let Err(unreached) = outcome {
+                return Ok(Some(unreached));
+            }
+            if timed && n + 1 < count {
+                save(self, n + 1)?;
             }
         }
-        if let Err(unreached) = outcome {
-            return Ok(Some(unreached));
-        }
-        if timed && n + 1 < count {
-            save(system, march, n + 1)?;
-        }
+        Ok(None)
     }
-    Ok(None)
+
+    /// Reports the state at the end.
+    fn fill(&self, report: &mut Value, end: &Iterate) -> Result<()> {
+        let (scene, problem) = (self.scene, self.problem);
+        let energies = results::stored_energies(&problem.energies, end);
+        let progress = &self.stepper.progress;
+        let work = self.recorder.work();
+        report["tolerance_met"] =
+            json!(self.recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
+        report["newton_iterations"] = json!(progress.newton_iterations);
+        let elastic = energies["elastic"];
+        report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
+        if progress.integrator.method.has_inertia() {
+            let v = &progress.integrator.last().v;
+            let kinetic = results::kinetic_energy(&problem.energies, end.space, end.rest, v);
+            report["energy_balance"]["kinetic"] = json!(kinetic);
+        } else {
+            let gap = (work - elastic) / elastic.max(f64::MIN_POSITIVE);
+            report["energy_balance"]["relative_gap"] = json!(gap);
+        }
+        report["energies"] = json!(energies);
+        report["force_balance"] = results::balance(problem, end);
+        report["tags"] = json!(results::tags(scene, &scene.body, problem, end)?);
+        report["chambers"] = json!(results::chambers(&problem.energies, end));
+        report["stretch_range"] = json!(stretches(scene, end));
+        report["timings"] = json!(self.workspace.timings);
+        Ok(())
+    }
 }
 
 fn merge(report: &mut Value, more: &Value) {
@@ -209,7 +249,12 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     Ok(())
 }
 
-fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value> {
+fn header(
+    scene: &Scene,
+    problem: &Problem,
+    workspace: &Workspace,
+    arguments: &Arguments,
+) -> Result<Value> {
     let file = |path: &Path| -> Result<Value> {
         Ok(json!({ "path": path, "sha256": program::sha256_file(path)? }))
     };
@@ -229,57 +274,24 @@ fn header(scene: &Scene, system: &System, arguments: &Arguments) -> Result<Value
         "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
         "config": scene.config,
         "material": one_or_list(materials.collect()),
-        "dofs": system.len(),
+        "dofs": problem.dofs(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
-        "factor_entries": system.linear.factor_len(),
-        "memory_estimate_mb": system.memory().bytes as f64 / f64::from(1 << 20),
+        "factor_entries": workspace.linear().factor_len(),
+        "memory_estimate_mb": workspace.memory().bytes as f64 / f64::from(1 << 20),
     }))
 }
 
-/// What is told of each body: alone where there is one.
+/// What is reported of each body: alone where there is one.
 fn one_or_list(mut values: Vec<Value>) -> Value {
     if values.len() == 1 { values.remove(0) } else { Value::Array(values) }
 }
 
-fn fill(
-    report: &mut Value,
-    scene: &Scene,
-    system: &mut System,
-    march: &March,
-    recorder: &Recorder,
-) -> Result<()> {
-    let rest = &scene.body.mesh.vertices;
-    let (u, end) = (march.progress.reached(), march.progress.load());
-    let energies = results::energies(system, rest, u, end);
-    let work = recorder.work();
-    report["tolerance_met"] =
-        json!(recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
-    report["newton_iterations"] = json!(march.progress.newton_iterations);
-    let elastic = energies["elastic"];
-    report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
-    if march.progress.integrator.method.has_inertia() {
-        let v = &march.progress.integrator.last().v;
-        let kinetic = results::kinetic_energy(&system.energies, &system.space, rest, v);
-        report["energy_balance"]["kinetic"] = json!(kinetic);
-    } else {
-        let gap = (work - elastic) / elastic.max(f64::MIN_POSITIVE);
-        report["energy_balance"]["relative_gap"] = json!(gap);
-    }
-    report["energies"] = json!(energies);
-    report["force_balance"] = results::balance(system, rest, u, end);
-    report["tags"] = json!(results::tags(scene, &scene.body, system, u, end)?);
-    report["chambers"] = json!(results::chambers(system, rest, u, end));
-    report["stretch_range"] = json!(stretches(scene, system, u));
-    report["timings"] = json!(system.timings);
-    Ok(())
-}
-
 /// Principal stretches of the state, with a warning where the material was not
 /// tested.
-fn stretches(scene: &Scene, system: &System, u: &[f64]) -> Stretches {
+fn stretches(scene: &Scene, end: &Iterate) -> Stretches {
     let range = scene.stretch_range();
-    let found = Stretches::of(&system.space, &scene.body.mesh.vertices, u, range);
+    let found = Stretches::of(end.space, end.rest, end.u, range);
     if let Some(warning) = found.warning() {
         log::warn!("{warning}");
     }

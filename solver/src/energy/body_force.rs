@@ -65,22 +65,22 @@ impl BodyForce {
         Self { force: gravity, factor: density, elements: Some(elements) }
     }
 
-    fn for_each_point(&self, at_: &Iterate, mut f: impl FnMut(&Point)) {
-        let table = at_.space.volume_table();
-        let positions = at_.space.node_positions(at_.rest);
+    fn for_each_point(&self, iterate: &Iterate, mut f: impl FnMut(&Point)) {
+        let table = iterate.space.volume_table();
+        let positions = iterate.space.node_positions(iterate.rest);
         let varies = self.force.uses_position();
-        let uniform = self.factor * self.force.at(Vec3::zeros(), at_.load);
-        let nodes = at_.space.element_nodes().chunks_exact(at_.space.nodes_per_element());
-        let elements = self.elements.clone().unwrap_or(0..at_.space.tets().len());
-        let all = at_.space.tets().iter().zip(nodes);
+        let uniform = self.factor * self.force.at(Vec3::zeros(), iterate.load);
+        let nodes = iterate.space.element_nodes().chunks_exact(iterate.space.nodes_per_element());
+        let elements = self.elements.clone().unwrap_or(0..iterate.space.tets().len());
+        let all = iterate.space.tets().iter().zip(nodes);
         for (&tet, nodes) in all.skip(elements.start).take(elements.len()) {
-            let [a, b, c, d] = tet.map(|v| at_.rest[v]);
+            let [a, b, c, d] = tet.map(|v| iterate.rest[v]);
             let volume = tet_volume(a, b, c, d);
             for (values, &weight) in table.values.iter().zip(&table.weights) {
                 let (mut place, mut force) = (Vec3::zeros(), uniform);
                 if varies {
                     place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
-                    force = self.factor * self.force.at(place, at_.load);
+                    force = self.factor * self.force.at(place, iterate.load);
                 }
                 f(&Point { tet, nodes, values, weight, volume, place, force });
             }
@@ -93,16 +93,16 @@ impl Energy for BodyForce {
         "body_force"
     }
 
-    fn value(&self, at_: &Iterate) -> f64 {
+    fn value(&self, iterate: &Iterate) -> f64 {
         let mut work = 0.0;
-        self.for_each_point(at_, |p| {
-            work += p.weight * p.volume * p.force.dot(&p.value_of(at_.u));
+        self.for_each_point(iterate, |p| {
+            work += p.weight * p.volume * p.force.dot(&p.value_of(iterate.u));
         });
         -work
     }
 
-    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        self.for_each_point(at_, |p| {
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        self.for_each_point(iterate, |p| {
             let force = -p.weight * p.volume * p.force;
             for (&node, v) in p.nodes.iter().zip(p.values) {
                 add_at(out, node, &(force * *v));
@@ -112,30 +112,30 @@ impl Energy for BodyForce {
 
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
 
-    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let varies = self.force.uses_position();
-        let mut nodal = vec![0.0; at_.u.len()];
-        self.for_each_point(at_, |p| {
+        let mut nodal = vec![0.0; iterate.u.len()];
+        self.for_each_point(iterate, |p| {
             let lambda = p.value_of(lambda);
             let density = -p.weight * p.force.dot(&lambda);
-            let [a, b, c, d] = p.tet.map(|v| at_.rest[v]);
+            let [a, b, c, d] = p.tet.map(|v| iterate.rest[v]);
             for (&vertex, by) in p.tet.iter().zip(tet_volume_gradient(a, b, c, d)) {
                 add_at(out, vertex, &(density * by));
             }
             if varies {
                 let by_place =
-                    self.factor * self.force.gradient(p.place, at_.load).transpose() * lambda;
+                    self.factor * self.force.gradient(p.place, iterate.load).transpose() * lambda;
                 for (&node, v) in p.nodes.iter().zip(p.values) {
                     add_at(&mut nodal, node, &(-p.weight * p.volume * *v * by_place));
                 }
             }
         });
-        at_.space.add_to_vertices(&nodal, out);
+        iterate.space.add_to_vertices(&nodal, out);
     }
 
-    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; at_.u.len()];
-        self.add_gradient(at_, &mut gradient);
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.add_gradient(iterate, &mut gradient);
         vec![dot(&gradient, lambda) / self.factor]
     }
 }

@@ -92,13 +92,13 @@ impl Elastic {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 
-    fn element_values<const N: usize>(&self, at_: &Iterate, elements: Range<usize>) -> f64 {
+    fn element_values<const N: usize>(&self, iterate: &Iterate, elements: Range<usize>) -> f64 {
         let mut sum = 0.0;
         for e in elements {
-            let element = Element::new(at_.space, at_.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
-            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
-                let k = Kinematics::new(&field_gradient(&u, &element.gradients(at_.space, q)));
+            let element = Element::new(iterate.space, iterate.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
+            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+                let k = Kinematics::new(&field_gradient(&u, &element.gradients(iterate.space, q)));
                 let density = self.material.energy_density(&k);
                 if !density.is_finite() {
                     return f64::INFINITY;
@@ -111,15 +111,15 @@ impl Elastic {
 
     fn element_gradients<const N: usize>(
         &self,
-        at_: &Iterate,
+        iterate: &Iterate,
         elements: Range<usize>,
     ) -> Vec<[Vec3; N]> {
         let one = |e| {
-            let element = Element::new(at_.space, at_.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let element = Element::new(iterate.space, iterate.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let mut local = [Vec3::zeros(); N];
-            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
-                let g = element.gradients(at_.space, q);
+            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+                let g = element.gradients(iterate.space, q);
                 let k = Kinematics::new(&field_gradient(&u, &g));
                 let stress = self.material.first_piola(&k) * (weight * element.volume);
                 for (l, g) in local.iter_mut().zip(&g) {
@@ -135,7 +135,7 @@ impl Elastic {
     #[inline(always)]
     fn element_hessians<const N: usize>(
         &self,
-        at_: &Iterate,
+        iterate: &Iterate,
         kind: Hessian,
         elements: Range<usize>,
     ) -> Vec<[f64; 9]> {
@@ -143,10 +143,10 @@ impl Elastic {
         let mut blocks = vec![[0.0; 9]; pairs * elements.len()];
         for (e, blocks) in elements.zip(blocks.chunks_exact_mut(pairs)) {
             let mut local: Dense<N> = [[[[0.0; N]; 3]; 3]; N];
-            let element = Element::new(at_.space, at_.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
-            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
-                let g: [Vec3; N] = element.gradients(at_.space, q);
+            let element = Element::new(iterate.space, iterate.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
+            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let mut tangent = self.material.tangent(&Kinematics::new(&field_gradient(&u, &g)));
                 if kind == Hessian::Projected {
                     tangent = project_positive(&tangent);
@@ -161,18 +161,18 @@ impl Elastic {
 
     fn element_mixed<const N: usize>(
         &self,
-        at_: &Iterate,
+        iterate: &Iterate,
         lambda: &[f64],
         elements: Range<usize>,
     ) -> Vec<[Vec3; 4]> {
         let one = |e| {
-            let element = Element::new(at_.space, at_.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let element = Element::new(iterate.space, iterate.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
             let corner = corner_gradients(&element);
             let mut local = [Vec3::zeros(); 4];
-            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
-                let g: [Vec3; N] = element.gradients(at_.space, q);
+            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let (grad_u, grad_l) = (field_gradient(&u, &g), field_gradient(&l, &g));
                 let k = Kinematics::new(&grad_u);
                 let stress = self.material.first_piola(&k);
@@ -193,17 +193,17 @@ impl Elastic {
 
     fn element_parameters<const N: usize>(
         &self,
-        at_: &Iterate,
+        iterate: &Iterate,
         lambda: &[f64],
         elements: Range<usize>,
     ) -> Vec<f64> {
         let mut sum = vec![0.0; self.material.parameter_count()];
         for e in elements {
-            let element = Element::new(at_.space, at_.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(at_.u, element.nodes[a]));
+            let element = Element::new(iterate.space, iterate.rest, e);
+            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
-            for (q, weight) in at_.space.volume_table().weights.iter().enumerate() {
-                let g: [Vec3; N] = element.gradients(at_.space, q);
+            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+                let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let bar = field_gradient(&l, &g) * (weight * element.volume);
                 let k = Kinematics::new(&field_gradient(&u, &g));
                 self.material.add_parameter_vjp(&k, &bar, &mut sum);
@@ -220,7 +220,7 @@ fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
 /// The lower blocks of the Hessians of some elements.
 struct ElementHessians<'a, const N: usize> {
     elastic: &'a Elastic,
-    at_: &'a Iterate<'a>,
+    iterate: &'a Iterate<'a>,
     kind: Hessian,
     elements: Range<usize>,
 }
@@ -230,7 +230,7 @@ impl<const N: usize> Wide for ElementHessians<'_, N> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        self.elastic.element_hessians::<N>(self.at_, self.kind, self.elements)
+        self.elastic.element_hessians::<N>(self.iterate, self.kind, self.elements)
     }
 }
 
@@ -289,22 +289,22 @@ fn lower_blocks<const N: usize>(local: &Dense<N>, blocks: &mut [[f64; 9]]) {
 }
 
 impl Elastic {
-    fn total<const N: usize>(&self, at_: &Iterate) -> f64 {
+    fn total<const N: usize>(&self, iterate: &Iterate) -> f64 {
         let mut sum = 0.0;
-        let own = self.elements(at_.space);
+        let own = self.elements(iterate.space);
         map_merge(
             own.len(),
-            |r| self.element_values::<N>(at_, shifted(&r, own.start)),
+            |r| self.element_values::<N>(iterate, shifted(&r, own.start)),
             |_, part| sum += part,
         );
         sum
     }
 
-    fn merge_gradients<const N: usize>(&self, at_: &Iterate, out: &mut [f64]) {
-        let (own, nodes) = (self.elements(at_.space), at_.space.element_nodes());
+    fn merge_gradients<const N: usize>(&self, iterate: &Iterate, out: &mut [f64]) {
+        let (own, nodes) = (self.elements(iterate.space), iterate.space.element_nodes());
         map_merge(
             own.len(),
-            |r| self.element_gradients::<N>(at_, shifted(&r, own.start)),
+            |r| self.element_gradients::<N>(iterate, shifted(&r, own.start)),
             |r, parts| {
                 for (e, part) in shifted(&r, own.start).zip(parts) {
                     for (node, p) in nodes[e * N..(e + 1) * N].iter().zip(part) {
@@ -315,26 +315,31 @@ impl Elastic {
         );
     }
 
-    fn merge_hessians<const N: usize>(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        let own = self.elements(at_.space);
+    fn merge_hessians<const N: usize>(
+        &self,
+        iterate: &Iterate,
+        kind: Hessian,
+        out: &mut BlockMatrix,
+    ) {
+        let own = self.elements(iterate.space);
         map_merge_waves(
             own.len(),
             |r| {
                 let elements = shifted(&r, own.start);
-                widest(ElementHessians::<N> { elastic: self, at_, kind, elements })
+                widest(ElementHessians::<N> { elastic: self, iterate, kind, elements })
             },
             |r, blocks| out.add_elements(shifted(&r, own.start), &blocks),
         );
     }
 
-    fn merge_mixed<const N: usize>(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        let own = self.elements(at_.space);
+    fn merge_mixed<const N: usize>(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let own = self.elements(iterate.space);
         map_merge(
             own.len(),
-            |r| self.element_mixed::<N>(at_, lambda, shifted(&r, own.start)),
+            |r| self.element_mixed::<N>(iterate, lambda, shifted(&r, own.start)),
             |r, parts| {
                 for (e, part) in shifted(&r, own.start).zip(parts) {
-                    for (v, p) in at_.space.tets()[e].iter().zip(part) {
+                    for (v, p) in iterate.space.tets()[e].iter().zip(part) {
                         add_at(out, *v, &p);
                     }
                 }
@@ -344,12 +349,12 @@ impl Elastic {
 }
 
 impl Elastic {
-    fn merge_parameters<const N: usize>(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let own = self.elements(at_.space);
+    fn merge_parameters<const N: usize>(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let own = self.elements(iterate.space);
         let mut sum = vec![0.0; self.material.parameter_count()];
         map_merge(
             own.len(),
-            |r| self.element_parameters::<N>(at_, lambda, shifted(&r, own.start)),
+            |r| self.element_parameters::<N>(iterate, lambda, shifted(&r, own.start)),
             |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),
         );
         sum
@@ -373,23 +378,23 @@ impl Energy for Elastic {
         "elastic"
     }
 
-    fn value(&self, at_: &Iterate) -> f64 {
-        with_nodes!(at_.space, self.total(at_))
+    fn value(&self, iterate: &Iterate) -> f64 {
+        with_nodes!(iterate.space, self.total(iterate))
     }
 
-    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        with_nodes!(at_.space, self.merge_gradients(at_, out));
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        with_nodes!(iterate.space, self.merge_gradients(iterate, out));
     }
 
-    fn add_hessian(&self, at_: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        with_nodes!(at_.space, self.merge_hessians(at_, kind, out));
+    fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        with_nodes!(iterate.space, self.merge_hessians(iterate, kind, out));
     }
 
-    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        with_nodes!(at_.space, self.merge_mixed(at_, lambda, out));
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        with_nodes!(iterate.space, self.merge_mixed(iterate, lambda, out));
     }
 
-    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        with_nodes!(at_.space, self.merge_parameters(at_, lambda))
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        with_nodes!(iterate.space, self.merge_parameters(iterate, lambda))
     }
 }

@@ -67,24 +67,24 @@ impl Inertia {
     }
 
     /// 1/h² and ũ.
-    fn frame<'a>(&self, at_: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
-        let step = at_.step?;
+    fn frame<'a>(&self, iterate: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
+        let step = iterate.step?;
         if self.tiny {
             return Some((HOLD, &step.history));
         }
         Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
     }
 
-    fn deviation(&self, at_: &Iterate) -> Option<Deviation> {
-        let (rate, from) = self.frame(at_)?;
-        Some((rate, at_.u.iter().zip(from).map(|(u, f)| u - f).collect()))
+    fn deviation(&self, iterate: &Iterate) -> Option<Deviation> {
+        let (rate, from) = self.frame(iterate)?;
+        Some((rate, iterate.u.iter().zip(from).map(|(u, f)| u - f).collect()))
     }
 
     /// Mass of an element [kg] and its nodes.
-    fn element<'a>(&self, at_: &Iterate<'a>, e: usize) -> (f64, &'a [usize]) {
-        let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
-        let n = at_.space.nodes_per_element();
-        let nodes = &at_.space.element_nodes()[n * e..n * (e + 1)];
+    fn element<'a>(&self, iterate: &Iterate<'a>, e: usize) -> (f64, &'a [usize]) {
+        let [a, b, c, d] = iterate.space.tets()[e].map(|v| iterate.rest[v]);
+        let n = iterate.space.nodes_per_element();
+        let nodes = &iterate.space.element_nodes()[n * e..n * (e + 1)];
         (self.density * tet_volume(a, b, c, d), nodes)
     }
 
@@ -107,18 +107,18 @@ impl Inertia {
     /// ½ vᵀ M v of a velocity [J].
     #[must_use]
     pub fn kinetic_energy(&self, space: &FunctionSpace, rest: &[Vec3], velocity: &[f64]) -> f64 {
-        let at_ = Iterate { space, rest, u: velocity, load: 0.0, multipliers: &[], step: None };
-        self.half_square(&at_, velocity)
+        let iterate = Iterate { space, rest, u: velocity, load: 0.0, multipliers: &[], step: None };
+        self.half_square(&iterate, velocity)
     }
 
     /// ∫ ρ w dX of a nodal field w: momentum, if it is a velocity.
     #[must_use]
     pub fn momentum(&self, space: &FunctionSpace, rest: &[Vec3], w: &[f64]) -> Vec3 {
-        let at_ = Iterate { space, rest, u: w, load: 0.0, multipliers: &[], step: None };
+        let iterate = Iterate { space, rest, u: w, load: 0.0, multipliers: &[], step: None };
         let mut total = Vec3::zeros();
         self.each(
             |e| {
-                let (mass, nodes) = self.element(&at_, e);
+                let (mass, nodes) = self.element(&iterate, e);
                 mass * self.times_reference(w, nodes).into_iter().sum::<Vec3>()
             },
             |_, part| total += part,
@@ -126,11 +126,11 @@ impl Inertia {
         total
     }
 
-    fn half_square(&self, at_: &Iterate, w: &[f64]) -> f64 {
+    fn half_square(&self, iterate: &Iterate, w: &[f64]) -> f64 {
         let mut total = 0.0;
         self.each(
             |e| {
-                let (mass, nodes) = self.element(at_, e);
+                let (mass, nodes) = self.element(iterate, e);
                 let mw = self.times_reference(w, nodes);
                 0.5 * mass * mw.iter().zip(nodes).map(|(m, &a)| m.dot(&at(w, a))).sum::<f64>()
             },
@@ -142,10 +142,10 @@ impl Inertia {
 
 impl Inertia {
     /// Adds `factor` M w, three components per node.
-    fn add_mass_times(&self, at_: &Iterate, w: &[f64], factor: f64, out: &mut [f64]) {
+    fn add_mass_times(&self, iterate: &Iterate, w: &[f64], factor: f64, out: &mut [f64]) {
         self.each(
             |e| {
-                let (mass, nodes) = self.element(at_, e);
+                let (mass, nodes) = self.element(iterate, e);
                 (nodes, factor * mass, self.times_reference(w, nodes))
             },
             |_, (nodes, factor, parts)| {
@@ -160,22 +160,22 @@ impl Energy for Inertia {
         if self.tiny { "tiny_mass" } else { "inertia" }
     }
 
-    fn value(&self, at_: &Iterate) -> f64 {
-        self.deviation(at_).map_or(0.0, |(rate, d)| rate * self.half_square(at_, &d))
+    fn value(&self, iterate: &Iterate) -> f64 {
+        self.deviation(iterate).map_or(0.0, |(rate, d)| rate * self.half_square(iterate, &d))
     }
 
-    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        let Some((rate, deviation)) = self.deviation(at_) else { return };
-        self.add_mass_times(at_, &deviation, rate, out);
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        let Some((rate, deviation)) = self.deviation(iterate) else { return };
+        self.add_mass_times(iterate, &deviation, rate, out);
     }
 
-    fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
-        let Some((rate, _)) = self.frame(at_) else { return };
-        let (first, n) = (self.elements.start, at_.space.nodes_per_element());
+    fn add_hessian(&self, iterate: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        let Some((rate, _)) = self.frame(iterate) else { return };
+        let (first, n) = (self.elements.start, iterate.space.nodes_per_element());
         let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
             let mut blocks = Vec::with_capacity(pair_count(n) * range.len());
             for e in range {
-                let factor = rate * self.element(at_, first + e).0;
+                let factor = rate * self.element(iterate, first + e).0;
                 for a in 0..n {
                     for b in 0..=a {
                         debug_assert_eq!(blocks.len() % pair_count(n), pair_index(a, b));
@@ -191,33 +191,33 @@ impl Energy for Inertia {
         });
     }
 
-    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        let Some((rate, deviation)) = self.deviation(at_) else { return };
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let Some((rate, deviation)) = self.deviation(iterate) else { return };
         self.each(
             |e| {
-                let (mass, nodes) = self.element(at_, e);
-                let [a, b, c, d] = at_.space.tets()[e].map(|v| at_.rest[v]);
+                let (mass, nodes) = self.element(iterate, e);
+                let [a, b, c, d] = iterate.space.tets()[e].map(|v| iterate.rest[v]);
                 let md = self.times_reference(&deviation, nodes);
                 let along: f64 = md.iter().zip(nodes).map(|(m, &n)| m.dot(&at(lambda, n))).sum();
                 let volume = tet_volume(a, b, c, d);
                 tet_volume_gradient(a, b, c, d).map(|by| rate * mass / volume * along * by)
             },
             |e, parts| {
-                let tet = at_.space.tets()[e];
+                let tet = iterate.space.tets()[e];
                 tet.iter().zip(parts).for_each(|(&vertex, part)| add_at(out, vertex, &part));
             },
         );
     }
 
-    fn add_past_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
-        let Some((rate, _)) = self.frame(at_) else { return };
+    fn add_past_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
+        let Some((rate, _)) = self.frame(iterate) else { return };
         let from = if self.tiny { &mut out.history } else { &mut out.free_flight };
-        self.add_mass_times(at_, lambda, -rate, from);
+        self.add_mass_times(iterate, lambda, -rate, from);
     }
 
-    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; at_.u.len()];
-        self.add_gradient(at_, &mut gradient);
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.add_gradient(iterate, &mut gradient);
         vec![dot(&gradient, lambda) / self.density]
     }
 }

@@ -58,19 +58,19 @@ impl Traction {
         Self { traction, facets }
     }
 
-    fn for_each_point(&self, at_: &Iterate, mut f: impl FnMut(&Point)) {
-        let table = at_.space.facet_table();
+    fn for_each_point(&self, iterate: &Iterate, mut f: impl FnMut(&Point)) {
+        let table = iterate.space.facet_table();
         let varies = self.traction.uses_position();
-        let uniform = self.traction.at(Vec3::zeros(), at_.load);
-        let positions = at_.space.node_positions(at_.rest);
+        let uniform = self.traction.at(Vec3::zeros(), iterate.load);
+        let positions = iterate.space.node_positions(iterate.rest);
         for (facet, nodes) in &self.facets {
-            let [a, b, c] = facet.map(|v| at_.rest[v]);
+            let [a, b, c] = facet.map(|v| iterate.rest[v]);
             let normal = (b - a).cross(&(c - a));
             for (values, &weight) in table.values.iter().zip(&table.weights) {
                 let (mut place, mut traction) = (Vec3::zeros(), uniform);
                 if varies {
                     place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
-                    traction = self.traction.at(place, at_.load);
+                    traction = self.traction.at(place, iterate.load);
                 }
                 f(&Point { facet: *facet, nodes, values, weight, normal, place, traction });
             }
@@ -83,14 +83,14 @@ impl Energy for Traction {
         "traction"
     }
 
-    fn value(&self, at_: &Iterate) -> f64 {
+    fn value(&self, iterate: &Iterate) -> f64 {
         let mut work = 0.0;
-        self.for_each_point(at_, |p| work += p.area() * p.traction.dot(&p.value_of(at_.u)));
+        self.for_each_point(iterate, |p| work += p.area() * p.traction.dot(&p.value_of(iterate.u)));
         -work
     }
 
-    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        self.for_each_point(at_, |p| {
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        self.for_each_point(iterate, |p| {
             let force = -p.area() * p.traction;
             for (&node, v) in p.nodes.iter().zip(p.values) {
                 add_at(out, node, &(force * *v));
@@ -100,12 +100,12 @@ impl Energy for Traction {
 
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
 
-    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let varies = self.traction.uses_position();
-        let mut nodal = vec![0.0; at_.u.len()];
-        self.for_each_point(at_, |p| {
+        let mut nodal = vec![0.0; iterate.u.len()];
+        self.for_each_point(iterate, |p| {
             let lambda = p.value_of(lambda);
-            let x = p.facet.map(|v| at_.rest[v]);
+            let x = p.facet.map(|v| iterate.rest[v]);
             let unit = p.normal.normalize();
             let density = -p.weight * p.traction.dot(&lambda);
             for i in 0..3 {
@@ -113,12 +113,12 @@ impl Energy for Traction {
                 add_at(out, p.facet[i], &(density * by));
             }
             if varies {
-                let by_place = self.traction.gradient(p.place, at_.load).transpose() * lambda;
+                let by_place = self.traction.gradient(p.place, iterate.load).transpose() * lambda;
                 for (&node, v) in p.nodes.iter().zip(p.values) {
                     add_at(&mut nodal, node, &(-p.area() * *v * by_place));
                 }
             }
         });
-        at_.space.add_to_vertices(&nodal, out);
+        iterate.space.add_to_vertices(&nodal, out);
     }
 }

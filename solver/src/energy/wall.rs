@@ -232,10 +232,10 @@ fn swept_terms(count: usize) -> impl Iterator<Item = (usize, usize, f64)> {
 }
 
 /// Node positions x = ΠX + u.
-pub fn positions(at_: &Iterate) -> Vec<Vec3> {
-    let mut x = at_.space.node_positions(at_.rest);
+pub fn positions(iterate: &Iterate) -> Vec<Vec3> {
+    let mut x = iterate.space.node_positions(iterate.rest);
     for (i, x) in x.iter_mut().enumerate() {
-        *x += at(at_.u, i);
+        *x += at(iterate.u, i);
     }
     x
 }

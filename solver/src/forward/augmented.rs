@@ -20,10 +20,8 @@
 //! Sources: Nocedal and Wright, "Numerical Optimization", section 17.3; for moving
 //! boundaries in contact Li et al. 2020, doi:10.1145/3386569.3392425.
 
-use mesh::Vec3;
-
-use super::{Newton, System};
-use crate::energy::{Hessian, Spring, Springs};
+use super::{Configuration, Newton, Problem, Workspace};
+use crate::energy::{Hessian, Iterate, Spring, Springs};
 
 /// Relative residual at which the multipliers are renewed.
 const ROUGH: f64 = 1e-3;
@@ -48,81 +46,82 @@ pub(super) struct Placed {
 /// reach at an earlier one; none where obstacles are blocked, or the places are
 /// not reached. The residual of every iterate [N] is added to `residuals`.
 pub(super) fn pull_supports(
-    system: &mut System,
-    rest: &[Vec3],
-    (start, before): (&[f64], f64),
+    problem: &Problem,
+    workspace: &mut Workspace,
+    start: &Configuration,
     load: f64,
     newton: &Newton,
     residuals: &mut Vec<f64>,
 ) -> Option<Placed> {
-    if system.max_step(rest, (start, before), (start, load)) < 1.0 {
+    let before = start.iterate(problem);
+    let at = Iterate { load, ..before };
+    if workspace.max_step(problem, &before, &at) < 1.0 {
         return None;
     }
-    let (fixed, places) = (system.fixed().to_vec(), system.displacement_of_supports(load));
-    let released = |d: usize| fixed[d] && places[d] != start[d];
-    let kept: Vec<bool> = (0..fixed.len()).map(|d| fixed[d] && !released(d)).collect();
-    if kept == fixed {
+    let (fixed, places) = (problem.dirichlet.fixed(), problem.dirichlet.displacement(load));
+    let is_released = |d: usize| fixed[d] && places[d] != start.u[d];
+    let dofs: Vec<usize> = (0..fixed.len()).filter(|&d| is_released(d)).collect();
+    if dofs.is_empty() {
         return None;
     }
-    system.fix(&kept);
-    let springs =
-        springs(system, rest, (start, load), (0..fixed.len()).filter(|&d| released(d)), &places);
-    let found = approach(system, rest, start, load, newton, springs, residuals);
-    system.fix(&fixed);
-    found
+    let kept: Vec<bool> = (0..fixed.len()).map(|d| fixed[d] && !is_released(d)).collect();
+    let released = problem.with_fixed(&kept);
+    let springs = stiff_springs(&released, workspace, &at, &dofs, &places);
+    let state = Configuration { load, ..start.clone() };
+    approach(&released, workspace, state, newton, springs, residuals)
 }
 
-/// The same with the supports released.
+/// The same where supports are released.
 fn approach(
-    system: &mut System,
-    rest: &[Vec3],
-    start: &[f64],
-    load: f64,
+    released: &Problem,
+    workspace: &mut Workspace,
+    mut state: Configuration,
     newton: &Newton,
     mut springs: Springs,
     residuals: &mut Vec<f64>,
 ) -> Option<Placed> {
     let rough = Newton { relative: newton.relative.max(ROUGH), ..*newton };
-    let (mut u, mut iterations, mut last) = (start.to_vec(), 0, f64::INFINITY);
+    let (mut iterations, mut last) = (0, f64::INFINITY);
     for minimum in 0..MINIMA {
-        system.energies.springs = Some(springs.clone());
-        let converged = rough.trace(system, rest, &mut u, load, residuals);
-        system.energies.springs = None;
+        let pulled = released.with_springs(springs.clone());
+        let converged = rough.trace(&pulled, workspace, &mut state, residuals);
         iterations += converged.ok()?.iterations;
-        let left = springs.longest(&u);
+        let left = springs.longest(&state.u);
         log::debug!("supports pulled {minimum}  {left:.2e} m left");
-        let placed = springs.placed(&u);
-        let free = system.max_step(rest, (&u, load), (&placed, load)) >= 1.0;
-        if free && system.value(rest, &placed, load).is_finite() {
+        let at = state.iterate(released);
+        let placed = springs.placed(&state.u);
+        let there = Iterate { u: &placed, ..at };
+        let free = workspace.max_step(released, &at, &there) >= 1.0;
+        if free && workspace.value(released, &there).is_finite() {
             return Some(Placed { u: placed, iterations });
         }
         if left >= last {
             return None;
         }
-        springs = springs.renewed(&u, if left > SLOW * last { GROWTH } else { 1.0 });
+        springs = springs.renewed(&state.u, if left > SLOW * last { GROWTH } else { 1.0 });
         last = left;
     }
     None
 }
 
-/// Springs with START times the stiffness of the Hessian where they pull.
-fn springs(
-    system: &mut System,
-    rest: &[Vec3],
-    (u, load): (&[f64], f64),
-    dofs: impl Iterator<Item = usize>,
+/// Springs that are [`START`] times as stiff as what they pull.
+fn stiff_springs(
+    released: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    dofs: &[usize],
     places: &[f64],
 ) -> Springs {
-    let hessian = system.hessian(rest, u, load, Hessian::Projected).lower;
-    let diagonal: Vec<f64> = system.diagonal().iter().map(|&d| hessian[d]).collect();
-    let stiffness = system.prolong(&diagonal);
-    let spring = |dof: usize| Spring {
+    let hessian = workspace.hessian(released, at, Hessian::Projected).lower;
+    let diagonal: Vec<f64> = workspace.diagonal().iter().map(|&d| hessian[d]).collect();
+    let stiffness = released.prolong(&diagonal);
+    let spring = |&dof: &usize| Spring {
         dof,
         place: places[dof],
         stiffness: START * stiffness[dof],
         force: 0.0,
     };
-    Springs::new(dofs.map(spring).collect())
+    Springs::new(dofs.iter().map(spring).collect())
 }
 
 #[cfg(test)]

@@ -3,8 +3,9 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", chapter 3; test of
 //! decrease near convergence: Hager and Zhang 2005, doi:10.1137/030601880.
 
-use super::System;
-use super::ladder::Point;
+use super::hessian_modification::Point;
+use super::{Problem, Workspace};
+use crate::energy::Iterate;
 use crate::math::linear::dot;
 
 /// Fraction of the predicted decrease that a step must reach.
@@ -27,25 +28,27 @@ pub struct Accepted {
 /// Halves the step until it decreases the energy enough; where the energy has
 /// no digits left, until the slope does not grow. None where no step does.
 pub fn line_search(
-    system: &mut System,
-    at: &Point,
+    problem: &Problem,
+    workspace: &mut Workspace,
+    point: &Point,
     energy: f64,
     direction: &[f64],
 ) -> Option<Accepted> {
-    let slope = dot(at.gradient, direction);
+    let (at, slope) = (point.at, dot(point.gradient, direction));
     let whole: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + d).collect();
-    let mut alpha = system.max_step(at.rest, (at.u, at.load), (&whole, at.load));
+    let mut alpha = workspace.max_step(problem, &at, &Iterate { u: &whole, ..at });
     if alpha <= 0.0 {
         return None;
     }
     for _ in 0..HALVINGS {
         let trial: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + alpha * d).collect();
-        let value = system.value(at.rest, &trial, at.load);
+        let there = Iterate { u: &trial, ..at };
+        let value = workspace.value(problem, &there);
         if value <= energy + ARMIJO * alpha * slope {
             return Some(Accepted { u: trial, energy: value, gradient: None });
         }
         if (value - energy).abs() <= ENERGY_DIGITS * energy.abs() {
-            let gradient = system.gradient(at.rest, &trial, at.load);
+            let gradient = workspace.gradient(problem, &there);
             let end = dot(&gradient.0, direction);
             if end.abs() <= (1.0 - ARMIJO) * slope.abs() {
                 return Some(Accepted { u: trial, energy: value, gradient: Some(gradient) });

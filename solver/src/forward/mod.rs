@@ -2,27 +2,32 @@
 
 mod augmented;
 mod certificate;
+mod dirichlet;
+mod hessian_modification;
 mod integrator;
-mod ladder;
 mod line_search;
-mod march;
 mod newton;
-mod softness;
+mod problem;
+mod softest_mode;
 mod states;
 mod stepping;
-mod system;
 mod tangent;
+mod time_stepper;
 mod trajectory;
 mod volumes;
+mod workspace;
 
 pub use certificate::{Uncertified, certificate};
+pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Integrator, Method, State};
-pub use march::{March, Progress, Reached};
 pub use newton::{Converged, Failure, Newton};
-pub use softness::Softness;
+pub use problem::{Configuration, Problem};
+pub use softest_mode::SoftestMode;
 pub use stepping::{
     Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
 };
-pub use system::{System, Timings};
 pub use tangent::follow;
+pub use time_stepper::{Progress, Reached, TimeStepper};
 pub use trajectory::Trajectory;
+pub use volumes::solve_multipliers;
+pub use workspace::{Linearization, Timings, Workspace};

@@ -9,17 +9,16 @@
 //! **The end at the rounding floor.** When the predicted decrease of the energy is
 //! below [`NEGLIGIBLE`] of it, and the residual has not halved for [`FLAT`]
 //! iterations, there is no step, or none is left, more iterations cannot help. The best state is then
-//! accepted if its residual is at most [`System::rounding_floor`], and
+//! accepted if its residual is at most [`Workspace::rounding_floor`], and
 //! [`Converged::floor`] says so; else it is a [`Failure::Stagnated`]. The floor is
 //! a bound: residuals of cubes, bars, beam and gripper ended at 0.06 to 0.11 of it.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapters 3 and 6.
 
-use mesh::Vec3;
-
-use super::ladder::{Point, Rung, direction};
+use super::hessian_modification::{Modification, Point, direction};
 use super::line_search::{Accepted, line_search};
-use super::{System, Uncertified};
+use super::{Configuration, Problem, Uncertified, Workspace};
+use crate::energy::Iterate;
 use crate::math::linear::{dot, norm};
 
 /// Relative accuracy of inexact steps, at most and at least.
@@ -143,49 +142,49 @@ struct State {
 }
 
 impl Newton {
-    /// Moves `u` to an equilibrium.
+    /// Moves the displacement to an equilibrium.
     ///
     /// # Errors
-    /// [`Failure`]; `u` is then the last state.
+    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn solve(
         &self,
-        system: &mut System,
-        rest: &[Vec3],
-        u: &mut Vec<f64>,
-        load: f64,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &mut Configuration,
     ) -> Result<Converged, Failure> {
-        self.trace(system, rest, u, load, &mut Vec::new())
+        self.trace(problem, workspace, state, &mut Vec::new())
     }
 
     /// The same, with the residual of every iterate [N] added to `residuals`.
     ///
     /// # Errors
-    /// [`Failure`]; `u` is then the last state.
+    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn trace(
         &self,
-        system: &mut System,
-        rest: &[Vec3],
-        u: &mut Vec<f64>,
-        load: f64,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &mut Configuration,
         residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
-        let energy = system.value(rest, u, load);
+        let at = state.iterate(problem);
+        let energy = workspace.value(problem, &at);
         if !energy.is_finite() {
             return Err(Failure::Inadmissible);
         }
-        let first = Accepted { u: std::mem::take(u), energy, gradient: None };
-        let mut now = state(system, rest, first, load);
-        let result = self.iterate(system, rest, &mut now, load, residuals);
-        *u = now.u;
+        let first = Accepted { u: state.u.clone(), energy, gradient: None };
+        let mut now = reached(problem, workspace, &at, first);
+        let result = self.iterate(problem, workspace, &at, &mut now, residuals);
+        state.u = now.u;
         result
     }
 
+    /// From `now` on; of `at` all but the displacement is looked at.
     fn iterate(
         &self,
-        system: &mut System,
-        rest: &[Vec3],
+        problem: &Problem,
+        workspace: &mut Workspace,
+        at: &Iterate,
         now: &mut State,
-        load: f64,
         residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
@@ -201,7 +200,7 @@ impl Newton {
             if iterations == self.iterations {
                 if within_rounding {
                     *now = flat.best;
-                    return self.stagnated(system, rest, now, load, iterations);
+                    return self.stagnated(problem, workspace, at, now, iterations);
                 }
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
@@ -209,17 +208,17 @@ impl Newton {
             let enough = (ENOUGH * wanted / residual).clamp(FORCING.1, FORCING.0);
             let forcing = (residual / before).powi(2).clamp(enough, FORCING.0);
             before = residual;
-            let at = Point { rest, u: &now.u, load, gradient: &now.gradient };
-            let (step, decrease) = step(system, &at, now.energy, forcing);
+            let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
+            let (step, decrease) = step(problem, workspace, &point, now.energy, forcing);
             within_rounding = decrease <= NEGLIGIBLE * now.energy.abs();
             if within_rounding && (step.is_none() || flat.iterations >= FLAT) {
                 *now = flat.best;
-                return self.stagnated(system, rest, now, load, iterations);
+                return self.stagnated(problem, workspace, at, now, iterations);
             }
             let Some(accepted) = step else {
                 return Err(Failure::Stalled { iterations, residual, wanted });
             };
-            *now = state(system, rest, accepted, load);
+            *now = reached(problem, workspace, at, accepted);
         }
         unreachable!("the loop ends by returning")
     }
@@ -231,14 +230,14 @@ impl Newton {
     /// Whether a residual that falls no further is as small as rounding allows.
     fn stagnated(
         &self,
-        system: &mut System,
-        rest: &[Vec3],
+        problem: &Problem,
+        workspace: &mut Workspace,
+        at: &Iterate,
         best: &State,
-        load: f64,
         iterations: usize,
     ) -> Result<Converged, Failure> {
         let (residual, scale, wanted) = (best.residual, best.scale, self.wanted(best.scale));
-        let floor = system.rounding_floor(rest, &best.u, load);
+        let floor = workspace.rounding_floor(problem, &Iterate { u: &best.u, ..*at });
         log::debug!("residual {residual:.2e} N does not fall; floor by rounding {floor:.1e} N");
         if residual <= floor {
             return Ok(Converged { iterations, residual, wanted, floor: Some(floor) });
@@ -267,31 +266,44 @@ impl Flat {
     }
 }
 
-fn state(system: &mut System, rest: &[Vec3], accepted: Accepted, load: f64) -> State {
+fn reached(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    accepted: Accepted,
+) -> State {
     let Accepted { u, energy, gradient } = accepted;
-    let (gradient, scale) = gradient.unwrap_or_else(|| system.gradient(rest, &u, load));
-    let residual = norm(&system.restrict(&gradient));
+    let (gradient, scale) =
+        gradient.unwrap_or_else(|| workspace.gradient(problem, &Iterate { u: &u, ..*at }));
+    let residual = norm(&problem.restrict(&gradient));
     State { u, energy, gradient, scale, residual }
 }
 
-/// A step that decreases the energy, by the first rung that gives one, and the
-/// decrease that the first direction predicts [J].
-fn step(system: &mut System, at: &Point, energy: f64, forcing: f64) -> (Option<Accepted>, f64) {
-    let mut from = Some(Rung::Near);
+/// A step that decreases the energy, by the first modification of the Hessian that
+/// gives one, and the decrease that the first direction predicts [J].
+fn step(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    point: &Point,
+    energy: f64,
+    forcing: f64,
+) -> (Option<Accepted>, f64) {
+    let mut from = Some(Modification::Near);
     let mut predicted = f64::INFINITY;
-    while let Some(rung) = from {
-        let Some((rung, direction)) = direction(system, at, rung, forcing) else { break };
-        let slope = dot(at.gradient, &direction);
+    while let Some(modification) = from {
+        let found = direction(problem, workspace, point, modification, forcing);
+        let Some((modification, direction)) = found else { break };
+        let slope = dot(point.gradient, &direction);
         predicted = predicted.min(0.5 * slope.abs());
         if slope < 0.0
-            && let Some(accepted) = line_search(system, at, energy, &direction)
+            && let Some(accepted) = line_search(problem, workspace, point, energy, &direction)
         {
-            log::debug!("{rung:?} step");
+            log::debug!("{modification:?} step");
             return (Some(accepted), predicted);
         }
-        log::debug!("no {rung:?} step");
+        log::debug!("no {modification:?} step");
         // other directions have no digits to compare either
-        from = rung.below().filter(|_| predicted > NEGLIGIBLE * energy.abs());
+        from = modification.next().filter(|_| predicted > NEGLIGIBLE * energy.abs());
     }
     (None, predicted)
 }

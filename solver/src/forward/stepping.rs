@@ -4,6 +4,7 @@
 //! into load steps where Newton's method needs them. A static scene is one time
 //! step with t₁ = 1, where t is the fraction of the load.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use mesh::Vec3;
@@ -11,8 +12,11 @@ use serde::Serialize;
 
 use super::augmented::pull_supports;
 use super::volumes::balance;
-use super::{Converged, Failure, Integrator, March, Method, Newton, State, System, certificate};
-use crate::energy::Multiplier;
+use super::{
+    Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State, TimeStepper,
+    Workspace, certificate,
+};
+use crate::energy::{Iterate, Multiplier, TimeStep};
 use crate::math::linear::norm;
 
 /// Newton iterations after which a load step counts as easy.
@@ -56,9 +60,22 @@ pub struct LoadStep {
     /// Of the chambers with a prescribed volume.
     #[serde(skip)]
     pub multipliers: Vec<Multiplier>,
+    /// The time step that it is in, if there is one.
+    #[serde(skip)]
+    pub step: Option<Arc<TimeStep>>,
     /// Whether it is the end of a time step.
     #[serde(skip)]
     pub ends_time_step: bool,
+}
+
+impl LoadStep {
+    /// Its state on a rest shape [m].
+    #[must_use]
+    pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
+        let (space, step) = (&problem.space, self.step.as_deref());
+        let (u, multipliers) = (&self.u, &self.multipliers);
+        Iterate { space, rest, u, load: self.load, multipliers, step }
+    }
 }
 
 /// An equilibrium and the way to it.
@@ -88,6 +105,10 @@ pub struct Unreached {
 pub struct Attempt {
     /// The last equilibrium, or the rest shape [m].
     pub reached: Vec<f64>,
+    /// Its multipliers of prescribed volumes.
+    pub multipliers: Vec<Multiplier>,
+    /// The time step that fails.
+    pub step: Arc<TimeStep>,
     /// Load that was tried.
     pub load: f64,
     /// The last iterate there [m].
@@ -97,19 +118,19 @@ pub struct Attempt {
 }
 
 /// Solves under the full load from a nearby equilibrium, in one step. A factor
-/// that the system still has is used, so that the result depends on it in its
+/// that the workspace still has is used, so that the result depends on it in its
 /// last digits.
 ///
 /// # Errors
 /// [`Failure`] of Newton's method.
 pub fn solve_from(
-    system: &mut System,
-    rest: &[Vec3],
-    start: &[f64],
+    problem: &Problem,
+    workspace: &mut Workspace,
+    start: &Configuration,
     newton: &Newton,
 ) -> Result<Solution, Failure> {
-    let from = (start.to_vec(), 1.0);
-    let step = attempt(system, rest, from, 1.0, newton).map_err(|failed| failed.failure)?;
+    let attempt = attempt(problem, workspace, start, start.load, newton);
+    let step = attempt.map_err(|failed| failed.failure)?;
     let newton_iterations = step.newton_iterations;
     Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
 }
@@ -119,12 +140,13 @@ pub fn solve_from(
 /// # Errors
 /// [`Unreached`] with the load that was reached.
 pub fn solve(
-    system: &mut System,
+    problem: &Problem,
+    workspace: &mut Workspace,
     rest: &[Vec3],
     stepping: &Stepping,
     observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
-    solve_in_time(system, rest, stepping, &[1.0], observe)
+    solve_in_time(problem, workspace, rest, stepping, &[1.0], observe)
 }
 
 /// Solves from the rest shape at t = 0 to the ends `times` of time steps without
@@ -133,24 +155,25 @@ pub fn solve(
 /// # Errors
 /// [`Unreached`] with the load that was reached.
 pub fn solve_in_time(
-    system: &mut System,
+    problem: &Problem,
+    workspace: &mut Workspace,
     rest: &[Vec3],
     stepping: &Stepping,
     times: &[f64],
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
-    let zero = vec![0.0; system.len()];
+    let zero = vec![0.0; problem.dofs()];
     let start = State { u: zero.clone(), v: zero };
-    let mut march = March::new(*stepping, Integrator::new(Method::Quasistatic, start));
+    let mut stepper = TimeStepper::new(*stepping, Integrator::new(Method::Quasistatic, start));
     let mut steps = Vec::new();
     for &end in times {
-        march.advance(system, rest, end, |step| {
+        stepper.advance(problem, workspace, rest, end, |step| {
             observe(step);
             steps.push(step.clone());
         })?;
     }
-    let newton_iterations = march.progress.newton_iterations;
-    Ok(Solution { u: march.progress.reached().to_vec(), steps, newton_iterations })
+    let newton_iterations = stepper.progress.newton_iterations;
+    Ok(Solution { u: stepper.progress.reached().to_vec(), steps, newton_iterations })
 }
 
 pub(super) fn loosened(newton: &Newton) -> Newton {
@@ -163,30 +186,32 @@ pub(super) struct Failed {
     pub residuals: Vec<f64>,
 }
 
-/// One load step from a state that surfaces can reach at an earlier load: the
+/// One load step to a load, from a state that surfaces can reach at an earlier one: the
 /// supports are moved, or pulled where their straight way is blocked, the forces
 /// balanced, prescribed volumes reached and the state certified.
 pub(super) fn attempt(
-    system: &mut System,
-    rest: &[Vec3],
-    (start, before): (Vec<f64>, f64),
+    problem: &Problem,
+    workspace: &mut Workspace,
+    start: &Configuration,
     load: f64,
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
-    let mut u = start.clone();
-    system.move_supports(rest, &mut u, load);
-    let free = system.max_step(rest, (&start, before), (&u, load));
+    let before = start.iterate(problem);
+    let mut state = Configuration { load, ..start.clone() };
+    state.u = workspace.move_supports(problem, &Iterate { load, ..before });
+    let free = workspace.max_step(problem, &before, &state.iterate(problem));
     let (mut residuals, mut pulling) = (Vec::new(), 0);
     if free < 1.0 {
-        let around = pull_supports(system, rest, (&start, before), load, newton, &mut residuals);
+        let around = pull_supports(problem, workspace, start, load, newton, &mut residuals);
         let Some(placed) = around else {
-            return Err(Failed { failure: Failure::Blocked { free }, u: start, residuals });
+            let u = start.u.clone();
+            return Err(Failed { failure: Failure::Blocked { free }, u, residuals });
         };
-        (u, pulling) = (placed.u, placed.iterations);
+        (state.u, pulling) = (placed.u, placed.iterations);
     }
-    let converged = match balance(system, rest, &mut u, load, newton, &mut residuals) {
+    let converged = match balance(problem, workspace, &mut state, newton, &mut residuals) {
         Ok(converged) => converged,
-        Err(failure) => return Err(Failed { failure, u, residuals }),
+        Err(failure) => return Err(Failed { failure, u: state.u, residuals }),
     };
     let Converged { iterations, residual, wanted, floor } = converged;
     if let Some(floor) = floor {
@@ -195,7 +220,7 @@ pub(super) fn attempt(
              fall further and rounding alone may leave {floor:.0e} N"
         );
     }
-    match certify(system, rest, &u, load) {
+    match certify(problem, workspace, &state.iterate(problem)) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
             load,
             newton_iterations: pulling + iterations,
@@ -203,27 +228,30 @@ pub(super) fn attempt(
             residual_wanted: wanted,
             rounding_floor: floor,
             smallest_volume_ratio,
-            u,
-            multipliers: system.multipliers.clone(),
+            step: state.step.cloned(),
+            u: state.u,
+            multipliers: state.multipliers,
             ends_time_step: false,
         }),
-        Err(failure) => Err(Failed { failure, u, residuals }),
+        Err(failure) => Err(Failed { failure, u: state.u, residuals }),
     }
 }
 
 /// A lower bound of J, if the body is nowhere turned inside out and no energy
 /// objects.
-fn certify(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> Result<f64, Failure> {
+fn certify(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Result<f64, Failure> {
     let start = Instant::now();
-    let certified = certificate(&system.space, rest, u);
-    system.timings.certificate_s += start.elapsed().as_secs_f64();
-    let smallest = certified?;
-    system.objection(rest, u, load).map_or(Ok(smallest), |what| Err(Failure::Objection(what)))
+    let certified = certificate(at.space, at.rest, at.u).map_err(Failure::from);
+    let certified = certified.and_then(|smallest| {
+        problem.objection(at).map_or(Ok(smallest), |what| Err(Failure::Objection(what)))
+    });
+    workspace.timings.certificate_s += start.elapsed().as_secs_f64();
+    certified
 }
 
 /// Norm of the unbalanced force [N]; infinite where it is not defined.
-pub(super) fn residual(system: &mut System, rest: &[Vec3], u: &[f64], load: f64) -> f64 {
-    let (gradient, _) = system.gradient(rest, u, load);
-    let residual = norm(&system.restrict(&gradient));
+pub(super) fn residual(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> f64 {
+    let (gradient, _) = workspace.gradient(problem, at);
+    let residual = norm(&problem.restrict(&gradient));
     if residual.is_nan() { f64::INFINITY } else { residual }
 }

@@ -2,24 +2,32 @@
 
 use mesh::Vec3;
 
-use super::System;
+use super::{Linearization, Problem, Workspace};
+use crate::energy::Iterate;
 
 /// Step of the one-sided difference, as a fraction of the motion. Truncation is
 /// of this order, which is plenty for a prediction.
 const STEP: f64 = 1e-5;
 
-/// First-order change du = −H⁻¹ (∂²E/∂u∂X) dX [m] of the equilibrium `u` when
-/// the rest vertices move by `motion` dX [m], under the full load. The system
-/// has been linearised at `u`; none where the equilibrium is not stable.
-pub fn follow(system: &mut System, rest: &[Vec3], u: &[f64], motion: &[Vec3]) -> Option<Vec<f64>> {
-    if !system.linear.is_positive() {
+/// First-order change du = −H⁻¹ (∂²E/∂u∂X) dX [m] of an equilibrium, linearised on its
+/// rest shape X [m], when that moves by `motion` dX [m]; none where it is not stable, or the workspace does
+/// not hold its linearisation any more.
+pub fn follow(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    linearization: &Linearization,
+    rest: &[Vec3],
+    motion: &[Vec3],
+) -> Option<Vec<f64>> {
+    let at = linearization.iterate(problem, rest);
+    if !workspace.holds(linearization, &at) || !workspace.linear().is_positive() {
         return None;
     }
     let moved: Vec<Vec3> = rest.iter().zip(motion).map(|(x, d)| x + STEP * d).collect();
-    let (before, _) = system.gradient(rest, u, 1.0);
-    let (after, _) = system.gradient(&moved, u, 1.0);
+    let (before, _) = workspace.gradient(problem, &at);
+    let (after, _) = workspace.gradient(problem, &Iterate { rest: &moved, ..at });
     let change: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b - a) / STEP).collect();
-    let mut du = system.restrict(&change);
-    system.linear.solve_to(&mut du, STEP);
-    Some(system.prolong(&du))
+    let mut du = problem.restrict(&change);
+    workspace.linear().solve_to(&mut du, STEP);
+    Some(problem.prolong(&du))
 }

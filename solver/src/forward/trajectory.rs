@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use mesh::Vec3;
 
 use super::states::States;
-use super::{Integrator, Method, State, System};
+use super::{Integrator, Method, Problem, State};
 use crate::energy::TimeStep;
 
 /// A run through time; a static scene is one time step from t = 0 to 1.
@@ -85,9 +85,10 @@ impl Trajectory {
 
     /// Step n ≥ 1 with its lagged contacts.
     #[must_use]
-    pub fn step(&self, system: &System, rest: &[Vec3], n: usize) -> TimeStep {
+    pub fn step(&self, problem: &Problem, rest: &[Vec3], n: usize) -> TimeStep {
         let (before, end) = (self.times[n - 1], self.times[n]);
-        let lagged_contacts = system.lagged_contacts(rest, &self.state(n - 1).u, before);
+        let last = self.state(n - 1);
+        let lagged_contacts = problem.lagged_contacts(&problem.iterate(rest, &last.u, before));
         TimeStep { lagged_contacts, ..self.past(n).step(end - before) }
     }
 }

@@ -17,11 +17,10 @@
 
 use std::time::Instant;
 
-use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::{Converged, Failure, Newton, System};
-use crate::energy::{Constraint, Hessian};
+use super::{Configuration, Converged, Failure, Newton, Problem, Workspace};
+use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
 use crate::math::linear::{Precision, Symmetric, dot, norm};
 
 /// Relative residual at which the constraints join in.
@@ -38,34 +37,34 @@ const GROWTH: f64 = 10.0;
 /// from a rough minimum.
 const LINEAR: f64 = 1e-6;
 
-/// Moves `u` to an equilibrium at which every prescribed volume is reached to
-/// Newton's relative tolerance, with all Newton iterations; the residual of
-/// every iterate [N] is added to `residuals`.
+/// Moves displacement and multipliers to an equilibrium at which every prescribed
+/// volume is reached to Newton's relative tolerance, with all Newton iterations; the
+/// residual of every iterate [N] is added to `residuals`.
 ///
 /// # Errors
-/// [`Failure`]; `u` is then the last state.
+/// [`Failure`]; the state is then the last one.
 pub fn balance(
-    system: &mut System,
-    rest: &[Vec3],
-    u: &mut Vec<f64>,
-    load: f64,
+    problem: &Problem,
+    workspace: &mut Workspace,
+    state: &mut Configuration,
     newton: &Newton,
     residuals: &mut Vec<f64>,
 ) -> Result<Converged, Failure> {
-    if system.multipliers.is_empty() {
-        return newton.trace(system, rest, u, load, residuals);
+    if state.multipliers.is_empty() {
+        return newton.trace(problem, workspace, state, residuals);
     }
     let rough = Newton { relative: newton.relative.max(ROUGH), ..*newton };
     let mut iterations = 0;
-    let mut last = vec![f64::INFINITY; system.multipliers.len()];
+    let mut last = vec![f64::INFINITY; state.multipliers.len()];
     for minimum in 0.. {
-        iterations += rough.trace(system, rest, u, load, residuals)?.iterations;
-        let mut distance = Distance::of(system, rest, u, load, newton);
+        iterations += rough.trace(problem, workspace, state, residuals)?.iterations;
+        let mut distance = Distance::of(problem, workspace, &state.iterate(problem), newton);
         for _ in 0..STEPS {
             if distance.is_reached() {
                 break;
             }
-            let Some(nearer) = joint_step(system, rest, u, load, newton, &distance) else { break };
+            let nearer = joint_step(problem, workspace, state, newton, &distance);
+            let Some(nearer) = nearer else { break };
             iterations += 1;
             residuals.push(nearer.residual);
             distance = nearer;
@@ -73,9 +72,9 @@ pub fn balance(
         log::debug!("volumes {minimum}  largest gap {:.2e}", distance.largest_gap());
         if distance.largest_gap() <= newton.relative {
             // what is left, if anything, are digits that rounding takes
-            let converged = newton.trace(system, rest, u, load, residuals)?;
+            let converged = newton.trace(problem, workspace, state, residuals)?;
             iterations += converged.iterations;
-            distance = Distance::of(system, rest, u, load, newton);
+            distance = Distance::of(problem, workspace, &state.iterate(problem), newton);
             if distance.largest_gap() <= newton.relative {
                 return Ok(Converged { iterations, ..converged });
             }
@@ -84,7 +83,7 @@ pub fn balance(
             return Err(distance.failure());
         }
         for constraint in &distance.constraints {
-            let multiplier = &mut system.multipliers[constraint.multiplier];
+            let multiplier = &mut state.multipliers[constraint.multiplier];
             let last = &mut last[constraint.multiplier];
             multiplier.pressure -= multiplier.penalty * (constraint.volume - constraint.wanted);
             if gap(constraint) > newton.relative.max(SLOW * *last) {
@@ -96,32 +95,31 @@ pub fn balance(
     unreachable!("the loop ends by returning")
 }
 
-impl System {
-    /// Starts the multipliers anew, as before the first step.
-    pub fn release_volumes(&mut self) {
-        self.multipliers.clone_from(&self.multipliers_at_rest);
+/// The multipliers of a state alone, whatever those of `at` are: the pressures P̂ that
+/// minimise |∂L/∂u|, which at an equilibrium are those that hold the prescribed
+/// volumes.
+pub fn solve_multipliers(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+) -> Vec<Multiplier> {
+    let mut multipliers = problem.multipliers.clone();
+    if multipliers.is_empty() {
+        return multipliers;
     }
-
-    /// Sets the multipliers from a state alone: the pressures P̂ that minimise |∂L/∂u|,
-    /// which at an equilibrium are those that hold the prescribed volumes.
-    pub fn hold_volumes(&mut self, rest: &[Vec3], u: &[f64], load: f64) {
-        if self.multipliers.is_empty() {
-            return;
-        }
-        self.release_volumes();
-        let (gradient, _) = self.gradient(rest, u, load);
-        let force = self.restrict(&gradient);
-        let constraints = self.constraints(rest, u, load);
-        let across: Vec<Vec<f64>> =
-            constraints.iter().map(|c| self.restrict(&c.gradient)).collect();
-        let count = across.len();
-        let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &across[j]));
-        let side = DVector::from_fn(count, |i, _| dot(&across[i], &force));
-        let Some(pressures) = matrix.lu().solve(&side) else { return };
-        for (constraint, pressure) in constraints.iter().zip(pressures.iter()) {
-            self.multipliers[constraint.multiplier].pressure += pressure;
-        }
+    let at = Iterate { multipliers: &problem.multipliers, ..*at };
+    let (gradient, _) = workspace.gradient(problem, &at);
+    let force = problem.restrict(&gradient);
+    let constraints = problem.constraints(&at);
+    let across: Vec<Vec<f64>> = constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
+    let count = across.len();
+    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &across[j]));
+    let side = DVector::from_fn(count, |i, _| dot(&across[i], &force));
+    let Some(pressures) = matrix.lu().solve(&side) else { return multipliers };
+    for (constraint, pressure) in constraints.iter().zip(pressures.iter()) {
+        multipliers[constraint.multiplier].pressure += pressure;
     }
+    multipliers
 }
 
 /// How far a state is from an equilibrium with the prescribed volumes.
@@ -143,11 +141,11 @@ fn gap(constraint: &Constraint) -> f64 {
 }
 
 impl Distance {
-    fn of(system: &mut System, rest: &[Vec3], u: &[f64], load: f64, newton: &Newton) -> Self {
-        let (gradient, scale) = system.gradient(rest, u, load);
-        let residual = norm(&system.restrict(&gradient));
+    fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate, newton: &Newton) -> Self {
+        let (gradient, scale) = workspace.gradient(problem, at);
+        let residual = norm(&problem.restrict(&gradient));
         let wanted = (newton.relative * scale).max(newton.absolute);
-        let constraints = system.constraints(rest, u, load);
+        let constraints = problem.constraints(at);
         Self { gradient, residual, wanted, constraints, tolerance: newton.relative }
     }
 
@@ -175,19 +173,19 @@ impl Distance {
 /// One step of Newton's method in u and P̂; nothing changes if it does not come
 /// nearer.
 fn joint_step(
-    system: &mut System,
-    rest: &[Vec3],
-    u: &mut Vec<f64>,
-    load: f64,
+    problem: &Problem,
+    workspace: &mut Workspace,
+    state: &mut Configuration,
     newton: &Newton,
     distance: &Distance,
 ) -> Option<Distance> {
-    let hessian = system.hessian(rest, u, load, Hessian::Exact);
+    let at = state.iterate(problem);
+    let hessian = workspace.hessian(problem, &at, Hessian::Exact);
     let columns: Vec<Vec<f64>> =
-        distance.constraints.iter().map(|c| system.restrict(&c.gradient)).collect();
+        distance.constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
     let mut sides = columns.clone();
-    sides.push(system.restrict(&distance.gradient).iter().map(|g| -g).collect());
-    let mut solutions = solve_all(system, &hessian, &sides)?;
+    sides.push(problem.restrict(&distance.gradient).iter().map(|g| -g).collect());
+    let mut solutions = solve_all(workspace, &hessian, &sides)?;
     let free = solutions.pop()?;
     let count = columns.len();
     let matrix = DMatrix::from_fn(count, count, |i, j| dot(&columns[i], &solutions[j]));
@@ -200,53 +198,54 @@ fn joint_step(
     for (z, weight) in solutions.iter().zip(change.iter()) {
         step.iter_mut().zip(z).for_each(|(s, z)| *s += weight * z);
     }
-    let step = system.prolong(&step);
-    let trial: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + s).collect();
-    if system.max_step(rest, (u, load), (&trial, load)) < 1.0 {
+    let step = problem.prolong(&step);
+    let u: Vec<f64> = state.u.iter().zip(&step).map(|(u, s)| u + s).collect();
+    if workspace.max_step(problem, &at, &Iterate { u: &u, ..at }) < 1.0 {
         return None;
     }
-    let before = system.multipliers.clone();
+    let mut multipliers = state.multipliers.clone();
     for (constraint, change) in distance.constraints.iter().zip(change.iter()) {
-        system.multipliers[constraint.multiplier].pressure += change;
+        multipliers[constraint.multiplier].pressure += change;
     }
-    let nearer = Distance::of(system, rest, &trial, load, newton);
+    let trial = Configuration { u, multipliers, ..*state };
+    let nearer = Distance::of(problem, workspace, &trial.iterate(problem), newton);
     log::debug!(
         "newton with volumes  |g| {:.2e} N  largest gap {:.2e}",
         nearer.residual,
         nearer.largest_gap()
     );
     if nearer.measure() < distance.measure() {
-        *u = trial;
+        *state = trial;
         return Some(nearer);
     }
-    system.multipliers = before;
     None
 }
 
 /// H⁻¹ of some vectors; none where H is singular.
 fn solve_all(
-    system: &mut System,
+    workspace: &mut Workspace,
     hessian: &Symmetric,
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let start = Instant::now();
-    let near = |side: &Vec<f64>| system.linear.solve_near(hessian, side, LINEAR);
+    let near = |side: &Vec<f64>| workspace.linear().solve_near(hessian, side, LINEAR);
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
-    system.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve_s += start.elapsed().as_secs_f64();
     if near.is_some() {
         return near;
     }
     let start = Instant::now();
-    if system.linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
-        system.linear.factor_indefinite(hessian.clone());
+    let linear = workspace.linear_mut();
+    if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
+        linear.factor_indefinite(hessian.clone());
     }
-    system.timings.factor_s += start.elapsed().as_secs_f64();
+    workspace.timings.factor_s += start.elapsed().as_secs_f64();
     let start = Instant::now();
     let exact = |side: &Vec<f64>| {
         let mut x = side.clone();
-        (system.linear.solve_to(&mut x, LINEAR) <= LINEAR).then_some(x)
+        (workspace.linear().solve_to(&mut x, LINEAR) <= LINEAR).then_some(x)
     };
     let exact = sides.iter().map(exact).collect();
-    system.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve_s += start.elapsed().as_secs_f64();
     exact
 }

@@ -253,20 +253,4 @@ impl FreeTriangle {
         });
         values
     }
-
-    /// The free part of a vector over all degrees of freedom.
-    #[must_use]
-    pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
-        self.dof.iter().map(|&d| full[d]).collect()
-    }
-
-    /// A vector over all degrees of freedom, zero where fixed.
-    #[must_use]
-    pub fn prolong(&self, free: &[f64], len: usize) -> Vec<f64> {
-        let mut full = vec![0.0; len];
-        for (&d, &v) in self.dof.iter().zip(free) {
-            full[d] = v;
-        }
-        full
-    }
 }

@@ -15,9 +15,11 @@ use crate::adjoint::{self, Gradient};
 use crate::body::Body;
 use crate::config::{DesignConfig, LevelConfig};
 use crate::element::{FunctionSpace, interpolate};
+use crate::energy::Iterate;
 use crate::failure::Diagnosis;
 use crate::forward::{
-    Integrator, March, Newton, Stepping, System, Trajectory, Unreached, follow, solve_from,
+    Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
+    Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
 use crate::objective::Equilibrium;
 use crate::results::displacements;
@@ -72,7 +74,10 @@ pub struct Level {
     pub body: Body,
     map: DesignMap,
     path: RestPath,
-    system: System,
+    problem: Problem,
+    workspace: Workspace,
+    /// Where the level was linearised last.
+    linearization: Option<Linearization>,
     stepping: Stepping,
     /// The state at t = 0 and how it goes on.
     start: Integrator,
@@ -99,23 +104,25 @@ impl Level {
         design: &DesignConfig,
         level: &LevelConfig,
     ) -> Result<Self> {
-        let system = scene.system(&body)?;
-        let terms = objectives.build(&body, &system.space)?;
-        let map = DesignMap::new(scene, design, level, &body, &system.energies)?;
+        let (problem, workspace) = scene.problem(&body)?;
+        let terms = objectives.build(&body, &problem.space)?;
+        let map = DesignMap::new(scene, design, level, &body, &problem.energies)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         Ok(Self {
             map,
             path,
             stepping: scene.stepping(),
-            start: scene.integrator(&body, &system),
+            start: scene.integrator(&body, &problem),
             times: scene.times(),
             state_memory: design.optimizer.state_memory,
             transient: scene.config.time.is_some(),
             terms,
             unreached: None,
             body,
-            system,
+            problem,
+            workspace,
+            linearization: None,
         })
     }
 
@@ -134,7 +141,7 @@ impl Level {
     /// Number of degrees of freedom of the equilibrium.
     #[must_use]
     pub fn dofs(&self) -> usize {
-        self.system.len()
+        self.problem.dofs()
     }
 
     /// Whether the scene goes through time.
@@ -158,7 +165,7 @@ impl Level {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        self.map.set_loads(theta, &mut self.system.energies);
+        self.map.set_loads(theta, &mut self.problem.energies);
         let (run, newton_iterations) = match start {
             Start::Next(u) => self.run_next_to(&rest, u)?,
             Start::Guided(guide) => self.run(&rest, Some(Arc::clone(guide)))?,
@@ -181,26 +188,32 @@ impl Level {
             stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
             stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
         }
-        let mut march = March::new(stepping, self.start.clone()).guided(guide);
+        let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
         let mut run = Trajectory::begin(&self.start, self.state_memory);
         for &end in &self.times {
-            if let Err(unreached) = march.advance(&mut self.system, rest, end, |_| ()) {
+            let workspace = &mut self.workspace;
+            let outcome = stepper.advance(&self.problem, workspace, rest, end, |_| ());
+            if let Err(unreached) = outcome {
                 let rejected = Rejected(unreached.to_string());
                 self.unreached = Some(unreached);
                 return Err(rejected);
             }
-            run.push(end, march.progress.integrator.last().clone());
+            run.push(end, stepper.progress.integrator.last().clone());
         }
-        Ok((run, march.progress.newton_iterations))
+        Ok((run, stepper.progress.newton_iterations))
     }
 
     /// The one equilibrium next to a displacement.
     fn run_next_to(&mut self, rest: &[Vec3], u: &[f64]) -> Result<(Trajectory, usize), Rejected> {
-        self.one_step(rest, u);
+        let load = self.times[0];
+        let step = Arc::new(self.one_step(u).step(&self.problem, rest, 1));
+        let at = Iterate { step: Some(&step), ..self.problem.iterate(rest, u, load) };
+        let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+        let start = Configuration { rest, load, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
-        let solution =
-            solve_from(&mut self.system, rest, u, &newton).map_err(|e| Rejected(e.to_string()))?;
-        Ok((self.one_step(rest, &solution.u), solution.newton_iterations))
+        let solution = solve_from(&self.problem, &mut self.workspace, &start, &newton)
+            .map_err(|e| Rejected(e.to_string()))?;
+        Ok((self.one_step(&solution.u), solution.newton_iterations))
     }
 
     /// An evaluation as it was, from its displacements at the ends of time steps [m].
@@ -212,7 +225,7 @@ impl Level {
         theta: &[f64],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Evaluation, E> {
-        self.map.set_loads(theta, &mut self.system.energies);
+        self.map.set_loads(theta, &mut self.problem.energies);
         let rest = self.map.shape(theta);
         let mut run = Trajectory::begin(&self.start, self.state_memory);
         for (&end, u) in self.times.iter().zip(displacements) {
@@ -230,22 +243,20 @@ impl Level {
         if self.transient { Start::Guided(&at.run) } else { Start::Next(predicted) }
     }
 
-    /// The run to a displacement in one step, which the system is told of.
-    fn one_step(&mut self, rest: &[Vec3], u: &[f64]) -> Trajectory {
+    /// The run to a displacement in one step.
+    fn one_step(&self, u: &[f64]) -> Trajectory {
         let mut run = Trajectory::begin(&self.start, self.state_memory);
         run.push_displacement(self.times[0], u);
-        self.system.step = Some(run.step(&self.system, rest, 1));
-        self.system.hold_volumes(rest, u, self.times[0]);
         run
     }
 
     /// Weighted terms over a run, by the user's names.
-    fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
+    fn terms_of(&self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
         let mut terms = BTreeMap::new();
         for n in 0..=run.steps() {
             let contact = self.contact_forces(rest, run, n);
             let (state, load) = (run.state(n), run.times[n]);
-            let (space, u) = (&self.system.space, &state.u[..]);
+            let (space, u) = (&*self.problem.space, &state.u[..]);
             let at = Equilibrium { space, rest, u, load, contact: &contact };
             for term in &self.terms {
                 let value = match term.weight * term.factors[n] {
@@ -259,21 +270,22 @@ impl Level {
     }
 
     /// Forces of contact at a moment, where a term looks at them.
-    fn contact_forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
+    fn contact_forces(&self, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
         let looks = |t: &Weighted| t.factors[n] != 0.0 && t.objective.uses_contact();
         if n == 0 || !self.terms.iter().any(looks) {
             return Vec::new();
         }
-        self.system.step = Some(run.step(&self.system, rest, n));
-        self.system.contact_forces(rest, &run.state(n).u, run.times[n])
+        let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
+        let at = self.problem.iterate(rest, &state.u, run.times[n]);
+        self.problem.energies.contact_forces(&Iterate { step: Some(&step), ..at })
     }
 
     /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
     #[must_use]
     pub fn by_velocity(&self, part: usize, by_nodes: &[f64]) -> [f64; 3] {
         let mut sum = Vec3::zeros();
-        for node in nodes_of(&self.body, part, &self.system.space) {
-            for k in (0..3).filter(|k| !self.system.fixed()[3 * node + k]) {
+        for node in nodes_of(&self.body, part, &self.problem.space) {
+            for k in (0..3).filter(|k| !self.problem.dirichlet.fixed()[3 * node + k]) {
                 sum[k] += by_nodes[3 * node + k];
             }
         }
@@ -284,7 +296,8 @@ impl Level {
     /// [`Self::evaluate`] has sought it from rest in vain.
     pub fn diagnose(&mut self, scene: &Scene) -> Option<Diagnosis> {
         let unreached = self.unreached.take()?;
-        Some(Diagnosis::new(scene, &self.body, &mut self.system, &unreached))
+        let solver = (&self.problem, &mut self.workspace);
+        Some(Diagnosis::new(scene, &self.body, solver, &unreached))
     }
 
     /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or
@@ -292,12 +305,14 @@ impl Level {
     /// evaluation alone, not on how it was reached: an interrupted search goes on with
     /// the same bits.
     pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
-        self.map.set_loads(theta, &mut self.system.energies);
+        self.map.set_loads(theta, &mut self.problem.energies);
+        self.linearization = None;
         if !self.transient {
-            self.system.step = Some(at.run.step(&self.system, &at.rest, 1));
-            let u = at.run.last();
-            self.system.hold_volumes(&at.rest, &u, 1.0);
-            self.system.linearize(&at.rest, &u, 1.0);
+            let (step, u) = (at.run.step(&self.problem, &at.rest, 1), at.run.last());
+            let here = Iterate { step: Some(&step), ..self.problem.iterate(&at.rest, &u, 1.0) };
+            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &here);
+            let here = Iterate { multipliers: &multipliers, ..here };
+            self.linearization = Some(self.workspace.linearize(&self.problem, &here));
         }
     }
 
@@ -305,18 +320,16 @@ impl Level {
     /// linearised, to the shape X(θ): a start for [`Self::evaluate`] on the way
     /// there. None where the equilibrium is not stable, or of a run through time.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<f64>> {
-        if self.transient {
-            return None;
-        }
+        let linearization = self.linearization.as_ref()?;
         let shape = self.map.shape(theta);
         let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
-        follow(&mut self.system, &at.rest, &at.run.last(), &motion)
+        follow(&self.problem, &mut self.workspace, linearization, &at.rest, &motion)
     }
 
     /// The last displacement of an evaluation on another mesh of the same shape.
     #[must_use]
     pub fn carry(&self, at: &Evaluation, body: &Body) -> Vec<f64> {
-        let space = &self.system.space;
+        let space = &*self.problem.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(space.degree(), vertices.len(), body.mesh.tets.clone());
         interpolate((space, &at.rest, &at.run.last()), (&other, vertices))
@@ -329,21 +342,16 @@ impl Level {
     /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let all: Vec<usize> = (0..self.terms.len()).collect();
-        let gradient = self.sweep(at, &all, !self.transient)?;
+        let gradient = self.sweep(at, &all)?;
         Ok(self.map.pull_back(theta, &gradient.rest, &gradient.parameters))
     }
 
-    /// dJ of some of the terms by all that a run depends on; `linearized` as for
-    /// [`adjoint::sweep`].
+    /// dJ of some of the terms by all that a run depends on. Where the level is
+    /// linearised at the evaluation, that saves a factorisation.
     ///
     /// # Errors
     /// When the adjoint system has no accurate solution.
-    pub fn sweep(
-        &mut self,
-        at: &Evaluation,
-        terms: &[usize],
-        linearized: bool,
-    ) -> Result<Gradient, Rejected> {
+    pub fn sweep(&mut self, at: &Evaluation, terms: &[usize]) -> Result<Gradient, Rejected> {
         let contact: Vec<Vec<f64>> =
             (0..=at.run.steps()).map(|n| self.contact_forces(&at.rest, &at.run, n)).collect();
         let mut by_rest = vec![0.0; 3 * at.rest.len()];
@@ -360,7 +368,10 @@ impl Level {
                 }
             }
         };
-        let swept = adjoint::sweep(&mut self.system, &at.rest, &at.run, linearized, partials);
+        let (problem, workspace) = (&self.problem, &mut self.workspace);
+        let linearization = self.linearization.as_ref();
+        let on = (&at.rest[..], &*at.run);
+        let swept = adjoint::sweep(problem, workspace, on, linearization, partials);
         let mut gradient = swept.map_err(|e| Rejected(e.to_string()))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         Ok(gradient)
@@ -375,7 +386,7 @@ impl Level {
         body.mesh.vertices.clone_from(&at.rest);
         let one = |name: &String| {
             let facets = body.facets(name)?;
-            let report = displacements(&body, &self.system.space, &facets, &at.run.last());
+            let report = displacements(&body, &self.problem.space, &facets, &at.run.last());
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
@@ -410,6 +421,6 @@ impl Level {
     /// The solution's grid for ParaView.
     #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        crate::results::grid(&self.system.space, &at.rest, &at.run.last())
+        crate::results::grid(&self.problem.space, &at.rest, &at.run.last())
     }
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
 use solver::body::Body;
 use solver::energy::{Energy, Hessian};
-use solver::forward::{System, certificate};
+use solver::forward::{Workspace, certificate};
 use solver::math::linear::{Precision, Symmetric};
 use solver::math::sparse::{BlockMatrix, Pattern};
 
@@ -35,7 +35,8 @@ const ACCURATE: f64 = 1e-10;
 struct Problem {
     name: String,
     body: Body,
-    system: System,
+    problem: solver::forward::Problem,
+    workspace: Workspace,
     u: Vec<f64>,
 }
 
@@ -43,24 +44,26 @@ impl Problem {
     fn new(name: &str) -> Result<Option<Self>> {
         let Some(scene) = cases::scene(name)? else { return Ok(None) };
         let body = scene.body.clone();
-        let system = scene.system(&body)?;
+        let (problem, workspace) = scene.problem(&body)?;
         // the body larger by one percent in all directions: its Hessian is positive
         // definite, and costs what any other does
-        let nodes = system.space.node_positions(&body.mesh.vertices);
+        let nodes = problem.space.node_positions(&body.mesh.vertices);
         let u = nodes.iter().flat_map(|p| [p.x, p.y, p.z].map(|c| 1e-2 * c)).collect();
-        Ok(Some(Self { name: name.to_owned(), body, system, u }))
+        Ok(Some(Self { name: name.to_owned(), body, problem, workspace, u }))
     }
 
     /// At a multiple of the displacement.
     fn hessian(&mut self, factor: f64) -> Symmetric {
         let u: Vec<f64> = self.u.iter().map(|u| factor * u).collect();
-        self.system.hessian(&self.body.mesh.vertices, &u, 1.0, Hessian::Exact)
+        let at = self.problem.iterate(&self.body.mesh.vertices, &u, 1.0);
+        self.workspace.hessian(&self.problem, &at, Hessian::Exact)
     }
 
     /// What is out of balance on the free degrees of freedom.
     fn force(&mut self) -> Vec<f64> {
-        let (gradient, _) = self.system.gradient(&self.body.mesh.vertices, &self.u, 1.0);
-        self.system.restrict(&gradient)
+        let at = self.problem.iterate(&self.body.mesh.vertices, &self.u, 1.0);
+        let (gradient, _) = self.problem.gradient(&at);
+        self.problem.restrict(&gradient)
     }
 }
 
@@ -74,7 +77,7 @@ struct Step {
 
 impl Step {
     fn per_dof(what: &'static str, p: &Problem) -> Self {
-        let dofs = p.system.len();
+        let dofs = p.problem.dofs();
         Self { what, body: p.name.clone(), dofs, work: Work::Dofs(dofs as f64) }
     }
 
@@ -134,23 +137,24 @@ impl<'a> Kernels<'a> {
     fn assembly(&mut self, p: &mut Problem) -> Result<()> {
         let step = |what| Step::per_dof(what, p);
         let [energy, gradient, hessian, proof] = ASSEMBLY.map(step);
-        let Problem { body, system, u, .. } = p;
+        let Problem { body, problem, workspace, u, .. } = p;
         let rest = &body.mesh.vertices;
-        self.time(&energy, || system.value(rest, u, 1.0))?;
-        self.time(&gradient, || system.gradient(rest, u, 1.0))?;
-        self.time(&hessian, || system.hessian(rest, u, 1.0, Hessian::Exact))?;
+        let at = problem.iterate(rest, u, 1.0);
+        self.time(&energy, || problem.value(&at))?;
+        self.time(&gradient, || problem.gradient(&at))?;
+        self.time(&hessian, || workspace.hessian(problem, &at, Hessian::Exact))?;
         self.time(&proof, || {
-            certificate(&system.space, rest, u).expect("a swollen body has positive volume");
+            certificate(&problem.space, rest, u).expect("a swollen body has positive volume");
         })
     }
 
     /// The pressure terms alone, which the assembly contains.
     fn chamber(&mut self, p: &Problem) -> Result<()> {
-        let space = &p.system.space;
-        let at = p.system.iterate(&p.body.mesh.vertices, &p.u, 1.0);
-        let walls = || p.system.energies.chambers().map(|(_, named)| &named.chamber);
+        let space = &p.problem.space;
+        let at = p.problem.iterate(&p.body.mesh.vertices, &p.u, 1.0);
+        let walls = || p.problem.energies.chambers().map(|(_, named)| &named.chamber);
         let [gradient, hessian] = CHAMBER.map(|what| Step::per_dof(what, p));
-        let mut force = vec![0.0; p.system.len()];
+        let mut force = vec![0.0; p.problem.dofs()];
         self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;
         let pattern =
             Pattern::new(space.node_count(), space.element_nodes(), space.nodes_per_element(), &[]);
@@ -165,7 +169,7 @@ impl<'a> Kernels<'a> {
         let hessian = p.hessian(1.0);
         let force = p.force();
         let nearby = p.hessian(1.01);
-        let linear = &mut p.system.linear;
+        let linear = p.workspace.linear_mut();
         let flops = Work::Flops(linear.factor_flops());
         // the factor in single precision forwards and backwards, and values and
         // row indices of the matrix

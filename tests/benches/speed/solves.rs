@@ -65,33 +65,34 @@ pub fn child(name: &str) -> Result<()> {
     let Some(scene) = cases::scene(name)? else { return Ok(()) };
     let rest = &scene.body.mesh.vertices;
     let clock = Instant::now();
-    let mut system = scene.system(&scene.body)?;
+    let (problem, mut workspace) = scene.problem(&scene.body)?;
     let setup_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let solution = solve(&mut system, rest, &scene.stepping(), |_| ())?;
+    let solution = solve(&problem, &mut workspace, rest, &scene.stepping(), |_| ())?;
     let solve_s = clock.elapsed().as_secs_f64();
-    let timings = system.timings;
+    let timings = workspace.timings;
     let peak_mb = peak_rss_mb().context("no VmHWM in /proc/self/status")?;
     let clock = Instant::now();
-    system.gradient(rest, &solution.u, 1.0);
-    let hessian = system.hessian(rest, &solution.u, 1.0, Hessian::Exact);
+    let at = problem.iterate(rest, &solution.u, 1.0);
+    workspace.gradient(&problem, &at);
+    let hessian = workspace.hessian(&problem, &at, Hessian::Exact);
     let assembly_once_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    system
-        .linear
+    workspace
+        .linear_mut()
         .factor_positive(hessian, Precision::Single)
         .context("the equilibrium is not stable")?;
     let factor_once_s = clock.elapsed().as_secs_f64();
     let measured = Solve {
         body: name.to_owned(),
-        dofs: system.len(),
+        dofs: problem.dofs(),
         newton_iterations: solution.newton_iterations,
         load_steps: solution.steps.len(),
         setup_s,
         solve_s,
         timings,
-        factor_len: system.linear.factor_len(),
-        factor_flops: system.linear.factor_flops(),
+        factor_len: workspace.linear().factor_len(),
+        factor_flops: workspace.linear().factor_flops(),
         peak_mb,
         assembly_once_s,
         factor_once_s,

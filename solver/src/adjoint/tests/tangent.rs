@@ -42,26 +42,28 @@ impl Tangent<'_> {
         (0..a.len()).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h)).collect()
     }
 
-    fn states(&self, system: &mut System) -> Vec<State> {
-        let mut changes = vec![zeros(system.len())];
+    fn states(&self, problem: &Problem, workspace: &mut Workspace) -> Vec<State> {
+        let mut changes = vec![zeros(problem.dofs())];
         for n in 1..=self.run.steps() {
             let (state, end) = (self.run.state(n), self.run.times[n]);
             let u = &state.u[..];
             let force = Self::slope(|e| {
                 let rest = self.rest(e);
-                system.step = Some(self.run(&changes, e).step(system, &rest, n));
-                system.gradient(&rest, u, end).0
+                let step = self.run(&changes, e).step(problem, &rest, n);
+                let at = Iterate { step: Some(&step), ..problem.iterate(&rest, u, end) };
+                problem.gradient(&at).0
             });
-            system.step = Some(self.run.step(system, self.rest, n));
-            system.linearize(self.rest, u, end);
-            let rhs: Vec<f64> = system.restrict(&force).iter().map(|f| -f).collect();
-            let du = adjoint::solve(system, rhs).expect("regular");
-            let du = system.prolong(&du);
+            let step = self.run.step(problem, self.rest, n);
+            let at = Iterate { step: Some(&step), ..problem.iterate(self.rest, u, end) };
+            workspace.linearize(problem, &at);
+            let rhs: Vec<f64> = problem.restrict(&force).iter().map(|f| -f).collect();
+            let du = adjoint::solve(workspace, rhs).expect("regular");
+            let du = problem.prolong(&du);
             let history = Self::slope(|e| {
                 let run = self.run(&changes, e);
                 run.past(n).step(end - run.times[n - 1]).history
             });
-            let h = system.step.as_ref().expect("set above").h;
+            let h = step.h;
             let v = du.iter().zip(&history).map(|(u, past)| (u - past) / h).collect();
             changes.push(State { u: du, v });
         }
@@ -71,17 +73,17 @@ impl Tangent<'_> {
 
 /// dJ along a motion of the rest shape by the adjoint and by the tangent.
 fn both_ways(case: &Case, forces: bool) -> [f64; 2] {
-    let (mut system, rest) = case.system(&NUMBERS);
-    let start = case.start(&system, &rest);
-    let run = case.run(&mut system, &rest, start);
-    let probe = Probe::new(system.len(), forces);
-    let gradient = probe.gradient(&mut system, &rest, &run);
+    let (problem, mut workspace, rest) = case.problem(&NUMBERS);
+    let start = case.start(&problem, &rest);
+    let run = case.run(&problem, &mut workspace, &rest, start);
+    let probe = Probe::new(problem.dofs(), forces);
+    let gradient = probe.gradient(&problem, &mut workspace, &rest, &run);
     let motion = points(&Random::new(5).numbers(3 * rest.len()));
     let motion: Vec<Vec3> = motion.iter().map(|d| 0.02 * d).collect();
     let tangent = Tangent { rest: &rest, motion: &motion, run: &run };
-    let changes = tangent.states(&mut system);
+    let changes = tangent.states(&problem, &mut workspace);
     let along = Tangent::slope(|e| {
-        vec![probe.value(&mut system, &tangent.rest(e), &tangent.run(&changes, e))]
+        vec![probe.value(&problem, &tangent.rest(e), &tangent.run(&changes, e))]
     });
     [dot(&gradient.rest, &flat(&motion)), along[0]]
 }

@@ -1,14 +1,14 @@
 use std::sync::Arc;
 
-use mesh::SurfaceMesh;
+use mesh::{SurfaceMesh, Vec3};
 
 use super::*;
 use crate::contact::barrier::{Barrier, Form};
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
 use crate::energy::{Contact, Energies, Energy, Inertia, TimeStep};
-use crate::forward::Failure;
 use crate::forward::stepping::{Failed, attempt};
+use crate::forward::{Failure, LoadStep};
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::norm;
 use crate::math::sparse::BlockMatrix;
@@ -21,7 +21,7 @@ const NEWTON: Newton = Newton { iterations: 100, relative: 1e-10, absolute: 0.0 
 
 /// A cube whose skin is moved up by `way` [m], and a free one a millimetre above
 /// it, with inertia in a step of h [s], or held by a tiny mass; and a ceiling.
-fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> (System, Vec<Vec3>) {
+fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> Pusher {
     let unit = cube(2, 0.1);
     let lift = Vec3::new(0.3 * GAP, 0.2 * GAP, EDGE + GAP);
     let upper = unit.vertices.iter().map(|v| EDGE * v + lift);
@@ -56,34 +56,51 @@ fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> (System, Vec
     let step =
         TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, lagged_contacts: Vec::new() };
     let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { way } else { 0.0 }).collect();
-    let mut system = System::new(space, energies, &fixed).with_displacement(&up);
-    system.step = Some(step);
-    (system, rest)
+    let problem = Problem::new(space, energies, &fixed).with_displacement(&up);
+    Pusher { workspace: Workspace::new(&problem), problem, rest, step: Arc::new(step) }
+}
+
+/// Two cubes in one time step.
+struct Pusher {
+    problem: Problem,
+    workspace: Workspace,
+    rest: Vec<Vec3>,
+    step: Arc<TimeStep>,
+}
+
+impl Pusher {
+    fn attempt(&mut self, (u, before): (&[f64], f64), load: f64) -> Result<LoadStep, Failed> {
+        let (rest, step, multipliers) = (&self.rest[..], Some(&self.step), Vec::new());
+        let start = Configuration { rest, load: before, step, u: u.to_vec(), multipliers };
+        attempt(&self.problem, &mut self.workspace, &start, load, &NEWTON)
+    }
 }
 
 /// How much of the straight way to the supports' places at a load is free.
-fn straight(system: &mut System, rest: &[Vec3], (start, before): (&[f64], f64), load: f64) -> f64 {
-    let mut u = start.to_vec();
-    system.move_supports(rest, &mut u, load);
-    system.max_step(rest, (start, before), (&u, load))
+fn straight(pusher: &mut Pusher, (start, before): (&[f64], f64), load: f64) -> f64 {
+    let Pusher { problem, workspace, rest, step } = pusher;
+    let from = Iterate { step: Some(step), ..problem.iterate(rest, start, before) };
+    let to = Iterate { load, ..from };
+    let u = workspace.move_supports(problem, &to);
+    problem.max_step(&from, &Iterate { u: &u, ..to })
 }
 
 #[test]
 fn what_blocks_a_support_is_pushed_along_in_one_step() {
     for (degree, h) in [(1, None), (1, Some(0.1)), (1, Some(0.01)), (2, Some(0.1))] {
-        let (mut system, rest) = pusher(degree, 3.0 * GAP, h, 1.0);
-        let zero = vec![0.0; system.len()];
-        let free = straight(&mut system, &rest, (&zero, 0.0), 1.0);
+        let mut pusher = pusher(degree, 3.0 * GAP, h, 1.0);
+        let zero = vec![0.0; pusher.problem.dofs()];
+        let free = straight(&mut pusher, (&zero, 0.0), 1.0);
         assert!(free < 0.35, "{free}");
-        let one = attempt(&mut system, &rest, (zero.clone(), 0.0), 1.0, &NEWTON);
+        let one = pusher.attempt((&zero, 0.0), 1.0);
         let one = one.unwrap_or_else(|f| panic!("P{degree}, h {h:?}: {}", f.failure));
 
         let (mut u, mut load, steps) = (zero, 0.0, 60);
         let mut iterations = 0;
         for k in 1..=steps {
             let next = f64::from(k) / f64::from(steps);
-            assert_eq!(straight(&mut system, &rest, (&u, load), next), 1.0, "step {k}");
-            let step = attempt(&mut system, &rest, (u, load), next, &NEWTON);
+            assert_eq!(straight(&mut pusher, (&u, load), next), 1.0, "step {k}");
+            let step = pusher.attempt((&u, load), next);
             let step = step.unwrap_or_else(|f| panic!("step {k}: {}", f.failure));
             iterations += step.newton_iterations;
             (u, load) = (step.u, next);
@@ -102,38 +119,41 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
 /// The ceiling leaves no room for both cubes.
 #[test]
 fn places_out_of_reach_are_given_up_with_everything_as_before() {
-    let (mut system, rest) = pusher(1, 2.0 * EDGE, Some(0.1), 2.0 * GAP);
-    let (fixed, count) = (system.fixed().to_vec(), system.energies.iter().count());
-    let zero = vec![0.0; system.len()];
-    let failed = attempt(&mut system, &rest, (zero.clone(), 0.0), 1.0, &NEWTON).err();
+    let mut pusher = pusher(1, 2.0 * EDGE, Some(0.1), 2.0 * GAP);
+    let fixed = pusher.problem.dirichlet.fixed().to_vec();
+    let count = pusher.problem.energies.iter().count();
+    let zero = vec![0.0; pusher.problem.dofs()];
+    let failed = pusher.attempt((&zero, 0.0), 1.0).err();
     let Some(Failed { failure: Failure::Blocked { free }, u, .. }) = failed else {
         panic!("it was not blocked");
     };
     assert!(free < 0.1 && u == zero, "{free}");
-    assert!(system.fixed() == fixed && system.energies.iter().count() == count);
+    let problem = &pusher.problem;
+    assert!(problem.dirichlet.fixed() == fixed && problem.energies.iter().count() == count);
 }
 
 #[test]
 fn springs_have_their_derivatives() {
-    let (mut system, rest) = pusher(2, GAP, Some(0.1), 1.0);
-    let u: Vec<f64> = (0..system.len()).map(|d| 1e-4 * (d as f64).sin()).collect();
-    let places = system.displacement_of_supports(1.0);
-    system.fix(&vec![false; u.len()]);
-    let dofs = (0..u.len()).step_by(7);
-    let springs = springs(&mut system, &rest, (&u, 1.0), dofs, &places);
+    let Pusher { problem, mut workspace, rest, step } = pusher(2, GAP, Some(0.1), 1.0);
+    let u: Vec<f64> = (0..problem.dofs()).map(|d| 1e-4 * (d as f64).sin()).collect();
+    let places = problem.dirichlet.displacement(1.0);
+    let released = problem.with_fixed(&vec![false; u.len()]);
+    let dofs: Vec<usize> = (0..u.len()).step_by(7).collect();
+    let at = Iterate { step: Some(&step), ..released.iterate(&rest, &u, 1.0) };
+    let springs = stiff_springs(&released, &mut workspace, &at, &dofs, &places);
     assert!(springs.each().iter().all(|s| s.stiffness > 0.0));
     let springs = springs.renewed(&u, 2.0);
-    let value = |u: &[f64]| springs.value(&system.iterate(&rest, u, 1.0));
+    let value = |u: &[f64]| springs.value(&released.iterate(&rest, u, 1.0));
     let gradient = |u: &[f64]| {
         let mut gradient = vec![0.0; u.len()];
-        springs.add_gradient(&system.iterate(&rest, u, 1.0), &mut gradient);
+        springs.add_gradient(&released.iterate(&rest, u, 1.0), &mut gradient);
         gradient
     };
     check_gradient(&u, &gradient(&u), 1e-3, value);
     let nodes: Vec<usize> = (0..u.len() / 3).collect();
     let dense = crate::math::sparse::Pattern::new(nodes.len(), &nodes, nodes.len(), &[]);
     let mut matrix = BlockMatrix::zeros(&dense);
-    springs.add_hessian(&system.iterate(&rest, &u, 1.0), Hessian::Exact, &mut matrix);
+    springs.add_hessian(&at, Hessian::Exact, &mut matrix);
     // it is quadratic
     let by: Vec<f64> = gradient(&places).iter().zip(gradient(&u)).map(|(a, b)| a - b).collect();
     let way: Vec<f64> = places.iter().zip(&u).map(|(a, b)| a - b).collect();

@@ -1,4 +1,4 @@
-//! The way through time, one time step after the other.
+//! Through time, one time step after the other.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::stepping::{
     Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
-use super::{Failure, Integrator, System, Trajectory};
-use crate::energy::{Multiplier, TimeStep};
+use super::{Configuration, Failure, Integrator, Problem, Trajectory, Workspace};
+use crate::energy::{Iterate, Multiplier, TimeStep};
 
 /// Of the way that supports and obstacles can go in a step, what the next try goes.
 const NEARLY: f64 = 0.9;
@@ -66,7 +66,7 @@ impl Progress {
 
 /// Goes through time, one time step after the other, in load steps that shrink
 /// where Newton fails and grow where it is easy.
-pub struct March {
+pub struct TimeStepper {
     /// How to approach the end of a time step.
     pub stepping: Stepping,
     /// How far it is.
@@ -74,15 +74,17 @@ pub struct March {
     /// A run like this one, whose motion in each time step is where this one looks
     /// first.
     guide: Option<Arc<Trajectory>>,
+    /// The last time step that was begun.
+    step: Option<Arc<TimeStep>>,
 }
 
-impl March {
+impl TimeStepper {
     /// Begins at t = 0.
     #[must_use]
     pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
         let (time, increment, last) = (0.0, stepping.first, Vec::new());
         let progress = Progress { integrator, time, increment, last, newton_iterations: 0 };
-        Self { stepping, progress, guide: None }
+        Self { stepping, progress, guide: None, step: None }
     }
 
     /// The same, next to a run through the same time steps.
@@ -91,21 +93,32 @@ impl March {
         Self { guide, ..self }
     }
 
+    /// The last state that was reached.
+    #[must_use]
+    pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
+        let (u, load) = (self.progress.reached(), self.progress.load());
+        let step = self.step.as_deref();
+        let last = self.progress.last.last();
+        let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
+        Iterate { space: &problem.space, rest, u, load, multipliers, step }
+    }
+
     /// Goes to the end of the next time step. `observe` is called after every
     /// accepted load step. Nothing but what `self` and the couplings of the
-    /// system hold decides what comes next.
+    /// workspace hold decides what comes next.
     ///
     /// # Errors
     /// [`Unreached`] with the load that was reached.
     pub fn advance(
         &mut self,
-        system: &mut System,
+        problem: &Problem,
+        workspace: &mut Workspace,
         rest: &[Vec3],
         end: f64,
         mut observe: impl FnMut(&LoadStep),
     ) -> Result<(), Unreached> {
-        system.linear.forget();
-        self.begin(system, rest, end);
+        workspace.linear_mut().forget();
+        let step = self.begin(problem, rest, end);
         let mut done = 0.0; // fraction of the time step
         while done < 1.0 {
             let next = if done + self.progress.increment > 1.0 - 1e-9 {
@@ -117,9 +130,8 @@ impl March {
             let load =
                 if ends { end } else { self.progress.time + next * (end - self.progress.time) };
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
-            let multipliers = system.multipliers.clone();
-            let start = self.predict(system, rest, load, done == 0.0);
-            match attempt(system, rest, start, load, &newton) {
+            let start = self.predict(problem, workspace, (rest, &step), load, done == 0.0);
+            match attempt(problem, workspace, &start, load, &newton) {
                 Ok(step) => {
                     self.progress.newton_iterations += step.newton_iterations;
                     if step.newton_iterations <= EASY {
@@ -133,7 +145,6 @@ impl March {
                 }
                 Err(Failed { failure, u, residuals }) => {
                     self.progress.newton_iterations += residuals.len().saturating_sub(1);
-                    system.multipliers = multipliers;
                     self.progress.increment *= match failure {
                         // what is free is known: no need to halve up to it
                         Failure::Blocked { free } => (NEARLY * free).clamp(SHORTEST, 0.5),
@@ -142,53 +153,61 @@ impl March {
                     let increment = self.progress.increment;
                     log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
                     if increment < self.stepping.smallest {
-                        let reached = self.progress.reached().to_vec();
-                        let attempt = Box::new(Attempt { reached, load, u, residuals });
-                        return Err(Unreached { load: self.progress.load(), failure, attempt });
+                        let at = self.iterate(problem, rest);
+                        let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
+                        let attempt = Attempt { reached, multipliers, step, load, u, residuals };
+                        let attempt = Box::new(attempt);
+                        return Err(Unreached { load: at.load, failure, attempt });
                     }
                 }
             }
         }
-        let step = system.step.as_ref().expect("begun above");
         let u = self.progress.reached().to_vec();
-        self.progress.integrator.accept(step, &u);
+        self.progress.integrator.accept(&step, &u);
         self.progress.time = end;
         Ok(())
     }
 
-    /// Tells the system of the time step that follows.
-    fn begin(&mut self, system: &mut System, rest: &[Vec3], end: f64) {
-        if self.progress.time == 0.0 {
-            system.release_volumes();
-        }
+    /// The time step that follows.
+    fn begin(&mut self, problem: &Problem, rest: &[Vec3], end: f64) -> Arc<TimeStep> {
         if self.progress.integrator.method.has_inertia() || self.guide.is_some() {
             // inertia keeps what comes near what was, and a guide near what it did
             self.progress.increment = 1.0;
         }
-        let lagged_contacts =
-            system.lagged_contacts(rest, self.progress.reached(), self.progress.load());
+        let lagged_contacts = problem.lagged_contacts(&self.iterate(problem, rest));
         let step = self.progress.integrator.step(end - self.progress.time);
-        system.step = Some(TimeStep { lagged_contacts, ..step });
+        let step = Arc::new(TimeStep { lagged_contacts, ..step });
+        self.step = Some(Arc::clone(&step));
+        step
     }
 
-    /// A state near the next one, that surfaces can reach, and its load: where a guide
-    /// went, or inertia carries the bodies, or by linear extrapolation in the load,
-    /// pressures that hold volumes included. Loads may bend where time steps meet
+    /// A state near the next one, that surfaces can reach, at the load of the last: where
+    /// a guide went, or inertia carries the bodies, or by linear extrapolation in the
+    /// load, pressures that hold volumes included. Loads may bend where time steps meet
     /// and surfaces are hit, so the last state itself is taken if it is nearer to
     /// balance.
-    fn predict(
+    fn predict<'a>(
         &self,
-        system: &mut System,
-        rest: &[Vec3],
+        problem: &Problem,
+        workspace: &mut Workspace,
+        (rest, step): (&'a [Vec3], &'a Arc<TimeStep>),
         load: f64,
         begins: bool,
-    ) -> (Vec<f64>, f64) {
-        let (from, before) = (self.progress.reached(), self.progress.load());
+    ) -> Configuration<'a> {
+        let last = Iterate { step: Some(step), ..self.iterate(problem, rest) };
+        let start = |u: &[f64]| Configuration {
+            rest,
+            load: last.load,
+            step: Some(step),
+            u: u.to_vec(),
+            multipliers: last.multipliers.to_vec(),
+        };
+        let from = last.u;
         let moved = |by: Vec<f64>| from.iter().zip(by).map(|(u, d)| u + d).collect();
         let guided = self.guide.as_ref().filter(|_| begins).and_then(|g| g.motion_to(load));
-        let flight = system.step.as_ref().and_then(|step| step.free_flight.clone());
-        let has_inertia = flight.is_some();
-        let known = guided.map(moved).or(flight.filter(|_| begins));
+        let has_inertia = step.free_flight.is_some();
+        let flight = step.free_flight.clone().filter(|_| begins);
+        let known = guided.map(moved).or(flight);
         let inertial = known.is_some();
         let (further, fraction) = match (known, &self.progress.last[..]) {
             (Some(known), _) => (known, 0.0),
@@ -200,22 +219,27 @@ impl March {
                 let t = (load - b.load) / b.load;
                 (b.u.iter().map(|b| b + t * b).collect(), t)
             }
-            _ => return (from.to_vec(), before),
+            _ => return start(from),
         };
-        let free = system.max_step(rest, (from, before), (&further, before));
+        let free = workspace.max_step(problem, &last, &Iterate { u: &further, ..last });
         let ahead: Vec<f64> = from.iter().zip(&further).map(|(a, b)| a + free * (b - a)).collect();
         let bent = self.progress.time > 0.0 || inertial || free < 1.0;
         // obstacles that have moved into a state leave forces there that mean nothing
-        let open = bent && system.max_step(rest, (from, before), (from, load)) >= 1.0;
-        if open && residual(system, rest, from, load) <= residual(system, rest, &ahead, load) {
-            return (from.to_vec(), before);
+        let now = Iterate { load, ..last };
+        let open = bent && workspace.max_step(problem, &last, &now) >= 1.0;
+        if open
+            && residual(problem, workspace, &now)
+                <= residual(problem, workspace, &Iterate { u: &ahead, ..now })
+        {
+            return start(from);
         }
+        let mut start = start(&ahead);
         if let (false, Some((b, a))) = (inertial, self.progress.last.split_last()) {
             let earlier = |i: usize| a.first().map_or(0.0, |a| a.multipliers[i].pressure);
-            for (i, (m, b)) in system.multipliers.iter_mut().zip(&b.multipliers).enumerate() {
+            for (i, (m, b)) in start.multipliers.iter_mut().zip(&b.multipliers).enumerate() {
                 m.pressure = b.pressure + fraction * (b.pressure - earlier(i));
             }
         }
-        (ahead, before)
+        start
     }
 }

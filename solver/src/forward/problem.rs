@@ -1,0 +1,198 @@
+//! The discrete problem: for which u are the forces of all energies in balance?
+//!
+//! ∂E/∂u = 0 on the free degrees of freedom, u prescribed on the others.
+//!
+//! A [`Problem`] does not change while it is solved. What it is evaluated at is an
+//! [`Iterate`]: rest shape, displacement, load, multipliers of prescribed volumes and
+//! time step, together. A [`Configuration`] owns the part of it that is sought.
+
+use std::sync::Arc;
+
+use mesh::Vec3;
+
+use super::dirichlet::Dirichlet;
+use crate::contact::friction::LaggedContact;
+use crate::element::FunctionSpace;
+use crate::energy::{Constraint, Energies, Iterate, Multiplier, RankOne, Springs, TimeStep};
+use crate::math::linear::norm;
+
+/// Energies on a function space with Dirichlet conditions. A copy shares what is
+/// large.
+#[derive(Clone)]
+pub struct Problem {
+    /// Where displacements live.
+    pub space: Arc<FunctionSpace>,
+    /// Terms of the potential energy.
+    pub energies: Energies,
+    /// Degrees of freedom that are fixed.
+    pub dirichlet: Arc<Dirichlet>,
+    /// Of the chambers with a prescribed volume, before the first step.
+    pub multipliers: Vec<Multiplier>,
+}
+
+impl Problem {
+    /// Some degrees of freedom are fixed at zero; `fixed` has one entry for each.
+    #[must_use]
+    pub fn new(space: FunctionSpace, energies: Energies, fixed: &[bool]) -> Self {
+        let (space, dirichlet) = (Arc::new(space), Arc::new(Dirichlet::new(fixed)));
+        Self { space, energies, dirichlet, multipliers: Vec::new() }
+    }
+
+    /// Sets the multipliers of prescribed volumes at rest, as the energies number them.
+    #[must_use]
+    pub fn with_multipliers(self, multipliers: Vec<Multiplier>) -> Self {
+        Self { multipliers, ..self }
+    }
+
+    /// Prescribes the displacement of all degrees of freedom at a load [m]; entries
+    /// of those that are not fixed are not looked at.
+    #[must_use]
+    pub fn with_motion(mut self, motion: impl Fn(f64) -> Vec<f64> + Send + Sync + 'static) -> Self {
+        self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_motion(Arc::new(motion)));
+        self
+    }
+
+    /// Prescribes the displacement of the fixed degrees of freedom at full load
+    /// [m], in proportion to which they move; entries of the others are not
+    /// looked at.
+    #[must_use]
+    pub fn with_displacement(self, displacement: &[f64]) -> Self {
+        let full = displacement.to_vec();
+        self.with_motion(move |load| full.iter().map(|u| load * u).collect())
+    }
+
+    /// The same problem with other degrees of freedom fixed.
+    #[must_use]
+    pub fn with_fixed(&self, fixed: &[bool]) -> Self {
+        Self { dirichlet: Arc::new(self.dirichlet.with_fixed(fixed)), ..self.clone() }
+    }
+
+    /// The same problem with springs that pull released supports.
+    #[must_use]
+    pub fn with_springs(&self, springs: Springs) -> Self {
+        let mut pulled = self.clone();
+        pulled.energies.springs = Some(springs);
+        pulled
+    }
+
+    /// Number of degrees of freedom, fixed ones included.
+    #[must_use]
+    pub fn dofs(&self) -> usize {
+        3 * self.space.node_count()
+    }
+
+    /// A displacement [m] at a load, without a time step and with the multipliers of
+    /// the rest shape.
+    #[must_use]
+    pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], load: f64) -> Iterate<'a> {
+        Iterate { space: &self.space, rest, u, load, multipliers: &self.multipliers, step: None }
+    }
+
+    /// Total potential energy [J].
+    #[must_use]
+    pub fn value(&self, at: &Iterate) -> f64 {
+        self.energies.iter().map(|energy| energy.value(at)).sum()
+    }
+
+    /// Gradient over all degrees of freedom [N], reactions included, and the
+    /// scale of the forces that have to balance: the largest norm of one term's
+    /// free part, or of the reactions where supports move.
+    #[must_use]
+    pub fn gradient(&self, at: &Iterate) -> (Vec<f64>, f64) {
+        let mut total = vec![0.0; self.dofs()];
+        let mut scale = 0.0_f64;
+        for energy in self.energies.iter() {
+            let mut part = vec![0.0; self.dofs()];
+            energy.add_gradient(at, &mut part);
+            scale = scale.max(norm(&self.restrict(&part)));
+            total.iter_mut().zip(&part).for_each(|(t, p)| *t += p);
+        }
+        if self.dirichlet.moves() {
+            let reactions: Vec<f64> =
+                self.dirichlet.supports().iter().map(|&dof| total[dof]).collect();
+            scale = scale.max(norm(&reactions));
+        }
+        (total, scale)
+    }
+
+    /// What the Hessian adds to its sparse part.
+    #[must_use]
+    pub fn rank_ones(&self, at: &Iterate) -> Vec<RankOne> {
+        self.energies.iter().filter_map(|energy| energy.rank_one(at)).collect()
+    }
+
+    /// The prescribed volumes.
+    #[must_use]
+    pub fn constraints(&self, at: &Iterate) -> Vec<Constraint> {
+        self.energies.iter().filter_map(|energy| energy.constraint(at)).collect()
+    }
+
+    /// The contacts at a state whose friction acts in the next step.
+    #[must_use]
+    pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
+        self.energies.iter().flat_map(|energy| energy.lagged_contacts(at)).collect()
+    }
+
+    /// Largest fraction of the way from one iterate to another, straight in u and the
+    /// load, that no energy forbids.
+    #[must_use]
+    pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
+        self.energies.iter().map(|energy| energy.max_step(from, to)).fold(1.0, f64::min)
+    }
+
+    /// Why a state must not be accepted, if so.
+    #[must_use]
+    pub fn objection(&self, at: &Iterate) -> Option<String> {
+        self.energies.iter().find_map(|energy| energy.objection(at))
+    }
+
+    /// The free part of a vector.
+    #[must_use]
+    pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
+        self.dirichlet.restrict(full)
+    }
+
+    /// A full vector from its free part.
+    #[must_use]
+    pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
+        self.dirichlet.prolong(free)
+    }
+}
+
+/// A state of a problem: what is sought, and what it belongs to.
+#[derive(Clone, Debug)]
+pub struct Configuration<'a> {
+    /// Rest vertex positions X [m].
+    pub rest: &'a [Vec3],
+    /// Load parameter: the time t [s]; in a static scene the fraction of the full load.
+    pub load: f64,
+    /// The step in time that leads here, if there is one.
+    pub step: Option<&'a Arc<TimeStep>>,
+    /// Displacement u [m], three components per node.
+    pub u: Vec<f64>,
+    /// Of the chambers with a prescribed volume.
+    pub multipliers: Vec<Multiplier>,
+}
+
+impl<'a> Configuration<'a> {
+    /// A displacement [m] at a load, without a time step and with the multipliers of
+    /// the rest shape.
+    #[must_use]
+    pub fn new(problem: &Problem, rest: &'a [Vec3], u: Vec<f64>, load: f64) -> Self {
+        Self { rest, load, step: None, u, multipliers: problem.multipliers.clone() }
+    }
+
+    /// What energies look at.
+    #[must_use]
+    pub fn iterate<'b>(&'b self, problem: &'b Problem) -> Iterate<'b> {
+        let Self { rest, load, step, u, multipliers } = self;
+        Iterate {
+            space: &problem.space,
+            rest,
+            u,
+            load: *load,
+            multipliers,
+            step: step.map(|step| &**step),
+        }
+    }
+}

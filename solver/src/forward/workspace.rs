@@ -1,0 +1,400 @@
+//! What solving a problem needs beside the problem: the sparsity pattern of its
+//! Hessian, the factorisation, and the times that it took.
+//!
+//! The pattern follows the problem and the iterate that it is asked about: other fixed
+//! degrees of freedom, or contacts that it has no entries for, extend it.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use mesh::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::Problem;
+use super::dirichlet::Dirichlet;
+use crate::element::FunctionSpace;
+use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
+use crate::math::linear::{Precision, SparseSolver, Symmetric, dot, norm};
+use crate::math::ordering::nested_dissection;
+use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
+use crate::memory::Need;
+
+/// Relative difference of displacements that is nothing but rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Gaps up to this many times the distance at which surfaces begin to interact
+/// get entries in the Hessian, so that it need not be made for every new contact.
+const REACH: f64 = 2.0;
+
+/// Relative residual of the motion that follows the supports.
+const PREDICTION: f64 = 1e-6;
+
+/// Where the time went [s].
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Timings {
+    /// Energies, gradients and Hessians.
+    pub assembly_s: f64,
+    /// Numerical factorisation.
+    pub factor_s: f64,
+    /// Triangular solves.
+    pub solve_s: f64,
+    /// Certificates of positive volume, and of surfaces that do not intersect.
+    #[serde(default)]
+    pub certificate_s: f64,
+    /// Where steps end before surfaces meet.
+    #[serde(default)]
+    pub collision_s: f64,
+    /// Symbolic factorisations after the first.
+    #[serde(default)]
+    pub symbolic_s: f64,
+    /// Numerical factorisations, failed ones included.
+    #[serde(default)]
+    pub factorizations: usize,
+    /// Those that met a pivot that is not positive.
+    #[serde(default)]
+    pub failed_factorizations: usize,
+}
+
+/// Pattern, factor and timings.
+pub struct Workspace {
+    /// Time spent so far.
+    pub timings: Timings,
+    /// Factorisation, kept from the last Newton step.
+    linear: SparseSolver,
+    /// Which factorisation of an exact Hessian `linear` holds, if it is one.
+    linearization: Option<u64>,
+    linearizations: u64,
+    pattern: Pattern,
+    /// Pairs of nodes in the pattern that share no element, sorted.
+    couplings: Vec<[usize; 2]>,
+    free: FreeTriangle,
+    /// The conditions that `free` was made for.
+    dirichlet: Arc<Dirichlet>,
+}
+
+/// The exact Hessian at an iterate, factored by [`Workspace::linearize`].
+#[derive(Clone, Debug)]
+pub struct Linearization {
+    id: u64,
+    u: Vec<f64>,
+    load: f64,
+    multipliers: Vec<Multiplier>,
+    step: Option<TimeStep>,
+}
+
+impl Linearization {
+    /// The iterate on its rest shape [m].
+    #[must_use]
+    pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
+        let Self { u, multipliers, step, .. } = self;
+        let (space, step) = (&problem.space, step.as_ref());
+        Iterate { space, rest, u, load: self.load, multipliers, step }
+    }
+}
+
+impl Workspace {
+    /// Orders and factors symbolically.
+    #[must_use]
+    pub fn new(problem: &Problem) -> Self {
+        let (pattern, free, linear) = symbolic(&problem.space, problem.dirichlet.fixed(), &[]);
+        Self {
+            timings: Timings::default(),
+            linear,
+            linearization: None,
+            linearizations: 0,
+            pattern,
+            couplings: Vec::new(),
+            free,
+            dirichlet: Arc::clone(&problem.dirichlet),
+        }
+    }
+
+    /// Extends the pattern by what energies couple at an iterate beyond elements,
+    /// and fits it to the problem's fixed degrees of freedom; the symbolic work is done
+    /// anew only where it must be.
+    fn extend_pattern(&mut self, problem: &Problem, at: &Iterate) {
+        if !Arc::ptr_eq(&self.dirichlet, &problem.dirichlet) {
+            self.dirichlet = Arc::clone(&problem.dirichlet);
+            self.symbolic(problem);
+        }
+        let couplings =
+            |reach: f64| problem.energies.iter().flat_map(move |e| e.couplings(at, reach));
+        if couplings(1.0).all(|[a, b]| self.pattern.has(a, b)) {
+            return;
+        }
+        let wider: Vec<[usize; 2]> = couplings(REACH).collect();
+        self.set_couplings(problem, wider);
+    }
+
+    /// Replaces the pairs of nodes that are coupled although they share no
+    /// element. The factor is forgotten.
+    pub fn set_couplings(&mut self, problem: &Problem, mut pairs: Vec<[usize; 2]>) {
+        pairs.sort_unstable();
+        pairs.dedup();
+        if pairs == self.couplings {
+            return;
+        }
+        log::debug!("{} pairs of nodes coupled by contact", pairs.len());
+        self.couplings = pairs;
+        self.symbolic(problem);
+    }
+
+    /// Pattern and factorisation for the couplings and fixed degrees of freedom.
+    fn symbolic(&mut self, problem: &Problem) {
+        let start = Instant::now();
+        let fixed = self.dirichlet.fixed();
+        let made = symbolic(&problem.space, fixed, &self.couplings);
+        (self.pattern, self.free, *self.linear_mut()) = made;
+        self.timings.symbolic_s += start.elapsed().as_secs_f64();
+    }
+
+    /// The pairs of nodes that are coupled although they share no element.
+    #[must_use]
+    pub fn couplings(&self) -> &[[usize; 2]] {
+        &self.couplings
+    }
+
+    /// The last factorisation.
+    #[must_use]
+    pub fn linear(&self) -> &SparseSolver {
+        &self.linear
+    }
+
+    /// The last factorisation, to be replaced: no linearisation is kept.
+    pub fn linear_mut(&mut self) -> &mut SparseSolver {
+        self.linearization = None;
+        &mut self.linear
+    }
+
+    /// What the first factorisation and the Hessians beside it will take.
+    #[must_use]
+    pub fn memory(&self) -> Need {
+        // beside the factor: node blocks while they are assembled, and the free
+        // triangle up to three times: kept, assembled, shifted
+        let blocks = 9 * self.pattern.block_count();
+        let triangle = 3 * self.free.rows.len();
+        let hessians = size_of::<f64>() * (blocks + triangle);
+        Need {
+            unknowns: self.linear.size(),
+            factor_entries: self.linear.factor_len(),
+            bytes: self.linear.factor_bytes() + hessians,
+        }
+    }
+
+    /// [`Problem::value`], timed.
+    pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
+        let start = Instant::now();
+        let value = problem.value(at);
+        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        value
+    }
+
+    /// [`Problem::gradient`], timed.
+    pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
+        let start = Instant::now();
+        let gradient = problem.gradient(at);
+        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        gradient
+    }
+
+    /// [`Problem::max_step`], timed.
+    pub fn max_step(&mut self, problem: &Problem, from: &Iterate, to: &Iterate) -> f64 {
+        let start = Instant::now();
+        let largest = problem.max_step(from, to);
+        self.timings.collision_s += start.elapsed().as_secs_f64();
+        largest
+    }
+
+    /// The Hessian on the free degrees of freedom.
+    pub fn hessian(&mut self, problem: &Problem, at: &Iterate, kind: Hessian) -> Symmetric {
+        let start = Instant::now();
+        self.extend_pattern(problem, at);
+        let dense = problem.rank_ones(at);
+        let values = self.restrict_hessian(&self.assemble(problem, at, kind), &dense);
+        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        values
+    }
+
+    fn assemble(&self, problem: &Problem, at: &Iterate, kind: Hessian) -> BlockMatrix<'_> {
+        let mut matrix = BlockMatrix::zeros(&self.pattern);
+        for energy in problem.energies.iter() {
+            energy.add_hessian(at, kind, &mut matrix);
+        }
+        matrix
+    }
+
+    /// The part of a Hessian on the free degrees of freedom.
+    fn restrict_hessian(&self, matrix: &BlockMatrix, dense: &[RankOne]) -> Symmetric {
+        let restricted = |d: &RankOne| (d.scale, self.dirichlet.restrict(&d.vector));
+        let updates = dense.iter().map(restricted).collect();
+        Symmetric { lower: self.free.gather(matrix), updates }
+    }
+
+    /// Position of each diagonal entry among the values of the last Hessian.
+    #[must_use]
+    pub fn diagonal(&self) -> &[usize] {
+        &self.free.column_start[..self.dirichlet.free().len()]
+    }
+
+    /// Factors the exact Hessian, for derivatives at an equilibrium and as the start
+    /// of the next one.
+    pub fn linearize(&mut self, problem: &Problem, at: &Iterate) -> Linearization {
+        let hessian = self.hessian(problem, at, Hessian::Exact);
+        let start = Instant::now();
+        let linear = self.linear_mut();
+        if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
+            linear.factor_indefinite(hessian);
+        }
+        self.timings.factor_s += start.elapsed().as_secs_f64();
+        self.linearizations += 1;
+        self.linearization = Some(self.linearizations);
+        Linearization {
+            id: self.linearizations,
+            u: at.u.to_vec(),
+            load: at.load,
+            multipliers: at.multipliers.to_vec(),
+            step: at.step.cloned(),
+        }
+    }
+
+    /// Whether the last factorisation is that of a linearisation, and at this iterate.
+    #[must_use]
+    pub fn holds(&self, linearization: &Linearization, at: &Iterate) -> bool {
+        self.linearization == Some(linearization.id) && linearization.u == at.u
+    }
+
+    /// Solves with the last factorisation to a relative residual, and returns that
+    /// reached; where it is larger than `enough`, again with a factor in double
+    /// precision.
+    pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> f64 {
+        let start = Instant::now();
+        let rhs = x.clone();
+        let mut residual = self.linear.solve_to(x, sought);
+        if (residual.is_nan() || residual > enough) && self.linear.sharpen() {
+            *x = rhs;
+            residual = self.linear.solve_to(x, sought);
+        }
+        self.timings.solve_s += start.elapsed().as_secs_f64();
+        residual
+    }
+
+    /// The exact Hessian of contact and friction times a vector; none if that is
+    /// zero.
+    pub fn contact_hessian_times(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        vector: &[f64],
+    ) -> Option<Vec<f64>> {
+        if vector.iter().all(|v| *v == 0.0) {
+            return None;
+        }
+        self.extend_pattern(problem, at);
+        let mut matrix = BlockMatrix::zeros(&self.pattern);
+        let contact = problem.energies.contact_terms();
+        contact.for_each(|e| e.add_hessian(at, Hessian::Exact, &mut matrix));
+        Some(matrix.multiply(vector))
+    }
+
+    /// The displacement with the fixed degrees of freedom where they are at the load,
+    /// and the others moved as the tangent says, so that elements at the supports are
+    /// not crushed [m]. Nothing changes where they are already there.
+    pub fn move_supports(&mut self, problem: &Problem, at: &Iterate) -> Vec<f64> {
+        let (wanted, supports) =
+            (problem.dirichlet.displacement(at.load), problem.dirichlet.supports());
+        let (mut u, mut motion) = (at.u.to_vec(), vec![0.0; at.u.len()]);
+        for &dof in supports {
+            motion[dof] = wanted[dof] - u[dof];
+        }
+        let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if size(&motion) > ROUNDING * size(&u).max(f64::MIN_POSITIVE) {
+            let du = self.follow_supports(problem, at, &motion).unwrap_or(motion);
+            u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
+        }
+        for &dof in supports {
+            u[dof] = wanted[dof];
+        }
+        u
+    }
+
+    /// δ with the given motion of the fixed part and H δ = 0 on the free part;
+    /// none where H is not positive definite.
+    fn follow_supports(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        motion: &[f64],
+    ) -> Option<Vec<f64>> {
+        self.extend_pattern(problem, at);
+        let matrix = self.assemble(problem, at, Hessian::Exact);
+        let dense = problem.rank_ones(at);
+        let mut force = matrix.multiply(motion);
+        for RankOne { scale, vector } in &dense {
+            let along = scale * dot(vector, motion);
+            force.iter_mut().zip(vector).for_each(|(f, v)| *f += along * v);
+        }
+        let values = self.restrict_hessian(&matrix, &dense);
+        drop(matrix);
+        self.linear_mut().factor_positive(values, Precision::Single).ok()?;
+        let mut free = problem.restrict(&force);
+        self.linear.solve_to(&mut free, PREDICTION);
+        let back = problem.prolong(&free);
+        Some(motion.iter().zip(&back).map(|(m, b)| m - b).collect())
+    }
+
+    /// What rounding leaves of the gradient's free part [N], whatever `u` is: the
+    /// norm over i of ε Σ_j |H_ij| |w_j|, with ε = 2⁻⁵². It bounds what the
+    /// rounding of w to the nearest f64, and of the sums over it, does to the
+    /// forces: w is the displacement for the elastic forces, which see
+    /// differences of u alone, and the position for all others.
+    pub fn rounding_floor(&mut self, problem: &Problem, at: &Iterate) -> f64 {
+        let start = Instant::now();
+        self.extend_pattern(problem, at);
+        let (u, positions) = (at.u, problem.space.node_positions(at.rest));
+        let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
+        let mut noise = vec![0.0; u.len()];
+        for Term { kind, energy } in problem.energies.terms() {
+            let from = if matches!(kind, Kind::Elastic(_)) { u } else { &x };
+            let mut matrix = BlockMatrix::zeros(&self.pattern);
+            energy.add_hessian(at, Hessian::Exact, &mut matrix);
+            let part = matrix.multiply_magnitudes(from);
+            noise.iter_mut().zip(&part).for_each(|(n, p)| *n += p);
+            if let Some(RankOne { scale, vector }) = energy.rank_one(at) {
+                let along: f64 = vector.iter().zip(from).map(|(v, w)| (v * w).abs()).sum();
+                noise.iter_mut().zip(&vector).for_each(|(n, v)| *n += (scale * v).abs() * along);
+            }
+        }
+        let floor = f64::EPSILON * norm(&problem.restrict(&noise));
+        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        floor
+    }
+}
+
+/// Where the Hessian has entries, and its factorisation without numbers.
+fn symbolic(
+    space: &FunctionSpace,
+    fixed: &[bool],
+    couplings: &[[usize; 2]],
+) -> (Pattern, FreeTriangle, SparseSolver) {
+    let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
+    let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, couplings);
+    let (free, nodes) = rayon::join(
+        || FreeTriangle::new(&pattern, fixed),
+        || nested_dissection(&pattern.adjacency()),
+    );
+    let order = order_of_unknowns(&nodes, &free, fixed);
+    let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
+    (pattern, free, linear)
+}
+
+/// The unknowns in the order of their nodes.
+fn order_of_unknowns(nodes: &[usize], free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
+    let mut unknown_of = vec![None; fixed.len()];
+    for (i, &dof) in free.dof.iter().enumerate() {
+        unknown_of[dof] = Some(i);
+    }
+    nodes
+        .iter()
+        .flat_map(|node| (3 * node..3 * node + 3).filter_map(|dof| unknown_of[dof]))
+        .collect()
+}
