@@ -23,7 +23,7 @@ use crate::material::Specification;
 use crate::schedule::{Field, axes};
 use crate::silicone;
 pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
+    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig, Spread,
 };
 
 /// Name of the body in a scene with one.

@@ -18,17 +18,15 @@ pub mod schedule; // values over time, as people write them
 pub mod energy; // terms of the potential energy
 pub mod forward; // from energies to an equilibrium
 pub mod objective; // what to minimise
-pub mod design; // design variables to rest shape, with transpose
 pub mod adjoint; // gradient of an objective over a run
 pub mod config; // what people write
 pub mod supports; // fixed degrees of freedom
 pub mod scene; // config and files to objects
-pub mod results; // what programs write
-pub mod record; // what a run writes while it goes on
-pub mod import; // scenes of another program
-pub mod failure; // what is known where there is no equilibrium
-pub mod compare; // runs against a reference
-pub mod optimize; // outer loop
+pub mod design; // design variables to rest shape and loads, with transpose
+pub mod report; // what programs write of states, runs, failures and comparisons
+pub mod polyfem; // scenes of PolyFEM to scenes of ours
+pub mod optimize; // outer loop: from a gradient to a better shape
+pub mod cmd; // the verbs of the program, one per file
 
 #[cfg(test)]
 mod testing;

@@ -1,11 +1,10 @@
 //! `solver`: simulate, optimise and check soft pneumatic bodies.
 
-mod cmd;
-
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use program::Verbosity;
+use solver::cmd::Verb;
 
 /// Keeps freed memory at hand: fronts and element blocks come and go by the
 /// megabyte, and pages from the system cost a quarter of an assembly.
@@ -25,35 +24,12 @@ struct Program {
     threads: Option<usize>,
 }
 
-#[derive(Subcommand)]
-enum Verb {
-    Simulate(cmd::simulate::Arguments),
-    Optimize(cmd::optimize::Arguments),
-    Check(cmd::check::Arguments),
-    Gradient(cmd::gradient::Arguments),
-    List(cmd::list::Arguments),
-    Fit(cmd::fit::Arguments),
-    Compare(cmd::compare::Arguments),
-    Plot(cmd::plot::Arguments),
-    Import(cmd::import::Arguments),
-}
-
 fn main() -> ExitCode {
     let program = Program::parse();
     program::run("solver", program.verbosity, || {
         if let Some(threads) = program.threads {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
         }
-        match &program.verb {
-            Verb::Simulate(arguments) => cmd::simulate::run(arguments),
-            Verb::Optimize(arguments) => cmd::optimize::run(arguments),
-            Verb::Check(arguments) => cmd::check::run(arguments),
-            Verb::Gradient(arguments) => cmd::gradient::run(arguments),
-            Verb::List(arguments) => cmd::list::run(arguments),
-            Verb::Fit(arguments) => cmd::fit::run(arguments),
-            Verb::Compare(arguments) => cmd::compare::run(arguments),
-            Verb::Plot(arguments) => cmd::plot::run(arguments),
-            Verb::Import(arguments) => cmd::import::run(arguments),
-        }
+        program.verb.run()
     })
 }

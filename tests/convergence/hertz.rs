@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 use solver::element::at;
-use solver::results::grid_with_forces;
+use solver::report::results::grid_with_forces;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
 use tests::tag;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use solver::element::FunctionSpace;
-use solver::results::grid;
+use solver::report::results::grid;
 use tests::block;
 use tests::workdir::python;
 

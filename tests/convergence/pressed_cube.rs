@@ -10,7 +10,7 @@ use solver::element::{at, tabulate};
 use solver::material::Kinematics;
 use solver::math::tensor::{Mat3, cofactor};
 use solver::plot::{Axes, Series, Style, draw};
-use solver::results::grid_with_forces;
+use solver::report::results::grid_with_forces;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::workdir::repository;
 use tests::{block, tag};

@@ -3,7 +3,7 @@
 use mesh::Vec3;
 use serde_json::Value;
 use solver::forward::solve;
-use solver::results;
+use solver::report::results;
 use solver::scene::Scene;
 use tests::{block, tag};
 

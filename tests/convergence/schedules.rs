@@ -2,7 +2,7 @@
 
 use mesh::Vec3;
 use solver::element::at;
-use solver::results;
+use solver::report::results;
 use tests::bar::{HELD, difference, simulate};
 
 /// Equilibria are sought to 1e-10 of the forces.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mesh::Vec3;
 use solver::forward::{LoadStep, Problem, Solution, solve_in_time};
-use solver::results::{self, ChamberReport};
+use solver::report::results::{self, ChamberReport};
 use solver::scene::Scene;
 
 use crate::{block, tag};

@@ -4,7 +4,7 @@ use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use solver::body::Body;
 use solver::forward::{LoadStep, Problem, TimeStepper, Workspace};
-use solver::results;
+use solver::report::results;
 use solver::scene::Scene;
 use tempfile::TempDir;
 

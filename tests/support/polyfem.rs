@@ -4,7 +4,7 @@
 use mesh::Vec3;
 use serde_json::Value;
 use solver::element::at;
-use solver::import::{self, Options};
+use solver::polyfem::{self, Options};
 use solver::scene::Scene;
 
 use crate::motion::Motion;

@@ -6,14 +6,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use program::Unusable;
-use solver::config::LevelConfig;
-use solver::math::linear::dot;
-use solver::math::random::Random;
-use solver::math::taylor::log_slope;
-use solver::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
-use solver::scene::ObjectiveBuilder;
 
 use super::optimize::read;
+use crate::config::LevelConfig;
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::math::taylor::log_slope;
+use crate::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
+use crate::scene::ObjectiveBuilder;
 
 /// Slopes of the first-order remainder that an exact gradient may have.
 const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn sweeps(
     level: &mut Level,
     start: &Evaluation,
-) -> Result<BTreeMap<String, solver::adjoint::Gradient>> {
+) -> Result<BTreeMap<String, crate::adjoint::Gradient>> {
     let names = level.term_names();
     let mut swept = BTreeMap::new();
     for name in &names {

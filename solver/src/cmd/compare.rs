@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use program::Unusable;
 use serde_json::json;
-use solver::compare::{Comparison, Run};
-use solver::results;
+
+use crate::report::compare::{Comparison, Run};
+use crate::report::results;
 
 /// Spacings to the diagonal of the body, unless another is asked for.
 const SPACINGS: f64 = 200.0;

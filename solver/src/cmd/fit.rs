@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use program::Unusable;
 use serde_json::{Value, json};
-use solver::fit::{self, CANDIDATES, Fitted, Test, Units};
-use solver::material::BULK_RATIO;
-use solver::material::response::Mode;
-use solver::results;
+
+use crate::fit::{self, CANDIDATES, Fitted, Test, Units};
+use crate::material::BULK_RATIO;
+use crate::material::response::Mode;
+use crate::report::results;
 
 /// R² below which no law describes the data.
 const USABLE: f64 = 0.95;

@@ -6,12 +6,12 @@ use anyhow::{Context, Result};
 use mesh::io::vtu;
 use program::Unusable;
 use serde_json::json;
-use solver::element::FunctionSpace;
-use solver::optimize::{Level, Parameter, Start};
-use solver::results;
-use solver::scene::ObjectiveBuilder;
 
 use super::optimize::read;
+use crate::element::FunctionSpace;
+use crate::optimize::{Level, Parameter, Start};
+use crate::report::results;
+use crate::scene::ObjectiveBuilder;
 
 /// Write the gradient of a design problem for ParaView
 ///

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use solver::config::ContactForm;
-use solver::import::{self, Options};
+
+use crate::config::ContactForm;
+use crate::polyfem::{self, Options};
 
 /// Translate a scene of PolyFEM (JSON) into a folder with sim.toml
 ///
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Form::Plain => ContactForm::Plain,
     });
     let options = Options { form, thickness: arguments.thickness };
-    let imported = import::read(&arguments.scene, &options)?;
+    let imported = polyfem::read(&arguments.scene, &options)?;
     for warning in imported.warnings() {
         log::warn!("{warning}");
     }

@@ -6,10 +6,11 @@ use std::io::Write;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use solver::energy::gas_law::{GAS_LAWS, Row};
-use solver::material::{LAWS, Law};
-use solver::objective::{COMMON_KEYS, KINDS, Kind};
-use solver::silicone::{self, Fit, Silicone};
+
+use crate::energy::gas_law::{GAS_LAWS, Row};
+use crate::material::{LAWS, Law};
+use crate::objective::{COMMON_KEYS, KINDS, Kind};
+use crate::silicone::{self, Fit, Silicone};
 
 /// Characters in a line.
 const WIDTH: usize = 96;
@@ -170,7 +171,7 @@ fn wrapped(label: &str, words: &str) -> String {
 }
 
 fn law_json(law: &Law) -> Value {
-    let parameter = |p: &solver::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
+    let parameter = |p: &crate::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
     json!({
         "kind": law.key,
         "formula": law.formula,
@@ -200,7 +201,7 @@ fn silicone_text(silicone: &Silicone) -> String {
 
 fn fit_text(fit: &Fit) -> String {
     let s = &fit.specification;
-    let one = |(p, values): (&solver::material::Parameter, Vec<f64>)| {
+    let one = |(p, values): (&crate::material::Parameter, Vec<f64>)| {
         let values: Vec<_> = values.iter().map(|v| format!("{v}")).collect();
         format!("{} {}", p.name, values.join(" "))
     };

@@ -1,22 +1,60 @@
 //! The verbs of `solver`.
 
-pub mod check;
-pub mod compare;
-pub mod fit;
-pub mod gradient;
-pub mod import;
-pub mod list;
-pub mod optimize;
-pub mod plot;
-pub mod simulate;
+mod check;
+mod compare;
+mod fit;
+mod gradient;
+mod import;
+mod list;
+mod optimize;
+mod plot;
+mod simulate;
 
 use std::path::PathBuf;
 
+use anyhow::Result;
+use clap::Subcommand;
+
+/// What `solver` can do.
+#[derive(Subcommand)]
+#[allow(missing_docs)] // the arguments of each verb say what it does
+pub enum Verb {
+    Simulate(simulate::Arguments),
+    Optimize(optimize::Arguments),
+    Check(check::Arguments),
+    Gradient(gradient::Arguments),
+    List(list::Arguments),
+    Fit(fit::Arguments),
+    Compare(compare::Arguments),
+    Plot(plot::Arguments),
+    Import(import::Arguments),
+}
+
+impl Verb {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Of the verb.
+    pub fn run(&self) -> Result<()> {
+        match self {
+            Self::Simulate(arguments) => simulate::run(arguments),
+            Self::Optimize(arguments) => optimize::run(arguments),
+            Self::Check(arguments) => check::run(arguments),
+            Self::Gradient(arguments) => gradient::run(arguments),
+            Self::List(arguments) => list::run(arguments),
+            Self::Fit(arguments) => fit::run(arguments),
+            Self::Compare(arguments) => compare::run(arguments),
+            Self::Plot(arguments) => plot::run(arguments),
+            Self::Import(arguments) => import::run(arguments),
+        }
+    }
+}
+
 /// A mesh in place of a scene's, and the name of its body if there are several.
-pub type OtherMesh = (Option<String>, PathBuf);
+type OtherMesh = (Option<String>, PathBuf);
 
 /// `path`, or `body=path`.
-pub fn other_mesh(text: &str) -> Result<OtherMesh, String> {
+fn other_mesh(text: &str) -> Result<OtherMesh, String> {
     match text.split_once('=') {
         Some((body, path)) if !body.is_empty() && !path.is_empty() => {
             Ok((Some(body.to_owned()), PathBuf::from(path)))

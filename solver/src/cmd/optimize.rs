@@ -8,11 +8,12 @@ use anyhow::{Context, Result};
 use mesh::io::vtu;
 use program::Unusable;
 use serde_json::{Value, json};
-use solver::config::{DesignConfig, beside};
-use solver::failure;
-use solver::optimize::{Cascade, Checkpoint, Finished, mesh_file};
-use solver::results;
-use solver::scene::{ObjectiveBuilder, Scene};
+
+use crate::config::{DesignConfig, beside};
+use crate::optimize::{Cascade, Checkpoint, Finished, mesh_file};
+use crate::report::failure;
+use crate::report::results;
+use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Optimise shapes of chambers and pressures over time
 ///

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
-use solver::plot::{Axes, Series, Style, draw};
+
+use crate::plot::{Axes, Series, Style, draw};
 
 /// Columns that older programs called otherwise: the old name and the one of today.
 const RENAMED: [[&str; 2]; 3] = [

@@ -8,14 +8,15 @@ use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
 use program::Unusable;
 use serde_json::{Value, json};
-use solver::energy::Iterate;
-use solver::failure::{self, Diagnosis};
-use solver::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace};
-use solver::memory;
-use solver::record::{Checkpoint, Recorder, STEPS};
-use solver::results;
-use solver::scene::Scene;
-use solver::stretch::Stretches;
+
+use crate::energy::Iterate;
+use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace};
+use crate::memory;
+use crate::report::failure::{self, Diagnosis};
+use crate::report::record::{Checkpoint, Recorder, STEPS};
+use crate::report::results;
+use crate::scene::Scene;
+use crate::stretch::Stretches;
 
 /// Solve a scene for its equilibrium under the full load, or through time
 ///
@@ -223,7 +224,7 @@ fn hash_inputs(scene: &Scene) -> Result<String> {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
     for obstacle in &scene.config.obstacle {
-        let path = solver::config::beside(&scene.path, &obstacle.surface);
+        let path = crate::config::beside(&scene.path, &obstacle.surface);
         hashes.push(program::sha256_file(&path)?);
     }
     Ok(hashes.join(" "))

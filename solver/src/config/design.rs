@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{ChamberDesign, ObjectiveConfig, superseded};
 use crate::body::Names;
-use crate::design::Sweeps;
 
 /// A design problem: what may change in a scene, and what is wanted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -79,9 +78,20 @@ pub struct ShapeConfig {
     pub interior: Interior,
     /// How handles are spread over a tag.
     #[serde(default)]
-    pub spread: Sweeps,
+    pub spread: Spread,
     /// Levels from coarse to fine.
     pub level: Vec<LevelConfig>,
+}
+
+/// How handles are spread over a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spread {
+    /// Each as far from the others as can be.
+    #[default]
+    RePick,
+    /// Each in the middle of its cell.
+    Lloyd,
 }
 
 /// Vertices inside the body when its boundary moves.

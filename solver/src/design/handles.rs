@@ -22,7 +22,8 @@ use mesh::measure::mean_edge;
 use mesh::{Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::sampling::{Sweeps, TooManyHandles, rim, spread_points};
+use super::sampling::{TooManyHandles, rim, spread_points};
+use crate::config::Spread;
 
 type Mat3 = nalgebra::Matrix3<f64>;
 
@@ -52,7 +53,7 @@ pub struct Handles {
 }
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
-/// `sweeps`, and computes their weights.
+/// `spread`, and computes their weights.
 ///
 /// # Errors
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
@@ -60,10 +61,10 @@ pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
     count: usize,
-    sweeps: Sweeps,
+    spread: Spread,
 ) -> Result<Handles, HandleError> {
     let (surface, vertices) = topology::submesh(rest, patch);
-    let points = spread_points(&surface, count, sweeps)?;
+    let points = spread_points(&surface, count, spread)?;
     let weights = bounded_biharmonic(&surface, &rim(&surface), &points)?;
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
@@ -196,7 +197,7 @@ mod tests {
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
         let handles =
-            sample_handles(&surface.vertices, &surface.triangles, 5, Sweeps::RePick).unwrap();
+            sample_handles(&surface.vertices, &surface.triangles, 5, Spread::RePick).unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -208,7 +209,7 @@ mod tests {
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles = sample_handles(&ball.vertices, &ball.triangles, 1, Sweeps::RePick).unwrap();
+        let handles = sample_handles(&ball.vertices, &ball.triangles, 1, Spread::RePick).unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -229,7 +230,7 @@ mod tests {
     fn pull_back_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles = sample_handles(x, &surface.triangles, 3, Sweeps::RePick).unwrap();
+        let handles = sample_handles(x, &surface.triangles, 3, Spread::RePick).unwrap();
         let theta: Vec<f64> =
             Random::new(32).numbers(handles.variables()).iter().map(|t| 0.4 * t).collect();
         // J = Σ (aᵥ·v' + ½ |v'|²)

@@ -1,19 +1,21 @@
-//! From design variables to rest shape, each map with its transpose.
+//! From design variables to rest shape and loads, each map with its transpose.
 
 pub mod biharmonic;
+mod design_map;
 mod extension;
 pub mod geodesic;
 mod handles;
 mod laplacian;
+mod load_map;
 mod patch;
 mod pressure_curve;
 pub mod sampling;
 mod scalar;
 
+pub use design_map::DesignMap;
 pub use extension::Extension;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
 pub use patch::{FreeVertices, Patch};
 pub use pressure_curve::PressureCurve;
-pub use sampling::Sweeps;
 pub use scalar::Scalar;

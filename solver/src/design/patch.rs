@@ -3,7 +3,8 @@
 use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
-use super::sampling::{Sweeps, rim};
+use super::sampling::rim;
+use crate::config::Spread;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -30,10 +31,10 @@ impl Patch {
         rest: &[Vec3],
         facets: &[[usize; 3]],
         handles: Option<usize>,
-        sweeps: Sweeps,
+        spread: Spread,
     ) -> Result<Self, HandleError> {
         if let Some(count) = handles {
-            return Ok(Self::Handles(sample_handles(rest, facets, count, sweeps)?));
+            return Ok(Self::Handles(sample_handles(rest, facets, count, spread)?));
         }
         let (surface, ids) = topology::submesh(rest, facets);
         let held = rim(&surface);
@@ -94,7 +95,7 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(x, &surface.triangles, None, Sweeps::RePick).unwrap();
+        let patch = Patch::new(x, &surface.triangles, None, Spread::RePick).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));

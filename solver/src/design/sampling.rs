@@ -17,23 +17,12 @@
 //! Sources: Gjoka et al. 2024, section 4.5; Lloyd 1982, doi:10.1109/TIT.1982.1056489.
 
 use mesh::{SurfaceMesh, topology};
-use serde::{Deserialize, Serialize};
 
 use super::Geodesics;
+use crate::config::Spread;
 
 /// Times that every point is placed again, at most.
 const SWEEPS: usize = 5;
-
-/// How points are spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sweeps {
-    /// Each as far from the others as can be.
-    #[default]
-    RePick,
-    /// Each in the middle of its cell.
-    Lloyd,
-}
 
 /// More points were asked for than there are vertices off the rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,7 +53,7 @@ pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
 pub fn spread_points(
     surface: &SurfaceMesh,
     count: usize,
-    sweeps: Sweeps,
+    spread: Spread,
 ) -> Result<Vec<usize>, TooManyHandles> {
     let rim = rim(surface);
     let available = surface.vertices.len() - rim.len();
@@ -76,16 +65,16 @@ pub fn spread_points(
         let first = if i == 0 && rim.is_empty() { lowest(surface) } else { sampling.farthest() };
         sampling.add(i, first);
     }
-    match sweeps {
-        Sweeps::RePick if count + rim.len() > 1 => {
+    match spread {
+        Spread::RePick if count + rim.len() > 1 => {
             for i in (0..SWEEPS).flat_map(|_| 0..count) {
                 sampling.remove(i);
                 let farthest = sampling.farthest();
                 sampling.add(i, farthest);
             }
         }
-        Sweeps::RePick => {}
-        Sweeps::Lloyd => {
+        Spread::RePick => {}
+        Spread::Lloyd => {
             let cells = Cells::new(surface, &rim);
             let moves = |_: &usize| sampling.center_all(&cells);
             let _ = (0..SWEEPS).take_while(moves).count();
@@ -257,7 +246,7 @@ mod tests {
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {
         let plane = square(20, 0.0);
-        let points = spread_points(&plane, 1, Sweeps::RePick).unwrap();
+        let points = spread_points(&plane, 1, Spread::RePick).unwrap();
         assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
     }
 
@@ -267,7 +256,7 @@ mod tests {
     fn points_are_spread_evenly_off_the_rim() {
         let surface = cap(4);
         for count in [4, 16, 50] {
-            let points = spread_points(&surface, count, Sweeps::RePick).unwrap();
+            let points = spread_points(&surface, count, Spread::RePick).unwrap();
             let rim = rim(&surface);
             assert!(points.iter().all(|p| !rim.contains(p)));
             let geodesics = Geodesics::new(&surface);
@@ -307,8 +296,8 @@ mod tests {
                 let next = if anywhere { lowest(&surface) } else { greedy.farthest() };
                 greedy.add(i, next);
             }
-            let points = spread_points(&surface, count, Sweeps::Lloyd).unwrap();
-            assert_eq!(points, spread_points(&surface, count, Sweeps::Lloyd).unwrap());
+            let points = spread_points(&surface, count, Spread::Lloyd).unwrap();
+            assert_eq!(points, spread_points(&surface, count, Spread::Lloyd).unwrap());
             let (before, after) = (spread(&surface, &greedy.points), spread(&surface, &points));
             assert!(after < before, "{after} {before}");
         }
@@ -341,16 +330,16 @@ mod tests {
         let mut two = ball.clone();
         two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
         two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
-        let points = spread_points(&two, 2, Sweeps::RePick).unwrap();
+        let points = spread_points(&two, 2, Spread::RePick).unwrap();
         assert!((points[0] < n) != (points[1] < n));
-        assert_eq!(spread_points(&ball, 1, Sweeps::RePick).unwrap(), vec![lowest(&ball)]);
+        assert_eq!(spread_points(&ball, 1, Spread::RePick).unwrap(), vec![lowest(&ball)]);
     }
 
     #[test]
     fn more_points_than_vertices_are_refused() {
         let plane = square(3, 0.0);
-        assert_eq!(spread_points(&plane, 4, Sweeps::RePick).unwrap().len(), 4);
-        let error = spread_points(&plane, 5, Sweeps::RePick).unwrap_err();
+        assert_eq!(spread_points(&plane, 4, Spread::RePick).unwrap().len(), 4);
+        let error = spread_points(&plane, 5, Spread::RePick).unwrap_err();
         assert_eq!(error, TooManyHandles { wanted: 5, available: 4 });
     }
 }

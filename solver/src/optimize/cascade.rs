@@ -18,7 +18,7 @@ use super::{Evaluation, Lbfgs, Level, Rejected, Start};
 use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
-use crate::results;
+use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Curvature pairs that L-BFGS remembers.

@@ -8,21 +8,21 @@ use std::time::Instant;
 use anyhow::Result;
 use mesh::Vec3;
 
-use super::design_map::DesignMap;
 use super::rest_path::RestPath;
 use super::validity;
 use crate::adjoint::{self, Gradient};
 use crate::body::Body;
 use crate::config::{DesignConfig, LevelConfig};
+use crate::design::DesignMap;
 use crate::element::{FunctionSpace, interpolate};
 use crate::energy::Iterate;
-use crate::failure::Diagnosis;
 use crate::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
 use crate::objective::Equilibrium;
-use crate::results::displacements;
+use crate::report::failure::Diagnosis;
+use crate::report::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
@@ -421,6 +421,6 @@ impl Level {
     /// The solution's grid for ParaView.
     #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        crate::results::grid(&self.problem.space, &at.rest, &at.run.last())
+        crate::report::results::grid(&self.problem.space, &at.rest, &at.run.last())
     }
 }

@@ -2,12 +2,10 @@
 
 mod cascade;
 mod checkpoint;
-mod design_map;
 mod history;
 mod lbfgs;
 mod lbfgsb;
 mod level;
-mod load_map;
 mod parameter;
 mod rest_path;
 pub mod validity;
@@ -15,7 +13,6 @@ mod way;
 
 pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;
-pub use design_map::DesignMap;
 pub use lbfgs::Lbfgs;
 pub use lbfgsb::projected_gradient_norm;
 pub use level::{Evaluation, Level, Rejected, Start};

@@ -19,7 +19,7 @@ mod table;
 use std::io::Write;
 
 use anyhow::Result;
-use solver::results::write_json;
+use solver::report::results::write_json;
 use stored::Stored;
 use tests::workdir::repository;
 

@@ -1,8 +1,8 @@
 //! Tables of the README, which `tests/fast/readme_tables.rs` compares with it.
 
-use solver::energy::gas_law::Row;
-use solver::material::Law;
-use solver::objective::Kind;
+use crate::energy::gas_law::Row;
+use crate::material::Law;
+use crate::objective::Kind;
 
 /// The objectives of design problems; a star marks those that may be maximised.
 pub fn objectives(kinds: &[Kind]) -> String {

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 
 use super::{TargetFile, Writer, names};
-use crate::import::document::Key;
-use crate::import::text::{Text, list, number, quoted};
+use crate::polyfem::document::Key;
+use crate::polyfem::text::{Text, list, number, quoted};
 
 /// A term of the objective.
 struct Term<'a> {

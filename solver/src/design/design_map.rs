@@ -10,9 +10,9 @@ use anyhow::{Result, ensure};
 use mesh::Vec3;
 
 use super::load_map::LoadMap;
+use super::{Extension, Patch};
 use crate::body::Body;
-use crate::config::{DesignConfig, Interior, LevelConfig};
-use crate::design::{Extension, Patch, Sweeps};
+use crate::config::{DesignConfig, Interior, LevelConfig, Spread};
 use crate::element::at;
 use crate::energy::{Energies, ParameterGradients};
 use crate::scene::Scene;
@@ -47,8 +47,8 @@ impl DesignMap {
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
         for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
-            let sweeps = design.shape.as_ref().map_or(Sweeps::default(), |shape| shape.spread);
-            patches.push(Patch::new(&rest, &facets, level.handles, sweeps)?);
+            let spread = design.shape.as_ref().map_or(Spread::default(), |shape| shape.spread);
+            patches.push(Patch::new(&rest, &facets, level.handles, spread)?);
             moving.extend(facets);
         }
         check_apart(&patches)?;

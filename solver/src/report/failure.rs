@@ -16,7 +16,7 @@ use crate::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Work
 use crate::material::Kinematics;
 use crate::math::linear::Pivot;
 use crate::math::tensor::{Mat3, cofactor};
-use crate::results;
+use crate::report::results;
 use crate::scene::Scene;
 use crate::stretch::Stretches;
 

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::energy::{Iterate, Multiplier};
 use crate::forward::{LoadStep, Problem, Progress, Timings};
-use crate::results;
+use crate::report::results;
 use crate::scene::Scene;
 
 /// One line per reported step.

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
 
+use super::{PressureCurve, Scalar};
 use crate::config::{ChamberDesign, ParameterDesign};
-use crate::design::{PressureCurve, Scalar};
 use crate::energy::{ChamberId, Energies, GasLaw, Isobaric, NamedChamber, ParameterGradients};
 use crate::scene::Scene;
 use crate::schedule::Schedule;

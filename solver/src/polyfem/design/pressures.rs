@@ -3,8 +3,8 @@
 use anyhow::Result;
 
 use super::{ITERATIONS, Writer, iterations};
-use crate::import::document::Key;
-use crate::import::text::{list, number, quoted};
+use crate::polyfem::document::Key;
+use crate::polyfem::text::{list, number, quoted};
 
 /// Why pressures are left.
 const REASON: &str = "a pressure changes by slopes within bounds, one for each time step, in a \

@@ -62,7 +62,7 @@ impl Imported {
             }
             write_atomic(&folder.join(DESIGN), |out| out.write_all(design.text.as_bytes()))?;
         }
-        crate::results::write_json(&folder.join(REPORT), &self.report())?;
+        crate::report::results::write_json(&folder.join(REPORT), &self.report())?;
         write_atomic(&folder.join(SCENE), |out| out.write_all(self.scene.text.as_bytes()))?;
         Ok(())
     }

@@ -1,0 +1,7 @@
+//! What programs write: measures of a state and their files, the record of a run while it
+//! goes on, what is known where there is no equilibrium, and how far runs are apart.
+
+pub mod compare;
+pub mod failure;
+pub mod record;
+pub mod results;
