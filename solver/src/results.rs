@@ -319,7 +319,7 @@ fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64
 }
 
 /// Largest resident set of this process so far [MiB]; none where the system
-/// does not tell.
+/// does not report it.
 #[must_use]
 pub fn peak_rss_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

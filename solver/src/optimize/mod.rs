@@ -10,8 +10,8 @@ mod level;
 mod load_map;
 mod parameter;
 mod rest_path;
+mod trial_step;
 pub mod validity;
-mod way;
 
 pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;
