@@ -214,12 +214,6 @@ impl Energies {
         self.chambers.iter().enumerate().map(|(i, named)| (ChamberId(i), named))
     }
 
-    /// One chamber.
-    #[must_use]
-    pub fn chamber(&self, id: ChamberId) -> &NamedChamber {
-        &self.chambers[id.0]
-    }
-
     /// Gives a chamber another gas law.
     pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
         self.chambers[id.0].chamber.gas = gas;
@@ -230,7 +224,7 @@ impl Energies {
         self.bodies.iter().filter_map(|body| body.inertia.as_ref()).filter(|i| !i.is_tiny())
     }
 
-    /// Adds the forces of some terms, −∂E/∂u [N].
+    /// Nodal forces of contact and friction, −∂E/∂u [N], three components per node.
     #[must_use]
     pub fn contact_forces(&self, at: &Iterate) -> Vec<f64> {
         let mut pull = vec![0.0; at.u.len()];

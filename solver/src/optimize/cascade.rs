@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::checkpoint::Checkpoint;
 use super::history::History;
-use super::way::{first_way, projected_norm};
+use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Rejected, Start};
 use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
@@ -238,13 +238,13 @@ impl Cascade<'_> {
             return Ok(Err("the gradient is zero".to_owned()));
         }
         let clock = Instant::now();
-        let way = first_way(level, checkpoint, optimizer);
-        let slope = dot(gradient, &way);
+        let step = trial_step(level, checkpoint, optimizer);
+        let slope = dot(gradient, &step);
         if slope >= 0.0 {
-            return Ok(Err("no way within the bounds goes down".to_owned()));
+            return Ok(Err("no step within the bounds decreases the objective".to_owned()));
         }
         let at = |alpha: f64| -> Vec<f64> {
-            checkpoint.theta.iter().zip(&way).map(|(t, d)| t + alpha * d).collect()
+            checkpoint.theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect()
         };
         let predicted = level.predict(&at(1.0), current);
         let mut forward_s = clock.elapsed().as_secs_f64();

@@ -392,10 +392,10 @@ impl Level {
         body.used_tags().map(one).collect()
     }
 
-    /// The fraction of the way from θ to θ + d on which the boundary of the rest shape
+    /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
     /// does not meet itself.
     #[must_use]
-    pub fn free_way(&self, theta: &[f64], d: &[f64]) -> f64 {
+    pub fn free_fraction(&self, theta: &[f64], d: &[f64]) -> f64 {
         if self.map.moving().is_empty() {
             return 1.0;
         }

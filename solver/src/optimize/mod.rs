@@ -8,8 +8,8 @@ mod lbfgsb;
 mod level;
 mod parameter;
 mod rest_path;
+mod trial_step;
 pub mod validity;
-mod way;
 
 pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;

@@ -1,17 +1,18 @@
-//! Which way an iteration goes, and how far its first trial.
+//! The first trial step of an iteration: its direction and its length.
 
 use super::Level;
 use super::checkpoint::Checkpoint;
 use crate::config::OptimizerConfig;
 use crate::math::linear::norm;
 
-/// Of the way that the rest shape can go, what the first trial goes.
+/// Of the fraction of a step that the rest shape can go, what the first trial goes.
 const NEARLY: f64 = 0.9;
 /// Largest vertex motion of one iteration in mean edges of the moving surface.
 const LARGEST_MOTION: f64 = 3.0;
+
 /// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
 /// far as vertices may move at once and the rest shape does not meet itself.
-pub(super) fn first_way(
+pub(super) fn trial_step(
     level: &Level,
     checkpoint: &Checkpoint,
     optimizer: &OptimizerConfig,
@@ -20,7 +21,7 @@ pub(super) fn first_way(
     let fresh = checkpoint.lbfgs.is_empty();
     let edges = if fresh { optimizer.first_step } else { LARGEST_MOTION };
     let wanted = edges * level.map().mean_edge();
-    let mut way = match level.map().bounds(theta) {
+    let mut step = match level.map().bounds(theta) {
         None => capped(level, theta, checkpoint.lbfgs.direction(gradient), wanted, fresh),
         Some((lower, upper)) if fresh => {
             let down = gradient.iter().map(|g| -g).collect();
@@ -30,15 +31,15 @@ pub(super) fn first_way(
         }
         Some((lower, upper)) => {
             let end = checkpoint.lbfgs.step(theta, gradient, &lower, &upper);
-            let way = end.iter().zip(theta).map(|(e, t)| e - t).collect();
-            capped(level, theta, way, wanted, false)
+            let step = end.iter().zip(theta).map(|(e, t)| e - t).collect();
+            capped(level, theta, step, wanted, false)
         }
     };
-    let free = level.free_way(theta, &way);
+    let free = level.free_fraction(theta, &step);
     if free < 1.0 {
-        way.iter_mut().for_each(|d| *d *= NEARLY * free);
+        step.iter_mut().for_each(|d| *d *= NEARLY * free);
     }
-    way
+    step
 }
 
 /// A step from θ that moves exactly as far as `wanted` [m], or its vertices at most as
