@@ -20,7 +20,7 @@ use tests::workdir::Workdir;
 fn imported(file: &str, options: &Options) -> Option<(Workdir, Scene)> {
     let path = tests::shared(&format!("{FOLDER}/{file}"))?;
     let dir = Workdir::new();
-    let imported = import::read(&path, options).unwrap();
+    let imported = polyfem::read(&path, options).unwrap();
     let unknown = |why: &&String| why.contains("unknown key");
     assert_eq!(imported.left().keys().find(unknown), None, "all keys of {file} are known");
     imported.write(&dir.path("")).unwrap();

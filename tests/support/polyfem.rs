@@ -119,7 +119,7 @@ pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option
     edit(&mut json);
     let dir = Workdir::new();
     dir.write("scene.json", &json.to_string());
-    let imported = import::read(&dir.path("scene.json"), options);
+    let imported = polyfem::read(&dir.path("scene.json"), options);
     let imported = imported.unwrap_or_else(|e| panic!("{e:#}"));
     imported.write(&dir.path("")).expect("the folder is writable");
     let scene = Scene::read(&dir.path("sim.toml")).unwrap_or_else(|e| panic!("{e:#}"));
