@@ -23,7 +23,7 @@ use crate::stretch::Stretches;
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
 /// (exact, of the last state), result.pvd with one .vtu per load step or, in a
 /// scene with [time], per time step, steps.jsonl with one line for each, and
-/// result.vtu. A run with [time] that was interrupted goes on after its last
+/// result.vtu. A run with [time] that was interrupted continues after its last
 /// time step when the same command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
-        log::info!("goes on after {} time steps", checkpoint.steps);
+        log::info!("continuing after {} time steps", checkpoint.steps);
         workspace.set_couplings(&problem, checkpoint.couplings);
         workspace.timings = checkpoint.timings;
         stepper.progress = checkpoint.progress;

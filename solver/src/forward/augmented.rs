@@ -87,7 +87,7 @@ fn approach(
         let converged = rough.trace(&pulled, workspace, &mut state, residuals);
         iterations += converged.ok()?.iterations;
         let left = springs.longest(&state.u);
-        log::debug!("supports pulled {minimum}  {left:.2e} m left");
+        log::debug!("augmented Lagrangian of the supports {minimum}  {left:.2e} m left");
         let at = state.iterate(released);
         let placed = springs.placed(&state.u);
         let there = Iterate { u: &placed, ..at };

@@ -69,7 +69,10 @@ pub fn balance(
             residuals.push(nearer.residual);
             distance = nearer;
         }
-        log::debug!("volumes {minimum}  largest gap {:.2e}", distance.largest_gap());
+        log::debug!(
+            "augmented Lagrangian of the volumes {minimum}  largest gap {:.2e}",
+            distance.largest_gap()
+        );
         if distance.largest_gap() <= newton.relative {
             // what is left, if anything, are digits that rounding takes
             let converged = newton.trace(problem, workspace, state, residuals)?;

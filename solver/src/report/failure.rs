@@ -298,7 +298,7 @@ fn advice(
         });
     }
     if let Some(warning) = stretches.warning() {
-        advice.push(format!("a material that is known further: {warning}"));
+        advice.push(format!("a material with data at larger stretches: {warning}"));
     }
     if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
         let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };

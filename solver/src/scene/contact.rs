@@ -63,7 +63,7 @@ impl Scene {
         if let Some(what) = contact.intersection(&rest) {
             bail!(
                 "{}: at rest {what}\n  bodies must be apart at the start: move one by translate, or \
-                 mend the mesh",
+                 repair the mesh",
                 self.path.display()
             );
         }
