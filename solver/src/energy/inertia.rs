@@ -8,7 +8,8 @@
 //! h   β Δt of the step [s];   ũ   where it would go without forces [m]
 //! m   mass matrix of a tetrahedron with volume and density 1 [1]
 //!
-//! Where inertia is neglected, bodies that nothing holds are kept by a tiny mass:
+//! Where inertia is neglected, bodies without enough supports are regularised by a tiny
+//! mass:
 //!
 //! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`HOLD`]
 //!
@@ -37,7 +38,7 @@ const HOLD: f64 = 1.0;
 #[derive(Clone)]
 pub struct Inertia {
     density: f64,
-    /// Whether it is the tiny mass of a loose body.
+    /// Whether it is the tiny mass of a body without enough supports.
     tiny: bool,
     elements: Range<usize>,
     /// m, row by row.
@@ -54,13 +55,13 @@ impl Inertia {
         Self { density, tiny: false, elements, reference: space.reference_mass() }
     }
 
-    /// What holds a body that is loose where inertia is neglected.
+    /// The tiny mass of a body without enough supports where inertia is neglected.
     #[must_use]
     pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { tiny: true, ..Self::new(space, density, elements) }
     }
 
-    /// Whether it is the tiny mass of a loose body.
+    /// Whether it is the tiny mass of a body without enough supports.
     #[must_use]
     pub fn is_tiny(&self) -> bool {
         self.tiny

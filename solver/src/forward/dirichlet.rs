@@ -1,5 +1,6 @@
-//! Dirichlet conditions: degrees of freedom that are fixed, at zero or at a
-//! displacement that follows the load.
+//! Dirichlet conditions (essential boundary conditions): degrees of freedom that are
+//! fixed, at zero or at a displacement that follows the load. They are eliminated: only
+//! the other degrees of freedom are unknowns.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Steps in time by backward differentiation.
+//! Time integration by backward differentiation formulas (BDF) of order k.
 //!
 //! vₙ = (uₙ − Σ αᵢ uₙ₋ᵢ) / h,   aₙ = (vₙ − Σ αᵢ vₙ₋ᵢ) / h,   h = β Δt
 //!
@@ -65,7 +65,7 @@ pub struct State {
 /// The past that the next step needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Integrator {
-    /// How it goes on.
+    /// The formula.
     pub method: Method,
     /// The last states, the latest first.
     pub states: Vec<State>,

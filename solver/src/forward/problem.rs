@@ -133,7 +133,7 @@ impl Problem {
         self.energies.iter().flat_map(|energy| energy.lagged_contacts(at)).collect()
     }
 
-    /// Largest fraction of the way from one iterate to another, straight in u and the
+    /// Largest step length in [0, 1] from one iterate to another, straight in u and the
     /// load, that no energy forbids.
     #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {

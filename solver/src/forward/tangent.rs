@@ -1,4 +1,4 @@
-//! How an equilibrium follows its rest shape.
+//! Sensitivity of an equilibrium to its rest shape: the tangent, or forward, derivative.
 
 use mesh::Vec3;
 
@@ -10,8 +10,8 @@ use crate::energy::Iterate;
 const STEP: f64 = 1e-5;
 
 /// First-order change du = −H⁻¹ (∂²E/∂u∂X) dX [m] of an equilibrium, linearised on its
-/// rest shape X [m], when that moves by `motion` dX [m]; none where it is not stable, or the workspace does
-/// not hold its linearisation any more.
+/// rest shape X [m], when that moves by `motion` dX [m]; none where it is not stable, or
+/// its linearisation is no longer that in the workspace.
 pub fn follow(
     problem: &Problem,
     workspace: &mut Workspace,

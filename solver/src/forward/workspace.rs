@@ -1,8 +1,8 @@
 //! What solving a problem needs beside the problem: the sparsity pattern of its
 //! Hessian, the factorisation, and the times that it took.
 //!
-//! The pattern follows the problem and the iterate that it is asked about: other fixed
-//! degrees of freedom, or contacts that it has no entries for, extend it.
+//! The pattern is extended where a problem fixes other degrees of freedom, or an iterate
+//! has contacts that it has no entries for.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -345,7 +345,7 @@ impl Workspace {
     /// What rounding leaves of the gradient's free part [N], whatever `u` is: the
     /// norm over i of ε Σ_j |H_ij| |w_j|, with ε = 2⁻⁵². It bounds what the
     /// rounding of w to the nearest f64, and of the sums over it, does to the
-    /// forces: w is the displacement for the elastic forces, which see
+    /// forces: w is the displacement for the elastic forces, which depend on
     /// differences of u alone, and the position for all others.
     pub fn rounding_floor(&mut self, problem: &Problem, at: &Iterate) -> f64 {
         let start = Instant::now();
@@ -370,7 +370,8 @@ impl Workspace {
     }
 }
 
-/// Where the Hessian has entries, and its factorisation without numbers.
+/// The sparsity pattern of the Hessian and its symbolic factorisation, with a
+/// fill-reducing ordering.
 fn symbolic(
     space: &FunctionSpace,
     fixed: &[bool],
