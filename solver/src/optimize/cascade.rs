@@ -369,7 +369,7 @@ impl Cascade<'_> {
         checkpoint.write_with_run(&self.folder, &run)
     }
 
-    /// What the iterations that are left may take, if they go on as in this level.
+    /// Time for the iterations that are left, if they take as long as in this level.
     fn time_left(&self, checkpoint: &Checkpoint) -> String {
         if checkpoint.iteration == 0 {
             return String::new();
