@@ -1,4 +1,4 @@
-//! What a term is built from: a body, and what its scene knows of it.
+//! What a term is built from: a body, and the data of its scene.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -65,7 +65,7 @@ pub fn add_drest(
     });
 }
 
-/// Evaluates elements in parallel and hands them over in order.
+/// Evaluates elements in parallel and passes them to `f` in order.
 fn for_each_part(
     equilibrium: &Equilibrium,
     elements: &Range<usize>,

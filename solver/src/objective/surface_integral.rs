@@ -106,7 +106,7 @@ impl Patch {
         equilibrium.space.add_to_vertices(&nodal, out);
     }
 
-    /// Evaluates all facets in parallel and hands them over in order.
+    /// Evaluates all facets in parallel and passes them to `f` in order.
     fn for_each_part(
         &self,
         equilibrium: &Equilibrium,
