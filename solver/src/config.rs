@@ -170,7 +170,7 @@ pub struct ObstacleConfig {
     pub displacement: Field,
 }
 
-/// How surfaces keep apart and rub.
+/// Contact and friction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactConfig {

@@ -188,7 +188,7 @@ impl Scene {
             .with_context(|| self.path.display().to_string())
     }
 
-    /// The bodies at t = 0, and how they go on.
+    /// The bodies at t = 0, and their time integration.
     #[must_use]
     pub fn integrator(&self, body: &Body, problem: &Problem) -> Integrator {
         let space = &problem.space;

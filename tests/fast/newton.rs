@@ -50,7 +50,7 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
 
 const UNREACHABLE: Newton = Newton { iterations: 60, relative: 1e-20, absolute: 0.0 };
 
-/// What Newton's method ends at, whatever is asked for, is within a factor of
+/// The residual that Newton's method ends at, for any tolerance, is within a factor of
 /// the estimate: for stiff and slender bodies, small and large strain.
 #[test]
 fn the_rounding_floor_is_where_residuals_end() {

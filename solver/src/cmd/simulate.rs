@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_json(&folder.join("report.json"), &report)
 }
 
-/// A scene under way.
+/// A run of a scene.
 struct Run<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
@@ -230,8 +230,8 @@ fn hash_inputs(scene: &Scene) -> Result<String> {
     Ok(hashes.join(" "))
 }
 
-/// Results of an earlier run must not stand beside a report that says
-/// otherwise; those of the steps that an interrupted one has done stay.
+/// Results of an earlier run must not remain beside a report that contradicts
+/// them; those of the steps that an interrupted one has done stay.
 fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     let kept: Vec<String> = (0..done).map(|i| format!("step_{i:03}.vtu")).collect();
     for entry in std::fs::read_dir(folder)? {

@@ -11,8 +11,8 @@ use crate::schedule::{Schedule, is_free_name};
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// Checks all settings that can be checked without a body, and tells the
-    /// schedules when the first time step ends.
+    /// Checks all settings that can be checked without a body, and passes the end of
+    /// the first time step to the schedules.
     ///
     /// # Errors
     /// With what was found and what is needed.

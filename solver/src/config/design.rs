@@ -98,7 +98,7 @@ pub enum Spread {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interior {
-    /// Follow the boundary, and the gradient knows.
+    /// Follow the boundary, and the gradient accounts for it.
     #[default]
     Extended,
     /// Follow the boundary, but the gradient takes them as fixed, as the published

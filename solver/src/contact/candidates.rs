@@ -1,5 +1,5 @@
 //! Broad phase: candidate pairs of features, which may come close while their corners
-//! move on straight lines. What stands still is the case without motion.
+//! move on straight lines. Features at rest are the case without motion.
 //!
 //! A pair is a candidate if the boxes around what its features sweep come closer
 //! than the radius, and
@@ -10,7 +10,7 @@
 //! d   distance at the start [m]
 //! ℓ   how far two of their points move towards each other, at most [m]
 //!
-//! So whatever moves along with what is near it is none. Without motion the
+//! So features that move together are no candidates. Without motion the
 //! candidates are the pairs that are closer than the radius, up to rounding;
 //! [`close_within`] and [`close_between`] are exactly those.
 //!
@@ -127,7 +127,7 @@ fn rounding(x0: &[Vec3], x1: &[Vec3]) -> f64 {
     ROUNDING * largest(x0).max(largest(x1))
 }
 
-/// A search that is going on.
+/// A search for candidates.
 struct Search<'a> {
     x0: &'a [Vec3],
     x1: &'a [Vec3],

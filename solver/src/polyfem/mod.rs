@@ -1,4 +1,4 @@
-//! Scenes of PolyFEM in our words.
+//! Scenes of PolyFEM translated to ours.
 //!
 //! Reads the JSON files that were published with Gjoka et al. 2024: a state
 //! (bodies, materials, loads, contact, time) or a run (an optimisation of a

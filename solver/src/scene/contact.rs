@@ -1,4 +1,4 @@
-//! What keeps surfaces of a scene apart.
+//! Contact of a scene: its collision surface, barrier and friction.
 
 use std::sync::Arc;
 

@@ -39,7 +39,7 @@ struct Sheets {
     facets: Vec<[usize; 3]>,
     start: Vec<Vec3>,
     end: Vec<Vec3>,
-    /// Within which they feel each other, an eighth of a square [m].
+    /// Activation distance, an eighth of a square [m].
     radius: f64,
 }
 
