@@ -147,7 +147,7 @@ impl Moment<'_> {
                 mu: vec![0.0; constraints.len()],
             });
         }
-        if !linearization.is_some_and(|l| workspace.holds(l, at)) {
+        if !linearization.is_some_and(|l| workspace.has_factor_of(l, at)) {
             workspace.linearize(problem, at);
         }
         let mut lambda = solve(workspace, rhs)?;

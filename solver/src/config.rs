@@ -1,4 +1,4 @@
-//! What people write: `sim.toml` and `design.toml` as plain data.
+//! The formats of `sim.toml` and `design.toml`, as plain data.
 //!
 //! Everything is SI. Paths are relative to the file that names them.
 

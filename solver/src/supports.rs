@@ -74,11 +74,11 @@ impl Supports {
         })
     }
 
-    /// As [`Self::new`], but no part can move as a whole.
+    /// As [`Self::new`], but no connected part can move as a rigid body.
     ///
     /// # Errors
     /// The same, or when a part can.
-    pub fn of_held(
+    pub fn without_rigid_motions(
         configs: &[Fixed],
         times: &[f64],
         body: &Body,
@@ -122,7 +122,7 @@ impl Supports {
 
     /// Whether all components of a node are fixed.
     #[must_use]
-    pub fn holds(&self, node: usize) -> bool {
+    pub fn clamps(&self, node: usize) -> bool {
         self.owner[3 * node..3 * node + 3].iter().all(Option::is_some)
     }
 
@@ -287,7 +287,7 @@ mod tests {
     fn supports(configs: &[Fixed]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::of_held(configs, &[0.0, 1.0], &body, &space)
+        Supports::without_rigid_motions(configs, &[0.0, 1.0], &body, &space)
     }
 
     fn message(configs: &[Fixed]) -> String {
@@ -302,7 +302,7 @@ mod tests {
         let supports = supports(&symmetric).expect("enough");
         // 25 nodes per face of a P2 cube of two cells, one component each
         assert_eq!(supports.fixed().iter().filter(|f| **f).count(), 75);
-        assert!(supports.holds(0) && !supports.holds(1));
+        assert!(supports.clamps(0) && !supports.clamps(1));
     }
 
     #[test]
@@ -324,8 +324,10 @@ mod tests {
         let body = Body::new(body.mesh, body.tags);
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
-        let text =
-            Supports::of_held(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+        let text = Supports::without_rigid_motions(&configs, &[1.0], &body, &space)
+            .err()
+            .expect("refused")
+            .to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

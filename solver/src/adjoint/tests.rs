@@ -44,7 +44,7 @@ struct Numbers {
 const CHANGE: f64 = 1e-11;
 /// [1/Pa]
 const FACTOR: f64 = 3e-4;
-/// No memory for states but the first: what comes back from disk serves.
+/// No memory for states but the first: the others are read back from disk.
 const ON_DISK: f64 = 0.0;
 
 /// What is simulated.

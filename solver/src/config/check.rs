@@ -6,7 +6,7 @@ use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
 use crate::schedule::{Schedule, is_free_name};
 
-/// Moments at which schedules are looked at in each time step, for load steps
+/// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
 const MOMENTS: usize = 8;
 

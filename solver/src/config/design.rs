@@ -1,4 +1,4 @@
-//! What people write in `design.toml`.
+//! The format of `design.toml`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{ChamberDesign, ObjectiveConfig, superseded};
 use crate::body::Names;
 
-/// A design problem: what may change in a scene, and what is wanted.
+/// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DesignConfig {

@@ -26,7 +26,7 @@ use super::box_tree::{Bounds, BoxTree};
 use super::pairs::{Features, Pair};
 use crate::parallel::map_merge;
 
-/// Pairs of overlapping boxes that are looked at before a search is given up.
+/// Pairs of overlapping boxes that are tested before a search is given up.
 ///
 /// Steps of half the length of an edge need some 7 per vertex and edge. A pair
 /// takes 8 B while searching and 40 B in the end, so memory is about 0.2 GB and
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
     "more than {budget} pairs of surface features come close within one step; a shorter step is needed"
 )]
 pub struct TooMany {
-    /// Pairs that would have been looked at.
+    /// Pairs that would have been tested.
     pub budget: usize,
 }
 
@@ -133,7 +133,7 @@ struct Search<'a> {
     x1: &'a [Vec3],
     radius: f64,
     budget: usize,
-    /// Pairs looked at so far.
+    /// Pairs tested so far.
     seen: AtomicUsize,
 }
 

@@ -11,7 +11,7 @@
 //! Where inertia is neglected, bodies without enough supports are regularised by a tiny
 //! mass:
 //!
-//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`HOLD`]
+//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`REGULARIZATION`]
 //!
 //! u₋₁ is the last state; what moves by 1 cm is held with a thousandth of its
 //! weight. M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
@@ -31,8 +31,8 @@ use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::parallel::{map_merge, map_merge_waves};
 
-/// Acceleration per displacement by which loose bodies are held [1/s²].
-const HOLD: f64 = 1.0;
+/// Stiffness per mass of the regularisation [1/s²].
+const REGULARIZATION: f64 = 1.0;
 
 /// Inertia of elements with one density.
 #[derive(Clone)]
@@ -71,7 +71,7 @@ impl Inertia {
     fn frame<'a>(&self, iterate: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
         let step = iterate.step?;
         if self.tiny {
-            return Some((HOLD, &step.history));
+            return Some((REGULARIZATION, &step.history));
         }
         Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
     }

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 /// Displacement [m] of all degrees of freedom at a load; only those of the fixed
-/// ones are looked at.
+/// ones are used.
 pub type Motion = Arc<dyn Fn(f64) -> Vec<f64> + Send + Sync>;
 
 /// Which degrees of freedom are fixed, and how they move.

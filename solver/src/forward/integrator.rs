@@ -20,7 +20,7 @@ const FORMULAS: [(&[f64], f64); 3] = [
     (&[18.0 / 11.0, -9.0 / 11.0, 2.0 / 11.0], 6.0 / 11.0),
 ];
 
-/// How a body goes through time.
+/// Time integration of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -36,7 +36,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Number of states that a step looks back to.
+    /// Number of earlier states in the formula: its order.
     #[must_use]
     pub fn order(self) -> usize {
         match self {

@@ -20,7 +20,7 @@ pub fn follow(
     motion: &[Vec3],
 ) -> Option<Vec<f64>> {
     let at = linearization.iterate(problem, rest);
-    if !workspace.holds(linearization, &at) || !workspace.linear().is_positive() {
+    if !workspace.has_factor_of(linearization, &at) || !workspace.linear().is_positive() {
         return None;
     }
     let moved: Vec<Vec3> = rest.iter().zip(motion).map(|(x, d)| x + STEP * d).collect();

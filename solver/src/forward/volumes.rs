@@ -27,7 +27,8 @@ use crate::math::linear::{Precision, Symmetric, dot, norm};
 const ROUGH: f64 = 1e-4;
 /// Rough minima before a volume counts as out of reach.
 const MINIMA: usize = 30;
-/// Steps of Newton's method from one of them, which converges or is of no use.
+/// Most steps of Newton's method from one of them: it converges quadratically or not at
+/// all.
 const STEPS: usize = 8;
 /// The penalty grows where more than this fraction of a gap is left ...
 const SLOW: f64 = 0.1;

@@ -29,7 +29,7 @@ const REACH: f64 = 2.0;
 /// Relative residual of the motion that follows the supports.
 const PREDICTION: f64 = 1e-6;
 
-/// Where the time went [s].
+/// Computing time by task [s].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Timings {
     /// Energies, gradients and Hessians.
@@ -41,7 +41,7 @@ pub struct Timings {
     /// Certificates of positive volume, and of surfaces that do not intersect.
     #[serde(default)]
     pub certificate_s: f64,
-    /// Where steps end before surfaces meet.
+    /// Step lengths by collision detection.
     #[serde(default)]
     pub collision_s: f64,
     /// Symbolic factorisations after the first.
@@ -61,7 +61,7 @@ pub struct Workspace {
     pub timings: Timings,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
-    /// Which factorisation of an exact Hessian `linear` holds, if it is one.
+    /// Which factorisation of an exact Hessian is in `linear`, if it is one.
     linearization: Option<u64>,
     linearizations: u64,
     pattern: Pattern,
@@ -259,7 +259,7 @@ impl Workspace {
 
     /// Whether the last factorisation is that of a linearisation, and at this iterate.
     #[must_use]
-    pub fn holds(&self, linearization: &Linearization, at: &Iterate) -> bool {
+    pub fn has_factor_of(&self, linearization: &Linearization, at: &Iterate) -> bool {
         self.linearization == Some(linearization.id) && linearization.u == at.u
     }
 

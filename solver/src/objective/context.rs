@@ -78,7 +78,7 @@ impl Context<'_> {
         Ok(found)
     }
 
-    /// Whether what is wanted is defined on all facets whenever it counts.
+    /// Whether a wanted value is defined on all facets at all times that count.
     ///
     /// # Errors
     /// With the key, the value and where it was found.

@@ -23,7 +23,7 @@ use super::Lbfgs;
 use super::lbfgs::Pair;
 use crate::math::linear::dot;
 
-/// Turns until the active set is given up on; two or three are usual.
+/// Most turns in search of the active set; two or three are usual.
 const TURNS: usize = 50;
 
 /// Projected gradient of the model, relative to that at the start, that counts as

@@ -393,7 +393,7 @@ impl Level {
     }
 
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
-    /// does not meet itself.
+    /// does not intersect itself.
     #[must_use]
     pub fn free_fraction(&self, theta: &[f64], d: &[f64]) -> f64 {
         if self.map.moving().is_empty() {

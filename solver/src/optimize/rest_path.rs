@@ -1,4 +1,4 @@
-//! How far a rest shape can go before its boundary meets itself.
+//! The largest step of a rest shape before its boundary intersects itself.
 //!
 //! Handles turn, so that vertices go along curves. The path is cut into pieces whose
 //! middle is near their chord, and each chord is followed by continuous collision

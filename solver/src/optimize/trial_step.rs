@@ -11,7 +11,7 @@ const NEARLY: f64 = 0.9;
 const LARGEST_MOTION: f64 = 3.0;
 
 /// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
-/// far as vertices may move in one iteration and the rest shape does not meet itself.
+/// far as vertices may move in one iteration and the rest shape does not intersect itself.
 pub(super) fn trial_step(
     level: &Level,
     checkpoint: &Checkpoint,

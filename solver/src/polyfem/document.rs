@@ -54,7 +54,7 @@ impl Document {
         Key { document: self, pointer: String::new(), value: &self.root }
     }
 
-    /// Keys in order, with what became of them. Keys that nobody has read get
+    /// Keys in order, with what became of them. Keys that were not read get
     /// the reason of the longest prefix in `reasons`, patterns of pointers in
     /// which `*` is any one word, or else count as unknown.
     #[must_use]

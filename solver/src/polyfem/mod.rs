@@ -9,7 +9,7 @@
 //!
 //! - the pressure of gas is minus ours, `rhs` is minus our gravity;
 //! - of selections, the first that holds for a facet counts;
-//! - loads are looked at when a time step ends, lists at times rounded to 1 ms;
+//! - loads are evaluated at the end of a time step, lists at times rounded to 1 ms;
 //! - a list of surfaces has ids: the tag of id 2 is `s2`, that of facets which
 //!   nothing selects `unselected`;
 //! - a plane scene is one of depth 1 m, ours a slab of another thickness: see

@@ -1,8 +1,8 @@
 //! Values of loads and supports over time.
 //!
 //! A scene begins at t = 0 with its body at rest and ends its first time step
-//! at t₁. Whatever is written, w(t), acts from t₁ on as it is; what it has at
-//! t = 0 comes on during the first step:
+//! at t₁. The written value w(t) acts unchanged from t₁ on; w(0) is ramped up during the
+//! first step:
 //!
 //! v(t) = w(t) − (1 − t/t₁) w(0)   for t < t₁,   v(t) = w(t) after
 //!
