@@ -1,5 +1,5 @@
 //! Supports that move into something within one time step: the straight path is
-//! blocked, so they are pulled, and what they meet is pushed along.
+//! blocked, so they are pulled (augmented Lagrangian), and what they meet is pushed along.
 
 use mesh::{SurfaceMesh, Vec3};
 use solver::body::Body;

@@ -1,5 +1,5 @@
-//! `solver` where there is no equilibrium, or none to the tolerance that was
-//! asked for: exit code, what the message and report.json say, and the last good
+//! `solver` where there is no equilibrium, or none to the tolerance that is
+//! required: exit code, what the message and report.json say, and the last good
 //! state on disk.
 
 use std::process::Command;

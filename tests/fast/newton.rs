@@ -1,4 +1,4 @@
-//! Newton's method at the end of its digits, and the softest motion.
+//! Newton's method at the rounding floor, and the softest mode.
 
 use mesh::Vec3;
 use solver::energy::{BodyForce, Energies};

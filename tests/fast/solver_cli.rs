@@ -1,4 +1,4 @@
-//! `solver simulate` as its user sees it, on scenes that are sound.
+//! `solver simulate`, by the program, on scenes without mistakes.
 
 use std::process::Command;
 
