@@ -8,7 +8,8 @@
 //!
 //! with equality where n joins their closest points, and g is known for all t at
 //! once. So t advances to where g(t; n) would fall to the part of the first gap that
-//! must be kept, n is renewed there, and this is repeated until the gap is used up, as in additive continuous collision detection (Li et al. 2021,
+//! must be kept, n is renewed there, and this is repeated until the gap is used
+//! up, as in additive continuous collision detection (Li et al. 2021,
 //! "Codimensional incremental potential contact", doi:10.1145/3450626.3459767).
 //! The bound on speed there, |Δxᵢ − Δxⱼ|, counts motion along the features, too;
 //! with it they stop only after many steps, or short of contact. Here features

@@ -141,8 +141,8 @@ pub trait Energy: Send + Sync {
         None
     }
     /// Entries of the sparsity pattern beside those of the elements: pairs of nodes
-    /// (row > column) that the Hessian may couple although they share no element, those of features closer than `reach` ≥ 1 times the
-    /// distance at which they begin to interact.
+    /// (row > column) that the Hessian may couple although they share no element, those of
+    /// features closer than `reach` ≥ 1 times the distance at which they begin to interact.
     fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
         Vec::new()
     }

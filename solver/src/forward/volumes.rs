@@ -27,8 +27,8 @@ use crate::math::linear::{Precision, Symmetric, dot, norm};
 const ROUGH: f64 = 1e-4;
 /// Rough minima before a volume counts as out of reach.
 const MINIMA: usize = 30;
-/// Most steps of Newton's method from one of them: it converges quadratically or not at
-/// all.
+/// Most steps of Newton's method from one of them; a minimum follows if they do not
+/// converge.
 const STEPS: usize = 8;
 /// The penalty grows where more than this fraction of a gap is left ...
 const SLOW: f64 = 0.1;

@@ -382,8 +382,8 @@ impl Cascade<'_> {
     }
 }
 
-/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the level
-/// linearised there.
+/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the
+/// level linearised there.
 fn lower(
     level: &mut Level,
     theta: &[f64],
