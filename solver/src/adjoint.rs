@@ -1,7 +1,8 @@
-//! Gradient of an objective over a run, backwards through its time steps.
+//! Adjoint method: the gradient of an objective over a run (design sensitivities),
+//! backwards through its time steps (reverse mode).
 //!
 //! Step n solves G(u_n; X, past_n, p) = ∂E/∂u = 0 on the free degrees of freedom,
-//! where the past is what [`TimeStep`](crate::energy::TimeStep) holds:
+//! where the past is that of a [`TimeStep`](crate::energy::TimeStep):
 //!
 //! history = Σ αᵢ u₋ᵢ      free flight = Σ αᵢ (u₋ᵢ + h v₋ᵢ)
 //! lagged contacts:   a function of u₋₁ and X      v_n = (u_n − history) / h
@@ -12,12 +13,12 @@
 //! H λ = −(ū_n + v̄_n / h)      X̄ += λᵀ ∂²E/∂u∂X      p̄ += λᵀ ∂²E/∂u∂p
 //! past̄ = λᵀ ∂²E/∂u∂past,  of the history also − v̄_n / h,  on to the states before
 //!
-//! with the exact Hessian H = ∂²E/∂u². A prescribed volume V(u, X) = V* is held by a
-//! pressure, which is unknown, too; with G = ∂V/∂u and a number μ for each of them
+//! with the exact Hessian H = ∂²E/∂u². The pressure of a prescribed volume V(u, X) = V*,
+//! its Lagrange multiplier, is unknown, too; with G = ∂V/∂u and a number μ for each of them
 //!
 //! H λ + G μ = −(ū_n + v̄_n / h)      Gᵀ λ = 0      X̄ += μ ∂(V − V*)/∂X
 //!
-//! An objective may also look at the forces
+//! An objective may also depend on the forces
 //! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms.
 //!
 //! It is the chain rule for any formula and start. For one static step it is equation 5 of
@@ -96,7 +97,7 @@ pub fn sweep(
         let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
         let past = moment.pull_back(problem, &solution, n - 1, into);
-        hand_on(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
+        pull_back_past(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
     }
     let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials { by_u: u, by_contact: vec![0.0; len] };
@@ -146,11 +147,11 @@ impl Moment<'_> {
                 mu: vec![0.0; constraints.len()],
             });
         }
-        if !linearization.is_some_and(|l| workspace.holds(l, at)) {
+        if !linearization.is_some_and(|l| workspace.has_factor_of(l, at)) {
             workspace.linearize(problem, at);
         }
         let mut lambda = solve(workspace, rhs)?;
-        let mu = hold(problem, workspace, &constraints, &mut lambda)?;
+        let mu = eliminate_constraints(problem, workspace, &constraints, &mut lambda)?;
         Ok(Solution { lambda: problem.prolong(&lambda), mu })
     }
 
@@ -191,9 +192,9 @@ fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, Singula
     Ok(x)
 }
 
-/// Takes G μ out of the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0. The penalty
+/// Eliminates G μ from the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0. The penalty
 /// in H does not matter, for it acts along G only.
-fn hold(
+fn eliminate_constraints(
     problem: &Problem,
     workspace: &mut Workspace,
     constraints: &[Constraint],
@@ -217,9 +218,9 @@ fn hold(
     Ok(mu)
 }
 
-/// Hands the cotangent of the past of step n, which has this h [s], on to the states
+/// Adds the cotangent of the past of step n, which has this h [s], to those of the states
 /// before it.
-fn hand_on(
+fn pull_back_past(
     problem: &Problem,
     (rest, run, n): (&[Vec3], &Trajectory, usize),
     (past, h): (&PastCotangent, f64),

@@ -1,4 +1,4 @@
-//! What people write: `sim.toml` and `design.toml` as plain data.
+//! The formats of `sim.toml` and `design.toml`, as plain data.
 //!
 //! Everything is SI. Paths are relative to the file that names them.
 
@@ -170,7 +170,7 @@ pub struct ObstacleConfig {
     pub displacement: Field,
 }
 
-/// How surfaces keep apart and rub.
+/// Contact and friction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactConfig {

@@ -9,23 +9,23 @@ pub mod math; // small dense and sparse algebra
 pub mod plot; // curves as pictures
 pub mod body; // a tagged mesh
 pub mod element; // discretisation
-pub mod material; // constitutive laws ψ(F)
+pub mod material; // constitutive (hyperelastic) laws ψ(F)
 pub mod silicone; // known materials
 pub mod fit; // tensile tests to laws
 pub mod stretch; // how far a state strains its material
-pub mod contact; // distances between surfaces
+pub mod contact; // contact potentials and collision detection
 pub mod schedule; // values over time, as people write them
-pub mod energy; // terms of the potential energy
-pub mod forward; // from energies to an equilibrium
+pub mod energy; // terms of the potential energy: elasticity, loads, contact
+pub mod forward; // from energies to an equilibrium: Newton's method, load and time steps
 pub mod objective; // what to minimise
-pub mod adjoint; // gradient of an objective over a run
+pub mod adjoint; // gradient of an objective over a run by the adjoint method
 pub mod config; // what people write
-pub mod supports; // fixed degrees of freedom
+pub mod supports; // Dirichlet conditions: fixed degrees of freedom
 pub mod scene; // config and files to objects
-pub mod design; // design variables to rest shape and loads, with transpose
+pub mod design; // design variables to rest shape and loads, with transposed derivative
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod polyfem; // scenes of PolyFEM to scenes of ours
-pub mod optimize; // outer loop: from a gradient to a better shape
+pub mod optimize; // outer loop: quasi-Newton steps to a better shape
 pub mod cmd; // the verbs of the program, one per file
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use clap::Parser;
 use program::Verbosity;
 use solver::cmd::Verb;
 
-/// Keeps freed memory at hand: fronts and element blocks come and go by the
+/// Keeps freed memory for reuse: fronts and element blocks come and go by the
 /// megabyte, and pages from the system cost a quarter of an assembly.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

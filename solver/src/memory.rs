@@ -3,7 +3,7 @@
 //! Available is the least of `MemAvailable` in /proc/meminfo, the limit of the
 //! control group (version 2, as in containers) less what its processes hold, and
 //! the limit of the address space (`ulimit -v`) less what is mapped. Other
-//! systems tell nothing here, and nothing is refused.
+//! systems report nothing here, and nothing is refused.
 
 use std::fs::read_to_string;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub struct Need {
     pub unknowns: usize,
     /// Numbers in its factor.
     pub factor_entries: usize,
-    /// The factor and what stands beside it [B].
+    /// The factor and what is stored beside it [B].
     pub bytes: usize,
 }
 
@@ -69,7 +69,7 @@ fn size(bytes: usize) -> String {
 }
 
 /// Memory that this process may still take [B]; none where the system does not
-/// tell.
+/// report it.
 #[must_use]
 pub fn available() -> Option<usize> {
     available_in(Path::new("/"))
@@ -119,7 +119,7 @@ mod tests {
     const NEED: Need = Need { unknowns: 1000, factor_entries: 5_000_000, bytes: 60_000_000 };
 
     #[test]
-    fn what_does_not_fit_is_told_with_numbers() {
+    fn what_does_not_fit_is_reported_with_numbers() {
         assert!(NEED.check(None).is_ok() && NEED.check(Some(60_000_000)).is_ok());
         let line = NEED.describe(Some(23_400_000_000));
         assert!(line.ends_with("60 MB of memory needed of 23.40 GB available"), "{line}");
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn linux_tells() {
+    fn linux_reports_memory() {
         assert!(available().is_some_and(|bytes| bytes > 1 << 20));
     }
 }

@@ -169,7 +169,7 @@ impl Scene {
         self.times().last().copied().unwrap_or(1.0)
     }
 
-    /// A load, as people call it.
+    /// A load in words, for messages.
     #[must_use]
     pub fn progress(&self, load: f64) -> String {
         if self.config.time.is_some() {
@@ -183,12 +183,13 @@ impl Scene {
     /// # Errors
     /// When a tag is missing, tags contradict each other or the body floats.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        let new = if self.config.may_float() { Supports::new } else { Supports::of_held };
+        let new =
+            if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
         new(&self.config.fixed, &self.config.moments(), body, space)
             .with_context(|| self.path.display().to_string())
     }
 
-    /// The bodies at t = 0, and how they go on.
+    /// The bodies at t = 0, and their time integration.
     #[must_use]
     pub fn integrator(&self, body: &Body, problem: &Problem) -> Integrator {
         let space = &problem.space;

@@ -55,7 +55,7 @@ impl Stretches {
         found
     }
 
-    /// What to tell a user, if anything.
+    /// The warning for the user, if any.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let [_, high] = self.fitted.filter(|[_, high]| self.largest > *high)?;

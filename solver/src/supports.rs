@@ -1,4 +1,5 @@
-//! Which degrees of freedom a scene fixes, and at which displacement.
+//! Dirichlet conditions of a scene: which degrees of freedom it fixes, and at which
+//! displacement.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -14,7 +15,7 @@ use crate::schedule::Field;
 
 /// Two prescribed displacements differ when they do so by more than this [m].
 const SAME: f64 = 1e-15;
-/// A rigid motion is free when the supports feel less than this fraction of it.
+/// A rigid motion is free when the supports prevent less than this fraction of it.
 const FREE: f64 = 1e-8;
 
 /// Fixed degrees of freedom.
@@ -73,11 +74,11 @@ impl Supports {
         })
     }
 
-    /// As [`Self::new`], but no part can move as a whole.
+    /// As [`Self::new`], but no connected part can move as a rigid body.
     ///
     /// # Errors
     /// The same, or when a part can.
-    pub fn of_held(
+    pub fn without_rigid_motions(
         configs: &[Fixed],
         times: &[f64],
         body: &Body,
@@ -121,7 +122,7 @@ impl Supports {
 
     /// Whether all components of a node are fixed.
     #[must_use]
-    pub fn holds(&self, node: usize) -> bool {
+    pub fn clamps(&self, node: usize) -> bool {
         self.owner[3 * node..3 * node + 3].iter().all(Option::is_some)
     }
 
@@ -152,8 +153,8 @@ impl Supports {
         Ok(())
     }
 
-    /// The six rigid motions of every connected part must all be felt by its
-    /// supports.
+    /// The supports of every connected part must prevent all its six rigid motions:
+    /// otherwise the stiffness matrix is singular.
     fn check_rigid_motions(&self, space: &FunctionSpace) -> Result<()> {
         let positions = &self.positions;
         let parts = parts(space);
@@ -181,11 +182,11 @@ impl Supports {
         Ok(())
     }
 
-    /// A rigid motion of some nodes that no support of theirs feels.
+    /// A rigid motion of some nodes that no support of theirs prevents.
     fn rigid_motion(&self, part: &[usize], centre: Vec3) -> Option<&'static str> {
         let positions = &self.positions;
         let size = part.iter().map(|&n| (positions[n] - centre).norm()).fold(0.0, f64::max);
-        let mut felt = Matrix6::zeros();
+        let mut prevented = Matrix6::zeros();
         let dofs = part.iter().flat_map(|n| 3 * n..3 * n + 3);
         for dof in dofs.filter(|&d| self.owner[d].is_some()) {
             let (arm, k) = ((positions[dof / 3] - centre) / size, dof % 3);
@@ -193,9 +194,9 @@ impl Supports {
             // component k of t + ω × arm, linear in (t, ω)
             let turn = arm.cross(&axis);
             let row = Vector6::new(axis.x, axis.y, axis.z, turn.x, turn.y, turn.z);
-            felt += row * row.transpose();
+            prevented += row * row.transpose();
         }
-        let eigen = felt.symmetric_eigen();
+        let eigen = prevented.symmetric_eigen();
         let (weakest, value) = eigen.eigenvalues.argmin();
         if value > FREE * eigen.eigenvalues.max() {
             return None;
@@ -286,7 +287,7 @@ mod tests {
     fn supports(configs: &[Fixed]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::of_held(configs, &[0.0, 1.0], &body, &space)
+        Supports::without_rigid_motions(configs, &[0.0, 1.0], &body, &space)
     }
 
     fn message(configs: &[Fixed]) -> String {
@@ -301,7 +302,7 @@ mod tests {
         let supports = supports(&symmetric).expect("enough");
         // 25 nodes per face of a P2 cube of two cells, one component each
         assert_eq!(supports.fixed().iter().filter(|f| **f).count(), 75);
-        assert!(supports.holds(0) && !supports.holds(1));
+        assert!(supports.clamps(0) && !supports.clamps(1));
     }
 
     #[test]
@@ -323,8 +324,10 @@ mod tests {
         let body = Body::new(body.mesh, body.tags);
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
-        let text =
-            Supports::of_held(&configs, &[1.0], &body, &space).err().expect("refused").to_string();
+        let text = Supports::without_rigid_motions(&configs, &[1.0], &body, &space)
+            .err()
+            .expect("refused")
+            .to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

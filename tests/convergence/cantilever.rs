@@ -1,8 +1,8 @@
 //! A slender bar, one end held, a small shear force on the other.
 //!
 //! Timoshenko's beam: δ = FL³/(3EI) + FL/(κ G b h), κ = 10(1 + ν)/(12 + 11ν).
-//! It knows an end that does not turn but may contract sideways; one that is
-//! held along all axes is stiffer by what cubic elements find.
+//! Its clamped end does not turn but may contract sideways; one that is fixed along all
+//! axes is stiffer, by an amount that cubic elements give.
 
 use mesh::{TetMesh, Vec3};
 use solver::energy::{Energies, Traction};

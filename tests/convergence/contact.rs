@@ -30,7 +30,7 @@ fn floor() -> SurfaceMesh {
 }
 
 /// A block just above a floor, in a field of gravity and with a velocity. No edge
-/// of the floor is below it on its way.
+/// of the floor is below it on its path.
 fn on_floor(gravity: Vec3, velocity: f64, friction: f64, dt: f64, steps: usize) -> Motion {
     let [x, y, z] = gravity.into();
     let text = format!(
@@ -120,10 +120,10 @@ fn a_sliding_block_stops_where_its_energy_is_used_up() {
     let steps = 200;
     let mut slide = on_floor(Vec3::new(0.0, 0.0, -G), start, friction, dt, steps);
     slide.go(steps);
-    let way = slide.momentum(slide.u()).x / MASS;
+    let distance = slide.momentum(slide.u()).x / MASS;
     let expected = start * start / (2.0 * friction * G);
-    eprintln!("sliding block: {:.3} mm, expected {:.3} mm", 1e3 * way, 1e3 * expected);
-    assert!((way / expected - 1.0).abs() < 0.03, "{way} {expected}");
+    eprintln!("sliding block: {:.3} mm, expected {:.3} mm", 1e3 * distance, 1e3 * expected);
+    assert!((distance / expected - 1.0).abs() < 0.03, "{distance} {expected}");
     assert!(speed(&slide) < 1e-3, "{}", speed(&slide));
 }
 

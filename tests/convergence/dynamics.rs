@@ -1,4 +1,4 @@
-//! Inertia and steps in time against closed forms.
+//! Inertia and time integration against closed forms.
 
 use mesh::Vec3;
 use tests::motion::{Motion, SILICONE, begin};

@@ -1,6 +1,6 @@
 //! Equilibrium 1 of Land et al. 2015, "Verification of cardiac mechanics software",
 //! doi:10.1098/rspa.2015.0641: a bar of 10 × 1 × 1 mm of Guccione's material
-//! with fibres along it, one end held, 4 Pa on its lower face, which follow it.
+//! with fibres along it, one end held, 4 Pa on its lower face, a follower load.
 //! All codes of that paper find the end at a height of 4.0 to 4.2 mm.
 //!
 //! The load has a free rim, hence no potential: it is found as the limit of dead

@@ -1,4 +1,4 @@
-//! A cube between two plates that it rubs on, pressed to half its height
+//! A cube between two plates with friction, pressed to half its height
 //! (figure 2 of the paper): the stress at its free faces is not zero and becomes
 //! so with the mesh, while contact exerts no force there on any mesh. Nodes of these
 //! faces that are nearer to a plate than the activation do touch it, and are not free.

@@ -1,4 +1,4 @@
-//! A scene with every kind of load and support, as `solver simulate` sees it.
+//! A scene with every kind of load and support, as `solver simulate` reads it.
 
 use mesh::Vec3;
 use serde_json::Value;

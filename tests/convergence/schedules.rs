@@ -20,7 +20,7 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
     for step in ends {
         let t = step.load;
         let pressure = 20e3 * (std::f64::consts::PI * t / 6.0).sin();
-        // a number stands from the first step on
+        // a number is constant from the first step on
         let loads = format!(
             "[[chamber]]\non = \"left\"\npressure = {pressure:e}\n\
              [[body_force]]\nforce = [0, 0, -9810]\n\
@@ -77,7 +77,7 @@ fn a_time_step_is_cut_where_it_is_too_long() {
     }
 }
 
-/// There and back: the body is at rest again, and feels nothing.
+/// There and back: the body is at rest again, without stress.
 #[test]
 fn a_support_moves_in_time() {
     let scene = |displacement: &str, time: &str| {

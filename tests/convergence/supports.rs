@@ -1,5 +1,5 @@
-//! Supports that move into something within one time step: the straight way is
-//! blocked, so they are pulled, and what they meet is pushed along.
+//! Supports that move into something within one time step: the straight path is
+//! blocked, so they are pulled (augmented Lagrangian), and what they meet is pushed along.
 
 use mesh::{SurfaceMesh, Vec3};
 use solver::body::Body;
@@ -29,7 +29,7 @@ fn wall(x: f64) -> SurfaceMesh {
     SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
 }
 
-/// Goes to the end; how much of the straight way there is free, and the number of
+/// Goes to the end; how much of the straight path there is free, and the number of
 /// load steps.
 fn go(motion: &mut Motion) -> (f64, usize) {
     let rest = motion.scene.body.mesh.vertices.clone();
@@ -97,7 +97,7 @@ fn a_cube_pressed_at_its_ends_until_its_sides_touch() {
     }
 }
 
-/// A body that is moved as a whole meets a softer one that stands.
+/// A body that is moved as a whole meets a softer one at rest.
 #[test]
 fn a_block_moved_onto_a_body_by_more_than_the_gap() {
     let run = |end: f64, time: &str| {

@@ -65,7 +65,7 @@ fn volume_gas_and_pressure_work_together() {
     assert!(difference(&simulated.solution.u, &isobaric.solution.u) < 1e-8);
 }
 
-/// A pump that fills, holds and empties the chamber.
+/// A pump that fills the chamber, keeps its volume and empties it.
 #[test]
 fn a_volume_follows_its_schedule() {
     let loads = "[time]\nmethod = \"quasistatic\"\nend = 2.0\nsteps = 4\n\

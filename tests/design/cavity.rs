@@ -1,4 +1,4 @@
-//! The cavity of a block, in a cascade.
+//! The chamber of a block, in a cascade.
 
 use mesh::io::write_tets;
 use tests::chamber;

@@ -1,4 +1,4 @@
-//! Two bodies: a chamber that is blown up against a block, and should press harder.
+//! Two bodies: a chamber that is inflated against a block, and should press harder.
 
 use mesh::io::write_tets;
 use tests::chamber;

@@ -78,7 +78,7 @@ fn what_the_body_does_not_allow() {
     ]);
 }
 
-/// A first try that was refused must not stand in the way of the second.
+/// A first try that was refused must not obstruct the second.
 #[test]
 fn a_corrected_problem_starts_in_the_same_folder() {
     let dir = chamber::workdir();

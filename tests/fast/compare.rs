@@ -1,4 +1,4 @@
-//! `solver compare` as its user sees it.
+//! `solver compare`, by the program.
 
 use serde_json::Value;
 use tests::chamber;

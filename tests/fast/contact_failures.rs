@@ -1,5 +1,5 @@
-//! Scenes with contact that cannot be used, and runs through time that fail on
-//! the way: exit code, a message with numbers, the good part on disk, no panic.
+//! Scenes with contact that cannot be used, and runs through time that fail
+//! during the run: exit code, a message with numbers, the good part on disk, no panic.
 
 use mesh::io::{write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
@@ -93,7 +93,7 @@ fn schedules_that_are_no_numbers() {
     ]);
 }
 
-/// Runs a scene that must fail under way; the report, with as many lines in
+/// Runs a scene that must fail during the run; the report, with as many lines in
 /// steps.jsonl and pictures as time steps were done.
 fn fails(dir: &Workdir, scene: &str, words: &[&str]) -> (Run, Value) {
     let run = dir.solver(&format!("simulate {scene} -o out"));
@@ -128,7 +128,7 @@ fn a_step_that_cannot_converge() {
     // it falls 1.9 mm in 20 ms
     let reached = report["failure"]["load_reached"].as_f64().unwrap();
     assert!((0.015..0.04).contains(&reached), "{reached}");
-    // mended, the same folder ends well
+    // once it is repaired, the run in the same folder succeeds
     dir.solver("simulate sim.toml -o out").assert_good();
     assert!(!dir.files("out").contains(&"not_full_load.vtu".to_owned()));
     assert_eq!(dir.json("out/report.json")["steps"].as_array().unwrap().len(), 10);

@@ -1,4 +1,4 @@
-//! Energies against their own derivatives and against what must hold exactly.
+//! Energies against their own derivatives and against exact identities.
 
 use mesh::Vec3;
 use solver::element::FunctionSpace;

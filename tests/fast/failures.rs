@@ -1,5 +1,5 @@
-//! `solver` where there is no equilibrium, or none to the tolerance that was
-//! asked for: exit code, what the message and report.json say, and the last good
+//! `solver` where there is no equilibrium, or none to the tolerance that is
+//! required: exit code, what the message and report.json say, and the last good
 //! state on disk.
 
 use std::process::Command;
@@ -38,8 +38,8 @@ fn a_failure_names_what_was_reached_and_where() {
     let id = usize::try_from(worst["id"].as_u64().unwrap()).unwrap();
     let body = chamber::chamber();
     let centre = body.mesh.corners(id).iter().sum::<Vec3>() / 4.0;
-    let told = [0, 1, 2].map(|k| number(&worst["at"][k]));
-    assert!((centre - Vec3::from(told)).norm() < 1e-15, "{worst}");
+    let reported = [0, 1, 2].map(|k| number(&worst["at"][k]));
+    assert!((centre - Vec3::from(reported)).norm() < 1e-15, "{worst}");
     // the corner tetrahedra of a cube: r/R of the path-shaped one
     assert!(number(&worst["quality"]) > 0.5, "{worst}");
     run.assert_refused(1, &[&format!("tetrahedron {id} "), "residuals at", "try: "]);
@@ -105,7 +105,7 @@ fn a_hinge_is_not_called_a_failure_to_converge() {
 }
 
 fn hinged(first: &TetMesh) -> Workdir {
-    // the copy stands on the other side of the edge x = z = 10 mm
+    // the copy lies on the other side of the edge x = z = 10 mm
     let shift = Vec3::new(0.01, 0.0, 0.01);
     let mut mesh = first.clone();
     let id: Vec<usize> = first
@@ -216,7 +216,7 @@ fn an_optimisation_whose_start_has_no_equilibrium() {
     assert!(files.contains(&"not_full_load.vtu".to_owned()), "{files:?}");
     let report = dir.json("out/report.json");
     assert_eq!((&report["usable"], &report["level"]), (&false.into(), &1.into()));
-    // mended, it runs in the same folder, and nothing tells of the failure
+    // once it is repaired, it runs in the same folder, and no trace of the failure is left
     dir.write("p1.toml", &sound);
     dir.solver("optimize design.toml -o out").assert_good();
     assert!(!dir.files("out").contains(&"not_full_load.vtu".to_owned()));

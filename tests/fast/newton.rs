@@ -1,4 +1,4 @@
-//! Newton's method at the end of its digits, and the softest motion.
+//! Newton's method at the rounding floor, and the softest mode.
 
 use mesh::Vec3;
 use solver::energy::{BodyForce, Energies};
@@ -50,7 +50,7 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
 
 const UNREACHABLE: Newton = Newton { iterations: 60, relative: 1e-20, absolute: 0.0 };
 
-/// What Newton's method ends at, whatever is asked for, is within a factor of
+/// The residual that Newton's method ends at, for any tolerance, is within a factor of
 /// the estimate: for stiff and slender bodies, small and large strain.
 #[test]
 fn the_rounding_floor_is_where_residuals_end() {
@@ -87,7 +87,7 @@ fn forces_that_are_not_accurate_stagnate_above_the_floor() {
 /// the fourth power of the length, and one free bar has none.
 #[test]
 fn the_softest_motion_of_a_bar_bends_it() {
-    let softness = |length: usize, held: bool| {
+    let softest_mode = |length: usize, held: bool| {
         let mut bar = Equilibrium::new(
             block([length, 1, 1], 1e-2, |_| false, |p| p),
             2,
@@ -95,25 +95,25 @@ fn the_softest_motion_of_a_bar_bends_it() {
             |p| [held && p.x < 1e-9; 3],
         );
         let zero = vec![0.0; bar.problem.dofs()];
-        let softness = SoftestMode::of(
+        let mode = SoftestMode::of(
             &bar.problem,
             &mut bar.workspace,
             &bar.problem.iterate(&bar.rest, &zero, 0.0),
             0.1,
         );
         let end = bar.rest.iter().position(|p| p.x > 0.01 * length as f64 - 1e-9).unwrap();
-        let motion = solver::element::at(&softness.motion, end);
-        (softness, motion)
+        let motion = solver::element::at(&mode.motion, end);
+        (mode, motion)
     };
-    let (short, motion) = softness(8, true);
-    let (long, _) = softness(16, true);
+    let (short, motion) = softest_mode(8, true);
+    let (long, _) = softest_mode(16, true);
     assert!(!short.floats() && motion.x.abs() < 0.5 * motion.norm(), "{motion}");
     // bending alone would give 1/16; the short bar also shears
     let ratio = long.stiffness.unwrap() / short.stiffness.unwrap();
     assert!((1.0 / 16.0..0.08).contains(&ratio), "{ratio}");
     // a pivot is never below the smallest eigenvalue
     assert!(short.pivot.unwrap().value >= short.stiffness.unwrap());
-    assert!(softness(8, false).0.floats());
+    assert!(softest_mode(8, false).0.floats());
 }
 
 /// Dense enough for a factor by supernodes.

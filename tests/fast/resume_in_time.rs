@@ -13,7 +13,7 @@ const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
 const STEPS: usize = 24;
 
 /// Two blocks fall onto a floor and each other while they slide: the state
-/// before last, contacts that rub, and the couplings of contact all matter.
+/// before last, lagged contacts, and the couplings of contact all matter.
 fn workdir() -> Workdir {
     let dir = Workdir::new();
     let block = tag(block([2, 2, 2], 6e-3, |_| false, |p| p), &[("skin", &|_| true)]);

@@ -333,7 +333,7 @@ fn pressure_beyond_any_equilibrium() {
     dir.write("high.toml", &beyond_any_equilibrium(&dir.text("p1.toml")));
     let run = dir.solver("simulate high.toml -o out");
     run.assert_refused(1, &["high.toml", "no equilibrium", "% of the load", "lower the pressure"]);
-    // the good result of before must not stand beside it
+    // the good result of before must not remain beside it
     assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
     let report = dir.json("out/report.json");
     assert_eq!(report["status"], "no equilibrium");

@@ -1,4 +1,4 @@
-//! `solver simulate` as its user sees it, on scenes that are sound.
+//! `solver simulate`, by the program, on scenes without mistakes.
 
 use std::process::Command;
 
@@ -101,8 +101,8 @@ fn arrays_hold_the_state_of_the_report() {
     let largest = u.chunks(3).map(|u| u.iter().map(|c| c * c).sum::<f64>().sqrt());
     let largest = largest.fold(0.0, f64::max);
     let tags = report["tags"].as_object().unwrap();
-    let told = tags.values().map(|t| number(&t["max_displacement"])).fold(0.0, f64::max);
-    assert!((largest / told - 1.0).abs() < 1e-14, "{largest} {told}");
+    let reported = tags.values().map(|t| number(&t["max_displacement"])).fold(0.0, f64::max);
+    assert!((largest / reported - 1.0).abs() < 1e-14, "{largest} {reported}");
 }
 
 /// Another program reads the same state from the picture file.

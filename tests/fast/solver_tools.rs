@@ -1,5 +1,4 @@
-//! `solver list`, `fit` and `plot`, named silicones and enclosed gas as their
-//! user sees them.
+//! `solver list`, `fit` and `plot`, named silicones and enclosed gas, by the program.
 
 use serde_json::Value;
 use tests::chamber;

@@ -69,7 +69,7 @@ fn a_checkpoint_of_another_size_is_refused() {
     dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json"]);
 }
 
-/// History without a checkpoint says nothing about where to go on.
+/// History without a checkpoint does not show where to continue.
 #[test]
 fn without_a_checkpoint_all_begins_anew() {
     let dir = undisturbed();

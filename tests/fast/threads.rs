@@ -1,5 +1,5 @@
-//! The number of threads changes no bit of what is assembled, and hardly
-//! anything of what is solved.
+//! The number of threads changes no bit of what is assembled, and solutions only within
+//! rounding.
 
 use mesh::Vec3;
 use solver::config::DesignConfig;

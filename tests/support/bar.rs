@@ -1,4 +1,4 @@
-//! A bar with three closed chambers, and what a scene makes of it.
+//! A bar with three closed chambers, and its scene.
 
 use std::collections::BTreeMap;
 

@@ -118,7 +118,7 @@ pub fn workdir() -> Workdir {
     dir
 }
 
-/// A scene with a pressure that no wall holds, and settings that give up soon.
+/// A scene with a pressure above the limit point, and settings that end the search soon.
 #[must_use]
 pub fn beyond_any_equilibrium(scene: &str) -> String {
     let soon = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 8\n\n[material]";

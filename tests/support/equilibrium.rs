@@ -26,7 +26,7 @@ pub struct Equilibrium {
 
 impl Equilibrium {
     /// Elements of a degree on a mesh; `energies` may look at the space, and
-    /// `held` tells which components are fixed at a rest position.
+    /// `held` gives the components that are fixed at a rest position.
     pub fn new(
         mesh: TetMesh,
         degree: usize,

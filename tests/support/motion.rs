@@ -12,7 +12,7 @@ use tempfile::TempDir;
 pub const SILICONE: &str =
     "material = { kind = \"neo-hookean\", young = 1e5, poisson = 0.35, density = 1000.0 }\n";
 
-/// A scene under way.
+/// A run of a scene.
 pub struct Motion {
     /// The scene.
     pub scene: Scene,

@@ -14,7 +14,7 @@ use crate::workdir::Workdir;
 
 /// What PolyFEM found.
 pub struct Reference {
-    /// Vertices of the first body that were looked at.
+    /// Vertices of the first body that are compared.
     pub vertices: Vec<usize>,
     /// Its time steps.
     pub steps: Vec<Probed>,

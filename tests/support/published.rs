@@ -1,4 +1,4 @@
-//! Bodies that were published with Gjoka et al. 2024, where they are at hand.
+//! Bodies that were published with Gjoka et al. 2024, where they are installed.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -64,17 +64,17 @@ impl SymmetricGas {
 
     /// Volume, rest volume [m³] and gas.
     #[must_use]
-    pub fn state(&self, at_: &Iterate) -> (f64, f64, Potential) {
-        let rest = self.volume(at_.space, &at_.space.node_positions(at_.rest));
-        let volume = self.volume(at_.space, &deformed(at_));
-        let multiplier = at_.multipliers.first().map_or_else(Multiplier::default, |m| *m);
-        (volume, rest, self.gas.at(volume, rest, at_.load, multiplier))
+    pub fn state(&self, iterate: &Iterate) -> (f64, f64, Potential) {
+        let rest = self.volume(iterate.space, &iterate.space.node_positions(iterate.rest));
+        let volume = self.volume(iterate.space, &deformed(iterate));
+        let multiplier = iterate.multipliers.first().map_or_else(Multiplier::default, |m| *m);
+        (volume, rest, self.gas.at(volume, rest, iterate.load, multiplier))
     }
 }
 
-fn deformed(at_: &Iterate) -> Vec<Vec3> {
-    let rest = at_.space.node_positions(at_.rest);
-    rest.iter().enumerate().map(|(i, x)| x + at(at_.u, i)).collect()
+fn deformed(iterate: &Iterate) -> Vec<Vec3> {
+    let rest = iterate.space.node_positions(iterate.rest);
+    rest.iter().enumerate().map(|(i, x)| x + at(iterate.u, i)).collect()
 }
 
 impl Energy for SymmetricGas {

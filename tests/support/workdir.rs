@@ -44,7 +44,7 @@ pub fn program(name: &str) -> PathBuf {
 
 /// Brings the programs up to date and returns their folder, `target/<profile>`.
 ///
-/// Cargo builds the programs of other packages neither for `cargo test -p tests` nor tells
+/// Cargo neither builds the programs of other packages for `cargo test -p tests` nor reports
 /// where they are. It holds its lock while it compiles, not while it runs tests, so that a
 /// test may call it; several test programs at once wait for each other. Where nothing has
 /// changed, the call takes a fraction of a second.

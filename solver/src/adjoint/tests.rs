@@ -1,5 +1,5 @@
-//! Taylor tests of whole runs: small bodies that fall on each other, rub and are
-//! blown up.
+//! Taylor tests of whole runs: small bodies that fall on each other, slide with friction
+//! and are inflated.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ struct Numbers {
 const CHANGE: f64 = 1e-11;
 /// [1/Pa]
 const FACTOR: f64 = 3e-4;
-/// No memory for states but the first: what comes back from disk serves.
+/// No memory for states but the first: the others are read back from disk.
 const ON_DISK: f64 = 0.0;
 
 /// What is simulated.
@@ -331,8 +331,8 @@ fn check(case: &Case, forces: bool) {
         let size = |n: usize| -> f64 {
             run.step(&problem, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
         };
-        let rubbing = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
-        assert!(case.steps == 1 || rubbing > 0, "nothing rubs");
+        let with_friction = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
+        assert!(case.steps == 1 || with_friction > 0, "there is no friction");
     }
 
     // quadratic surfaces have more contacts that come and go
@@ -418,7 +418,7 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
 }
 
 #[test]
-fn bodies_that_hit_and_rub_have_their_gradient() {
+fn bodies_that_hit_and_slide_have_their_gradient() {
     for steps in [1, 2, 3, 10] {
         let (degree, dt) = (1, 2e-3);
         let method = Method::ImplicitEuler;
@@ -430,7 +430,7 @@ fn bodies_that_hit_and_rub_have_their_gradient() {
 }
 
 #[test]
-fn quadratic_bodies_that_hit_and_rub_have_their_gradient() {
+fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
     let (degree, dt) = (2, 2e-3);
     let case = |method, steps| {
         check(
@@ -443,7 +443,7 @@ fn quadratic_bodies_that_hit_and_rub_have_their_gradient() {
 }
 
 #[test]
-fn without_inertia_bodies_that_hit_and_rub_have_their_gradient() {
+fn without_inertia_bodies_that_hit_and_slide_have_their_gradient() {
     let case = Case {
         method: Method::Quasistatic,
         degree: 1,

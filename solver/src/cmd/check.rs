@@ -18,8 +18,8 @@ use crate::scene::ObjectiveBuilder;
 /// Slopes of the first-order remainder that an exact gradient may have.
 const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
 
-/// Times that the test of a term is done again with steps of a quarter of the length,
-/// while its slope is not accepted.
+/// How often the test of a term is repeated with steps of a quarter of the length, while
+/// its slope is not accepted.
 const SHORTER: i32 = 4;
 
 /// Change of a term, relative to the term, that rounding and the tolerance of the

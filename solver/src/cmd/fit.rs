@@ -48,7 +48,7 @@ pub struct Arguments {
     /// Write this law, not the recommended one
     #[arg(long)]
     law: Option<String>,
-    /// Bulk over shear modulus at rest, which a tensile test does not tell
+    /// Bulk over shear modulus at rest, which a tensile test does not determine
     #[arg(long, default_value_t = BULK_RATIO)]
     bulk_ratio: f64,
 }
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A material of an earlier run must not stand beside a fit that failed.
+/// A material of an earlier run must not remain beside a fit that failed.
 fn remove(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
@@ -188,7 +188,11 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
 fn snippet(tests: &[Test], fit: &Fitted) -> Result<String> {
     let q = &fit.quality;
     let [low, high] = q.stretch_range;
-    ensure!(high > 1.0, "{} turns down at once: no range to use it in", fit.candidate.name);
+    ensure!(
+        high > 1.0,
+        "{}: its stress falls from the start, so it has no range of use",
+        fit.candidate.name
+    );
     let mut text = String::new();
     for test in tests {
         let name = test.path.display();

@@ -1,4 +1,4 @@
-//! `solver gradient`: what the objective would gain from where.
+//! `solver gradient`: the shape gradient (sensitivities) of an objective as a picture.
 
 use std::path::PathBuf;
 

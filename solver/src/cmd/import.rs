@@ -1,4 +1,4 @@
-//! `solver import`: scenes of PolyFEM in our words.
+//! `solver import`: scenes of PolyFEM translated to ours.
 
 use std::path::PathBuf;
 

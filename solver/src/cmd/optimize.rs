@@ -78,7 +78,7 @@ pub fn read(path: &Path, others: &[super::OtherMesh]) -> Result<(DesignConfig, S
 }
 
 /// Whether the folder holds an optimisation of other inputs that is finished or
-/// has no result. Any other is not thrown away unasked.
+/// has no result. Any other is removed with --restart only.
 fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
     let finished = folder.join("report.json").exists() && !failed(folder)?;
     Ok(Checkpoint::read(folder)?
@@ -96,7 +96,7 @@ fn failed(folder: &Path) -> Result<bool> {
     Ok(report["usable"] == json!(false))
 }
 
-/// A failure is not that of a run that goes on.
+/// Removes the report of a failure once the run continues.
 fn forget_failure(folder: &Path) -> Result<()> {
     if failed(folder)? {
         remove(folder, &["report.json", failure::STATE])?;

@@ -23,7 +23,7 @@ use crate::stretch::Stretches;
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
 /// (exact, of the last state), result.pvd with one .vtu per load step or, in a
 /// scene with [time], per time step, steps.jsonl with one line for each, and
-/// result.vtu. A run with [time] that was interrupted goes on after its last
+/// result.vtu. A run with [time] that was interrupted continues after its last
 /// time step when the same command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
-        log::info!("goes on after {} time steps", checkpoint.steps);
+        log::info!("continuing after {} time steps", checkpoint.steps);
         workspace.set_couplings(&problem, checkpoint.couplings);
         workspace.timings = checkpoint.timings;
         stepper.progress = checkpoint.progress;
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_json(&folder.join("report.json"), &report)
 }
 
-/// A scene under way.
+/// A run of a scene.
 struct Run<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
@@ -230,8 +230,8 @@ fn hash_inputs(scene: &Scene) -> Result<String> {
     Ok(hashes.join(" "))
 }
 
-/// Results of an earlier run must not stand beside a report that says
-/// otherwise; those of the steps that an interrupted one has done stay.
+/// Results of an earlier run must not remain beside a report that contradicts
+/// them; those of the steps that an interrupted one has done stay.
 fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     let kept: Vec<String> = (0..done).map(|i| format!("step_{i:03}.vtu")).collect();
     for entry in std::fs::read_dir(folder)? {

@@ -6,13 +6,13 @@ use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
 use crate::schedule::{Schedule, is_free_name};
 
-/// Moments at which schedules are looked at in each time step, for load steps
+/// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// Checks all settings that can be checked without a body, and tells the
-    /// schedules when the first time step ends.
+    /// Checks all settings that can be checked without a body, and passes the end of
+    /// the first time step to the schedules.
     ///
     /// # Errors
     /// With what was found and what is needed.

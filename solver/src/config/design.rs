@@ -1,4 +1,4 @@
-//! What people write in `design.toml`.
+//! The format of `design.toml`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{ChamberDesign, ObjectiveConfig, superseded};
 use crate::body::Names;
 
-/// A design problem: what may change in a scene, and what is wanted.
+/// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DesignConfig {
@@ -98,7 +98,7 @@ pub enum Spread {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interior {
-    /// Follow the boundary, and the gradient knows.
+    /// Follow the boundary, and the gradient accounts for it.
     #[default]
     Extended,
     /// Follow the boundary, but the gradient takes them as fixed, as the published

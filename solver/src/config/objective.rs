@@ -1,4 +1,4 @@
-//! `[[objective]]`: what a design is wanted to do. Its kinds are rows of
+//! `[[objective]]`: a term of the objective function of a design. Its kinds are rows of
 //! [`KINDS`](crate::objective::KINDS).
 
 use std::path::Path;

@@ -34,7 +34,7 @@ pub(super) fn refuse_in_design(path: &Path) -> Result<()> {
 }
 
 fn refuse(path: &Path, old: &[Old]) -> Result<()> {
-    // what is no TOML at all is refused by who reads it next
+    // text that is no TOML is refused by the reader that follows
     let Ok(file) = program::read_toml::<Table>(path) else { return Ok(()) };
     let found: Vec<&Old> = old.iter().filter(|(name, _)| file.contains_key(*name)).collect();
     if found.is_empty() {

@@ -1,5 +1,5 @@
 //! Broad phase: candidate pairs of features, which may come close while their corners
-//! move on straight lines. What stands still is the case without motion.
+//! move on straight lines. Features at rest are the case without motion.
 //!
 //! A pair is a candidate if the boxes around what its features sweep come closer
 //! than the radius, and
@@ -10,7 +10,7 @@
 //! d   distance at the start [m]
 //! ℓ   how far two of their points move towards each other, at most [m]
 //!
-//! So whatever moves along with what is near it is none. Without motion the
+//! So features that move together are no candidates. Without motion the
 //! candidates are the pairs that are closer than the radius, up to rounding;
 //! [`close_within`] and [`close_between`] are exactly those.
 //!
@@ -26,7 +26,7 @@ use super::box_tree::{Bounds, BoxTree};
 use super::pairs::{Features, Pair};
 use crate::parallel::map_merge;
 
-/// Pairs of overlapping boxes that are looked at before a search is given up.
+/// Pairs of overlapping boxes that are tested before a search is given up.
 ///
 /// Steps of half the length of an edge need some 7 per vertex and edge. A pair
 /// takes 8 B while searching and 40 B in the end, so memory is about 0.2 GB and
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
     "more than {budget} pairs of surface features come close within one step; a shorter step is needed"
 )]
 pub struct TooMany {
-    /// Pairs that would have been looked at.
+    /// Pairs that would have been tested.
     pub budget: usize,
 }
 
@@ -127,13 +127,13 @@ fn rounding(x0: &[Vec3], x1: &[Vec3]) -> f64 {
     ROUNDING * largest(x0).max(largest(x1))
 }
 
-/// A search that is going on.
+/// A search for candidates.
 struct Search<'a> {
     x0: &'a [Vec3],
     x1: &'a [Vec3],
     radius: f64,
     budget: usize,
-    /// Pairs looked at so far.
+    /// Pairs tested so far.
     seen: AtomicUsize,
 }
 

@@ -7,13 +7,13 @@
 //! d(t) ≥ g(t; n) = min_{i ∈ A, j ∈ B} n·(xᵢ(t) − xⱼ(t)),   x(t) = x⁰ + t (x¹ − x⁰)
 //!
 //! with equality where n joins their closest points, and g is known for all t at
-//! once. So time goes on from where g(t; n) is to where it would fall to what
-//! shall be kept of the first gap, n is renewed there, and so on until the gap is
-//! used up, as in additive continuous collision detection (Li et al. 2021,
+//! once. So t advances to where g(t; n) would fall to the part of the first gap that
+//! must be kept, n is renewed there, and this is repeated until the gap is used
+//! up, as in additive continuous collision detection (Li et al. 2021,
 //! "Codimensional incremental potential contact", doi:10.1145/3450626.3459767).
 //! The bound on speed there, |Δxᵢ − Δxⱼ|, counts motion along the features, too;
 //! with it they stop only after many steps, or short of contact. Here features
-//! that slide along each other or do not move are free at once.
+//! that slide along each other or do not move are free in one step.
 //!
 //! Only differences of positions enter and all thresholds are relative, so that
 //! neither place nor scale matters. Directions may be inaccurate: that makes the

@@ -21,7 +21,7 @@ pub struct Intersection {
 
 /// That the surface of `triangles` at finite vertex positions `x` [m], open or
 /// closed, nowhere touches or runs through itself. Vertices are shared by index.
-/// Pairs of triangles none of whose corners is `movable` are not looked at.
+/// Pairs of triangles none of whose corners is `movable` are skipped.
 ///
 /// # Errors
 /// [`Intersection`] with the first pair that does.

@@ -1,5 +1,5 @@
 //! Lists of neighbours (Verlet lists): candidate pairs that are kept while nothing has
-//! moved far, because the broad phase costs more than to look at some pairs in vain.
+//! moved far, because the broad phase costs more than to test some pairs too many.
 //!
 //! A list made at x⁰ with the radius r + 2 δ holds every pair closer than r as long as no
 //! vertex is farther than the slack δ from its place in x⁰. The close pairs found in it

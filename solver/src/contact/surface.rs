@@ -33,7 +33,7 @@ pub type Motion = dyn Fn(Vec3, f64) -> Vec3 + Send + Sync;
 pub struct Obstacle {
     /// Its triangles.
     pub surface: SurfaceMesh,
-    /// How it moves; none stands still.
+    /// How it moves; none where it is at rest.
     pub motion: Option<Box<Motion>>,
 }
 

@@ -162,15 +162,15 @@ impl Problem {
     }
 
     /// Weights of all vertices from the minimiser without bounds, which is kept where it
-    /// is within them. It is cut off at them where the quadratic program, on a surface with
+    /// is within them. It is clamped to them where the quadratic program, on a surface with
     /// slivers, has no accurate solution: not the smoothest weights, but weights.
     fn bounded(&self, ones: &[usize], mut w: Vec<f64>) -> Vec<f64> {
         if w.iter().any(|x| !(-ROUNDING..=1.0 + ROUNDING).contains(x)) {
             match self.quadratic_program(ones) {
                 Ok(within) => w = within,
                 Err(status) => log::warn!(
-                    "weights of the handle at vertex {} of its surface are cut off at their \
-                     bounds, for their quadratic program ended as {status}",
+                    "weights of the handle at vertex {} of its surface are clamped to their \
+                     bounds: their quadratic program ended as {status}",
                     ones[0]
                 ),
             }

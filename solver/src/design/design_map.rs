@@ -1,4 +1,4 @@
-//! From design variables to what is simulated: rest shape and loads.
+//! The design map (parametrisation): from design variables to rest shape and loads.
 //!
 //! X(θ) = X₀ + 𝓔 (patches(θ) − X₀ on the moving surface), with 𝓔 the extension into
 //! the interior, so that the gradient is that of what is simulated. The variables of

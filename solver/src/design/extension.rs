@@ -1,4 +1,4 @@
-//! The interior of a mesh follows its boundary.
+//! The interior of a mesh follows its boundary: a harmonic extension (mesh morphing).
 //!
 //! K_ii d_i = −K_ib d_b,   K = Σ_T ∇ψ_a·∇ψ_b
 //!

@@ -25,7 +25,7 @@ use mesh::SurfaceMesh;
 /// Relative gain below which a settled vertex is left alone [1].
 const GAIN: f64 = 1e-9;
 
-/// A triangle as seen from the corner that it may shorten the way to.
+/// A triangle with the corner that it may give a shorter distance.
 #[derive(Clone, Copy)]
 struct Sector {
     target: usize,

@@ -1,4 +1,5 @@
-//! Shape of a surface patch by rigid motions of a few handles.
+//! Free-form deformation of a surface patch: rigid motions of a few handles, blended by
+//! bounded biharmonic weights (linear blend skinning).
 //!
 //! v' = v + Σ_j w_j(v) (T_j v − v),   T_j v = c_j + R_j (v − c_j) + t_j
 //! R_j = R_z(α₃) R_y(α₂) R_x(α₁),     αₖ = θₖ / r_j
@@ -125,7 +126,7 @@ impl Handles {
         assert_eq!(bar.len(), self.vertices.len(), "one cotangent per patch vertex");
         let mut gradient = Vec::with_capacity(self.variables());
         for (j, motion) in self.motions(theta).iter().enumerate() {
-            // Σ w v̄ and Σ w v̄ (v − c)ᵀ hold all that the six variables see
+            // the derivatives by the six variables need only Σ w v̄ and Σ w v̄ (v − c)ᵀ
             let (mut force, mut moment) = (Vec3::zeros(), Mat3::zeros());
             for (i, &v) in self.vertices.iter().enumerate() {
                 let pull = self.weights[j][i] * bar[i];

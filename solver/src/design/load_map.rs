@@ -104,7 +104,7 @@ impl LoadMap {
         };
         ensure!(
             self.curves.iter().all(|c| c.chamber != id),
-            "[[chamber]] on \"{on}\" is there twice"
+            "[[chamber]] on \"{on}\" is given twice"
         );
         let times = &self.times;
         let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
@@ -142,7 +142,7 @@ impl LoadMap {
         );
         ensure!(
             self.numbers.iter().all(|n| n.name != *name),
-            "[[parameter]] \"{name}\" is there twice"
+            "[[parameter]] \"{name}\" is given twice"
         );
         let mut config = scene.config.clone();
         let chambers = config.chamber.len();

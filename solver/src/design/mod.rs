@@ -1,4 +1,6 @@
-//! From design variables to rest shape and loads, each map with its transpose.
+//! From design variables to rest shape and loads, each map with its transposed derivative:
+//! free-form deformation of surfaces by handles with bounded biharmonic weights, an
+//! extension into the interior, and schedules of pressures.
 
 pub mod biharmonic;
 mod design_map;

@@ -190,7 +190,7 @@ impl Sampling {
         !moved.is_empty()
     }
 
-    /// The vertex of a cell from which no neighbour lowers Σ A d², on the way down
+    /// The vertex of a cell from which no neighbour lowers Σ A d², by descent
     /// from its point.
     fn center(&self, i: usize, cell: &[usize], cells: &Cells) -> usize {
         let radius = cell.iter().map(|&v| self.nearest[v].0).fold(0.0, f64::max);

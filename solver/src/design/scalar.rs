@@ -1,4 +1,5 @@
-//! A number of a scene within bounds, such as a peak pressure or a phase.
+//! A scalar design variable: a number of a scene within bounds, such as a peak pressure
+//! or a phase.
 //!
 //! p = p⁰ + r y
 //!

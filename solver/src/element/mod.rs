@@ -1,4 +1,4 @@
-//! Discretisation: straight-sided tetrahedra with Lagrange displacements.
+//! Finite-element discretisation: straight-sided tetrahedra with Lagrange displacements.
 
 mod basis;
 mod bernstein;

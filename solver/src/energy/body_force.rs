@@ -1,4 +1,4 @@
-//! Force per rest volume, such as gravity.
+//! Force per rest volume (a body force, a dead load), such as gravity.
 //!
 //! E(u; X) = −∫ f · u dX           ∂E/∂u_a = −∫ φ_a f dX      ∂²E/∂u² = 0
 //! δ(λ·∂E/∂u) = −∫ (f · λ) div V + λ · ∇f V dX for a velocity field V of the

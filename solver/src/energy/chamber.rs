@@ -33,20 +33,21 @@ pub struct Chamber {
 impl Chamber {
     /// Volume [m³] and gas at an iterate.
     #[must_use]
-    pub fn state(&self, at_: &Iterate) -> (f64, Potential) {
-        self.state_at(at_, &positions(at_))
+    pub fn state(&self, iterate: &Iterate) -> (f64, Potential) {
+        self.state_at(iterate, &positions(iterate))
     }
 
-    fn state_at(&self, at_: &Iterate, x: &[Vec3]) -> (f64, Potential) {
-        let volume = self.wall.volume(at_.space, x);
-        let multiplier = self.multiplier.map_or_else(Multiplier::default, |i| at_.multipliers[i]);
-        (volume, self.gas.at(volume, self.rest_volume(at_), at_.load, multiplier))
+    fn state_at(&self, iterate: &Iterate, x: &[Vec3]) -> (f64, Potential) {
+        let volume = self.wall.volume(iterate.space, x);
+        let multiplier =
+            self.multiplier.map_or_else(Multiplier::default, |i| iterate.multipliers[i]);
+        (volume, self.gas.at(volume, self.rest_volume(iterate), iterate.load, multiplier))
     }
 
     /// Volume behind the rest wall [m³].
     #[must_use]
-    pub fn rest_volume(&self, at_: &Iterate) -> f64 {
-        self.wall.volume(at_.space, &at_.space.node_positions(at_.rest))
+    pub fn rest_volume(&self, iterate: &Iterate) -> f64 {
+        self.wall.volume(iterate.space, &iterate.space.node_positions(iterate.rest))
     }
 }
 
@@ -55,80 +56,80 @@ impl Energy for Chamber {
         "chamber"
     }
 
-    fn value(&self, at_: &Iterate) -> f64 {
-        self.state(at_).1.value
+    fn value(&self, iterate: &Iterate) -> f64 {
+        self.state(iterate).1.value
     }
 
-    fn add_gradient(&self, at_: &Iterate, out: &mut [f64]) {
-        let x = positions(at_);
-        let (_, gas) = self.state_at(at_, &x);
-        self.wall.add_wall_gradient(at_.space, &x, -gas.pressure, out);
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        let x = positions(iterate);
+        let (_, gas) = self.state_at(iterate, &x);
+        self.wall.add_wall_gradient(iterate.space, &x, -gas.pressure, out);
     }
 
-    fn add_hessian(&self, at_: &Iterate, _: Hessian, out: &mut BlockMatrix) {
-        let x = positions(at_);
-        let (_, gas) = self.state_at(at_, &x);
-        self.wall.add_stiffness(at_.space, &x, gas.pressure, out);
+    fn add_hessian(&self, iterate: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        let x = positions(iterate);
+        let (_, gas) = self.state_at(iterate, &x);
+        self.wall.add_stiffness(iterate.space, &x, gas.pressure, out);
     }
 
-    fn rank_one(&self, at_: &Iterate) -> Option<RankOne> {
-        let x = positions(at_);
-        let (_, gas) = self.state_at(at_, &x);
+    fn rank_one(&self, iterate: &Iterate) -> Option<RankOne> {
+        let x = positions(iterate);
+        let (_, gas) = self.state_at(iterate, &x);
         if gas.stiffness == 0.0 {
             return None;
         }
-        let mut vector = vec![0.0; at_.u.len()];
-        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut vector);
+        let mut vector = vec![0.0; iterate.u.len()];
+        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut vector);
         Some(RankOne { scale: gas.stiffness, vector })
     }
 
-    fn constraint(&self, at_: &Iterate) -> Option<Constraint> {
+    fn constraint(&self, iterate: &Iterate) -> Option<Constraint> {
         let multiplier = self.multiplier?;
-        let wanted = self.gas.wanted(self.rest_volume(at_), at_.load)?.volume;
-        let x = positions(at_);
-        let volume = self.wall.volume(at_.space, &x);
-        let mut gradient = vec![0.0; at_.u.len()];
-        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut gradient);
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?.volume;
+        let x = positions(iterate);
+        let volume = self.wall.volume(iterate.space, &x);
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut gradient);
         Some(Constraint { multiplier, volume, wanted, gradient })
     }
 
-    fn add_mixed_vjp(&self, at_: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        let x = positions(at_);
-        let (_, gas) = self.state_at(at_, &x);
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let x = positions(iterate);
+        let (_, gas) = self.state_at(iterate, &x);
         // x = ΠX + u: the mixed derivative at fixed pressure is P S Π
-        let mut nodal = vec![0.0; at_.u.len()];
-        self.wall.add_stiffness_vjp(at_.space, &x, lambda, gas.pressure, &mut nodal);
-        at_.space.add_to_vertices(&nodal, out);
+        let mut nodal = vec![0.0; iterate.u.len()];
+        self.wall.add_stiffness_vjp(iterate.space, &x, lambda, gas.pressure, &mut nodal);
+        iterate.space.add_to_vertices(&nodal, out);
         if gas.stiffness == 0.0 {
             return;
         }
         // and X changes the pressure through both volumes
-        let mut gradient = vec![0.0; at_.u.len()];
-        self.wall.add_wall_gradient(at_.space, &x, 1.0, &mut gradient);
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut gradient);
         let along: f64 =
-            (0..at_.space.node_count()).map(|i| at(&gradient, i).dot(&at(lambda, i))).sum();
-        self.wall.add_volume_gradient(at_.space, &x, gas.stiffness * along, out);
-        let rest = at_.space.node_positions(at_.rest);
-        self.wall.add_volume_gradient(at_.space, &rest, -gas.pressure_by_rest * along, out);
+            (0..iterate.space.node_count()).map(|i| at(&gradient, i).dot(&at(lambda, i))).sum();
+        self.wall.add_volume_gradient(iterate.space, &x, gas.stiffness * along, out);
+        let rest = iterate.space.node_positions(iterate.rest);
+        self.wall.add_volume_gradient(iterate.space, &rest, -gas.pressure_by_rest * along, out);
     }
 
-    fn constraint_vjp(&self, at_: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
+    fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
         let mu = mu[self.multiplier?];
-        let wanted = self.gas.wanted(self.rest_volume(at_), at_.load)?;
-        self.wall.add_volume_gradient(at_.space, &positions(at_), mu, out);
-        let rest = at_.space.node_positions(at_.rest);
-        self.wall.add_volume_gradient(at_.space, &rest, -mu * wanted.by_rest, out);
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?;
+        self.wall.add_volume_gradient(iterate.space, &positions(iterate), mu, out);
+        let rest = iterate.space.node_positions(iterate.rest);
+        self.wall.add_volume_gradient(iterate.space, &rest, -mu * wanted.by_rest, out);
         Some(-mu * wanted.by_parameter)
     }
 
-    fn parameter_vjp(&self, at_: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let x = positions(at_);
-        let volume = self.wall.volume(at_.space, &x);
-        let Some(by) = self.gas.pressure_by_parameter(volume, self.rest_volume(at_)) else {
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let x = positions(iterate);
+        let volume = self.wall.volume(iterate.space, &x);
+        let Some(by) = self.gas.pressure_by_parameter(volume, self.rest_volume(iterate)) else {
             return Vec::new();
         };
-        let mut gradient = vec![0.0; at_.u.len()];
-        self.wall.add_wall_gradient(at_.space, &x, -by, &mut gradient);
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.wall.add_wall_gradient(iterate.space, &x, -by, &mut gradient);
         vec![dot(&gradient, lambda)]
     }
 }

@@ -186,7 +186,7 @@ impl Energy for Contact {
             return ccd::max_step(&list.pairs, &start, &whole, minimum);
         }
         let mut share = 1.0;
-        // a step that sweeps through too much is looked at in part
+        // a step that sweeps through too much is searched in part
         while share > SHORTEST {
             let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
             let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();

@@ -8,9 +8,10 @@
 //! h   β Δt of the step [s];   ũ   where it would go without forces [m]
 //! m   mass matrix of a tetrahedron with volume and density 1 [1]
 //!
-//! Where inertia is neglected, bodies that nothing holds are kept by a tiny mass:
+//! Where inertia is neglected, bodies without enough supports are regularised by a tiny
+//! mass:
 //!
-//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`HOLD`]
+//! E(u; X) = c/2 (u − u₋₁)ᵀ M (u − u₋₁)       c = [`REGULARIZATION`]
 //!
 //! u₋₁ is the last state; what moves by 1 cm is held with a thousandth of its
 //! weight. M is consistent, not lumped: row sums of quadratic tetrahedra are negative at
@@ -30,14 +31,14 @@ use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::parallel::{map_merge, map_merge_waves};
 
-/// Acceleration per displacement by which loose bodies are held [1/s²].
-const HOLD: f64 = 1.0;
+/// Stiffness per mass of the regularisation [1/s²].
+const REGULARIZATION: f64 = 1.0;
 
 /// Inertia of elements with one density.
 #[derive(Clone)]
 pub struct Inertia {
     density: f64,
-    /// Whether it is the tiny mass of a loose body.
+    /// Whether it is the tiny mass of a body without enough supports.
     tiny: bool,
     elements: Range<usize>,
     /// m, row by row.
@@ -54,13 +55,13 @@ impl Inertia {
         Self { density, tiny: false, elements, reference: space.reference_mass() }
     }
 
-    /// What holds a body that is loose where inertia is neglected.
+    /// The tiny mass of a body without enough supports where inertia is neglected.
     #[must_use]
     pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { tiny: true, ..Self::new(space, density, elements) }
     }
 
-    /// Whether it is the tiny mass of a loose body.
+    /// Whether it is the tiny mass of a body without enough supports.
     #[must_use]
     pub fn is_tiny(&self) -> bool {
         self.tiny
@@ -70,7 +71,7 @@ impl Inertia {
     fn frame<'a>(&self, iterate: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
         let step = iterate.step?;
         if self.tiny {
-            return Some((HOLD, &step.history));
+            return Some((REGULARIZATION, &step.history));
         }
         Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
     }

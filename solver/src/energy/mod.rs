@@ -1,4 +1,5 @@
-//! Terms of the potential energy [J].
+//! Terms of the potential energy [J]: elasticity, inertia as an incremental potential, dead
+//! loads, follower loads (gas in chambers), the contact barrier and lagged friction.
 
 mod body_force;
 mod chamber;
@@ -33,7 +34,7 @@ use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
 use crate::element::FunctionSpace;
 use crate::math::sparse::BlockMatrix;
 
-/// Everything a term may look at: one displacement of one rest shape.
+/// What a term depends on: one displacement of one rest shape.
 #[derive(Clone, Copy)]
 pub struct Iterate<'a> {
     /// Topology and basis; never changes with the design.
@@ -65,14 +66,14 @@ pub struct TimeStep {
     pub lagged_contacts: Vec<LaggedContact>,
 }
 
-/// Cotangents of what a [`TimeStep`] looks back to.
+/// Cotangents (adjoint variables) of the past in a [`TimeStep`].
 #[derive(Clone, Debug, Default)]
 pub struct PastCotangent {
     /// Of the history, three components per node.
     pub history: Vec<f64>,
     /// Of the free flight, three components per node.
     pub free_flight: Vec<f64>,
-    /// Of the lagged contacts, in their order; empty if nothing looked at them.
+    /// Of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
 }
 
@@ -84,7 +85,7 @@ impl PastCotangent {
     }
 }
 
-/// What holds a prescribed volume.
+/// The Lagrange multiplier of a prescribed volume, with its penalty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Multiplier {
     /// Gauge pressure at the wanted volume [Pa].
@@ -139,14 +140,14 @@ pub trait Energy: Send + Sync {
     fn rank_one(&self, _: &Iterate) -> Option<RankOne> {
         None
     }
-    /// Pairs of nodes (row > column) that the Hessian may couple although they
-    /// share no element: those of features closer than `reach` ≥ 1 times the
-    /// distance at which they begin to interact.
+    /// Entries of the sparsity pattern beside those of the elements: pairs of nodes
+    /// (row > column) that the Hessian may couple although they share no element, those of
+    /// features closer than `reach` ≥ 1 times the distance at which they begin to interact.
     fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
         Vec::new()
     }
-    /// Largest α in [0, 1] for which the way from one iterate to another of the
-    /// same rest shape, straight in u and the load, is free up to its fraction α.
+    /// Largest step length α in [0, 1] for which the straight path, in u and the load,
+    /// from one iterate to another of the same rest shape is admissible up to α.
     fn max_step(&self, _from: &Iterate, _to: &Iterate) -> f64 {
         1.0
     }

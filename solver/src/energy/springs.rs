@@ -1,4 +1,5 @@
-//! Springs that pull released supports to their places b.
+//! Springs that pull released supports to their places b, the augmented Lagrangian of
+//! Dirichlet conditions.
 //!
 //! E(u) = Σ_i λ_i (u_i − b_i) + ½ k_i (u_i − b_i)²      i released degrees of freedom
 //!

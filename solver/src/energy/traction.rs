@@ -1,11 +1,12 @@
-//! Force per rest area on a part of the boundary (a dead load).
+//! Force per rest area on a part of the boundary: a traction (Neumann condition) that is
+//! a dead load.
 //!
 //! E(u; X) = −∫_Γ t · u dA        ∂E/∂u_a = −∫_Γ φ_a t dA      ∂²E/∂u² = 0
 //! δ(λ·∂E/∂u) = −∫_Γ λ · ∇t V dA − Σ (mean of t · λ over a facet) δA
 //! ∂A/∂X_i = ½ n × (X_{i+2} − X_{i+1})      n the unit normal of the facet
 //!
 //! t(X, t) [Pa] may depend on the rest position, but is neither turned nor
-//! stretched by the deformation, unlike gas pressure.
+//! stretched by the deformation, unlike gas pressure, a follower load.
 
 use mesh::Vec3;
 

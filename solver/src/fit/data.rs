@@ -27,7 +27,7 @@ pub struct Test {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Units that the header does not tell.
+/// Units that the header does not give.
 #[derive(Clone, Debug, Default)]
 pub struct Units {
     /// Unit of strain: 1 or %.
@@ -131,7 +131,7 @@ fn one_unit(name: &str, header: Option<&String>, apart: Option<&String>) -> Resu
     if let (Some(header), Some(apart)) = (header, apart) {
         ensure!(
             header == apart,
-            "{name} in \"{header}\" says the header, in \"{apart}\" says --{name}-unit"
+            "the header gives {name} in \"{header}\", but --{name}-unit is \"{apart}\""
         );
     }
     Ok(header.or(apart).cloned())
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn data_are_cut_where_told() {
+    fn data_end_at_the_given_stretch() {
         let text = table("strain [1],stress [kPa]", |e| format!("{e},{e}"));
         assert_eq!(parse(&text, &Units::default(), Some(1.55)).expect("six points").len(), 6);
     }
@@ -264,7 +264,7 @@ mod tests {
         assert!((last.0 - 1.6).abs() < 1e-12 && (last.1 - 600.0).abs() < 1e-9);
         let text = table("strain [1],stress [Pa]", |e| format!("{e},{e}"));
         let message = format!("{:#}", parse(&text, &units, None).expect_err("two units"));
-        assert!(message.contains("\"Pa\" says the header, in \"kPa\""), "{message}");
+        assert!(message.contains("stress in \"Pa\", but --stress-unit is \"kPa\""), "{message}");
     }
 
     #[test]

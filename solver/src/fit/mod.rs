@@ -1,11 +1,11 @@
-//! Laws from tensile tests.
+//! Laws fitted to tensile tests (parameter identification).
 //!
 //! Nominal stress of the incompressible law (see [`crate::material::response`])
 //! against the measured one, least squares over all points of all tests. The
 //! residuals and their derivatives come from the laws of the table themselves.
 //!
 //! A test of a soft rubber says nothing about its bulk modulus: it is set to a
-//! fixed ratio to the shear modulus, [`crate::material::BULK_RATIO`] unless told otherwise.
+//! fixed ratio to the shear modulus, [`crate::material::BULK_RATIO`] unless another is given.
 
 mod candidate;
 mod data;

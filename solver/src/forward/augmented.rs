@@ -1,18 +1,19 @@
-//! Supports whose straight way would push surfaces through each other.
+//! Augmented Lagrangian for Dirichlet conditions: supports whose straight path would push
+//! surfaces through each other.
 //!
-//! They are released and pulled to their places b by springs, while everything
-//! balances on ways that are free,
+//! They are released and pulled to their places b by springs, while all forces balance
+//! on paths that are free of contact,
 //!
 //! L(u, λ) = E(u) + Σ_i λ_i (u_i − b_i) + ½ s Σ_i k_i (u_i − b_i)²,
 //! λ ← λ + s k (u − b)                                (the method of multipliers)
 //!
-//! until the straight rest of their way is free.
+//! until the straight rest of their path is free.
 //!
 //! i   released degrees of freedom: those of supports that are not at their place
 //! k   diagonal of the projected Hessian [N/m] where they are released. It is
 //!     positive for elements of every degree, unlike row sums of the mass of
 //!     quadratic ones, and a spring is then as stiff as what it pulls
-//! s   factor that grows where the way left shrinks slowly [1]
+//! s   factor that grows where the distance left shrinks slowly [1]
 //!
 //! Obstacles have no degrees of freedom to release: where they are blocked, only
 //! a shorter step helps.
@@ -29,7 +30,7 @@ const ROUGH: f64 = 1e-3;
 const MINIMA: usize = 12;
 /// First s.
 const START: f64 = 10.0;
-/// A way of which more than this is left asks for stiffer springs ...
+/// Springs become stiffer where more than this fraction of the distance is left ...
 const SLOW: f64 = 0.25;
 /// ... by this factor.
 const GROWTH: f64 = 10.0;
@@ -87,7 +88,7 @@ fn approach(
         let converged = rough.trace(&pulled, workspace, &mut state, residuals);
         iterations += converged.ok()?.iterations;
         let left = springs.longest(&state.u);
-        log::debug!("supports pulled {minimum}  {left:.2e} m left");
+        log::debug!("augmented Lagrangian of the supports {minimum}  {left:.2e} m left");
         let at = state.iterate(released);
         let placed = springs.placed(&state.u);
         let there = Iterate { u: &placed, ..at };

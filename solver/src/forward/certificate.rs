@@ -30,7 +30,7 @@ pub enum Uncertified {
         /// J there.
         value: f64,
     },
-    /// J > 0 wherever it was looked at, but there is no proof.
+    /// J > 0 wherever it was evaluated, but there is no proof.
     #[error(
         "element {element} at {} at rest is too distorted to show that it is not turned inside \
          out: volume ratio at least {bound:.3e}; a finer mesh there, or less load, may help",

@@ -1,10 +1,11 @@
-//! Dirichlet conditions: degrees of freedom that are fixed, at zero or at a
-//! displacement that follows the load.
+//! Dirichlet conditions (essential boundary conditions): degrees of freedom that are
+//! fixed, at zero or at a displacement that follows the load. They are eliminated: only
+//! the other degrees of freedom are unknowns.
 
 use std::sync::Arc;
 
 /// Displacement [m] of all degrees of freedom at a load; only those of the fixed
-/// ones are looked at.
+/// ones are used.
 pub type Motion = Arc<dyn Fn(f64) -> Vec<f64> + Send + Sync>;
 
 /// Which degrees of freedom are fixed, and how they move.

@@ -1,5 +1,7 @@
-//! Descent directions −H̃⁻¹g, from the most to the least trusted modification H̃ of the
-//! Hessian.
+//! Hessian modification: descent directions −H̃⁻¹g of Newton's method. H̃ is the exact
+//! Hessian; where that gives none, elastic tangents and contacts are projected to be
+//! positive semidefinite, and where that is not enough, a multiple of the identity is
+//! added (a shift).
 //!
 //! What was measured (beam P2 at 50 kPa, gripper P1 at 60 kPa, frog P2 at 55 kPa,
 //! from rest; Newton iterations / factorisations): points projected 13/9, 35/32,
@@ -17,7 +19,7 @@ use crate::math::linear::{Precision, Symmetric, dot};
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
 
-/// What takes the place of the Hessian where a direction comes from.
+/// The matrix that a direction is computed with, from the least to the most modified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Modification {
     /// The exact Hessian, solved by conjugate gradients with an earlier factor.

@@ -1,4 +1,4 @@
-//! Steps in time by backward differentiation.
+//! Time integration by backward differentiation formulas (BDF) of order k.
 //!
 //! vₙ = (uₙ − Σ αᵢ uₙ₋ᵢ) / h,   aₙ = (vₙ − Σ αᵢ vₙ₋ᵢ) / h,   h = β Δt
 //!
@@ -20,7 +20,7 @@ const FORMULAS: [(&[f64], f64); 3] = [
     (&[18.0 / 11.0, -9.0 / 11.0, 2.0 / 11.0], 6.0 / 11.0),
 ];
 
-/// How a body goes through time.
+/// Time integration of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -36,7 +36,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Number of states that a step looks back to.
+    /// Number of earlier states in the formula: its order.
     #[must_use]
     pub fn order(self) -> usize {
         match self {
@@ -65,7 +65,7 @@ pub struct State {
 /// The past that the next step needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Integrator {
-    /// How it goes on.
+    /// The formula.
     pub method: Method,
     /// The last states, the latest first.
     pub states: Vec<State>,

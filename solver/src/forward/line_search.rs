@@ -1,4 +1,8 @@
-//! How far to go along a descent direction.
+//! Backtracking line search: how far to go along a descent direction.
+//!
+//! The step is halved until the energy decreases by a fraction of what is predicted
+//! (Armijo's condition). The first is the longest, up to 1, that continuous collision
+//! detection allows.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapter 3; test of
 //! decrease near convergence: Hager and Zhang 2005, doi:10.1137/030601880.

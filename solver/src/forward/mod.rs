@@ -1,4 +1,11 @@
 //! From energies to an equilibrium.
+//!
+//! - [`Problem`]: minimum of the potential energy under [`Dirichlet`] conditions;
+//! - [`Newton`]: Newton's method with Hessian modification and a line search;
+//! - [`Stepping`]: incremental loading, in load steps of adaptive size;
+//! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
+//!   [`Integrator`], or quasistatic;
+//! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
 
 mod augmented;
 mod certificate;

@@ -2,15 +2,17 @@
 //!
 //! H δ = −g, with H the exact Hessian while it is positive definite; else with
 //! the elastic tangents projected; else with a multiple of the identity added
-//! until it is. As long as it converges, the system is solved by conjugate
-//! gradients with an earlier factor, to an accuracy that keeps convergence
-//! superlinear (Dembo, Eisenstat and Steihaug 1982, doi:10.1137/0719025).
+//! until it is (Hessian modification). As long as it converges, the system is solved
+//! by conjugate gradients with an earlier factor as preconditioner, to an accuracy that
+//! keeps convergence superlinear (inexact Newton: Dembo, Eisenstat and Steihaug 1982,
+//! doi:10.1137/0719025).
 //!
-//! **The end at the rounding floor.** When the predicted decrease of the energy is
-//! below [`NEGLIGIBLE`] of it, and the residual has not halved for [`FLAT`]
-//! iterations, there is no step, or none is left, more iterations cannot help. The best state is then
-//! accepted if its residual is at most [`Workspace::rounding_floor`], and
-//! [`Converged::floor`] says so; else it is a [`Failure::Stagnated`]. The floor is
+//! **The end at the rounding floor.** More iterations cannot help when the predicted
+//! decrease of the energy is below [`NEGLIGIBLE`] of it, and in addition there is no
+//! step, the residual has not halved for [`FLAT`] iterations, or no iteration is left.
+//! The best state is then accepted if its residual is at most
+//! [`Workspace::rounding_floor`], and [`Converged::floor`] is that floor; else the
+//! result is [`Failure::Stagnated`]. The floor is
 //! a bound: residuals of cubes, bars, beam and gripper ended at 0.06 to 0.11 of it.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapters 3 and 6.
@@ -23,7 +25,7 @@ use crate::math::linear::{dot, norm};
 
 /// Relative accuracy of inexact steps, at most and at least.
 const FORCING: (f64, f64) = (1e-2, 1e-6);
-/// Of the residual that is wanted, what the linear system may leave.
+/// Residual that the linear system may leave, relative to the wanted one.
 const ENOUGH: f64 = 0.1;
 /// Iterations without a residual of half the smallest before.
 const FLAT: usize = 3;
@@ -48,7 +50,7 @@ pub struct Converged {
     pub iterations: usize,
     /// Norm of the unbalanced force [N].
     pub residual: f64,
-    /// What was asked for [N].
+    /// Residual wanted [N].
     pub wanted: f64,
     /// Where the residual is larger than wanted and rounding allows no less:
     /// its estimated floor [N].
@@ -70,7 +72,7 @@ pub enum Failure {
         iterations: usize,
         /// Residual reached [N].
         residual: f64,
-        /// Residual asked for [N].
+        /// Residual wanted [N].
         wanted: f64,
     },
     /// No step decreases the energy.
@@ -82,7 +84,7 @@ pub enum Failure {
         iterations: usize,
         /// Residual reached [N].
         residual: f64,
-        /// Residual asked for [N].
+        /// Residual wanted [N].
         wanted: f64,
     },
     /// The forces balance, but a chamber does not take its prescribed volume.
@@ -106,7 +108,7 @@ pub enum Failure {
         iterations: usize,
         /// Smallest residual reached [N].
         residual: f64,
-        /// Residual asked for [N].
+        /// Residual wanted [N].
         wanted: f64,
         /// Estimated floor by rounding [N].
         floor: f64,
@@ -178,7 +180,7 @@ impl Newton {
         result
     }
 
-    /// From `now` on; of `at` all but the displacement is looked at.
+    /// Iterates from `now`; of `at` all but the displacement is used.
     fn iterate(
         &self,
         problem: &Problem,

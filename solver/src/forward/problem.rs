@@ -45,7 +45,7 @@ impl Problem {
     }
 
     /// Prescribes the displacement of all degrees of freedom at a load [m]; entries
-    /// of those that are not fixed are not looked at.
+    /// of those that are not fixed are ignored.
     #[must_use]
     pub fn with_motion(mut self, motion: impl Fn(f64) -> Vec<f64> + Send + Sync + 'static) -> Self {
         self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_motion(Arc::new(motion)));
@@ -53,8 +53,7 @@ impl Problem {
     }
 
     /// Prescribes the displacement of the fixed degrees of freedom at full load
-    /// [m], in proportion to which they move; entries of the others are not
-    /// looked at.
+    /// [m], in proportion to which they move; entries of the others are ignored.
     #[must_use]
     pub fn with_displacement(self, displacement: &[f64]) -> Self {
         let full = displacement.to_vec();
@@ -133,7 +132,7 @@ impl Problem {
         self.energies.iter().flat_map(|energy| energy.lagged_contacts(at)).collect()
     }
 
-    /// Largest fraction of the way from one iterate to another, straight in u and the
+    /// Largest step length in [0, 1] from one iterate to another, straight in u and the
     /// load, that no energy forbids.
     #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
@@ -159,7 +158,7 @@ impl Problem {
     }
 }
 
-/// A state of a problem: what is sought, and what it belongs to.
+/// A state of a problem: the unknowns, with their rest shape, load and time step.
 #[derive(Clone, Debug)]
 pub struct Configuration<'a> {
     /// Rest vertex positions X [m].
@@ -182,7 +181,7 @@ impl<'a> Configuration<'a> {
         Self { rest, load, step: None, u, multipliers: problem.multipliers.clone() }
     }
 
-    /// What energies look at.
+    /// What energies depend on.
     #[must_use]
     pub fn iterate<'b>(&'b self, problem: &'b Problem) -> Iterate<'b> {
         let Self { rest, load, step, u, multipliers } = self;

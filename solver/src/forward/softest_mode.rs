@@ -1,5 +1,6 @@
-//! The softest mode of a state: it shows whether a body floats, is about to give way,
-//! or whether only Newton's method fails on it.
+//! The softest mode of a state: it shows whether a body can move as a rigid body, is
+//! about to lose its stability (buckling, ballooning), or whether only Newton's method
+//! fails.
 //!
 //! The smallest eigenvalue λ of the Hessian by inverse iteration,
 //! x ← H⁻¹x / |H⁻¹x|, λ ≈ 1 / (x · H⁻¹x), from above; and the compliance f · H⁻¹f

@@ -7,7 +7,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use super::State;
 
 /// States one after the other. Those that do not fit into the budget lie in a file
-/// that nobody else sees, in the folder for temporary files (`TMPDIR`); it goes when
+/// without a name, in the folder for temporary files (`TMPDIR`); it goes when
 /// they go, and when the program is killed. If it cannot be written, they stay in
 /// memory, with a warning.
 #[derive(Debug)]

@@ -1,4 +1,5 @@
-//! Equilibria over time, reached in adaptive load steps.
+//! Equilibria over time, reached in adaptive load steps: incremental loading, a homotopy
+//! (continuation) in the load parameter.
 //!
 //! The load parameter is the time t. Time steps end at t₁ < t₂ < …; each is cut
 //! into load steps where Newton's method needs them. A static scene is one time
@@ -47,7 +48,7 @@ pub struct LoadStep {
     pub newton_iterations: usize,
     /// Norm of the unbalanced force [N].
     pub residual: f64,
-    /// What was asked for [N].
+    /// Residual wanted [N].
     pub residual_wanted: f64,
     /// Where the residual is larger than that because rounding allows no less:
     /// its estimated floor [N].
@@ -78,7 +79,7 @@ impl LoadStep {
     }
 }
 
-/// An equilibrium and the way to it.
+/// An equilibrium and the load steps to it.
 pub struct Solution {
     /// Displacement [m], three components per node.
     pub u: Vec<f64>,
@@ -187,7 +188,7 @@ pub(super) struct Failed {
 }
 
 /// One load step to a load, from a state that surfaces can reach at an earlier one: the
-/// supports are moved, or pulled where their straight way is blocked, the forces
+/// supports are moved, or pulled where their straight path is blocked, the forces
 /// balanced, prescribed volumes reached and the state certified.
 pub(super) fn attempt(
     problem: &Problem,

@@ -1,4 +1,4 @@
-//! How an equilibrium follows its rest shape.
+//! Sensitivity of an equilibrium to its rest shape: the tangent, or forward, derivative.
 
 use mesh::Vec3;
 
@@ -10,8 +10,8 @@ use crate::energy::Iterate;
 const STEP: f64 = 1e-5;
 
 /// First-order change du = −H⁻¹ (∂²E/∂u∂X) dX [m] of an equilibrium, linearised on its
-/// rest shape X [m], when that moves by `motion` dX [m]; none where it is not stable, or the workspace does
-/// not hold its linearisation any more.
+/// rest shape X [m], when that moves by `motion` dX [m]; none where it is not stable, or
+/// its linearisation is no longer that in the workspace.
 pub fn follow(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -20,7 +20,7 @@ pub fn follow(
     motion: &[Vec3],
 ) -> Option<Vec<f64>> {
     let at = linearization.iterate(problem, rest);
-    if !workspace.holds(linearization, &at) || !workspace.linear().is_positive() {
+    if !workspace.has_factor_of(linearization, &at) || !workspace.linear().is_positive() {
         return None;
     }
     let moved: Vec<Vec3> = rest.iter().zip(motion).map(|(x, d)| x + STEP * d).collect();

@@ -1,4 +1,5 @@
-//! Through time, one time step after the other.
+//! The time stepper: from the end of one time step to the end of the next, in load steps
+//! where Newton's method needs them.
 
 use std::sync::Arc;
 
@@ -11,12 +12,12 @@ use super::stepping::{
 use super::{Configuration, Failure, Integrator, Problem, Trajectory, Workspace};
 use crate::energy::{Iterate, Multiplier, TimeStep};
 
-/// Of the way that supports and obstacles can go in a step, what the next try goes.
+/// Fraction of the free path of supports and obstacles that the next load step goes.
 const NEARLY: f64 = 0.9;
 /// Smallest factor of an increment by which the next is tried.
 const SHORTEST: f64 = 0.02;
 
-/// All that decides what comes next.
+/// All that determines the next time step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Progress {
     /// The states at the ends of the last time steps.
@@ -69,10 +70,9 @@ impl Progress {
 pub struct TimeStepper {
     /// How to approach the end of a time step.
     pub stepping: Stepping,
-    /// How far it is.
+    /// The state that was reached.
     pub progress: Progress,
-    /// A run like this one, whose motion in each time step is where this one looks
-    /// first.
+    /// A run like this one: the start of each time step is predicted from its motion.
     guide: Option<Arc<Trajectory>>,
     /// The last time step that was begun.
     step: Option<Arc<TimeStep>>,
@@ -104,8 +104,8 @@ impl TimeStepper {
     }
 
     /// Goes to the end of the next time step. `observe` is called after every
-    /// accepted load step. Nothing but what `self` and the couplings of the
-    /// workspace hold decides what comes next.
+    /// accepted load step. The next step depends on `self` and on the couplings in the
+    /// workspace alone.
     ///
     /// # Errors
     /// [`Unreached`] with the load that was reached.
@@ -171,7 +171,7 @@ impl TimeStepper {
     /// The time step that follows.
     fn begin(&mut self, problem: &Problem, rest: &[Vec3], end: f64) -> Arc<TimeStep> {
         if self.progress.integrator.method.has_inertia() || self.guide.is_some() {
-            // inertia keeps what comes near what was, and a guide near what it did
+            // with inertia, or a guide, the prediction is near the solution
             self.progress.increment = 1.0;
         }
         let lagged_contacts = problem.lagged_contacts(&self.iterate(problem, rest));
@@ -183,9 +183,9 @@ impl TimeStepper {
 
     /// A state near the next one, that surfaces can reach, at the load of the last: where
     /// a guide went, or inertia carries the bodies, or by linear extrapolation in the
-    /// load, pressures that hold volumes included. Loads may bend where time steps meet
-    /// and surfaces are hit, so the last state itself is taken if it is nearer to
-    /// balance.
+    /// load, multipliers of prescribed volumes included. Loads may bend where time steps
+    /// meet, and surfaces may be hit, so the last state itself is taken if its residual
+    /// is smaller.
     fn predict<'a>(
         &self,
         problem: &Problem,

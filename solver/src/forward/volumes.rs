@@ -1,4 +1,4 @@
-//! Equilibria with prescribed volumes.
+//! Equilibria with prescribed volumes, by the augmented Lagrangian.
 //!
 //! Newton's method finds a u that minimises the augmented Lagrangian
 //!
@@ -27,9 +27,10 @@ use crate::math::linear::{Precision, Symmetric, dot, norm};
 const ROUGH: f64 = 1e-4;
 /// Rough minima before a volume counts as out of reach.
 const MINIMA: usize = 30;
-/// Steps of Newton's method from one of them, which converges or is of no use.
+/// Most steps of Newton's method from one of them; a minimum follows if they do not
+/// converge.
 const STEPS: usize = 8;
-/// A gap of which more than this is left asks for a larger penalty ...
+/// The penalty grows where more than this fraction of a gap is left ...
 const SLOW: f64 = 0.1;
 /// ... by this factor.
 const GROWTH: f64 = 10.0;
@@ -69,7 +70,10 @@ pub fn balance(
             residuals.push(nearer.residual);
             distance = nearer;
         }
-        log::debug!("volumes {minimum}  largest gap {:.2e}", distance.largest_gap());
+        log::debug!(
+            "augmented Lagrangian of the volumes {minimum}  largest gap {:.2e}",
+            distance.largest_gap()
+        );
         if distance.largest_gap() <= newton.relative {
             // what is left, if anything, are digits that rounding takes
             let converged = newton.trace(problem, workspace, state, residuals)?;
@@ -96,8 +100,8 @@ pub fn balance(
 }
 
 /// The multipliers of a state alone, whatever those of `at` are: the pressures P̂ that
-/// minimise |∂L/∂u|, which at an equilibrium are those that hold the prescribed
-/// volumes.
+/// minimise |∂L/∂u|, which at an equilibrium are the Lagrange multipliers of the
+/// prescribed volumes.
 pub fn solve_multipliers(
     problem: &Problem,
     workspace: &mut Workspace,

@@ -1,8 +1,8 @@
 //! What solving a problem needs beside the problem: the sparsity pattern of its
 //! Hessian, the factorisation, and the times that it took.
 //!
-//! The pattern follows the problem and the iterate that it is asked about: other fixed
-//! degrees of freedom, or contacts that it has no entries for, extend it.
+//! The pattern is extended where a problem fixes other degrees of freedom, or an iterate
+//! has contacts that it has no entries for.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,7 +29,7 @@ const REACH: f64 = 2.0;
 /// Relative residual of the motion that follows the supports.
 const PREDICTION: f64 = 1e-6;
 
-/// Where the time went [s].
+/// Computing time by task [s].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Timings {
     /// Energies, gradients and Hessians.
@@ -41,7 +41,7 @@ pub struct Timings {
     /// Certificates of positive volume, and of surfaces that do not intersect.
     #[serde(default)]
     pub certificate_s: f64,
-    /// Where steps end before surfaces meet.
+    /// Step lengths by collision detection.
     #[serde(default)]
     pub collision_s: f64,
     /// Symbolic factorisations after the first.
@@ -61,7 +61,7 @@ pub struct Workspace {
     pub timings: Timings,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
-    /// Which factorisation of an exact Hessian `linear` holds, if it is one.
+    /// Which factorisation of an exact Hessian is in `linear`, if it is one.
     linearization: Option<u64>,
     linearizations: u64,
     pattern: Pattern,
@@ -259,7 +259,7 @@ impl Workspace {
 
     /// Whether the last factorisation is that of a linearisation, and at this iterate.
     #[must_use]
-    pub fn holds(&self, linearization: &Linearization, at: &Iterate) -> bool {
+    pub fn has_factor_of(&self, linearization: &Linearization, at: &Iterate) -> bool {
         self.linearization == Some(linearization.id) && linearization.u == at.u
     }
 
@@ -345,7 +345,7 @@ impl Workspace {
     /// What rounding leaves of the gradient's free part [N], whatever `u` is: the
     /// norm over i of ε Σ_j |H_ij| |w_j|, with ε = 2⁻⁵². It bounds what the
     /// rounding of w to the nearest f64, and of the sums over it, does to the
-    /// forces: w is the displacement for the elastic forces, which see
+    /// forces: w is the displacement for the elastic forces, which depend on
     /// differences of u alone, and the position for all others.
     pub fn rounding_floor(&mut self, problem: &Problem, at: &Iterate) -> f64 {
         let start = Instant::now();
@@ -370,7 +370,8 @@ impl Workspace {
     }
 }
 
-/// Where the Hessian has entries, and its factorisation without numbers.
+/// The sparsity pattern of the Hessian and its symbolic factorisation, with a
+/// fill-reducing ordering.
 fn symbolic(
     space: &FunctionSpace,
     fixed: &[bool],

@@ -1,4 +1,4 @@
-//! Symmetric matrices of 3×3 node blocks with a fixed pattern.
+//! Symmetric matrices of 3×3 node blocks with a fixed sparsity pattern.
 
 use std::ops::Range;
 

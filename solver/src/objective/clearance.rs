@@ -1,4 +1,4 @@
-//! Keeps the rest surface from touching itself.
+//! Barrier against self-contact of the rest surface.
 //!
 //! J = Σ_k m_k b(d_k², d̂²)
 //!

@@ -1,13 +1,12 @@
-//! A substitute for the force between parts of the surface, smooth and felt from
-//! afar.
+//! A smooth substitute for the contact force between parts of the surface that is not
+//! zero at a distance.
 //!
 //! J(u, X) = Σ_n |f_n|²      f = ∂B/∂x
 //!
 //! n   nodes of the chosen parts
 //! B   [`Potential`] of the convergent form, with the scale 1/d̂³ [m³]
 //! β   its density, log barrier or (d² − d̂²)² [m⁴]
-//! d̂   distance from which on parts feel each other [m], larger than that of the
-//!     contact which is simulated
+//! d̂   activation distance [m], larger than that of the contact which is simulated
 //!
 //! J is in m⁴, as κ is one: f counts, per pressure, the area that presses. Only
 //! pairs of different parts count. Both sides of a contact do, and forces of
@@ -45,7 +44,7 @@ pub(super) const KIND: Kind = Kind {
         ("density", "\"log\" (default) or \"quadratic\""),
         (
             "activation",
-            "distance from which on they feel each other [m], wider than that of contact",
+            "activation distance, below which they interact [m], larger than that of contact",
         ),
     ],
     may_be_maximised: true,

@@ -1,4 +1,4 @@
-//! What a term is built from: a body, and what its scene knows of it.
+//! What a term is built from: a body, and the data of its scene.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -78,7 +78,7 @@ impl Context<'_> {
         Ok(found)
     }
 
-    /// Whether what is wanted is defined on all facets whenever it counts.
+    /// Whether a wanted value is defined on all facets at all times that count.
     ///
     /// # Errors
     /// With the key, the value and where it was found.

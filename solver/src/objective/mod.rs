@@ -1,4 +1,4 @@
-//! What to minimise, each term at one equilibrium.
+//! The objective function: what to minimise, each term at one equilibrium.
 //!
 //! One kind of term per file, with its keys in `[[objective]]`; one row per kind in
 //! [`KINDS`].

@@ -1,4 +1,5 @@
-//! Where a part of the surface should go.
+//! Displacement or position of a part of the surface against a wanted one (trajectory
+//! tracking).
 //!
 //! J(u, X) = ∫_Γ Σ_k (u_k − w_k)² dA     displacement
 //! J(u, X) = ∫_Γ Σ_k (x_k − w_k)² dA     position, x = ΠX + u

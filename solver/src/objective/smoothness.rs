@@ -7,7 +7,7 @@
 //! ℓ_v = Σ_w |X_v − X_w|   [m]
 //!
 //! Neighbours are those within the chosen facets, so that a vertex on the rim
-//! sees one side only. The scale-invariant form does not change with the size
+//! has neighbours on one side only. The scale-invariant form does not change with the size
 //! of the model; both change with the number of vertices, and with them the
 //! balance to other terms.
 //!

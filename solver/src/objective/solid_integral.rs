@@ -30,22 +30,22 @@ struct Part {
 
 /// J over some elements.
 #[must_use]
-pub fn value(at_: &Equilibrium, elements: &Range<usize>, j: Integrand) -> f64 {
+pub fn value(equilibrium: &Equilibrium, elements: &Range<usize>, j: Integrand) -> f64 {
     let mut sum = 0.0;
-    for_each_part(at_, elements, j, |_, part| sum += part.value);
+    for_each_part(equilibrium, elements, j, |_, part| sum += part.value);
     sum
 }
 
 /// Adds `weight` ∂J/∂u, three components per node.
 pub fn add_du(
-    at_: &Equilibrium,
+    equilibrium: &Equilibrium,
     elements: &Range<usize>,
     j: Integrand,
     weight: f64,
     out: &mut [f64],
 ) {
-    let (n, nodes) = (at_.space.nodes_per_element(), at_.space.element_nodes());
-    for_each_part(at_, elements, j, |e, part| {
+    let (n, nodes) = (equilibrium.space.nodes_per_element(), equilibrium.space.element_nodes());
+    for_each_part(equilibrium, elements, j, |e, part| {
         let own = &nodes[n * e..n * (e + 1)];
         own.iter().zip(&part.by_u).for_each(|(&node, g)| add_at(out, node, &(weight * g)));
     });
@@ -53,36 +53,37 @@ pub fn add_du(
 
 /// Adds `weight` ∂J/∂X, three components per vertex.
 pub fn add_drest(
-    at_: &Equilibrium,
+    equilibrium: &Equilibrium,
     elements: &Range<usize>,
     j: Integrand,
     weight: f64,
     out: &mut [f64],
 ) {
-    for_each_part(at_, elements, j, |e, part| {
-        let own = at_.space.tets()[e];
+    for_each_part(equilibrium, elements, j, |e, part| {
+        let own = equilibrium.space.tets()[e];
         own.iter().zip(&part.by_rest).for_each(|(&v, g)| add_at(out, v, &(weight * g)));
     });
 }
 
-/// Evaluates elements in parallel and hands them over in order.
+/// Evaluates elements in parallel and passes them to `f` in order.
 fn for_each_part(
-    at_: &Equilibrium,
+    equilibrium: &Equilibrium,
     elements: &Range<usize>,
     j: Integrand,
     mut f: impl FnMut(usize, &Part),
 ) {
     let first = elements.start;
-    let part =
-        |range: Range<usize>| -> Vec<Part> { range.map(|i| element(at_, first + i, j)).collect() };
+    let part = |range: Range<usize>| -> Vec<Part> {
+        range.map(|i| element(equilibrium, first + i, j)).collect()
+    };
     map_merge(elements.len(), part, |range, parts| {
         range.zip(&parts).for_each(|(i, part)| f(first + i, part));
     });
 }
 
-fn element(at_: &Equilibrium, e: usize, j: Integrand) -> Part {
-    let space = at_.space;
-    let [a, b, c, d] = space.tets()[e].map(|v| at_.rest[v]);
+fn element(equilibrium: &Equilibrium, e: usize, j: Integrand) -> Part {
+    let space = equilibrium.space;
+    let [a, b, c, d] = space.tets()[e].map(|v| equilibrium.rest[v]);
     let edges = Mat3::from_columns(&[b - a, c - a, d - a]);
     let det = edges.determinant();
     let to_rest = cofactor(&edges) / det;
@@ -99,7 +100,7 @@ fn element(at_: &Equilibrium, e: usize, j: Integrand) -> Part {
     for (weight, gradients) in table.weights.iter().zip(&table.gradients) {
         let gradients: Vec<Vec3> = gradients.iter().map(|g| to_rest * Vec3::from(*g)).collect();
         let terms = nodes.iter().zip(&gradients);
-        let grad_u: Mat3 = terms.map(|(&n, g)| at(at_.u, n) * g.transpose()).sum();
+        let grad_u: Mat3 = terms.map(|(&n, g)| at(equilibrium.u, n) * g.transpose()).sum();
         let (value, slope) = j(&grad_u);
         let weight = weight * det / 6.0;
         part.value += weight * value;

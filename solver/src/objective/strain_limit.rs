@@ -1,4 +1,4 @@
-//! How far bodies are strained beyond what their material takes.
+//! Penalty on principal stretches beyond the limits of a material.
 //!
 //! J(u, X) = ∫ Σ_i (λ_i − λ⁺)₊² + (λ⁻ − λ_i)₊² dX
 //!

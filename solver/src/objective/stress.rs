@@ -1,4 +1,4 @@
-//! How stressed bodies are.
+//! The p-norm of the stress in bodies, to the power q.
 //!
 //! J(u, X) = ∫ |P|^q dX      P = ∂ψ/∂F, |·| the Frobenius norm
 //!

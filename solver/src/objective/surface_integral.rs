@@ -70,9 +70,9 @@ impl Patch {
 
     /// Deformed positions of all points [m].
     #[must_use]
-    pub fn positions(&self, at_: &Equilibrium) -> Vec<Vec3> {
-        let nodes = at_.nodes(Measure::Deformed);
-        let table = at_.space.facet_table();
+    pub fn positions(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
+        let nodes = equilibrium.nodes(Measure::Deformed);
+        let table = equilibrium.space.facet_table();
         let of_facet = |facet: &Vec<usize>| -> Vec<Vec3> {
             let sum =
                 |values: &Vec<f64>| facet.iter().zip(values).map(|(&n, v)| nodes[n] * *v).sum();
@@ -83,44 +83,55 @@ impl Patch {
 
     /// J.
     #[must_use]
-    pub fn value(&self, at_: &Equilibrium, j: Integrand) -> f64 {
+    pub fn value(&self, equilibrium: &Equilibrium, j: Integrand) -> f64 {
         let mut sum = 0.0;
-        self.for_each_part(at_, j, |_, part| sum += part.value);
+        self.for_each_part(equilibrium, j, |_, part| sum += part.value);
         sum
     }
 
     /// Adds `weight` ∂J/∂u, three components per node.
-    pub fn add_du(&self, at_: &Equilibrium, j: Integrand, weight: f64, out: &mut [f64]) {
-        self.for_each_part(at_, j, |nodes, part| {
+    pub fn add_du(&self, equilibrium: &Equilibrium, j: Integrand, weight: f64, out: &mut [f64]) {
+        self.for_each_part(equilibrium, j, |nodes, part| {
             nodes.iter().zip(&part.by_u).for_each(|(&n, g)| add_at(out, n, &(weight * g)));
         });
     }
 
     /// Adds `weight` ∂J/∂X at fixed u, three components per vertex.
-    pub fn add_drest(&self, at_: &Equilibrium, j: Integrand, weight: f64, out: &mut [f64]) {
-        let mut nodal = vec![0.0; 3 * at_.space.node_count()];
-        self.for_each_part(at_, j, |nodes, part| {
+    pub fn add_drest(&self, equilibrium: &Equilibrium, j: Integrand, weight: f64, out: &mut [f64]) {
+        let mut nodal = vec![0.0; 3 * equilibrium.space.node_count()];
+        self.for_each_part(equilibrium, j, |nodes, part| {
             let add = |(&n, g): (&usize, &Vec3)| add_at(&mut nodal, n, &(weight * g));
             nodes.iter().zip(&part.by_rest).for_each(add);
         });
-        at_.space.add_to_vertices(&nodal, out);
+        equilibrium.space.add_to_vertices(&nodal, out);
     }
 
-    /// Evaluates all facets in parallel and hands them over in order.
-    fn for_each_part(&self, at_: &Equilibrium, j: Integrand, mut f: impl FnMut(&[usize], &Part)) {
-        let rest = at_.nodes(Measure::Rest);
+    /// Evaluates all facets in parallel and passes them to `f` in order.
+    fn for_each_part(
+        &self,
+        equilibrium: &Equilibrium,
+        j: Integrand,
+        mut f: impl FnMut(&[usize], &Part),
+    ) {
+        let rest = equilibrium.nodes(Measure::Rest);
         let part = |range: std::ops::Range<usize>| -> Vec<Part> {
-            self.facets[range].iter().map(|nodes| self.part(at_, &rest, nodes, j)).collect()
+            self.facets[range].iter().map(|nodes| self.part(equilibrium, &rest, nodes, j)).collect()
         };
         map_merge(self.facets.len(), part, |range, parts| {
             self.facets[range].iter().zip(&parts).for_each(|(nodes, part)| f(nodes, part));
         });
     }
 
-    fn part(&self, at_: &Equilibrium, rest: &[Vec3], nodes: &[usize], j: Integrand) -> Part {
-        let table = at_.space.facet_table();
+    fn part(
+        &self,
+        equilibrium: &Equilibrium,
+        rest: &[Vec3],
+        nodes: &[usize],
+        j: Integrand,
+    ) -> Part {
+        let table = equilibrium.space.facet_table();
         let rest: Vec<Vec3> = nodes.iter().map(|&n| rest[n]).collect();
-        let u: Vec<Vec3> = nodes.iter().map(|&n| at(at_.u, n)).collect();
+        let u: Vec<Vec3> = nodes.iter().map(|&n| at(equilibrium.u, n)).collect();
         let moves = f64::from(u8::from(self.measure == Measure::Deformed));
         let zero = || vec![Vec3::zeros(); nodes.len()];
         let mut part = Part { value: 0.0, by_u: zero(), by_rest: zero() };

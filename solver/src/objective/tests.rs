@@ -76,7 +76,7 @@ impl Case {
         along(&self.u, &by_u, size, |u| value(&self.rest, u, &self.contact));
         along(&flat(&self.rest), &by_rest, size, |x| value(&points(x), &self.u, &self.contact));
         along(&self.contact, &by_contact, 1e-2, |f| value(&self.rest, &self.u, f));
-        // what is there is added to
+        // values are added to those that are there
         let before = by_u.clone();
         objective.add_du(&at, -1.5, &mut by_u);
         let left = by_u.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -181,18 +181,18 @@ impl WallThickness {
     }
 
     /// Positions of the vertices in the shape that is measured [m].
-    fn vertices(&self, at_: &Equilibrium) -> Vec<Vec3> {
+    fn vertices(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
         match self.measure {
-            Measure::Rest => at_.rest.to_vec(),
+            Measure::Rest => equilibrium.rest.to_vec(),
             Measure::Deformed => {
-                at_.rest.iter().enumerate().map(|(v, x)| x + at(at_.u, v)).collect()
+                equilibrium.rest.iter().enumerate().map(|(v, x)| x + at(equilibrium.u, v)).collect()
             }
         }
     }
 
-    fn gradient(&self, at_: &Equilibrium, weight: f64) -> Vec<f64> {
-        let mut gradient = vec![0.0; 3 * at_.rest.len()];
-        self.add_gradient_at(&self.vertices(at_), weight, &mut gradient);
+    fn gradient(&self, equilibrium: &Equilibrium, weight: f64) -> Vec<f64> {
+        let mut gradient = vec![0.0; 3 * equilibrium.rest.len()];
+        self.add_gradient_at(&self.vertices(equilibrium), weight, &mut gradient);
         gradient
     }
 }

@@ -369,7 +369,7 @@ impl Cascade<'_> {
         checkpoint.write_with_run(&self.folder, &run)
     }
 
-    /// What the iterations that are left may take, if they go on as in this level.
+    /// Time for the iterations that are left, if they take as long as in this level.
     fn time_left(&self, checkpoint: &Checkpoint) -> String {
         if checkpoint.iteration == 0 {
             return String::new();
@@ -382,8 +382,8 @@ impl Cascade<'_> {
     }
 }
 
-/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the level
-/// linearised there.
+/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the
+/// level linearised there.
 fn lower(
     level: &mut Level,
     theta: &[f64],

@@ -1,5 +1,5 @@
-//! Everything that an interrupted optimisation needs to go on as if it had not
-//! been interrupted.
+//! The checkpoint: everything that an interrupted optimisation needs to continue as if it
+//! had not been interrupted.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

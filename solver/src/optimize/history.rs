@@ -32,7 +32,7 @@ impl History {
         write().with_context(|| self.path.display().to_string())
     }
 
-    /// Leaves so many lines.
+    /// Keeps the first `lines` lines.
     ///
     /// # Errors
     /// When there are fewer, or the file cannot be read or written.

@@ -1,10 +1,11 @@
-//! Limited-memory BFGS: a descent direction from the last few steps.
+//! Limited-memory BFGS (L-BFGS), a quasi-Newton method: a descent direction from the last
+//! few steps.
 //!
 //! p = −H g,   H ≈ (∂²J/∂θ²)⁻¹ by the two-loop recursion over pairs
 //! s = θ₊ − θ,  y = g₊ − g,   started from H₀ = (s·y / y·y) I of the last pair
 //!
 //! Only the memory is held here; line search and evaluations are the caller's.
-//! The state is plain data, so that an optimisation can be stopped and go on
+//! The state is plain data, so that an optimisation can be stopped and continued
 //! with the same numbers.
 //!
 //! Source: Nocedal and Wright 2006, "Numerical Optimization", algorithm 7.4.

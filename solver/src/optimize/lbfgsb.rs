@@ -1,4 +1,4 @@
-//! Limited-memory BFGS within bounds: the minimiser of the model in a box.
+//! Limited-memory BFGS within bounds (L-BFGS-B): the minimiser of the model in a box.
 //!
 //! m(z) = g·(z − x) + ½ (z − x)ᵀ B (z − x)     over l ≤ z ≤ u
 //!
@@ -23,7 +23,7 @@ use super::Lbfgs;
 use super::lbfgs::Pair;
 use crate::math::linear::dot;
 
-/// Turns until the active set is given up on; two or three are usual.
+/// Most turns in search of the active set; two or three are usual.
 const TURNS: usize = 50;
 
 /// Projected gradient of the model, relative to that at the start, that counts as
@@ -158,9 +158,9 @@ impl Bounds<'_> {
             if descent >= 0.0 || (minimum.is_infinite() && until.is_infinite()) {
                 return;
             }
-            let way = minimum.clamp(0.0, until);
-            z.axpy(way, &direction, 1.0);
-            slope.axpy(way, &bent, 1.0);
+            let length = minimum.clamp(0.0, until);
+            z.axpy(length, &direction, 1.0);
+            slope.axpy(length, &bent, 1.0);
             if minimum < until {
                 return;
             }
@@ -190,11 +190,11 @@ impl Bounds<'_> {
             if step[k] == 0.0 { f64::INFINITY } else { (bound - z[free[k]]) / step[k] }
         };
         let limits: Vec<f64> = (0..free.len()).map(limit).collect();
-        let way = limits.iter().copied().fold(1.0, f64::min);
+        let length = limits.iter().copied().fold(1.0, f64::min);
         for (k, &i) in free.iter().enumerate() {
             // exactly at the bound, or the variable would count as free
             let bound = if step[k] > 0.0 { self.upper[i] } else { self.lower[i] };
-            z[i] = if limits[k] <= way { bound } else { z[i] + way * step[k] };
+            z[i] = if limits[k] <= length { bound } else { z[i] + length * step[k] };
         }
     }
 }

@@ -31,7 +31,7 @@ const NEARBY: usize = 12;
 /// The same in a load step of a run next to another, where bodies hit each other: simulated
 /// from rest, the worm took at most 22, the gripper 11.
 const NEARBY_IN_TIME: usize = 30;
-/// Smallest part of a time step that such a run goes at once.
+/// Smallest load step of such a run, as a fraction of a time step.
 const NEARBY_INCREMENT: f64 = 0.25;
 
 /// A shape that was not accepted, and why.
@@ -79,7 +79,7 @@ pub struct Level {
     /// Where the level was linearised last.
     linearization: Option<Linearization>,
     stepping: Stepping,
-    /// The state at t = 0 and how it goes on.
+    /// The state at t = 0 and the time integration.
     start: Integrator,
     /// Ends of the time steps [s].
     times: Vec<f64>,
@@ -302,8 +302,8 @@ impl Level {
 
     /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or
     /// next to an evaluation of a scene without time. What follows depends on the
-    /// evaluation alone, not on how it was reached: an interrupted search goes on with
-    /// the same bits.
+    /// evaluation alone, not on how it was reached: an interrupted search continues
+    /// with the same bits.
     pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
         self.map.set_loads(theta, &mut self.problem.energies);
         self.linearization = None;
@@ -317,8 +317,8 @@ impl Level {
     }
 
     /// First-order change of the equilibrium from `at`, where the level is
-    /// linearised, to the shape X(θ): a start for [`Self::evaluate`] on the way
-    /// there. None where the equilibrium is not stable, or of a run through time.
+    /// linearised, to the shape X(θ): a start for [`Self::evaluate`] along this step.
+    /// None where the equilibrium is not stable, or of a run through time.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<f64>> {
         let linearization = self.linearization.as_ref()?;
         let shape = self.map.shape(theta);
@@ -393,7 +393,7 @@ impl Level {
     }
 
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
-    /// does not meet itself.
+    /// does not intersect itself.
     #[must_use]
     pub fn free_fraction(&self, theta: &[f64], d: &[f64]) -> f64 {
         if self.map.moving().is_empty() {
@@ -407,7 +407,7 @@ impl Level {
     /// equilibrium.
     ///
     /// # Errors
-    /// With the element, facet or term that is in the way.
+    /// With the element, facet or term that is not valid.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         validity::check(rest, &self.body.mesh.tets, self.body.boundary(), self.map.moving())
             .map_err(|e| Rejected(e.to_string()))?;

@@ -1,4 +1,5 @@
-//! The outer loop: from an objective's gradient to a better shape.
+//! The outer loop: shape optimisation by a quasi-Newton method (L-BFGS, within bounds
+//! L-BFGS-B) with a backtracking line search, in a cascade of levels.
 
 mod cascade;
 mod checkpoint;

@@ -43,12 +43,12 @@ impl Parameter {
                 all.push(Self::Velocity(part));
             }
         }
-        let rubs = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
-        all.extend(rubs.then_some(Self::Friction));
+        let has_friction = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
+        all.extend(has_friction.then_some(Self::Friction));
         all
     }
 
-    /// What people call it.
+    /// Its name in reports.
     #[must_use]
     pub fn name(&self, scene: &Scene) -> String {
         let body = |part: usize| &scene.parts[part].config.name;

@@ -1,6 +1,6 @@
-//! How far a rest shape can go before its boundary meets itself.
+//! The largest step of a rest shape before its boundary intersects itself.
 //!
-//! Handles turn, so that vertices go along curves. The way is cut into pieces whose
+//! Handles turn, so that vertices go along curves. The path is cut into pieces whose
 //! middle is near their chord, and each chord is followed by continuous collision
 //! detection. What is left between chord and curve is small beside an edge, and the
 //! end of a trial is checked exactly by [`validity`](super::validity).
@@ -14,9 +14,9 @@ use crate::contact::pairs::Features;
 /// Distance of a middle from its chord, in mean edges, up to which a piece counts as
 /// straight [1].
 const STRAIGHT: f64 = 0.02;
-/// Longest piece: a way that comes back must not look straight [1].
+/// Longest piece: a path that comes back must not look straight [1].
 const LONGEST: f64 = 0.25;
-/// Pieces are not cut further than to this part of the way.
+/// Pieces are not cut further than to this part of the path.
 const SHORTEST: f64 = 1.0 / 64.0;
 
 /// The boundary of a body, part of which a design moves.
@@ -35,7 +35,7 @@ impl RestPath {
         Self { features: Features::new(boundary), moves, mean_edge: edge }
     }
 
-    /// The fraction of the way `at`(t), t from 0 to 1, that is free: vertex positions
+    /// The fraction of the path `at`(t), t from 0 to 1, that is free: vertex positions
     /// of the whole mesh [m].
     #[must_use]
     pub fn free(&self, at: impl Fn(f64) -> Vec<Vec3>) -> f64 {
@@ -77,8 +77,8 @@ mod tests {
     use super::*;
     use crate::testing::square;
 
-    /// A plate that swings through another, and back to where it was: only the way
-    /// tells.
+    /// A plate that swings through another, and back to where it was: only the path
+    /// shows it.
     #[test]
     fn a_plate_that_swings_through_another_is_stopped() {
         let mut surface = square(2, 0.0);

@@ -5,13 +5,13 @@ use super::checkpoint::Checkpoint;
 use crate::config::OptimizerConfig;
 use crate::math::linear::norm;
 
-/// Of the fraction of a step that the rest shape can go, what the first trial goes.
+/// Length of the first trial relative to the free fraction of a step.
 const NEARLY: f64 = 0.9;
 /// Largest vertex motion of one iteration in mean edges of the moving surface.
 const LARGEST_MOTION: f64 = 3.0;
 
 /// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
-/// far as vertices may move at once and the rest shape does not meet itself.
+/// far as vertices may move in one iteration and the rest shape does not intersect itself.
 pub(super) fn trial_step(
     level: &Level,
     checkpoint: &Checkpoint,

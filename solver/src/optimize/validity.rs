@@ -31,7 +31,7 @@ pub enum Invalid {
         /// Its center [m].
         at: Vec3,
     },
-    /// The boundary meets itself.
+    /// The boundary intersects itself.
     #[error("{count} pairs of facets intersect, the first at {}", point(.at))]
     Intersecting {
         /// Number of pairs.

@@ -1,4 +1,4 @@
-//! A run file: what may change, and what is wanted.
+//! A run file: design variables and objective function.
 
 mod pressures;
 mod terms;

@@ -1,7 +1,7 @@
 //! A JSON file of which every key is accounted for.
 //!
-//! Whoever reads a key says what becomes of it; what nobody has read by the end
-//! is listed, so that nothing gets lost in silence.
+//! Code that reads a key records what becomes of it; keys that were not read are listed
+//! at the end, so that none is dropped silently.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,7 +54,7 @@ impl Document {
         Key { document: self, pointer: String::new(), value: &self.root }
     }
 
-    /// Keys in order, with what became of them. Keys that nobody has read get
+    /// Keys in order, with what became of them. Keys that were not read get
     /// the reason of the longest prefix in `reasons`, patterns of pointers in
     /// which `*` is any one word, or else count as unknown.
     #[must_use]
@@ -324,20 +324,26 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_told_with_its_place() {
+    fn what_does_not_fit_is_reported_with_its_place() {
         let document = document(r#"{"a": {"b": [1, "x"], "n": 1.5}, "c": true}"#);
         let root = document.root();
         let a = root.get("a").expect("there");
-        let told = |e: Error, words: &str| {
+        let refused = |e: Error, words: &str| {
             let message = e.to_string();
             assert!(message.contains("scene.json: ") && message.contains(words), "{message}");
         };
         let b = a.get("b").expect("there");
-        told(b.numbers(2).expect_err("x"), "/a/b: found [1,\"x\"], needed is a list of 2 numbers");
-        told(b.items()[1].number().expect_err("x"), "/a/b/1: found \"x\", needed is a number");
-        told(a.get("n").expect("there").id().expect_err("1.5"), "found 1.5, needed is a whole");
-        told(root.need("z", "the last letter").err().expect("absent"), "/: there is no \"z\", the");
-        told(root.get("c").expect("there").text().expect_err("true"), "/c: found true, needed");
+        refused(
+            b.numbers(2).expect_err("x"),
+            "/a/b: found [1,\"x\"], needed is a list of 2 numbers",
+        );
+        refused(b.items()[1].number().expect_err("x"), "/a/b/1: found \"x\", needed is a number");
+        refused(a.get("n").expect("there").id().expect_err("1.5"), "found 1.5, needed is a whole");
+        refused(
+            root.need("z", "the last letter").err().expect("absent"),
+            "/: there is no \"z\", the",
+        );
+        refused(root.get("c").expect("there").text().expect_err("true"), "/c: found true, needed");
     }
 
     #[test]

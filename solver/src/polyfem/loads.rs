@@ -1,4 +1,4 @@
-//! What holds bodies and what acts on them.
+//! Boundary conditions: Dirichlet conditions (supports) and loads.
 
 use anyhow::Result;
 

@@ -1,4 +1,4 @@
-//! Scenes of PolyFEM in our words.
+//! Scenes of PolyFEM translated to ours.
 //!
 //! Reads the JSON files that were published with Gjoka et al. 2024: a state
 //! (bodies, materials, loads, contact, time) or a run (an optimisation of a
@@ -9,7 +9,7 @@
 //!
 //! - the pressure of gas is minus ours, `rhs` is minus our gravity;
 //! - of selections, the first that holds for a facet counts;
-//! - loads are looked at when a time step ends, lists at times rounded to 1 ms;
+//! - loads are evaluated at the end of a time step, lists at times rounded to 1 ms;
 //! - a list of surfaces has ids: the tag of id 2 is `s2`, that of facets which
 //!   nothing selects `unselected`;
 //! - a plane scene is one of depth 1 m, ours a slab of another thickness: see

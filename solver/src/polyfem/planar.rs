@@ -33,7 +33,8 @@ pub fn read(path: &Path) -> Result<Plane> {
     let text = mesh::io::read_text(path)?;
     let mut plane = Plane::default();
     for (line, words) in text.lines().enumerate() {
-        let told = |what: &str| anyhow!("{}: line {}: {words:?}: {what}", path.display(), line + 1);
+        let error =
+            |what: &str| anyhow!("{}: line {}: {words:?}: {what}", path.display(), line + 1);
         let mut fields = words.split_whitespace();
         match fields.next() {
             Some("v") => {
@@ -41,7 +42,7 @@ pub fn read(path: &Path) -> Result<Plane> {
                 let x = x.ok().filter(|x| x.iter().all(|c| c.is_finite()));
                 match x.as_deref() {
                     Some(&[x, y] | &[x, y, 0.0]) => plane.vertices.push(Vec3::new(x, y, 0.0)),
-                    _ => return Err(told("needed are x and y of a plane body, and z = 0 if any")),
+                    _ => return Err(error("needed are x and y of a plane body, and z = 0 if any")),
                 }
             }
             Some("f") => {
@@ -51,7 +52,7 @@ pub fn read(path: &Path) -> Result<Plane> {
                 let corners: Option<Vec<usize>> = fields.map(index).collect();
                 match corners.as_deref() {
                     Some(&[a, b, c]) => plane.triangles.push([a - 1, b - 1, c - 1]),
-                    _ => return Err(told(&format!("needed are three vertices from 1 to {n}"))),
+                    _ => return Err(error(&format!("needed are three vertices from 1 to {n}"))),
                 }
             }
             _ => {}

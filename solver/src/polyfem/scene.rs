@@ -17,7 +17,7 @@ pub const REASONS: &[(&str, &str)] = &[
     ("/solver/linear", "there is one factorisation here, which chooses its own ordering"),
     (
         "/solver/nonlinear",
-        "the ladder of Newton's methods here has settings of its own, table [solver]",
+        "the modified Newton method here has settings of its own, table [solver]",
     ),
     ("/solver/augmented_lagrangian", "supports have settings of their own here"),
     ("/solver/contact/CCD", "the step bound here has no settings"),

@@ -1,7 +1,7 @@
 //! Numbers, expressions and lists over time.
 //!
 //! Expressions of PolyFEM are those of tinyexpr with some functions more. They
-//! are handed on as they are, but for what the same letters mean here: `e` is
+//! are kept, except for names with another meaning here: `e` is
 //! exp(1), `ln` is `log`, and time begins at 0.
 
 use anyhow::{Result, anyhow};
@@ -53,7 +53,7 @@ impl Amount {
         }
     }
 
-    /// As it stands in a scene.
+    /// As it is written in a scene.
     #[must_use]
     pub fn toml(&self) -> String {
         match self {

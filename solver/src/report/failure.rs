@@ -28,8 +28,8 @@ const RESIDUALS: usize = 8;
 const CRUSHED: f64 = 0.2;
 /// Radius ratio below which a rest element counts as badly shaped.
 const BAD_SHAPE: f64 = 0.2;
-/// A body is about to give way when it yields to more load by this many times
-/// what it did at rest. A thin neo-Hookean balloon does so 12 % below its largest
+/// A body is about to lose its stability when its compliance to more load is this many
+/// times that at rest. A thin neo-Hookean balloon does so 12 % below its largest
 /// pressure, where p ~ 1/λ − 1/λ⁷ and dV/dp ~ λ² / (7/λ⁸ − 1/λ²).
 const SOFT: f64 = 8.0;
 
@@ -42,7 +42,7 @@ pub struct Diagnosis {
     grid: vtu::Grid,
 }
 
-/// The element that stands most in the way, and its state in the failing step.
+/// The element that most likely causes the failure, and its state in the failing step.
 #[derive(Clone, Debug, Serialize)]
 pub struct WorstElement {
     /// Index of the tetrahedron in the mesh.
@@ -298,7 +298,7 @@ fn advice(
         });
     }
     if let Some(warning) = stretches.warning() {
-        advice.push(format!("a material that is known further: {warning}"));
+        advice.push(format!("a material with data at larger stretches: {warning}"));
     }
     if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
         let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };

@@ -1,5 +1,5 @@
 //! What programs write: measures of a state and their files, the record of a run while it
-//! goes on, what is known where there is no equilibrium, and how far runs are apart.
+//! runs, what is known where there is no equilibrium, and how far runs are apart.
 
 pub mod compare;
 pub mod failure;

@@ -1,4 +1,4 @@
-//! What a run writes while it goes on, so that nothing is lost when it is killed:
+//! What a run writes while it runs, so that nothing is lost when it is killed:
 //! a line of `steps.jsonl` and a picture per reported step, and the checkpoint.
 
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::scene::Scene;
 
 /// One line per reported step.
 pub const STEPS: &str = "steps.jsonl";
-/// Where an interrupted run goes on.
+/// From which an interrupted run continues.
 const CHECKPOINT: &str = "checkpoint.json";
 
 /// A run that was interrupted after a time step. Numbers are written so that they
@@ -27,7 +27,7 @@ pub struct Checkpoint {
     pub inputs: String,
     /// Time steps done.
     pub steps: usize,
-    /// All that decides what comes next ...
+    /// All that determines the next time step ...
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
     pub couplings: Vec<[usize; 2]>,

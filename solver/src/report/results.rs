@@ -70,8 +70,8 @@ pub fn tags(
     Ok(reports)
 }
 
-/// Force of each support on the body [N]: what holds the components that it
-/// fixes. Several entries of one tag are one support.
+/// Reaction force of each support on the body [N], in the components that it fixes.
+/// Several entries of one tag are one support.
 fn reactions(
     scene: &Scene,
     body: &Body,

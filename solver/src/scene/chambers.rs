@@ -1,4 +1,4 @@
-//! The chambers of a scene: walls, what is behind them, and what they need.
+//! The chambers of a scene: their walls, gas laws and checks.
 
 use anyhow::{Context, Result, bail, ensure};
 
@@ -87,13 +87,14 @@ pub(super) fn check_rim(
 ) -> Result<()> {
     let rim = mesh::topology::boundary_edges(facets);
     let nodes = |&[a, b]: &[usize; 2]| [a, b].into_iter().chain(space.edge_nodes([a, b]));
-    let held = |edge: &[usize; 2]| nodes(edge).all(|node| supports.holds(node));
+    let clamped = |edge: &[usize; 2]| nodes(edge).all(|node| supports.clamps(node));
     let flat: Vec<usize> = mesh::topology::boundary_loops(facets)
         .into_iter()
         .filter(|rim| (0..3).any(|axis| slides(rim, axis, supports, space, body)))
         .flatten()
         .collect();
-    let free: Vec<_> = rim.iter().filter(|edge| !held(edge) && !flat.contains(&edge[0])).collect();
+    let free: Vec<_> =
+        rim.iter().filter(|edge| !clamped(edge) && !flat.contains(&edge[0])).collect();
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
         bail!(

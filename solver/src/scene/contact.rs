@@ -1,4 +1,4 @@
-//! What keeps surfaces of a scene apart.
+//! Contact of a scene: its collision surface, barrier and friction.
 
 use std::sync::Arc;
 
@@ -63,7 +63,7 @@ impl Scene {
         if let Some(what) = contact.intersection(&rest) {
             bail!(
                 "{}: at rest {what}\n  bodies must be apart at the start: move one by translate, or \
-                 mend the mesh",
+                 repair the mesh",
                 self.path.display()
             );
         }

@@ -22,7 +22,7 @@ pub(super) enum Node {
     Number(f64),
     Time,
     Position(usize),
-    /// A name, the character of the text where it stands, and its value.
+    /// A name, the position of its first character in the text, and its value.
     Parameter {
         name: String,
         at: usize,

@@ -1,8 +1,8 @@
 //! Values of loads and supports over time.
 //!
 //! A scene begins at t = 0 with its body at rest and ends its first time step
-//! at t₁. Whatever is written, w(t), acts from t₁ on as it is; what it has at
-//! t = 0 comes on during the first step:
+//! at t₁. The written value w(t) acts unchanged from t₁ on; w(0) is ramped up during the
+//! first step:
 //!
 //! v(t) = w(t) − (1 − t/t₁) w(0)   for t < t₁,   v(t) = w(t) after
 //!
@@ -351,20 +351,20 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_defined_is_told_with_its_place() {
-        let told = |text: &str, times: &[f64]| {
+    fn what_is_not_defined_is_reported_with_its_place() {
+        let refused = |text: &str, times: &[f64]| {
             let at = [Vec3::zeros(), Vec3::new(0.0, 0.0, 0.25)];
             sound(text, 1.0).check(times, &at).expect_err(text)
         };
-        assert_eq!(told("\"log(t)\"", &[0.0, 1.0]), "\"log(t)\" is -inf at t = 0 s");
-        let message = told("\"1/(z - 0.25)\"", &[0.5]);
+        assert_eq!(refused("\"log(t)\"", &[0.0, 1.0]), "\"log(t)\" is -inf at t = 0 s");
+        let message = refused("\"1/(z - 0.25)\"", &[0.5]);
         assert_eq!(
             message,
             "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m"
         );
-        assert_eq!(told("nan", &[0.0]), "NaN is not finite");
+        assert_eq!(refused("nan", &[0.0]), "NaN is not finite");
         let table = "{ t = [0.1, 0.5], value = [0, 1] }";
-        assert!(told(table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
+        assert!(refused(table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
         assert!(sound(table, 1.0).at(0.6).is_nan(), "never a silent zero");
     }
 

@@ -30,7 +30,7 @@ impl Table {
     /// Values at increasing times [s].
     ///
     /// # Errors
-    /// With what is not as it should be.
+    /// With what is wrong in the table.
     pub fn new(t: Vec<f64>, value: Vec<f64>) -> Result<Self, String> {
         if t.len() != value.len() || t.len() < 2 {
             return Err(format!(

@@ -9,7 +9,7 @@ use tests::published::{WORM_CHAMBERS, gripper, worm};
 use tests::workdir::Workdir;
 use tests::{block, tag};
 
-/// Bars by their names: cells through the wall, across the cavity, and along the
+/// Bars by their names: cells through the wall, across the chamber, and along the
 /// bar, so that cells are nearly cubes.
 pub const BARS: [(&str, [usize; 3]); 5] = [
     ("bar20k", [1, 4, 24]),
@@ -67,7 +67,7 @@ fn settings(degree: &str, law: &str, fixed: &str, chambers: &[String], pressure:
     text
 }
 
-/// 120 × 28 × 28 mm with walls of 5 mm around a closed cavity, in cubes of six
+/// 120 × 28 × 28 mm with walls of 5 mm around a closed chamber, in cubes of six
 /// tetrahedra.
 fn bar([wall, core, length]: [usize; 3]) -> Body {
     const THICKNESS: f64 = 5e-3;

@@ -1,5 +1,5 @@
-//! What contact costs before any force: candidates, the bound on a step, and the
-//! proof that nothing intersects, on two bumpy sheets that come together.
+//! Cost of collision detection: candidates (broad phase), the bound on a step (CCD), and
+//! the proof that nothing intersects, on two bumpy sheets that come together.
 
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -39,7 +39,7 @@ struct Sheets {
     facets: Vec<[usize; 3]>,
     start: Vec<Vec3>,
     end: Vec<Vec3>,
-    /// Within which they feel each other, an eighth of a square [m].
+    /// Activation distance, an eighth of a square [m].
     radius: f64,
 }
 

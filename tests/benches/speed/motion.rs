@@ -40,8 +40,8 @@ pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
                 .current_dir(folder.path())
                 .output()
                 .context("solver")?;
-            let told = String::from_utf8_lossy(&output.stderr);
-            ensure!(output.status.success(), "solver {arguments:?}: {told}");
+            let stderr = String::from_utf8_lossy(&output.stderr);
+            ensure!(output.status.success(), "solver {arguments:?}: {stderr}");
             Ok(())
         };
         solver(&["import", &path.to_string_lossy(), "-o", "scene"])?;

@@ -69,7 +69,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// What tells rows apart.
+    /// What identifies a row.
     pub fn key(&self) -> String {
         format!("{}/{}", self.what, self.body)
     }

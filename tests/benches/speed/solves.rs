@@ -204,7 +204,7 @@ pub fn compare(rows: &mut [Row], solves: &[Solve]) {
     }
 }
 
-/// What is asked of the gripper, and what it does.
+/// Targets for the times of the gripper, and whether they are met.
 pub fn targets(rows: &[Row], solves: &[Solve]) -> Vec<String> {
     let body = "gripper-p2";
     let seconds = |what: &str| find(rows, what, body).map(|r| r.seconds.median);

@@ -56,7 +56,7 @@ impl Stored {
         }
         let text = mesh::io::read_text(path)?;
         let found = serde_json::from_str(&text).with_context(|| {
-            format!("{}: not as this version writes it; remove it to go on", path.display())
+            format!("{}: not as this version writes it; remove it to continue", path.display())
         })?;
         Ok(Some(found))
     }

@@ -12,7 +12,7 @@ const KINDS: [Pair; 2] = [Pair::PointTriangle([0, 1, 2, 3]), Pair::EdgeEdge([0, 
 /// Scale and distance from the origin in its units.
 const PLACES: [(f64, f64); 5] = [(1.0, 0.0), (1e-3, 0.0), (1e3, 0.0), (1.0, 1e3), (1e-3, 1e3)];
 
-/// The corners of a pair at the ends of their ways, and the minimum distance.
+/// The corners of a pair at the ends of their paths, and the minimum distance.
 struct Path {
     pair: Pair,
     start: [Vec3; 4],

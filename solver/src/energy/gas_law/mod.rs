@@ -143,7 +143,11 @@ pub fn read(keys: toml::Table) -> Result<Box<dyn GasLaw>> {
     let own = |name: &String| law.keys.iter().any(|key| key.name == *name);
     if let Some(other) = keys.keys().find(|name| !own(name)) {
         let names: Vec<&str> = law.keys.iter().map(|key| key.name).collect();
-        bail!("{other} does not go with {one}; the {} law has {}", law.name, names.join(", "));
+        bail!(
+            "{other} cannot be combined with {one}; the {} law has {}",
+            law.name,
+            names.join(", ")
+        );
     }
     (law.read)(keys).map_err(|e| anyhow::anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))
 }

@@ -6,7 +6,7 @@
 //! P̂, k   multiplier and penalty of the augmented Lagrangian [Pa, Pa/m³]
 //!
 //! P̂ and k belong to the iterate: `forward` finds the P̂ for which V = V*, and P is then
-//! the pressure that holds the volume, whatever k.
+//! the pressure at which the volume is V*, for any k.
 
 use serde::{Deserialize, Serialize};
 

@@ -83,7 +83,10 @@ fn exactly_one_key_selects_the_law() {
         ("ambient = 1e5", &[all, "found none"]),
         ("pressure = 1\nfill = 2", &[all, "found pressure and fill"]),
         ("volume_change = 1\nvolume_factor = 2", &["found volume_change and volume_factor"]),
-        ("pressure = 1\nexponent = 1.4", &["exponent does not go with pressure", "isobaric"]),
+        (
+            "pressure = 1\nexponent = 1.4",
+            &["exponent cannot be combined with pressure", "isobaric"],
+        ),
         ("fill = 1\nambient = 1e5", &["missing field `exponent`"]),
         ("fill = 1\nambient = 1e5\nexponent = \"a\"", &["exponent", "\"a\""]),
         ("pressure = [1]", &["a number, an expression"]),

@@ -19,9 +19,9 @@ const EDGE: f64 = 0.01;
 const GAP: f64 = 1e-3;
 const NEWTON: Newton = Newton { iterations: 100, relative: 1e-10, absolute: 0.0 };
 
-/// A cube whose skin is moved up by `way` [m], and a free one a millimetre above
+/// A cube whose skin is moved up by `distance` [m], and a free one a millimetre above
 /// it, with inertia in a step of h [s], or held by a tiny mass; and a ceiling.
-fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> Pusher {
+fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher {
     let unit = cube(2, 0.1);
     let lift = Vec3::new(0.3 * GAP, 0.2 * GAP, EDGE + GAP);
     let upper = unit.vertices.iter().map(|v| EDGE * v + lift);
@@ -55,7 +55,7 @@ fn pusher(degree: usize, way: f64, h: Option<f64>, ceiling: f64) -> Pusher {
     let free_flight = h.map(|_| still.clone());
     let step =
         TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, lagged_contacts: Vec::new() };
-    let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { way } else { 0.0 }).collect();
+    let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { distance } else { 0.0 }).collect();
     let problem = Problem::new(space, energies, &fixed).with_displacement(&up);
     Pusher { workspace: Workspace::new(&problem), problem, rest, step: Arc::new(step) }
 }
@@ -76,7 +76,7 @@ impl Pusher {
     }
 }
 
-/// How much of the straight way to the supports' places at a load is free.
+/// How much of the straight path to the supports' places at a load is free.
 fn straight(pusher: &mut Pusher, (start, before): (&[f64], f64), load: f64) -> f64 {
     let Pusher { problem, workspace, rest, step } = pusher;
     let from = Iterate { step: Some(step), ..problem.iterate(rest, start, before) };
@@ -108,7 +108,7 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
         let off: Vec<f64> = one.u.iter().zip(&u).map(|(a, b)| a - b).collect();
         let off = norm(&off) / norm(&u);
         eprintln!(
-            "P{degree}, h {h:?}: {free:.2} of the way is free; {} iterations in one step, \
+            "P{degree}, h {h:?}: {free:.2} of the path is free; {} iterations in one step, \
              {iterations} in {steps}; {off:.1e} apart",
             one.newton_iterations
         );
@@ -156,7 +156,7 @@ fn springs_have_their_derivatives() {
     springs.add_hessian(&at, Hessian::Exact, &mut matrix);
     // it is quadratic
     let by: Vec<f64> = gradient(&places).iter().zip(gradient(&u)).map(|(a, b)| a - b).collect();
-    let way: Vec<f64> = places.iter().zip(&u).map(|(a, b)| a - b).collect();
-    let off: Vec<f64> = matrix.multiply(&way).iter().zip(&by).map(|(a, b)| a - b).collect();
+    let to_places: Vec<f64> = places.iter().zip(&u).map(|(a, b)| a - b).collect();
+    let off: Vec<f64> = matrix.multiply(&to_places).iter().zip(&by).map(|(a, b)| a - b).collect();
     assert!(norm(&off) < 1e-12 * norm(&by));
 }

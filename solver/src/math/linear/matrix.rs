@@ -1,4 +1,4 @@
-//! Symmetric matrices whose sparse part has a fixed pattern.
+//! Symmetric matrices whose sparse part has a fixed sparsity pattern.
 
 use std::ops::Range;
 

@@ -368,7 +368,7 @@ impl SparseSolver {
         let updates = &self.matrix.updates;
         let projected =
             DVector::from_iterator(updates.len(), updates.iter().map(|(_, u)| dot(u, &x)));
-        // singular only if the whole matrix is; NaN then tells it
+        // singular only if the whole matrix is; the result is then NaN
         let weights = matrix.solve(&projected).unwrap_or_else(|| projected.map(|_| f64::NAN));
         for (z, weight) in columns.iter().zip(weights.iter()) {
             x.iter_mut().zip(z).for_each(|(x, z)| *x -= weight * z);
@@ -411,7 +411,7 @@ impl SparseSolver {
 
 /// When conjugate gradients end.
 struct Stop {
-    /// Relative residual asked for.
+    /// Relative residual wanted.
     tolerance: f64,
     /// Steps at most.
     steps: usize,

@@ -5,7 +5,7 @@ use super::{Options, read, scene, with};
 
 #[test]
 fn slips_name_the_file_the_key_and_what_is_needed() {
-    let told = |json: &Value, words: &[&str]| {
+    let refused = |json: &Value, words: &[&str]| {
         let message = format!("{:#}", read(json, &Options::default()).err().expect("refused"));
         assert!(message.contains("scene.json"), "{message}");
         for word in words {
@@ -82,15 +82,15 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
             &["2 values; needed is one for the start and each of 3"],
         ),
     ] {
-        told(&with(pointer, value), words);
+        refused(&with(pointer, value), words);
     }
-    told(&json!({ "output": 1 }), &["neither \"geometry\"", "nor \"states\""]);
+    refused(&json!({ "output": 1 }), &["neither \"geometry\"", "nor \"states\""]);
     let absent = json!({ "states": [{ "path": "gone.json" }] });
-    told(&absent, &["/states/0/path: there is no file", "gone.json"]);
-    told(&json!({ "states": [{}, {}] }), &["/states: 2 scenes; needed is one"]);
+    refused(&absent, &["/states/0/path: there is no file", "gone.json"]);
+    refused(&json!({ "states": [{}, {}] }), &["/states: 2 scenes; needed is one"]);
     let mut target = run();
     target["functionals"][0]["mesh_path"] = json!("nowhere.obj");
-    told(&target, &["/functionals/0/mesh_path", "nowhere.obj"]);
+    refused(&target, &["/functionals/0/mesh_path", "nowhere.obj"]);
     let thin = Options { form: None, thickness: Some(0.0) };
     let message = read(&scene(), &thin).err().expect("refused").to_string();
     assert!(message.contains("thickness = 0 m: must be positive"), "{message}");

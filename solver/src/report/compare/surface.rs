@@ -7,7 +7,7 @@
 //! corners of one surface's triangles, the infima over all points of the
 //! other's. A chord of a curve of radius R is off by s²/8R, and between two
 //! corners a distance that is smooth where it is largest is missed by O(s²).
-//! The same with 2s tells how much that is.
+//! The result with a spacing of 2s shows how large that error is.
 
 use std::collections::BTreeMap;
 
