@@ -216,7 +216,7 @@ const HEIGHT_FIELDS: [(f64, f64, Field); 9] = [
     (0.75, 8e-4, Field::Verified),
     (0.75, 1.1e-3, Field::Verified),
     (1.0, 6e-4, Field::Verified),
-    (1.0, 8e-4, Field::SheetsTouch),
+    (1.0, 8e-4, Field::Verified),
     (1.0, 1.1e-3, Field::Verified),
     (1.5, 6e-4, Field::SheetsTouch),
     (1.5, 8e-4, Field::SheetsTouch),

@@ -30,7 +30,7 @@ fn scenes() {
         "simulate",
         "sim.toml",
         &[
-            ("degree", "degre", &["unknown field `degre`", "`degree`", "`pressure`", "line 3"]),
+            ("degree", "degre", &["unknown field `degre`", "`degree`", "`chamber`", "line 3"]),
             ("c1 =", "c9 =", &["unknown parameter \"c9\"", "c1 [Pa]", "d1 [Pa]"]),
             ("mooney-rivlin", "rubber", &["\"rubber\"", "mooney-rivlin, ", "neo-hookean"]),
             ("degree = 2", "degree = \"two\"", &["line 3", "invalid type", "two"]),

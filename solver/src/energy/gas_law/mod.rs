@@ -149,7 +149,18 @@ pub fn read(keys: toml::Table) -> Result<Box<dyn GasLaw>> {
             names.join(", ")
         );
     }
-    (law.read)(keys).map_err(|e| anyhow::anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))
+    (law.read)(keys.clone()).map_err(|e| anyhow::anyhow!(with_value(&e.to_string(), &keys)))
+}
+
+/// What is wrong with a key, after the key and its value: `toml` names the key last.
+fn with_value(message: &str, keys: &toml::Table) -> String {
+    let found = message.trim_end().rsplit_once("\nin `").and_then(|(what, key)| {
+        let key = key.strip_suffix('`')?;
+        Some((what, key, keys.get(key)?.to_string()))
+    });
+    let Some((what, key, value)) = found else { return message.trim_end().replace('\n', " ") };
+    let what = what.strip_prefix(&format!("{value}: ")).unwrap_or(what).replace('\n', " ");
+    format!("{key} = {value}: {what}")
 }
 
 /// Reads the law `L` from its keys.
