@@ -85,7 +85,7 @@ impl SimConfig {
     /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         superseded::refuse_in_scene(path)?;
-        Ok(program::read_toml(path)?)
+        program::read_toml(path)
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].

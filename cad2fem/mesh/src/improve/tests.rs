@@ -10,9 +10,6 @@ use nalgebra::{Matrix3, matrix};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-#[path = "../../../../tests/support/skip.rs"]
-mod skip;
-
 /// A box of ±30 mm with a ball of 15 mm cut out of it: `n` × `n` squares on each
 /// side of the box, joined to the ball by `layers` layers of prisms, each of three
 /// tetrahedra. The vertices of the ball come first, then those of the box.
@@ -270,7 +267,7 @@ fn published_meshes_are_not_made_worse_and_keep_their_boundary() {
     for name in ["gripper_bellows/gripper_bellows_thick.msh", "worm/worm_long_clean.msh"] {
         let path = data.join(name);
         if !path.exists() {
-            skip::skip(&format!("{name} of the shared files is not on this machine"));
+            crate::skip::skip(&format!("{name} of the shared files is not on this machine"));
             continue;
         }
         let mut mesh = read_tets(&path).unwrap().mesh;

@@ -4,9 +4,6 @@ use super::*;
 use crate::Vec3;
 use crate::measure::{area, enclosed_volume};
 
-#[path = "../../../../tests/support/skip.rs"]
-mod skip;
-
 /// A tetrahedron whose coordinates need all 53 bits.
 fn surface() -> SurfaceMesh {
     SurfaceMesh {
@@ -170,7 +167,7 @@ fn unknown_formats_list_the_known_ones_and_nothing_bad_is_written() {
 fn surfaces_of_the_published_scenes_can_be_read() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     if !data.is_dir() {
-        skip::skip("the shared files are not on this machine");
+        crate::skip::skip("the shared files are not on this machine");
         return;
     }
     let folder = data.join("pneumatic-actuator-design");

@@ -5,9 +5,6 @@ use crate::Vec3;
 use crate::check::check_tets;
 use crate::measure::volume;
 
-#[path = "../../../../../tests/support/skip.rs"]
-mod skip;
-
 /// Two tetrahedra on a common facet, with coordinates that need all 53 bits.
 fn mesh() -> TetMesh {
     TetMesh {
@@ -199,7 +196,7 @@ fn nothing_unreadable_is_written() {
 fn meshes_of_the_published_scenes_can_be_read() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     if !data.is_dir() {
-        skip::skip("the shared files are not on this machine");
+        crate::skip::skip("the shared files are not on this machine");
         return;
     }
     let folder = data.join("pneumatic-actuator-design");
