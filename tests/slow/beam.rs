@@ -88,7 +88,9 @@ fn gradients_are_exact_at_the_start_and_at_the_design() {
         let said = [output.stdout, output.stderr].concat();
         let said = String::from_utf8_lossy(&said).into_owned();
         assert!(output.status.success(), "{said}");
-        // of "straight" along gradient and random direction, of "smooth" along the latter
-        assert_eq!(said.matches("slope ").count(), 3, "{said}");
+        // of "straight" along gradient and random direction, of "smooth" along the latter; along the
+        // gradient the remainder of "smooth" is above rounding on some meshes only
+        let slopes = said.matches("slope ").count();
+        assert!(slopes == 3 || slopes == 4, "{slopes} slopes: {said}");
     }
 }
