@@ -219,7 +219,7 @@ const HEIGHT_FIELDS: [(f64, f64, Field); 9] = [
     (1.0, 8e-4, Field::Verified),
     (1.0, 1.1e-3, Field::Verified),
     (1.5, 6e-4, Field::SheetsTouch),
-    (1.5, 8e-4, Field::SheetsTouch),
+    (1.5, 8e-4, Field::Verified),
     (1.5, 1.1e-3, Field::Verified),
 ];
 
