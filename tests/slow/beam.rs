@@ -88,8 +88,8 @@ fn gradients_are_exact_at_the_start_and_at_the_design() {
         let said = [output.stdout, output.stderr].concat();
         let said = String::from_utf8_lossy(&said).into_owned();
         assert!(output.status.success(), "{said}");
-        // of "straight" along gradient and random direction, of "smooth" along the latter; along the
-        // gradient the remainder of "smooth" is above rounding on some meshes only
+        // of "straight" along gradient and random direction, of "smooth" along the latter; whether the
+        // remainder of "smooth" along the gradient is above rounding was not the same in all runs
         let slopes = said.matches("slope ").count();
         assert!(slopes == 3 || slopes == 4, "{slopes} slopes: {said}");
     }
