@@ -213,11 +213,28 @@ impl FunctionSpace {
         nodes
     }
 
+    /// The vertices that a node lies between; of a vertex itself.
+    pub fn vertices_of_node(&self, node: usize) -> impl Iterator<Item = usize> + Clone {
+        let row = match node.checked_sub(self.vertex_count) {
+            None => [(node, 1.0), (node, 0.0), (node, 0.0)],
+            Some(added) => self.added[added],
+        };
+        row.into_iter().filter(|(_, weight)| *weight != 0.0).map(|(vertex, _)| vertex)
+    }
+
     /// Rest positions of all nodes, Π X [m].
     #[must_use]
     pub fn node_positions(&self, rest: &[Vec3]) -> Vec<Vec3> {
-        let added = self.added.iter().map(|row| row.iter().map(|&(v, w)| w * rest[v]).sum());
-        rest.iter().copied().chain(added).collect()
+        (0..self.node_count()).map(|node| self.node_position(rest, node)).collect()
+    }
+
+    /// Rest position of one node [m].
+    #[must_use]
+    pub fn node_position(&self, rest: &[Vec3], node: usize) -> Vec3 {
+        match node.checked_sub(self.vertex_count) {
+            None => rest[node],
+            Some(added) => self.added[added].iter().map(|&(v, w)| w * rest[v]).sum(),
+        }
     }
 
     /// Adds Πᵀ of a nodal vector to a vertex vector.

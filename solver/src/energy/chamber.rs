@@ -13,7 +13,7 @@
 use mesh::Vec3;
 
 use super::gas_law::{GasLaw, Potential};
-use super::wall::{Wall, positions};
+use super::wall::{Wall, positions, rest_positions};
 use super::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
 use crate::element::at;
 use crate::math::linear::dot;
@@ -34,10 +34,10 @@ impl Chamber {
     /// Volume [m³] and gas at an iterate.
     #[must_use]
     pub fn state(&self, iterate: &Iterate) -> (f64, Potential) {
-        self.state_at(iterate, &positions(iterate))
+        self.state_at(iterate, positions(iterate))
     }
 
-    fn state_at(&self, iterate: &Iterate, x: &[Vec3]) -> (f64, Potential) {
+    fn state_at(&self, iterate: &Iterate, x: impl Fn(usize) -> Vec3) -> (f64, Potential) {
         let volume = self.wall.volume(iterate.space, x);
         let multiplier =
             self.multiplier.map_or_else(Multiplier::default, |i| iterate.multipliers[i]);
@@ -47,7 +47,7 @@ impl Chamber {
     /// Volume behind the rest wall [m³].
     #[must_use]
     pub fn rest_volume(&self, iterate: &Iterate) -> f64 {
-        self.wall.volume(iterate.space, &iterate.space.node_positions(iterate.rest))
+        self.wall.volume(iterate.space, rest_positions(iterate))
     }
 }
 
@@ -62,24 +62,24 @@ impl Energy for Chamber {
 
     fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
         let x = positions(iterate);
-        let (_, gas) = self.state_at(iterate, &x);
-        self.wall.add_wall_gradient(iterate.space, &x, -gas.pressure, out);
+        let (_, gas) = self.state_at(iterate, x);
+        self.wall.add_wall_gradient(iterate.space, x, -gas.pressure, out);
     }
 
     fn add_hessian(&self, iterate: &Iterate, _: Hessian, out: &mut BlockMatrix) {
         let x = positions(iterate);
-        let (_, gas) = self.state_at(iterate, &x);
-        self.wall.add_stiffness(iterate.space, &x, gas.pressure, out);
+        let (_, gas) = self.state_at(iterate, x);
+        self.wall.add_stiffness(iterate.space, x, gas.pressure, out);
     }
 
     fn rank_one(&self, iterate: &Iterate) -> Option<RankOne> {
         let x = positions(iterate);
-        let (_, gas) = self.state_at(iterate, &x);
+        let (_, gas) = self.state_at(iterate, x);
         if gas.stiffness == 0.0 {
             return None;
         }
         let mut vector = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut vector);
+        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut vector);
         Some(RankOne { scale: gas.stiffness, vector })
     }
 
@@ -87,49 +87,49 @@ impl Energy for Chamber {
         let multiplier = self.multiplier?;
         let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?.volume;
         let x = positions(iterate);
-        let volume = self.wall.volume(iterate.space, &x);
+        let volume = self.wall.volume(iterate.space, x);
         let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut gradient);
+        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut gradient);
         Some(Constraint { multiplier, volume, wanted, gradient })
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let x = positions(iterate);
-        let (_, gas) = self.state_at(iterate, &x);
+        let (_, gas) = self.state_at(iterate, x);
         // x = ΠX + u: the mixed derivative at fixed pressure is P S Π
         let mut nodal = vec![0.0; iterate.u.len()];
-        self.wall.add_stiffness_vjp(iterate.space, &x, lambda, gas.pressure, &mut nodal);
+        self.wall.add_stiffness_vjp(iterate.space, x, lambda, gas.pressure, &mut nodal);
         iterate.space.add_to_vertices(&nodal, out);
         if gas.stiffness == 0.0 {
             return;
         }
         // and X changes the pressure through both volumes
         let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, &x, 1.0, &mut gradient);
+        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut gradient);
         let along: f64 =
             (0..iterate.space.node_count()).map(|i| at(&gradient, i).dot(&at(lambda, i))).sum();
-        self.wall.add_volume_gradient(iterate.space, &x, gas.stiffness * along, out);
-        let rest = iterate.space.node_positions(iterate.rest);
-        self.wall.add_volume_gradient(iterate.space, &rest, -gas.pressure_by_rest * along, out);
+        self.wall.add_volume_gradient(iterate.space, x, gas.stiffness * along, out);
+        let rest = rest_positions(iterate);
+        self.wall.add_volume_gradient(iterate.space, rest, -gas.pressure_by_rest * along, out);
     }
 
     fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
         let mu = mu[self.multiplier?];
         let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?;
-        self.wall.add_volume_gradient(iterate.space, &positions(iterate), mu, out);
-        let rest = iterate.space.node_positions(iterate.rest);
-        self.wall.add_volume_gradient(iterate.space, &rest, -mu * wanted.by_rest, out);
+        self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
+        let rest = rest_positions(iterate);
+        self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
         Some(-mu * wanted.by_parameter)
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
         let x = positions(iterate);
-        let volume = self.wall.volume(iterate.space, &x);
+        let volume = self.wall.volume(iterate.space, x);
         let Some(by) = self.gas.pressure_by_parameter(volume, self.rest_volume(iterate)) else {
             return Vec::new();
         };
         let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, &x, -by, &mut gradient);
+        self.wall.add_wall_gradient(iterate.space, x, -by, &mut gradient);
         vec![dot(&gradient, lambda)]
     }
 }

@@ -20,6 +20,7 @@ use mesh::Vec3;
 use super::{Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::{Kinematics, Material};
+use crate::math::pool::Pool;
 use crate::math::simd::{Wide, widest};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::math::tensor::{Mat3, project_positive, vec9};
@@ -131,16 +132,16 @@ impl Elastic {
         elements.map(one).collect()
     }
 
-    /// Lower blocks of the elements' Hessians in the order of [`pair_index`].
+    /// Writes the lower blocks of the elements' Hessians in the order of [`pair_index`].
     #[inline(always)]
     fn element_hessians<const N: usize>(
         &self,
         iterate: &Iterate,
         kind: Hessian,
         elements: Range<usize>,
-    ) -> Vec<[f64; 9]> {
+        blocks: &mut [[f64; 9]],
+    ) {
         let pairs = pair_count(N);
-        let mut blocks = vec![[0.0; 9]; pairs * elements.len()];
         for (e, blocks) in elements.zip(blocks.chunks_exact_mut(pairs)) {
             let mut local: Dense<N> = [[[[0.0; N]; 3]; 3]; N];
             let element = Element::new(iterate.space, iterate.rest, e);
@@ -156,7 +157,6 @@ impl Elastic {
             }
             lower_blocks(&local, blocks);
         }
-        blocks
     }
 
     fn element_mixed<const N: usize>(
@@ -223,14 +223,16 @@ struct ElementHessians<'a, const N: usize> {
     iterate: &'a Iterate<'a>,
     kind: Hessian,
     elements: Range<usize>,
+    blocks: &'a mut [[f64; 9]],
 }
 
 impl<const N: usize> Wide for ElementHessians<'_, N> {
-    type Output = Vec<[f64; 9]>;
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Self::Output {
-        self.elastic.element_hessians::<N>(self.iterate, self.kind, self.elements)
+    fn run(self) {
+        let Self { elastic, iterate, kind, elements, blocks } = self;
+        elastic.element_hessians::<N>(iterate, kind, elements, blocks);
     }
 }
 
@@ -322,13 +324,27 @@ impl Elastic {
         out: &mut BlockMatrix,
     ) {
         let own = self.elements(iterate.space);
+        let memory = Pool::default();
         map_merge_waves(
             own.len(),
             |r| {
                 let elements = shifted(&r, own.start);
-                widest(ElementHessians::<N> { elastic: self, iterate, kind, elements })
+                let mut blocks = memory.filled(pair_count(N) * elements.len(), [0.0; 9]);
+                let part = ElementHessians::<N> {
+                    elastic: self,
+                    iterate,
+                    kind,
+                    elements,
+                    blocks: &mut blocks,
+                };
+                widest(part);
+                blocks
             },
-            |r, blocks| out.add_elements(shifted(&r, own.start), &blocks),
+            |r, parts| {
+                let blocks: Vec<&[[f64; 9]]> = parts.iter().map(|part| &part[..]).collect();
+                out.add_elements(shifted(&r, own.start), &blocks);
+                parts.into_iter().for_each(|part| memory.give(part));
+            },
         );
     }
 

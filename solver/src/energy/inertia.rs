@@ -173,22 +173,22 @@ impl Energy for Inertia {
     fn add_hessian(&self, iterate: &Iterate, _: Hessian, out: &mut BlockMatrix) {
         let Some((rate, _)) = self.frame(iterate) else { return };
         let (first, n) = (self.elements.start, iterate.space.nodes_per_element());
-        let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
-            let mut blocks = Vec::with_capacity(pair_count(n) * range.len());
+        let factors = |range: Range<usize>| -> Vec<f64> {
+            let mut factors = Vec::with_capacity(pair_count(n) * range.len());
             for e in range {
                 let factor = rate * self.element(iterate, first + e).0;
                 for a in 0..n {
                     for b in 0..=a {
-                        debug_assert_eq!(blocks.len() % pair_count(n), pair_index(a, b));
-                        let m = factor * self.reference[n * a + b];
-                        blocks.push([m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m]);
+                        debug_assert_eq!(factors.len() % pair_count(n), pair_index(a, b));
+                        factors.push(factor * self.reference[n * a + b]);
                     }
                 }
             }
-            blocks
+            factors
         };
-        map_merge_waves(self.elements.len(), blocks, |r, parts| {
-            out.add_elements(first + r.start..first + r.end, &parts);
+        map_merge_waves(self.elements.len(), factors, |r, parts| {
+            let parts: Vec<&[f64]> = parts.iter().map(|part| &part[..]).collect();
+            out.add_multiples_of_identity(first + r.start..first + r.end, &parts);
         });
     }
 

@@ -68,12 +68,12 @@ impl Wall {
     fn for_each_point(
         &self,
         space: &FunctionSpace,
-        x: &[Vec3],
+        x: impl Fn(usize) -> Vec3,
         mut f: impl FnMut(&[usize], &[Vec3], &Point),
     ) {
         let table = space.facet_table();
         for nodes in &self.facets {
-            let x: Vec<Vec3> = nodes.iter().map(|&n| x[n]).collect();
+            let x: Vec<Vec3> = nodes.iter().map(|&n| x(n)).collect();
             for (q, weight) in table.weights.iter().enumerate() {
                 let gradients = &table.gradients[q];
                 let tangent =
@@ -92,9 +92,13 @@ impl Wall {
 
     /// Calls `f` with each edge of the rim, the middle of its loop, and the
     /// number of vertices of the loop.
-    fn for_each_rim_edge(&self, x: &[Vec3], mut f: impl FnMut(&[usize], [usize; 2], Vec3)) {
+    fn for_each_rim_edge(
+        &self,
+        x: impl Fn(usize) -> Vec3,
+        mut f: impl FnMut(&[usize], [usize; 2], Vec3),
+    ) {
         for rim in &self.rim {
-            let middle = rim.iter().map(|&v| x[v]).sum::<Vec3>() / rim.len() as f64;
+            let middle = rim.iter().map(|&v| x(v)).sum::<Vec3>() / rim.len() as f64;
             for (i, &a) in rim.iter().enumerate() {
                 f(rim, [a, rim[(i + 1) % rim.len()]], middle);
             }
@@ -103,15 +107,15 @@ impl Wall {
 
     /// Volume behind the wall and its caps at node positions `x` [m³].
     #[must_use]
-    pub fn volume(&self, space: &FunctionSpace, x: &[Vec3]) -> f64 {
+    pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3) -> f64 {
         let mut volume = 0.0;
-        self.for_each_point(space, x, |_, x, p| {
+        self.for_each_point(space, &x, |_, x, p| {
             let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
             volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
         });
-        self.for_each_rim_edge(x, |_, [a, b], c| {
+        self.for_each_rim_edge(&x, |_, [a, b], c| {
             let inside = space.edge_nodes([a, b]);
-            let nodes: Vec<Vec3> = [a].into_iter().chain(inside).chain([b]).map(|n| x[n]).collect();
+            let nodes: Vec<Vec3> = [a].into_iter().chain(inside).chain([b]).map(&x).collect();
             volume += swept(&nodes).dot(&c) / 6.0;
         });
         volume
@@ -122,11 +126,11 @@ impl Wall {
     pub fn add_wall_gradient(
         &self,
         space: &FunctionSpace,
-        x: &[Vec3],
+        x: impl Fn(usize) -> Vec3,
         scale: f64,
         out: &mut [f64],
     ) {
-        self.for_each_point(space, x, |nodes, _, p| {
+        self.for_each_point(space, &x, |nodes, _, p| {
             let normal = -scale * p.weight * p.g1.cross(&p.g2);
             for (node, v) in nodes.iter().zip(p.values) {
                 add_at(out, *node, &(normal * *v));
@@ -138,8 +142,14 @@ impl Wall {
     ///
     /// Rims may move as they like, so the whole derivative of x · (g₁ × g₂) counts:
     /// inside a wall, and in all of a closed one, its three parts are the same.
-    pub fn add_gradient(&self, space: &FunctionSpace, x: &[Vec3], scale: f64, out: &mut [f64]) {
-        self.for_each_point(space, x, |nodes, x, p| {
+    pub fn add_gradient(
+        &self,
+        space: &FunctionSpace,
+        x: impl Fn(usize) -> Vec3,
+        scale: f64,
+        out: &mut [f64],
+    ) {
+        self.for_each_point(space, &x, |nodes, x, p| {
             let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
             let (by1, by2) = (p.g2.cross(&position), position.cross(&p.g1));
             let (normal, weight) = (p.g1.cross(&p.g2), -scale * p.weight / 3.0);
@@ -150,10 +160,10 @@ impl Wall {
             }
         });
         let sixth = scale / 6.0;
-        self.for_each_rim_edge(x, |rim, [a, b], c| {
+        self.for_each_rim_edge(&x, |rim, [a, b], c| {
             let inside = space.edge_nodes([a, b]);
             let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
-            let nodes: Vec<Vec3> = edge.iter().map(|&n| x[n]).collect();
+            let nodes: Vec<Vec3> = edge.iter().map(|&n| x(n)).collect();
             for (i, j, k) in swept_terms(nodes.len()) {
                 add_at(out, edge[i], &(sixth * k * nodes[j].cross(&c)));
                 add_at(out, edge[j], &(sixth * k * c.cross(&nodes[i])));
@@ -168,7 +178,7 @@ impl Wall {
     pub fn add_volume_gradient(
         &self,
         space: &FunctionSpace,
-        x: &[Vec3],
+        x: impl Fn(usize) -> Vec3,
         scale: f64,
         out: &mut [f64],
     ) {
@@ -181,11 +191,11 @@ impl Wall {
     pub fn add_stiffness(
         &self,
         space: &FunctionSpace,
-        x: &[Vec3],
+        x: impl Fn(usize) -> Vec3,
         scale: f64,
         out: &mut BlockMatrix,
     ) {
-        self.for_each_point(space, x, |nodes, _, p| {
+        self.for_each_point(space, &x, |nodes, _, p| {
             for a in 0..nodes.len() {
                 for b in 0..nodes.len() {
                     // S is symmetric once assembled, so its symmetric part is it
@@ -201,12 +211,12 @@ impl Wall {
     pub fn add_stiffness_vjp(
         &self,
         space: &FunctionSpace,
-        x: &[Vec3],
+        x: impl Fn(usize) -> Vec3,
         lambda: &[f64],
         scale: f64,
         out: &mut [f64],
     ) {
-        self.for_each_point(space, x, |nodes, _, p| {
+        self.for_each_point(space, &x, |nodes, _, p| {
             let l: Vec3 = nodes.iter().zip(p.values).map(|(n, v)| at(lambda, *n) * *v).sum();
             for (b, node) in nodes.iter().enumerate() {
                 add_at(out, *node, &(scale * p.weight * (p.normal_by(b).transpose() * l)));
@@ -232,10 +242,13 @@ fn swept_terms(count: usize) -> impl Iterator<Item = (usize, usize, f64)> {
 }
 
 /// Node positions x = ΠX + u.
-pub fn positions(iterate: &Iterate) -> Vec<Vec3> {
-    let mut x = iterate.space.node_positions(iterate.rest);
-    for (i, x) in x.iter_mut().enumerate() {
-        *x += at(iterate.u, i);
-    }
-    x
+pub fn positions<'a>(iterate: &Iterate<'a>) -> impl Fn(usize) -> Vec3 + Copy + use<'a> {
+    let Iterate { space, rest, u, .. } = *iterate;
+    move |node| space.node_position(rest, node) + at(u, node)
+}
+
+/// Node positions ΠX at rest.
+pub fn rest_positions<'a>(iterate: &Iterate<'a>) -> impl Fn(usize) -> Vec3 + Copy + use<'a> {
+    let Iterate { space, rest, .. } = *iterate;
+    move |node| space.node_position(rest, node)
 }

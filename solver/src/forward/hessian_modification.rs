@@ -10,11 +10,10 @@
 //! projected Hessian for five more iterations 22/17 on the beam. No run left the last
 //! modification without a step, so there is no gradient descent below it.
 
-use std::time::Instant;
 
-use super::{Problem, Workspace};
+use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
-use crate::math::linear::{Precision, Symmetric, dot};
+use crate::math::linear::{Descent, Precision, Symmetric, dot};
 
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
@@ -26,6 +25,8 @@ pub enum Modification {
     Near,
     /// The exact Hessian, factored.
     Exact,
+    /// The exact Hessian, which has negative curvature: conjugate gradients up to there.
+    Truncated,
     /// Projected elastic tangents.
     Projected,
     /// The same with a multiple of the identity added.
@@ -37,7 +38,7 @@ impl Modification {
     pub fn next(self) -> Option<Self> {
         match self {
             Self::Near => Some(Self::Exact),
-            Self::Exact => Some(Self::Projected),
+            Self::Exact | Self::Truncated => Some(Self::Projected),
             Self::Projected => Some(Self::Shifted),
             Self::Shifted => None,
         }
@@ -103,47 +104,97 @@ fn exact(
 ) -> Option<(Modification, Vec<f64>)> {
     let hessian = workspace.hessian(problem, at, Hessian::Exact);
     if from == Modification::Near {
-        let start = Instant::now();
+        let clock = Clock::start();
         let near = workspace.linear().solve_near(&hessian, force, forcing);
-        workspace.timings.solve_s += start.elapsed().as_secs_f64();
+        workspace.timings.solve += clock.elapsed();
         if let Some(direction) = near {
+            workspace.recycle(hessian);
             return Some((Modification::Near, direction));
         }
     }
     // where gas stiffens the body, the whole may be positive definite although
     // its sparse part is not
     let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
-    if factor(workspace, hessian) {
-        return Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)));
+    match descend(workspace, hessian, force, forcing)? {
+        Descent::Solved(direction) => Some((Modification::Exact, direction)),
+        Descent::Truncated(direction) => Some((Modification::Truncated, direction)),
+        Descent::Inaccurate if sharpen(workspace) => {
+            Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)))
+        }
+        Descent::Inaccurate => {
+            let direction = indefinite(workspace, stiffened?, force)?;
+            Some((Modification::Exact, direction))
+        }
     }
-    let direction = indefinite(workspace, stiffened?, force)?;
-    Some((Modification::Exact, direction))
+}
+
+/// Factors a Hessian, of which a few pivots need not be positive, and solves with it.
+fn descend(
+    workspace: &mut Workspace,
+    hessian: Symmetric,
+    force: &[f64],
+    forcing: f64,
+) -> Option<Descent> {
+    let clock = Clock::start();
+    let replaced = workspace.linear_mut().factor_modified(hessian);
+    workspace.timings.factor += clock.elapsed();
+    workspace.timings.factorizations += 1;
+    let replaced = match replaced {
+        Ok(replaced) => replaced,
+        Err(error) => {
+            workspace.timings.failed_factorizations += 1;
+            log::debug!("{error}");
+            return None;
+        }
+    };
+    let clock = Clock::start();
+    let found = workspace.linear().descend(force, forcing);
+    workspace.timings.solve += clock.elapsed();
+    if replaced > 0 {
+        let end = match &found {
+            Descent::Solved(_) => "positive definite",
+            Descent::Truncated(_) => "indefinite",
+            Descent::Inaccurate => "undecided",
+        };
+        log::debug!("{replaced} pivots replaced: {end}");
+    }
+    Some(found)
+}
+
+/// Factors the last matrix again in double precision; false where that is not positive
+/// definite.
+fn sharpen(workspace: &mut Workspace) -> bool {
+    let clock = Clock::start();
+    let positive = workspace.linear_mut().sharpen() && workspace.linear().is_positive();
+    workspace.timings.factor += clock.elapsed();
+    workspace.timings.factorizations += 1;
+    positive
 }
 
 /// H⁻¹f by an indefinite factor, if it is accurate and descends.
 fn indefinite(workspace: &mut Workspace, whole: Symmetric, force: &[f64]) -> Option<Vec<f64>> {
-    let start = Instant::now();
+    let clock = Clock::start();
     workspace.linear_mut().factor_indefinite(whole);
-    workspace.timings.factor_s += start.elapsed().as_secs_f64();
+    workspace.timings.factor += clock.elapsed();
     workspace.timings.factorizations += 1;
-    let start = Instant::now();
+    let clock = Clock::start();
     let mut direction = force.to_vec();
     let residual = workspace.linear().solve(&mut direction);
-    workspace.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve += clock.elapsed();
     (residual < ACCURATE && dot(force, &direction) > 0.0).then_some(direction)
 }
 
 fn solve(workspace: &mut Workspace, mut force: Vec<f64>, forcing: f64) -> Vec<f64> {
-    let start = Instant::now();
+    let clock = Clock::start();
     workspace.linear().solve_to(&mut force, forcing);
-    workspace.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve += clock.elapsed();
     force
 }
 
 fn factor(workspace: &mut Workspace, matrix: Symmetric) -> bool {
-    let start = Instant::now();
+    let clock = Clock::start();
     let result = workspace.linear_mut().factor_positive(matrix, Precision::Single);
-    workspace.timings.factor_s += start.elapsed().as_secs_f64();
+    workspace.timings.factor += clock.elapsed();
     workspace.timings.factorizations += 1;
     if let Err(error) = &result {
         workspace.timings.failed_factorizations += 1;

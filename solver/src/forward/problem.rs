@@ -13,7 +13,9 @@ use mesh::Vec3;
 use super::dirichlet::Dirichlet;
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, Energies, Iterate, Multiplier, RankOne, Springs, TimeStep};
+use crate::energy::{
+    Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
+};
 use crate::math::linear::norm;
 
 /// Energies on a function space with Dirichlet conditions. A copy shares what is
@@ -90,7 +92,12 @@ impl Problem {
     /// Total potential energy [J].
     #[must_use]
     pub fn value(&self, at: &Iterate) -> f64 {
-        self.energies.iter().map(|energy| energy.value(at)).sum()
+        self.value_by(|term| term.energy.value(at))
+    }
+
+    /// The same, with the value of each term by `value`.
+    pub(super) fn value_by(&self, value: impl FnMut(Term) -> f64) -> f64 {
+        self.energies.terms().map(value).sum()
     }
 
     /// Gradient over all degrees of freedom [N], reactions included, and the
@@ -98,11 +105,17 @@ impl Problem {
     /// free part, or of the reactions where supports move.
     #[must_use]
     pub fn gradient(&self, at: &Iterate) -> (Vec<f64>, f64) {
+        self.gradient_by(|term, out| term.energy.add_gradient(at, out))
+    }
+
+    /// The same, with the gradient of each term added by `add`.
+    pub(super) fn gradient_by(&self, mut add: impl FnMut(Term, &mut [f64])) -> (Vec<f64>, f64) {
         let mut total = vec![0.0; self.dofs()];
         let mut scale = 0.0_f64;
-        for energy in self.energies.iter() {
-            let mut part = vec![0.0; self.dofs()];
-            energy.add_gradient(at, &mut part);
+        let mut part = vec![0.0; self.dofs()];
+        for term in self.energies.terms() {
+            part.fill(0.0);
+            add(term, &mut part);
             scale = scale.max(norm(&self.restrict(&part)));
             total.iter_mut().zip(&part).for_each(|(t, p)| *t += p);
         }

@@ -6,7 +6,6 @@
 //! step with t₁ = 1, where t is the fraction of the load.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use mesh::Vec3;
 use serde::Serialize;
@@ -14,7 +13,7 @@ use serde::Serialize;
 use super::augmented::pull_supports;
 use super::volumes::balance;
 use super::{
-    Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State, TimeStepper,
+    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State, TimeStepper,
     Workspace, certificate,
 };
 use crate::energy::{Iterate, Multiplier, TimeStep};
@@ -241,12 +240,12 @@ pub(super) fn attempt(
 /// A lower bound of J, if the body is nowhere turned inside out and no energy
 /// objects.
 fn certify(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Result<f64, Failure> {
-    let start = Instant::now();
+    let clock = Clock::start();
     let certified = certificate(at.space, at.rest, at.u).map_err(Failure::from);
     let certified = certified.and_then(|smallest| {
         problem.objection(at).map_or(Ok(smallest), |what| Err(Failure::Objection(what)))
     });
-    workspace.timings.certificate_s += start.elapsed().as_secs_f64();
+    workspace.timings.certificate += clock.elapsed();
     certified
 }
 

@@ -15,11 +15,9 @@
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", sections 17.3 and 18.1.
 
-use std::time::Instant;
-
 use nalgebra::{DMatrix, DVector};
 
-use super::{Configuration, Converged, Failure, Newton, Problem, Workspace};
+use super::{Clock, Configuration, Converged, Failure, Newton, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
 use crate::math::linear::{Precision, Symmetric, dot, norm};
 
@@ -231,25 +229,25 @@ fn solve_all(
     hessian: &Symmetric,
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
-    let start = Instant::now();
+    let clock = Clock::start();
     let near = |side: &Vec<f64>| workspace.linear().solve_near(hessian, side, LINEAR);
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
-    workspace.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve += clock.elapsed();
     if near.is_some() {
         return near;
     }
-    let start = Instant::now();
+    let clock = Clock::start();
     let linear = workspace.linear_mut();
     if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
         linear.factor_indefinite(hessian.clone());
     }
-    workspace.timings.factor_s += start.elapsed().as_secs_f64();
-    let start = Instant::now();
+    workspace.timings.factor += clock.elapsed();
+    let clock = Clock::start();
     let exact = |side: &Vec<f64>| {
         let mut x = side.clone();
         (workspace.linear().solve_to(&mut x, LINEAR) <= LINEAR).then_some(x)
     };
     let exact = sides.iter().map(exact).collect();
-    workspace.timings.solve_s += start.elapsed().as_secs_f64();
+    workspace.timings.solve += clock.elapsed();
     exact
 }

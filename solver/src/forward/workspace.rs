@@ -5,17 +5,15 @@
 //! has contacts that it has no entries for.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use mesh::Vec3;
-use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use super::dirichlet::Dirichlet;
-use crate::element::FunctionSpace;
+use super::symbolic::symbolic;
+use super::timings::{Clock, Timings};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
 use crate::math::linear::{Precision, SparseSolver, Symmetric, dot, norm};
-use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
 
@@ -29,32 +27,6 @@ const REACH: f64 = 2.0;
 /// Relative residual of the motion that follows the supports.
 const PREDICTION: f64 = 1e-6;
 
-/// Computing time by task [s].
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Timings {
-    /// Energies, gradients and Hessians.
-    pub assembly_s: f64,
-    /// Numerical factorisation.
-    pub factor_s: f64,
-    /// Triangular solves.
-    pub solve_s: f64,
-    /// Certificates of positive volume, and of surfaces that do not intersect.
-    #[serde(default)]
-    pub certificate_s: f64,
-    /// Step lengths by collision detection.
-    #[serde(default)]
-    pub collision_s: f64,
-    /// Symbolic factorisations after the first.
-    #[serde(default)]
-    pub symbolic_s: f64,
-    /// Numerical factorisations, failed ones included.
-    #[serde(default)]
-    pub factorizations: usize,
-    /// Those that met a pivot that is not positive.
-    #[serde(default)]
-    pub failed_factorizations: usize,
-}
-
 /// Pattern, factor and timings.
 pub struct Workspace {
     /// Time spent so far.
@@ -65,6 +37,10 @@ pub struct Workspace {
     linearization: Option<u64>,
     linearizations: u64,
     pattern: Pattern,
+    /// Memory of the last assembled matrix on the pattern, for the next.
+    blocks: Vec<[f64; 9]>,
+    /// Memory of values that were not factored, for the next Hessian.
+    spare: Vec<f64>,
     /// Pairs of nodes in the pattern that share no element, sorted.
     couplings: Vec<[usize; 2]>,
     free: FreeTriangle,
@@ -96,13 +72,17 @@ impl Workspace {
     /// Orders and factors symbolically.
     #[must_use]
     pub fn new(problem: &Problem) -> Self {
+        let clock = Clock::start();
         let (pattern, free, linear) = symbolic(&problem.space, problem.dirichlet.fixed(), &[]);
+        let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
-            timings: Timings::default(),
+            timings,
             linear,
             linearization: None,
             linearizations: 0,
             pattern,
+            blocks: Vec::new(),
+            spare: Vec::new(),
             couplings: Vec::new(),
             free,
             dirichlet: Arc::clone(&problem.dirichlet),
@@ -117,13 +97,15 @@ impl Workspace {
             self.dirichlet = Arc::clone(&problem.dirichlet);
             self.symbolic(problem);
         }
+        let clock = Clock::start();
         let couplings =
             |reach: f64| problem.energies.iter().flat_map(move |e| e.couplings(at, reach));
-        if couplings(1.0).all(|[a, b]| self.pattern.has(a, b)) {
-            return;
+        let known = couplings(1.0).all(|[a, b]| self.pattern.has(a, b));
+        let wider = (!known).then(|| couplings(REACH).collect());
+        self.timings.contact += clock.elapsed();
+        if let Some(pairs) = wider {
+            self.set_couplings(problem, pairs);
         }
-        let wider: Vec<[usize; 2]> = couplings(REACH).collect();
-        self.set_couplings(problem, wider);
     }
 
     /// Replaces the pairs of nodes that are coupled although they share no
@@ -141,11 +123,11 @@ impl Workspace {
 
     /// Pattern and factorisation for the couplings and fixed degrees of freedom.
     fn symbolic(&mut self, problem: &Problem) {
-        let start = Instant::now();
+        let clock = Clock::start();
         let fixed = self.dirichlet.fixed();
         let made = symbolic(&problem.space, fixed, &self.couplings);
         (self.pattern, self.free, *self.linear_mut()) = made;
-        self.timings.symbolic_s += start.elapsed().as_secs_f64();
+        self.timings.ordering += clock.elapsed();
     }
 
     /// The pairs of nodes that are coupled although they share no element.
@@ -172,7 +154,7 @@ impl Workspace {
         // beside the factor: node blocks while they are assembled, and the free
         // triangle up to three times: kept, assembled, shifted
         let blocks = 9 * self.pattern.block_count();
-        let triangle = 3 * self.free.rows.len();
+        let triangle = 3 * self.linear.entries();
         let hessians = size_of::<f64>() * (blocks + triangle);
         Need {
             unknowns: self.linear.size(),
@@ -183,69 +165,77 @@ impl Workspace {
 
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        let start = Instant::now();
-        let value = problem.value(at);
-        self.timings.assembly_s += start.elapsed().as_secs_f64();
-        value
+        problem.value_by(|term| self.timings.of(term.kind, || term.energy.value(at)))
     }
 
     /// [`Problem::gradient`], timed.
     pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
-        let start = Instant::now();
-        let gradient = problem.gradient(at);
-        self.timings.assembly_s += start.elapsed().as_secs_f64();
-        gradient
+        problem.gradient_by(|term, out| {
+            self.timings.of(term.kind, || term.energy.add_gradient(at, out));
+        })
     }
 
     /// [`Problem::max_step`], timed.
     pub fn max_step(&mut self, problem: &Problem, from: &Iterate, to: &Iterate) -> f64 {
-        let start = Instant::now();
+        let clock = Clock::start();
         let largest = problem.max_step(from, to);
-        self.timings.collision_s += start.elapsed().as_secs_f64();
+        self.timings.collision += clock.elapsed();
         largest
     }
 
     /// The Hessian on the free degrees of freedom.
     pub fn hessian(&mut self, problem: &Problem, at: &Iterate, kind: Hessian) -> Symmetric {
-        let start = Instant::now();
+        let (hessian, _) = self.hessian_times(problem, at, kind, None);
+        hessian
+    }
+
+    /// The Hessian on the free degrees of freedom, and the whole one times a vector.
+    fn hessian_times(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        kind: Hessian,
+        vector: Option<&[f64]>,
+    ) -> (Symmetric, Option<Vec<f64>>) {
         self.extend_pattern(problem, at);
-        let dense = problem.rank_ones(at);
-        let values = self.restrict_hessian(&self.assemble(problem, at, kind), &dense);
-        self.timings.assembly_s += start.elapsed().as_secs_f64();
-        values
-    }
-
-    fn assemble(&self, problem: &Problem, at: &Iterate, kind: Hessian) -> BlockMatrix<'_> {
-        let mut matrix = BlockMatrix::zeros(&self.pattern);
-        for energy in problem.energies.iter() {
-            energy.add_hessian(at, kind, &mut matrix);
+        let memory = std::mem::take(&mut self.blocks);
+        let mut matrix = BlockMatrix::zeros_in(&self.pattern, memory);
+        for Term { kind: of, energy } in problem.energies.terms() {
+            self.timings.of(of, || energy.add_hessian(at, kind, &mut matrix));
         }
-        matrix
+        let clock = Clock::start();
+        let dense = problem.rank_ones(at);
+        let product = vector.map(|vector| times(&matrix, &dense, vector));
+        let restricted = |d: RankOne| (d.scale, self.dirichlet.restrict(&d.vector));
+        let updates = dense.into_iter().map(restricted).collect();
+        let mut lower = std::mem::take(&mut self.spare);
+        self.free.gather(&matrix, &mut lower);
+        self.blocks = matrix.into_memory();
+        self.timings.assembly += clock.elapsed();
+        (Symmetric { lower, updates }, product)
     }
 
-    /// The part of a Hessian on the free degrees of freedom.
-    fn restrict_hessian(&self, matrix: &BlockMatrix, dense: &[RankOne]) -> Symmetric {
-        let restricted = |d: &RankOne| (d.scale, self.dirichlet.restrict(&d.vector));
-        let updates = dense.iter().map(restricted).collect();
-        Symmetric { lower: self.free.gather(matrix), updates }
+    /// Takes back a Hessian that is not used any more, for its memory.
+    pub fn recycle(&mut self, hessian: Symmetric) {
+        self.spare = hessian.lower;
     }
 
     /// Position of each diagonal entry among the values of the last Hessian.
     #[must_use]
     pub fn diagonal(&self) -> &[usize] {
-        &self.free.column_start[..self.dirichlet.free().len()]
+        &self.linear.column_start()[..self.dirichlet.free().len()]
     }
 
     /// Factors the exact Hessian, for derivatives at an equilibrium and as the start
     /// of the next one.
     pub fn linearize(&mut self, problem: &Problem, at: &Iterate) -> Linearization {
         let hessian = self.hessian(problem, at, Hessian::Exact);
-        let start = Instant::now();
+        let clock = Clock::start();
         let linear = self.linear_mut();
         if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
             linear.factor_indefinite(hessian);
         }
-        self.timings.factor_s += start.elapsed().as_secs_f64();
+        self.timings.factor += clock.elapsed();
         self.linearizations += 1;
         self.linearization = Some(self.linearizations);
         Linearization {
@@ -267,14 +257,14 @@ impl Workspace {
     /// reached; where it is larger than `enough`, again with a factor in double
     /// precision.
     pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> f64 {
-        let start = Instant::now();
+        let clock = Clock::start();
         let rhs = x.clone();
         let mut residual = self.linear.solve_to(x, sought);
         if (residual.is_nan() || residual > enough) && self.linear.sharpen() {
             *x = rhs;
             residual = self.linear.solve_to(x, sought);
         }
-        self.timings.solve_s += start.elapsed().as_secs_f64();
+        self.timings.solve += clock.elapsed();
         residual
     }
 
@@ -325,19 +315,17 @@ impl Workspace {
         at: &Iterate,
         motion: &[f64],
     ) -> Option<Vec<f64>> {
-        self.extend_pattern(problem, at);
-        let matrix = self.assemble(problem, at, Hessian::Exact);
-        let dense = problem.rank_ones(at);
-        let mut force = matrix.multiply(motion);
-        for RankOne { scale, vector } in &dense {
-            let along = scale * dot(vector, motion);
-            force.iter_mut().zip(vector).for_each(|(f, v)| *f += along * v);
-        }
-        let values = self.restrict_hessian(&matrix, &dense);
-        drop(matrix);
-        self.linear_mut().factor_positive(values, Precision::Single).ok()?;
-        let mut free = problem.restrict(&force);
+        let (hessian, force) = self.hessian_times(problem, at, Hessian::Exact, Some(motion));
+        let clock = Clock::start();
+        let factored = self.linear_mut().factor_positive(hessian, Precision::Single);
+        self.timings.factor += clock.elapsed();
+        self.timings.factorizations += 1;
+        self.timings.failed_factorizations += usize::from(factored.is_err());
+        factored.ok()?;
+        let clock = Clock::start();
+        let mut free = problem.restrict(&force?);
         self.linear.solve_to(&mut free, PREDICTION);
+        self.timings.solve += clock.elapsed();
         let back = problem.prolong(&free);
         Some(motion.iter().zip(&back).map(|(m, b)| m - b).collect())
     }
@@ -348,7 +336,7 @@ impl Workspace {
     /// forces: w is the displacement for the elastic forces, which depend on
     /// differences of u alone, and the position for all others.
     pub fn rounding_floor(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        let start = Instant::now();
+        let clock = Clock::start();
         self.extend_pattern(problem, at);
         let (u, positions) = (at.u, problem.space.node_positions(at.rest));
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
@@ -365,37 +353,17 @@ impl Workspace {
             }
         }
         let floor = f64::EPSILON * norm(&problem.restrict(&noise));
-        self.timings.assembly_s += start.elapsed().as_secs_f64();
+        self.timings.assembly += clock.elapsed();
         floor
     }
 }
 
-/// The sparsity pattern of the Hessian and its symbolic factorisation, with a
-/// fill-reducing ordering.
-fn symbolic(
-    space: &FunctionSpace,
-    fixed: &[bool],
-    couplings: &[[usize; 2]],
-) -> (Pattern, FreeTriangle, SparseSolver) {
-    let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
-    let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, couplings);
-    let (free, nodes) = rayon::join(
-        || FreeTriangle::new(&pattern, fixed),
-        || nested_dissection(&pattern.adjacency()),
-    );
-    let order = order_of_unknowns(&nodes, &free, fixed);
-    let linear = SparseSolver::new(free.column_start.clone(), free.rows.clone(), &order);
-    (pattern, free, linear)
-}
-
-/// The unknowns in the order of their nodes.
-fn order_of_unknowns(nodes: &[usize], free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
-    let mut unknown_of = vec![None; fixed.len()];
-    for (i, &dof) in free.dof.iter().enumerate() {
-        unknown_of[dof] = Some(i);
+/// A Hessian of a sparse and a dense part times a vector.
+fn times(matrix: &BlockMatrix, dense: &[RankOne], vector: &[f64]) -> Vec<f64> {
+    let mut product = matrix.multiply(vector);
+    for RankOne { scale, vector: v } in dense {
+        let along = scale * dot(v, vector);
+        product.iter_mut().zip(v).for_each(|(p, v)| *p += along * v);
     }
-    nodes
-        .iter()
-        .flat_map(|node| (3 * node..3 * node + 3).filter_map(|dof| unknown_of[dof]))
-        .collect()
+    product
 }

@@ -3,6 +3,7 @@
 pub mod least_squares;
 pub mod linear;
 pub mod ordering;
+pub mod pool;
 pub mod random;
 pub mod remainder;
 pub mod simd;

@@ -13,9 +13,59 @@ pub struct Pattern {
     column_start: Vec<usize>,
     /// Block row of each block, ascending within a column.
     rows: Vec<usize>,
-    /// For each element its local pairs (a, b ≤ a): block index, and whether
-    /// the local block must be transposed to lie in the lower triangle.
-    slots: Vec<(u32, bool)>,
+    scatter: Scatter,
+}
+
+/// Elements whose pairs are sorted together, so that one task adds those of one part of
+/// the blocks without a look at the others.
+const GROUP: usize = 256;
+/// Parts of the blocks, of equal length.
+const PARTS: usize = 16;
+
+/// Where the local pairs (a, b ≤ a) of elements are among the blocks: sorted by groups of
+/// elements, by parts of the blocks, then by elements.
+struct Scatter {
+    /// First pair of each group and part.
+    start: Vec<usize>,
+    /// Which pair of the group: element times number of pairs, plus index.
+    pair: Vec<u16>,
+    /// Twice the index of its block, plus 1 where the local block must be transposed to
+    /// lie in the lower triangle.
+    target: Vec<u32>,
+}
+
+impl Scatter {
+    /// Of elements by the targets of their pairs, for a number of blocks.
+    fn new(targets: impl Iterator<Item = u32>, pairs: usize, blocks: usize) -> Self {
+        assert!(GROUP * pairs <= 1 << 16, "a pair of a group has 16 bits");
+        let targets: Vec<u32> = targets.collect();
+        let part_len = part_len(blocks);
+        let part = |target: u32| (target >> 1) as usize / part_len;
+        let mut scatter = Self { start: vec![0], pair: Vec::new(), target: Vec::new() };
+        for group in targets.chunks(GROUP * pairs) {
+            let mut lists: [Vec<u16>; PARTS] = Default::default();
+            for (i, &target) in group.iter().enumerate() {
+                lists[part(target)].push(u16::try_from(i).expect("asserted above"));
+            }
+            for list in lists {
+                scatter.target.extend(list.iter().map(|&i| group[usize::from(i)]));
+                scatter.pair.extend(list);
+                scatter.start.push(scatter.pair.len());
+            }
+        }
+        scatter
+    }
+
+    /// Pairs and targets of a group in a part of the blocks.
+    fn of(&self, group: usize, part: usize) -> impl Iterator<Item = (usize, u32)> {
+        let range = self.start[group * PARTS + part]..self.start[group * PARTS + part + 1];
+        let pairs = self.pair[range.clone()].iter().map(|&pair| usize::from(pair));
+        pairs.zip(self.target[range].iter().copied())
+    }
+}
+
+fn part_len(blocks: usize) -> usize {
+    blocks.div_ceil(PARTS).max(1)
 }
 
 /// Number of local pairs (a, b ≤ a) of an element.
@@ -36,7 +86,7 @@ impl Pattern {
     /// pairs of nodes.
     ///
     /// # Panics
-    /// When there are 2³² blocks or more.
+    /// When there are 2³¹ blocks or more.
     #[must_use]
     pub fn new(
         node_count: usize,
@@ -61,18 +111,20 @@ impl Pattern {
             rows.append(column);
             column_start.push(rows.len());
         }
-        let mut pattern =
-            Self { nodes_per_element, node_count, column_start, rows, slots: Vec::new() };
-        for element in elements.chunks_exact(nodes_per_element) {
-            for a in 0..nodes_per_element {
-                for b in 0..=a {
-                    let (row, column) = (element[a].max(element[b]), element[a].min(element[b]));
-                    let block = u32::try_from(pattern.block(row, column)).expect("< 2^32 blocks");
-                    pattern.slots.push((block, element[a] < element[b]));
-                }
-            }
-        }
-        pattern
+        let find = |row: usize, column: usize| {
+            let range = column_start[column]..column_start[column + 1];
+            let offset = rows[range.clone()].binary_search(&row).expect("an element couples them");
+            u32::try_from(2 * (range.start + offset)).expect("< 2^31 blocks")
+        };
+        let targets = elements.chunks_exact(nodes_per_element).flat_map(|element| {
+            let pairs = (0..nodes_per_element).flat_map(|a| (0..=a).map(move |b| (a, b)));
+            pairs.map(move |(a, b)| {
+                let (row, column) = (element[a].max(element[b]), element[a].min(element[b]));
+                find(row, column) + u32::from(element[a] < element[b])
+            })
+        });
+        let scatter = Scatter::new(targets, pair_count(nodes_per_element), rows.len());
+        Self { nodes_per_element, node_count, column_start, rows, scatter }
     }
 
     /// Index of the block (row ≥ column), which must be in the pattern.
@@ -97,21 +149,6 @@ impl Pattern {
     pub fn block_count(&self) -> usize {
         self.rows.len()
     }
-
-    /// Neighbours of each node, without the node itself.
-    #[must_use]
-    pub fn adjacency(&self) -> Vec<Vec<usize>> {
-        let mut adjacency = vec![Vec::new(); self.node_count];
-        for column in 0..self.node_count {
-            for &row in &self.rows[self.column_start[column]..self.column_start[column + 1]] {
-                if row != column {
-                    adjacency[column].push(row);
-                    adjacency[row].push(column);
-                }
-            }
-        }
-        adjacency
-    }
 }
 
 /// A symmetric matrix on a [`Pattern`]; only blocks with row ≥ column are held.
@@ -125,30 +162,74 @@ impl<'a> BlockMatrix<'a> {
     /// The zero matrix.
     #[must_use]
     pub fn zeros(pattern: &'a Pattern) -> Self {
-        Self { pattern, blocks: vec![[0.0; 9]; pattern.rows.len()] }
+        Self::zeros_in(pattern, Vec::new())
+    }
+
+    /// The zero matrix in the memory of an earlier one, from [`Self::into_memory`].
+    #[must_use]
+    pub fn zeros_in(pattern: &'a Pattern, mut memory: Vec<[f64; 9]>) -> Self {
+        memory.clear();
+        memory.resize(pattern.rows.len(), [0.0; 9]);
+        Self { pattern, blocks: memory }
+    }
+
+    /// Its memory, for the next matrix.
+    #[must_use]
+    pub fn into_memory(self) -> Vec<[f64; 9]> {
+        self.blocks
     }
 
     /// Adds the lower blocks of consecutive elements, given in consecutive
     /// parts and laid out by [`pair_index`].
-    pub fn add_elements(&mut self, elements: Range<usize>, parts: &[Vec<[f64; 9]>]) {
+    pub fn add_elements(&mut self, elements: Range<usize>, parts: &[&[[f64; 9]]]) {
+        self.add_pairs(elements, parts, |target, block, transpose| {
+            if transpose {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        target[3 * i + j] += block[3 * j + i];
+                    }
+                }
+            } else {
+                for (t, b) in target.iter_mut().zip(block) {
+                    *t += b;
+                }
+            }
+        });
+    }
+
+    /// The same for blocks that are multiples of the identity, given by their factors.
+    pub fn add_multiples_of_identity(&mut self, elements: Range<usize>, parts: &[&[f64]]) {
+        self.add_pairs(elements, parts, |target, factor, _| {
+            for i in [0, 4, 8] {
+                target[i] += factor;
+            }
+        });
+    }
+
+    /// Calls `add` with the block of each pair of consecutive elements, with what is given
+    /// for the pair, and with whether that is to be transposed; of each block in the order
+    /// of the elements. The parts but the last are of equal length.
+    fn add_pairs<B: Sync>(
+        &mut self,
+        elements: Range<usize>,
+        parts: &[&[B]],
+        add: impl Fn(&mut [f64; 9], &B, bool) + Sync,
+    ) {
         let pairs = pair_count(self.pattern.nodes_per_element);
-        let slots = &self.pattern.slots[elements.start * pairs..elements.end * pairs];
-        // every task owns a range of blocks and looks through all elements
-        let share = self.blocks.len().div_ceil(2 * rayon::current_num_threads()).max(1);
-        self.blocks.par_chunks_mut(share).enumerate().for_each(|(i, own)| {
-            for (&(slot, transpose), block) in slots.iter().zip(parts.iter().flatten()) {
-                let Some(target) = (slot as usize).checked_sub(i * share) else { continue };
-                let Some(target) = own.get_mut(target) else { continue };
-                if transpose {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            target[3 * i + j] += block[3 * j + i];
-                        }
+        let Some(part_pairs) = parts.first().map(|part| part.len()) else { return };
+        let (scatter, share) = (&self.pattern.scatter, part_len(self.blocks.len()));
+        let wanted = elements.start * pairs..elements.end * pairs;
+        self.blocks.par_chunks_mut(share).enumerate().for_each(|(own, blocks)| {
+            for group in elements.start / GROUP..elements.end.div_ceil(GROUP) {
+                let first = group * GROUP * pairs;
+                for (pair, target) in scatter.of(group, own) {
+                    if !wanted.contains(&(first + pair)) {
+                        continue;
                     }
-                } else {
-                    for (t, b) in target.iter_mut().zip(block) {
-                        *t += b;
-                    }
+                    let at = first + pair - wanted.start;
+                    let given = &parts[at / part_pairs][at % part_pairs];
+                    let block = &mut blocks[(target >> 1) as usize - own * share];
+                    add(block, given, target & 1 == 1);
                 }
             }
         });
@@ -198,13 +279,8 @@ impl<'a> BlockMatrix<'a> {
     }
 }
 
-/// The lower triangle of the free degrees of freedom in compressed columns,
-/// and where its values come from.
+/// Where the values of the lower triangle of the free degrees of freedom come from.
 pub struct FreeTriangle {
-    /// First entry of each column.
-    pub column_start: Vec<usize>,
-    /// Row of each entry.
-    pub rows: Vec<usize>,
     /// Index into the flat block values of each entry.
     source: Vec<u32>,
     /// Degree of freedom of each free unknown.
@@ -212,45 +288,44 @@ pub struct FreeTriangle {
 }
 
 impl FreeTriangle {
-    /// The part of a pattern on the degrees of freedom where `fixed` is false.
+    /// The part of a pattern on the degrees of freedom where `fixed` is false, with the
+    /// first entry of each of its columns and the row of each entry.
     #[must_use]
-    pub fn new(pattern: &Pattern, fixed: &[bool]) -> Self {
+    pub fn new(pattern: &Pattern, fixed: &[bool]) -> (Self, Vec<usize>, Vec<usize>) {
         let dof: Vec<usize> = (0..fixed.len()).filter(|&d| !fixed[d]).collect();
         let mut index = vec![None; fixed.len()];
         for (i, &d) in dof.iter().enumerate() {
             index[d] = Some(i);
         }
-        let mut triangle =
-            Self { column_start: vec![0], rows: Vec::new(), source: Vec::new(), dof };
-        for c in 0..triangle.dof.len() {
-            let (column, j) = (triangle.dof[c] / 3, triangle.dof[c] % 3);
+        let (mut column_start, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
+        for &own in &dof {
+            let (column, j) = (own / 3, own % 3);
             for k in pattern.column_start[column]..pattern.column_start[column + 1] {
                 let row = pattern.rows[k];
                 for i in 0..3 {
                     let d = 3 * row + i;
-                    if d >= triangle.dof[c]
+                    if d >= own
                         && let Some(r) = index[d]
                     {
-                        triangle.rows.push(r);
+                        rows.push(r);
                         let source = u32::try_from(9 * k + 3 * i + j);
-                        triangle.source.push(source.expect("< 2^32 entries"));
+                        sources.push(source.expect("< 2^32 entries"));
                     }
                 }
             }
-            triangle.column_start.push(triangle.rows.len());
+            column_start.push(rows.len());
         }
-        triangle
+        (Self { source: sources, dof }, column_start, rows)
     }
 
-    /// The values of a matrix in the order of the entries.
-    #[must_use]
-    pub fn gather(&self, matrix: &BlockMatrix) -> Vec<f64> {
+    /// The values of a matrix in the order of the entries, written to a vector of any
+    /// length.
+    pub fn gather(&self, matrix: &BlockMatrix, values: &mut Vec<f64>) {
         let flat = matrix.blocks.as_flattened();
-        let mut values = vec![0.0; self.source.len()];
+        values.resize(self.source.len(), 0.0);
         let parts = values.par_chunks_mut(1 << 14).zip(self.source.par_chunks(1 << 14));
         parts.for_each(|(values, source)| {
             values.iter_mut().zip(source).for_each(|(v, &s)| *v = flat[s as usize]);
         });
-        values
     }
 }

@@ -105,14 +105,16 @@ impl Volume {
     }
 
     fn volume(&self, at: &Equilibrium) -> f64 {
-        self.sign * self.wall.volume(at.space, &at.nodes(self.measure))
+        let x = at.nodes(self.measure);
+        self.sign * self.wall.volume(at.space, |n| x[n])
     }
 
     /// `weight` ∂J/∂x at the nodes.
     fn by_nodes(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
         let by_volume = self.wanted.map_or(1.0, |wanted| 2.0 * (self.volume(at) - wanted));
         let scale = weight * by_volume * self.sign;
-        self.wall.add_gradient(at.space, &at.nodes(self.measure), scale, out);
+        let x = at.nodes(self.measure);
+        self.wall.add_gradient(at.space, |n| x[n], scale, out);
     }
 }
 

@@ -30,7 +30,7 @@ impl Scene {
         for config in &self.config.chamber {
             let on = &config.on;
             let wall = Wall::new(space, &body.facets(on).with_context(context)?);
-            let volume = wall.volume(space, &nodes);
+            let volume = wall.volume(space, |n| nodes[n]);
             if config.gas.pressure().is_none() && volume <= 0.0 {
                 bail!(
                     "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
@@ -69,7 +69,7 @@ impl Scene {
         let shear = shears.fold(0.0, f64::max);
         let one = |chamber: &Chamber| Multiplier {
             pressure: 0.0,
-            penalty: PENALTY * shear / chamber.wall.volume(space, &nodes),
+            penalty: PENALTY * shear / chamber.wall.volume(space, |n| nodes[n]),
         };
         let chambers = energies.chambers().map(|(_, named)| &named.chamber);
         chambers.filter(|c| c.multiplier.is_some()).map(one).collect()

@@ -60,7 +60,7 @@ pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
         let seconds = Seconds::new(seconds);
         let peak = peaks.into_iter().fold(0.0, f64::max);
         let dofs = last["dofs"].as_u64().context("dofs")? as usize;
-        let time = |key: &str| last["timings"][key].as_f64().unwrap_or(f64::NAN);
+        let time = |key: &str| last["timings"][key]["wall_s"].as_f64().unwrap_or(f64::NAN);
         rows.push(Row {
             what: "motion".to_owned(),
             body: name.to_owned(),
@@ -74,7 +74,7 @@ pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
                 last["newton_iterations"],
                 polyfem_s / seconds.median,
                 peak * 1.048_576e-3 / polyfem_gb,
-                100.0 * time("collision_s") / seconds.median
+                100.0 * time("collision") / seconds.median
             ),
         });
     }

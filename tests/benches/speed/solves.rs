@@ -55,7 +55,7 @@ impl Solve {
     /// The solve without its named parts [s].
     fn rest_s(&self) -> f64 {
         let t = &self.timings;
-        self.solve_s - t.assembly_s - t.factor_s - t.solve_s - t.certificate_s
+        self.solve_s - t.assembly.wall_s - t.factor.wall_s - t.solve.wall_s - t.certificate.wall_s
     }
 }
 
@@ -159,10 +159,10 @@ pub fn parts(solves: &[Solve]) -> String {
             s.dofs,
             s.newton_iterations,
             s.setup_s,
-            t.assembly_s,
-            t.factor_s,
-            t.solve_s,
-            t.certificate_s,
+            t.assembly.wall_s,
+            t.factor.wall_s,
+            t.solve.wall_s,
+            t.certificate.wall_s,
             s.rest_s(),
             s.peak_mb,
             1e-6 * s.factor_len as f64,
@@ -193,7 +193,7 @@ pub fn compare(rows: &mut [Row], solves: &[Solve]) {
         }
         let solve = solves.iter().find(|s| s.body == row.body);
         if let (true, Some(s)) = (row.body == "worm-p2", solve) {
-            let ours = (s.timings.assembly_s + s.timings.factor_s + s.timings.solve_s)
+            let ours = (s.timings.assembly.wall_s + s.timings.factor.wall_s + s.timings.solve.wall_s)
                 / s.newton_iterations as f64;
             row.beside = format!(
                 "assembly and linear solve per iteration {ours:.2} s, PolyFEM's (dynamic, with \

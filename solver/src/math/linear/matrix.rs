@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// for any number of threads.
 const PARTS: usize = 4;
 
+/// Length of the pieces that a scalar product is summed up by.
+const PIECE: usize = 1 << 14;
+
 /// The lower triangle of a sparse matrix in compressed columns.
 pub struct Triangle {
     /// First entry of each column.
@@ -84,8 +87,29 @@ pub fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()
 }
 
-/// Scalar product.
+/// Scalar product. Summed up by pieces of constant length, so that it has the same bits
+/// for any number of threads.
 #[must_use]
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(a, b)| a * b).sum()
+    if x.len() <= PIECE {
+        return dot_of_piece(x, y);
+    }
+    let pieces = x.par_chunks(PIECE).zip(y.par_chunks(PIECE));
+    let sums: Vec<f64> = pieces.map(|(x, y)| dot_of_piece(x, y)).collect();
+    sums.iter().sum()
+}
+
+/// With as many sums as fill a few wide vectors.
+fn dot_of_piece(x: &[f64], y: &[f64]) -> f64 {
+    const WIDTH: usize = 16;
+    let mut sums = [0.0; WIDTH];
+    let (x, x_rest) = x.as_chunks::<WIDTH>();
+    let (y, y_rest) = y.as_chunks::<WIDTH>();
+    for (x, y) in x.iter().zip(y) {
+        for k in 0..WIDTH {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }

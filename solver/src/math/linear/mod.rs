@@ -15,6 +15,7 @@ mod elimination;
 mod indefinite;
 mod matrix;
 mod multifrontal;
+mod replacing;
 mod substitution;
 #[cfg(test)]
 mod tests;
@@ -29,10 +30,11 @@ use faer::sparse::linalg::cholesky::{
 };
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
+use crate::math::pool::Pool;
 use indefinite::Indefinite;
 use matrix::Triangle;
 pub use matrix::{Symmetric, dot, norm};
-use multifrontal::Fronts;
+use multifrontal::{BadPivots, Fronts};
 
 /// The matrix has a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -100,6 +102,8 @@ pub struct SparseSolver {
     order: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
     fronts: Fronts,
+    /// Memory of factorisations in single precision.
+    pool: Pool<f32>,
     factor: Factor,
     /// Matrix of the last factorisation.
     matrix: Symmetric,
@@ -138,14 +142,26 @@ impl SparseSolver {
             SymbolicCholeskyRaw::Simplicial(_) => Fronts::default(),
         };
         let matrix = Symmetric::sparse(Vec::new());
-        let factor = Factor::None;
-        Self { pattern, order, symbolic, fronts, factor, matrix, capacitance: None }
+        let (pool, factor) = (Pool::default(), Factor::None);
+        Self { pattern, order, symbolic, fronts, pool, factor, matrix, capacitance: None }
     }
 
     /// Number of unknowns.
     #[must_use]
     pub fn size(&self) -> usize {
         self.pattern.size()
+    }
+
+    /// Number of stored entries of the matrix.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        self.pattern.rows.len()
+    }
+
+    /// Position of the first stored entry of each column of the matrix, its diagonal.
+    #[must_use]
+    pub fn column_start(&self) -> &[usize] {
+        &self.pattern.column_start
     }
 
     /// Number of stored entries of the factor.
@@ -199,7 +215,8 @@ impl SparseSolver {
                 Factor::Single(values) => values,
                 _ => vec![0.0; self.factor_len()],
             };
-            if self.fronts.factor(&self.matrix.lower, &mut values).is_ok() {
+            let (lower, refuse) = (&self.matrix.lower, BadPivots::Refuse);
+            if self.fronts.factor(lower, &mut values, &self.pool, refuse).is_ok() {
                 self.factor = Factor::Single(values);
                 self.set_capacitance();
                 return Ok(());
@@ -207,11 +224,49 @@ impl SparseSolver {
         }
         let mut values = vec![0.0; self.factor_len()];
         self.fronts
-            .factor(&self.matrix.lower, &mut values)
+            .factor(&self.matrix.lower, &mut values, &Pool::default(), BadPivots::Refuse)
             .map_err(|pivot| NotPositive { pivot, size })?;
         self.factor = Factor::Double(values);
         self.set_capacitance();
         Ok(())
+    }
+
+    /// Factors a matrix in single precision as if it were positive definite: L Lᵀ = A + E,
+    /// where E is nonzero at pivots that are not positive alone. Returns their number. For
+    /// the solution see [`Self::descend`].
+    ///
+    /// # Errors
+    /// [`NotPositive`] where there are many such pivots.
+    pub fn factor_modified(&mut self, matrix: Symmetric) -> Result<usize, NotPositive> {
+        let size = self.size();
+        let old = std::mem::replace(&mut self.factor, Factor::None);
+        self.capacitance = None;
+        self.matrix = matrix;
+        let mut values = match old {
+            Factor::Single(values) => values,
+            _ => vec![0.0; self.factor_len()],
+        };
+        let replaced = self
+            .fronts
+            .factor(&self.matrix.lower, &mut values, &self.pool, BadPivots::ReplaceFew)
+            .map_err(|pivot| NotPositive { pivot, size })?;
+        self.factor = Factor::Single(values);
+        self.set_capacitance();
+        Ok(replaced)
+    }
+
+    /// Solves A x = b, to ‖A x − b‖ ≤ tolerance ‖b‖, by conjugate gradients with the factor
+    /// of [`Self::factor_modified`], which meet a direction of negative curvature after a
+    /// few steps if A is not positive definite.
+    #[must_use]
+    pub fn descend(&self, b: &[f64], tolerance: f64) -> Descent {
+        let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
+        let Gradients { x, residual, curved } = self.conjugate_gradients(&self.matrix, b, &stop);
+        match curved {
+            Some(iterate) => Descent::Truncated(iterate),
+            None if residual <= tolerance => Descent::Solved(x),
+            None => Descent::Inaccurate,
+        }
     }
 
     /// Factors the last matrix in double precision if its factor is in single;
@@ -272,7 +327,9 @@ impl SparseSolver {
     pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
         let (x, residual) = if self.is_positive() {
             let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-            self.conjugate_gradients(&self.matrix, rhs, &stop)
+            let Gradients { x, residual, .. } =
+                self.conjugate_gradients(&self.matrix, rhs, &stop);
+            (x, residual)
         } else {
             self.refine(rhs, tolerance)
         };
@@ -290,13 +347,12 @@ impl SparseSolver {
             return None;
         }
         let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
-        let (x, residual) = self.conjugate_gradients(matrix, b, &stop);
+        let Gradients { x, residual, .. } = self.conjugate_gradients(matrix, b, &stop);
         (residual <= tolerance).then_some(x)
     }
 
-    /// Conjugate gradients preconditioned with the last factor; the best x and
-    /// its relative residual.
-    fn conjugate_gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> (Vec<f64>, f64) {
+    /// Conjugate gradients preconditioned with the last factor.
+    fn conjugate_gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
         let size = norm(b).max(f64::MIN_POSITIVE);
         let mut x = vec![0.0; b.len()];
         let mut r = b.to_vec();
@@ -305,11 +361,13 @@ impl SparseSolver {
         let mut rz = dot(&r, &z);
         // where a matrix proves not positive definite at once, a descent
         let mut best = (z.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
-        let mut since = 0;
+        let (mut since, mut curved) = (0, None);
         for step in 1..=stop.steps {
             let ap = self.pattern.multiply(matrix, &p);
             let curvature = dot(&p, &ap);
             if curvature.is_nan() || curvature <= 0.0 {
+                // of the first direction nothing is known but that it descends
+                curved = Some(if step > 1 { x } else { z });
                 break;
             }
             let alpha = rz / curvature;
@@ -330,7 +388,7 @@ impl SparseSolver {
             p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
             rz = next;
         }
-        best
+        Gradients { x: best.0, residual: best.1, curved }
     }
 
     /// Iterative refinement; the best x and its relative residual.
@@ -407,6 +465,29 @@ impl SparseSolver {
         self.factor = Factor::None;
         self.capacitance = None;
     }
+}
+
+/// Where conjugate gradients end.
+struct Gradients {
+    /// The best x.
+    x: Vec<f64>,
+    /// Its relative residual.
+    residual: f64,
+    /// The last x before a direction of negative curvature, if there is one.
+    curved: Option<Vec<f64>>,
+}
+
+/// A direction x with bᵀ x > 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Descent {
+    /// A x = b.
+    Solved(Vec<f64>),
+    /// A is not positive definite: x minimises ½ xᵀAx − bᵀx in the space of the conjugate
+    /// directions before that of negative curvature. Source: Nocedal and Wright,
+    /// "Numerical Optimization", algorithm 7.1 (line search Newton-CG).
+    Truncated(Vec<f64>),
+    /// Neither was found within the precision of the factor.
+    Inaccurate,
 }
 
 /// When conjugate gradients end.

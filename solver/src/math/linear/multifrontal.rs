@@ -10,7 +10,7 @@
 //! symmetric linear equations", doi:10.1145/356044.356047.
 
 use std::ops::{AddAssign, Mul, Range, SubAssign};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
@@ -24,20 +24,38 @@ use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
 use super::matrix::Triangle;
+use super::replacing;
+use crate::math::pool::Pool;
 
 /// Precision of a factor.
 pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> {
+    /// Relative error of a pivot by rounding, about.
+    const ROUNDING: f64;
     /// The nearest number.
     fn narrow(value: f64) -> Self;
+    /// The same number.
+    fn widen(self) -> f64;
 }
 
 impl Scalar for f64 {
+    const ROUNDING: f64 = 1e-15;
+
+    fn widen(self) -> f64 {
+        self
+    }
+
     fn narrow(value: f64) -> Self {
         value
     }
 }
 
 impl Scalar for f32 {
+    const ROUNDING: f64 = 1e-6;
+
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+
     #[allow(clippy::cast_possible_truncation)]
     fn narrow(value: f64) -> Self {
         value as Self
@@ -46,6 +64,10 @@ impl Scalar for f32 {
 
 /// Floating-point operations that are worth a task of their own.
 const TASK: f64 = 2e7;
+
+/// Pivots that are replaced, at most. Where a body is crushed thousands are negative, and
+/// a direction that leaves them alone leads nowhere.
+const FEW: usize = 100;
 
 /// The supernodes of a factor as a tree.
 #[derive(Default)]
@@ -185,13 +207,21 @@ impl Fronts {
     }
 
     /// L of the matrix with the lower triangle `a`, in the layout of faer's
-    /// supernodal factor.
+    /// supernodal factor, and the number of pivots that were replaced.
     ///
     /// # Errors
-    /// The position of a pivot that is not positive.
-    pub fn factor<T: Scalar>(&self, a: &[f64], factor: &mut [T]) -> Result<(), usize> {
-        let job = Job { fronts: self, a, failed: AtomicBool::new(false) };
-        job.subtrees(&self.roots, factor).map(|_| ())
+    /// The position of a pivot that is not positive, where these are refused.
+    pub fn factor<T: Scalar>(
+        &self,
+        a: &[f64],
+        factor: &mut [T],
+        pool: &Pool<T>,
+        bad_pivots: BadPivots,
+    ) -> Result<usize, usize> {
+        let (failed, replaced) = (AtomicBool::new(false), AtomicUsize::new(0));
+        let job = Job { fronts: self, a, pool, bad_pivots, failed, replaced };
+        job.subtrees(&self.roots, factor)?;
+        Ok(job.replaced.into_inner())
     }
 }
 
@@ -262,17 +292,31 @@ fn place_entries(
     entries
 }
 
-/// One factorisation.
-struct Job<'a> {
-    fronts: &'a Fronts,
-    a: &'a [f64],
-    /// Set by the first thread that meets a bad pivot, so that others stop.
-    failed: AtomicBool,
+/// What to do with pivots that are not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BadPivots {
+    /// The matrix is not positive definite: no factor.
+    Refuse,
+    /// A typical diagonal entry of A in their supernode takes the place of [`FEW`] of them;
+    /// of more the matrix is refused.
+    ReplaceFew,
 }
 
-impl Job<'_> {
+/// One factorisation.
+struct Job<'a, T> {
+    fronts: &'a Fronts,
+    a: &'a [f64],
+    /// Memory of updates.
+    pool: &'a Pool<T>,
+    bad_pivots: BadPivots,
+    /// Set by the first thread that meets a bad pivot, so that others stop.
+    failed: AtomicBool,
+    replaced: AtomicUsize,
+}
+
+impl<T: Scalar> Job<'_, T> {
     /// Factors disjoint subtrees, whose columns are stored one after the other.
-    fn subtrees<T: Scalar>(
+    fn subtrees(
         &self,
         roots: &[usize],
         mut factor: &mut [T],
@@ -288,18 +332,18 @@ impl Job<'_> {
         tasks.into_par_iter().map(|(root, own)| self.subtree(root, own)).collect()
     }
 
-    fn subtree<T: Scalar>(&self, root: usize, factor: &mut [T]) -> Result<Update<T>, usize> {
+    fn subtree(&self, root: usize, factor: &mut [T]) -> Result<Update<T>, usize> {
         let s = &self.fronts.supernodes[root];
         if s.work < TASK {
             return self.in_order(s.first..root + 1, factor);
         }
         let (below, own) = factor.split_at_mut(factor.len() - s.values.len());
         let updates = self.subtrees(&s.children, below)?;
-        self.eliminate(root, own, &updates, Par::rayon(0))
+        self.eliminate(root, own, updates, Par::rayon(0))
     }
 
     /// Factors one subtree on this thread.
-    fn in_order<T: Scalar>(
+    fn in_order(
         &self,
         range: Range<usize>,
         mut factor: &mut [T],
@@ -310,18 +354,17 @@ impl Job<'_> {
             let (own, others) = factor.split_at_mut(node.values.len());
             factor = others;
             let children = waiting.len() - node.children.len();
-            let update = self.eliminate(s, own, &waiting[children..], Par::Seq)?;
-            waiting.truncate(children);
-            waiting.push(update);
+            let children = waiting.split_off(children);
+            waiting.push(self.eliminate(s, own, children, Par::Seq)?);
         }
         Ok(waiting.pop().expect("a subtree is not empty"))
     }
 
-    fn eliminate<T: Scalar>(
+    fn eliminate(
         &self,
         s: usize,
         own: &mut [T],
-        updates: &[Update<T>],
+        updates: Vec<Update<T>>,
         par: Par,
     ) -> Result<Update<T>, usize> {
         let node = &self.fronts.supernodes[s];
@@ -330,29 +373,14 @@ impl Job<'_> {
         }
         let (width, height) = (node.width(), node.height());
         let below = height - width;
-        own.fill(T::narrow(0.0));
-        for &(k, place) in &self.fronts.entries[node.entries.clone()] {
-            own[place as usize] += T::narrow(self.a[k as usize]);
+        let mut rest = self.pool.filled(below * below, T::narrow(0.0));
+        if below > 0 {
+            updates.iter().for_each(|update| self.add_to_rest(node, update, &mut rest, par));
         }
-        let mut rest = vec![T::narrow(0.0); below * below];
-        for update in updates {
-            self.extend_add(node, update, own, &mut rest, par);
-        }
+        self.factor_top(node, own, &updates, par)?;
+        updates.into_iter().for_each(|update| self.pool.give(update.values));
         let front = MatMut::from_column_major_slice_mut(own, height, width);
-        let (mut top, mut bottom) = front.split_at_row_mut(width);
-        let mut scratch =
-            MemBuffer::new(cholesky_in_place_scratch::<T>(width, par, Spec::default()));
-        let done = cholesky_in_place(
-            top.as_mut(),
-            LltRegularization::default(),
-            par,
-            MemStack::new(&mut scratch),
-            Spec::default(),
-        );
-        if let Err(LltError::NonPositivePivot { index }) = done {
-            self.failed.store(true, Ordering::Relaxed);
-            return Err(node.columns.start + index);
-        }
+        let (top, mut bottom) = front.split_at_row_mut(width);
         if below > 0 {
             solve_lower_triangular_in_place(top.as_ref(), bottom.as_mut().transpose_mut(), par);
             triangular_matmul(
@@ -370,53 +398,109 @@ impl Job<'_> {
         Ok(Update { supernode: s, values: rest })
     }
 
-    /// Adds the update of a child to a front.
-    fn extend_add<T: Scalar>(
+    /// Adds up the columns of a front and factors F₁₁.
+    fn factor_top(
         &self,
         node: &Supernode,
-        update: &Update<T>,
         own: &mut [T],
-        rest: &mut [T],
+        updates: &[Update<T>],
         par: Par,
-    ) {
-        let places = &self.fronts.supernodes[update.supernode].places;
+    ) -> Result<(), usize> {
+        let scale = self.assemble_columns(node, own, updates, par);
         let (width, height) = (node.width(), node.height());
-        let (n, below) = (places.len(), height - width);
-        let split = places.partition_point(|&p| (p as usize) < width);
-        let runs = runs(places);
-        let add = |column: usize, target: &mut [T], skip: usize| {
-            let source = &update.values[column * n..(column + 1) * n];
-            let after = runs.partition_point(|run| run.0.end <= column);
-            for (from, to) in &runs[after..] {
-                let start = from.start.max(column);
-                let to = to + (start - from.start) - skip;
-                let target = &mut target[to..to + (from.end - start)];
-                for (t, v) in target.iter_mut().zip(&source[start..from.end]) {
-                    *t += *v;
-                }
-            }
-        };
-        let each = |targets: &mut [T], columns: Range<usize>, skip: usize| {
-            let height = height - skip;
-            if matches!(par, Par::Seq) {
-                for c in columns {
-                    let place = places[c] as usize - skip;
-                    add(c, &mut targets[place * height..(place + 1) * height], skip);
-                }
-            } else {
-                targets.par_chunks_mut(height).enumerate().for_each(|(place, target)| {
-                    if let Ok(c) = places[columns.clone()].binary_search(&narrow(place + skip)) {
-                        add(columns.start + c, target, skip);
-                    }
-                });
-            }
-        };
-        if split > 0 {
-            each(own, 0..split, 0);
+        let mut scratch =
+            MemBuffer::new(cholesky_in_place_scratch::<T>(width, par, Spec::default()));
+        let front = MatMut::from_column_major_slice_mut(&mut *own, height, width);
+        let done = cholesky_in_place(
+            front.subrows_mut(0, width),
+            LltRegularization::default(),
+            par,
+            MemStack::new(&mut scratch),
+            Spec::default(),
+        );
+        let Err(LltError::NonPositivePivot { index }) = done else { return Ok(()) };
+        if self.bad_pivots == BadPivots::Refuse || !(scale > 0.0) {
+            self.failed.store(true, Ordering::Relaxed);
+            return Err(node.columns.start + index);
         }
-        if below > 0 && split < n {
-            each(rest, split..n, width);
+        self.assemble_columns(node, own, updates, par);
+        let front = MatMut::from_column_major_slice_mut(own, height, width);
+        let replaced = replacing::cholesky(front.subrows_mut(0, width), scale, par);
+        if self.replaced.fetch_add(replaced, Ordering::Relaxed) + replaced > FEW {
+            self.failed.store(true, Ordering::Relaxed);
+            return Err(node.columns.start + index);
         }
+        Ok(())
+    }
+
+    /// Adds up F₁₁ and F₂₁ and returns the mean of the diagonal of A there.
+    fn assemble_columns(
+        &self,
+        node: &Supernode,
+        own: &mut [T],
+        updates: &[Update<T>],
+        par: Par,
+    ) -> f64 {
+        own.fill(T::narrow(0.0));
+        for &(k, place) in &self.fronts.entries[node.entries.clone()] {
+            own[place as usize] += T::narrow(self.a[k as usize]);
+        }
+        let diagonal = own.iter().step_by(node.height() + 1).take(node.width());
+        let mean = diagonal.map(|d| d.widen().abs()).sum::<f64>() / node.width() as f64;
+        updates.iter().for_each(|update| self.add_to_columns(node, update, own, par));
+        mean
+    }
+
+    /// Adds to F₁₁ and F₂₁ what the update of a child has there.
+    fn add_to_columns(&self, node: &Supernode, update: &Update<T>, own: &mut [T], par: Par) {
+        let places = &self.fronts.supernodes[update.supernode].places;
+        let split = places.partition_point(|&p| (p as usize) < node.width());
+        extend_add(places, update, own, (node.height(), 0..split, 0), par);
+    }
+
+    /// Adds to F₂₂ what the update of a child has there.
+    fn add_to_rest(&self, node: &Supernode, update: &Update<T>, rest: &mut [T], par: Par) {
+        let places = &self.fronts.supernodes[update.supernode].places;
+        let split = places.partition_point(|&p| (p as usize) < node.width());
+        let height = node.height() - node.width();
+        extend_add(places, update, rest, (height, split..places.len(), node.width()), par);
+    }
+}
+
+/// Adds some columns of an update to a front, whose columns in `target` have a height and
+/// begin at the place `skip`.
+fn extend_add<T: Scalar>(
+    places: &[u32],
+    update: &Update<T>,
+    target: &mut [T],
+    (height, columns, skip): (usize, Range<usize>, usize),
+    par: Par,
+) {
+    let n = places.len();
+    let runs = runs(places);
+    let add = |column: usize, target: &mut [T]| {
+        let source = &update.values[column * n..(column + 1) * n];
+        let after = runs.partition_point(|run| run.0.end <= column);
+        for (from, to) in &runs[after..] {
+            let start = from.start.max(column);
+            let to = to + (start - from.start) - skip;
+            let target = &mut target[to..to + (from.end - start)];
+            for (t, v) in target.iter_mut().zip(&source[start..from.end]) {
+                *t += *v;
+            }
+        }
+    };
+    if matches!(par, Par::Seq) {
+        for c in columns {
+            let place = places[c] as usize - skip;
+            add(c, &mut target[place * height..(place + 1) * height]);
+        }
+    } else {
+        target.par_chunks_mut(height).enumerate().for_each(|(place, target)| {
+            if let Ok(c) = places[columns.clone()].binary_search(&narrow(place + skip)) {
+                add(columns.start + c, target);
+            }
+        });
     }
 }
 

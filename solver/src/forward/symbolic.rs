@@ -1,0 +1,72 @@
+//! Sparsity pattern, ordering and symbolic factorisation of a Hessian.
+//!
+//! The graph of the mesh vertices is ordered by nested dissection, not that of all nodes,
+//! which at degree 2 has seven times as many: every other node is eliminated with the
+//! first of the vertices that it lies between. A separator of the vertices is then one of
+//! the nodes: a node whose vertices are not all in the separator is on the side of the
+//! others, and so are all nodes that share an element with it.
+
+use mesh::topology::{tet_edges, vertex_neighbours};
+
+use crate::element::FunctionSpace;
+use crate::math::linear::SparseSolver;
+use crate::math::ordering::nested_dissection;
+use crate::math::sparse::{FreeTriangle, Pattern};
+
+/// The sparsity pattern of the Hessian with the given couplings of nodes that share no
+/// element, its part on the degrees of freedom that are not `fixed`, and the symbolic
+/// factorisation of that.
+pub(super) fn symbolic(
+    space: &FunctionSpace,
+    fixed: &[bool],
+    couplings: &[[usize; 2]],
+) -> (Pattern, FreeTriangle, SparseSolver) {
+    let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
+    let (nodes, (pattern, (free, column_start, rows))) = rayon::join(
+        || node_order(space, couplings),
+        || {
+            let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, couplings);
+            let free = FreeTriangle::new(&pattern, fixed);
+            (pattern, free)
+        },
+    );
+    let order = order_of_unknowns(&nodes, &free, fixed);
+    let linear = SparseSolver::new(column_start, rows, &order);
+    (pattern, free, linear)
+}
+
+/// The nodes in an order of elimination with little fill.
+fn node_order(space: &FunctionSpace, couplings: &[[usize; 2]]) -> Vec<usize> {
+    let mut edges = tet_edges(space.tets());
+    for &[a, b] in couplings {
+        let [a, b] = [a, b].map(|node| space.vertices_of_node(node));
+        edges.extend(a.flat_map(|v| b.clone().map(move |w| [v.min(w), v.max(w)])));
+    }
+    edges.retain(|[a, b]| a != b);
+    edges.sort_unstable();
+    edges.dedup();
+    let adjacency = vertex_neighbours(space.vertex_count(), &edges);
+    let mut position = vec![0; space.vertex_count()];
+    for (i, vertex) in nested_dissection(&adjacency).into_iter().enumerate() {
+        position[vertex] = i;
+    }
+    let mut order: Vec<usize> = (0..space.node_count()).collect();
+    order.sort_by_cached_key(|&node| {
+        let first = space.vertices_of_node(node).map(|v| position[v]).min();
+        // the vertex itself, whose front is the largest, after the nodes beside it
+        (first, node < space.vertex_count())
+    });
+    order
+}
+
+/// The unknowns in the order of their nodes.
+fn order_of_unknowns(nodes: &[usize], free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
+    let mut unknown_of = vec![None; fixed.len()];
+    for (i, &dof) in free.dof.iter().enumerate() {
+        unknown_of[dof] = Some(i);
+    }
+    nodes
+        .iter()
+        .flat_map(|node| (3 * node..3 * node + 3).filter_map(|dof| unknown_of[dof]))
+        .collect()
+}
