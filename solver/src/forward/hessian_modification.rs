@@ -107,9 +107,17 @@ fn exact(
         let clock = Clock::start();
         let near = workspace.linear().solve_near(&hessian, force, forcing);
         workspace.timings.solve += clock.elapsed();
-        if let Some(direction) = near {
-            workspace.recycle(hessian);
-            return Some((Modification::Near, direction));
+        match near {
+            Descent::Solved(direction) => {
+                workspace.recycle(hessian);
+                return Some((Modification::Near, direction));
+            }
+            // known to be indefinite, without a factorisation
+            Descent::Truncated(_) if hessian.updates.is_empty() => {
+                workspace.recycle(hessian);
+                return None;
+            }
+            Descent::Truncated(_) | Descent::Inaccurate => {}
         }
     }
     // where gas stiffens the body, the whole may be positive definite although

@@ -230,7 +230,7 @@ fn solve_all(
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let clock = Clock::start();
-    let near = |side: &Vec<f64>| workspace.linear().solve_near(hessian, side, LINEAR);
+    let near = |side: &Vec<f64>| workspace.linear().solve_near(hessian, side, LINEAR).solved();
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
     workspace.timings.solve += clock.elapsed();
     if near.is_some() {

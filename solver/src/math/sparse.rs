@@ -168,7 +168,7 @@ impl<'a> BlockMatrix<'a> {
     /// The zero matrix in the memory of an earlier one, from [`Self::into_memory`].
     #[must_use]
     pub fn zeros_in(pattern: &'a Pattern, mut memory: Vec<[f64; 9]>) -> Self {
-        memory.clear();
+        memory.par_chunks_mut(1 << 14).for_each(|blocks| blocks.fill([0.0; 9]));
         memory.resize(pattern.rows.len(), [0.0; 9]);
         Self { pattern, blocks: memory }
     }

@@ -27,8 +27,9 @@ impl Indefinite {
             forward: vec![0; n],
             inverse: vec![0; n],
         };
+        let rows: Vec<usize> = pattern.rows.iter().map(|&row| row as usize).collect();
         let matrix =
-            SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &pattern.rows);
+            SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &rows);
         let scratch = symbolic
             .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default());
         symbolic.factorize_numeric_intranode_lblt(

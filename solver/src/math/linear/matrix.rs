@@ -16,7 +16,7 @@ pub struct Triangle {
     /// First entry of each column.
     pub column_start: Vec<usize>,
     /// Row of each entry; a column begins with its diagonal.
-    pub rows: Vec<usize>,
+    pub rows: Vec<u32>,
 }
 
 /// A + Σ_k s_k u_k u_kᵀ.
@@ -70,6 +70,7 @@ impl Triangle {
             let entries = self.column_start[column]..self.column_start[column + 1];
             let (mut sum, at) = (0.0, x[column]);
             for (&row, &value) in self.rows[entries.clone()].iter().zip(&lower[entries]) {
+                let row = row as usize;
                 y[row] += value * at;
                 if row != column {
                     sum += value * x[row];

@@ -34,7 +34,7 @@ use crate::math::pool::Pool;
 use indefinite::Indefinite;
 use matrix::Triangle;
 pub use matrix::{Symmetric, dot, norm};
-use multifrontal::{BadPivots, Fronts};
+use multifrontal::{BadPivots, Fronts, narrow};
 
 /// The matrix has a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -135,6 +135,7 @@ impl SparseSolver {
             },
         )
         .expect("memory for the symbolic factorisation");
+        let rows = rows.into_iter().map(narrow).collect();
         let pattern = Triangle { column_start, rows };
         let fronts = match symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(s) => Fronts::new(s, &pattern, &position),
@@ -261,12 +262,7 @@ impl SparseSolver {
     #[must_use]
     pub fn descend(&self, b: &[f64], tolerance: f64) -> Descent {
         let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-        let Gradients { x, residual, curved } = self.conjugate_gradients(&self.matrix, b, &stop);
-        match curved {
-            Some(iterate) => Descent::Truncated(iterate),
-            None if residual <= tolerance => Descent::Solved(x),
-            None => Descent::Inaccurate,
-        }
+        self.conjugate_gradients(&self.matrix, b, &stop).descent(tolerance)
     }
 
     /// Factors the last matrix in double precision if its factor is in single;
@@ -338,17 +334,15 @@ impl SparseSolver {
     }
 
     /// Solves for another matrix by conjugate gradients, preconditioned with the
-    /// last factor, to ‖A x − b‖ ≤ tolerance ‖b‖. None where a factorisation
-    /// is likely to be cheaper, there is no positive factor, or the matrix
-    /// proves indefinite.
+    /// last factor, to ‖A x − b‖ ≤ tolerance ‖b‖. [`Descent::Inaccurate`] where a
+    /// factorisation is likely to be cheaper, or there is no positive factor.
     #[must_use]
-    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
+    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Descent {
         if !self.is_positive() {
-            return None;
+            return Descent::Inaccurate;
         }
         let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
-        let Gradients { x, residual, .. } = self.conjugate_gradients(matrix, b, &stop);
-        (residual <= tolerance).then_some(x)
+        self.conjugate_gradients(matrix, b, &stop).descent(tolerance)
     }
 
     /// Conjugate gradients preconditioned with the last factor.
@@ -477,6 +471,16 @@ struct Gradients {
     curved: Option<Vec<f64>>,
 }
 
+impl Gradients {
+    fn descent(self, tolerance: f64) -> Descent {
+        match self.curved {
+            Some(iterate) => Descent::Truncated(iterate),
+            None if self.residual <= tolerance => Descent::Solved(self.x),
+            None => Descent::Inaccurate,
+        }
+    }
+}
+
 /// A direction x with bᵀ x > 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Descent {
@@ -488,6 +492,14 @@ pub enum Descent {
     Truncated(Vec<f64>),
     /// Neither was found within the precision of the factor.
     Inaccurate,
+}
+
+impl Descent {
+    /// The solution, if it was found.
+    #[must_use]
+    pub fn solved(self) -> Option<Vec<f64>> {
+        if let Self::Solved(x) = self { Some(x) } else { None }
+    }
 }
 
 /// When conjugate gradients end.

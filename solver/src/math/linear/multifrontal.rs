@@ -244,7 +244,7 @@ fn place_updates(supernodes: &mut [Supernode]) {
     }
 }
 
-fn narrow(i: usize) -> u32 {
+pub(super) fn narrow(i: usize) -> u32 {
     u32::try_from(i).expect("less than 2^32 entries")
 }
 
@@ -260,7 +260,10 @@ fn place_entries(
     let pairs = || {
         (0..n).flat_map(|c| {
             let at = position[c];
-            let one = move |k: usize| (k, position[rows[k]].max(at), position[rows[k]].min(at));
+            let one = move |k: usize| {
+                let row = position[rows[k] as usize];
+                (k, row.max(at), row.min(at))
+            };
             (column_start[c]..column_start[c + 1]).map(one)
         })
     };
