@@ -6,12 +6,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod fixture;
-
 use std::path::Path;
 
+use crate::fixture::damaged::{after, change, change_solid, cube, moved};
 use fab::verify::{Line, Status};
-use fixture::damaged::{after, change, change_solid, cube, moved};
 use mesh::Vec3;
 use mesh::solid::Solid;
 

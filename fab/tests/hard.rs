@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
-mod fixture;
-
 use std::time::Instant;
 
-use fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, stderr, stdout};
+use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use nalgebra::{Matrix3, Rotation3, Unit};

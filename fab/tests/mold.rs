@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod fixture;
-
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use crate::fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, copy, fab, stderr, stdout};
 use fab::files::report::MoldReport;
-use fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, copy, fab, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 

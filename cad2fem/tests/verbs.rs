@@ -1,0 +1,7 @@
+//! One program of all tests of `cad2fem`, so that they share the cores to the end.
+
+mod support;
+
+mod cli;
+mod meshers;
+mod picture;
