@@ -170,6 +170,7 @@ fn incompressible(mu: f64, inner: f64) -> f64 {
 /// Beyond λ_a ≈ 1.6 the pressure falls while the shell grows: no pressure can be
 /// prescribed there, but a volume can.
 #[test]
+#[ignore = "five seconds: runs in make test-all; volumes.rs prescribes volumes below the limit point"]
 fn a_prescribed_volume_passes_the_limit_point() {
     let mu = 120e3;
     let poisson = 0.4995;
