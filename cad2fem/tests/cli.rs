@@ -3,17 +3,15 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{Workdir, scene};
 use mesh::check::check_surface;
 use mesh::io::{read_surface, write_surface};
 use mesh::measure::{area, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::topology::{boundary_loops, components};
 use mesh::{SurfaceMesh, Vec3};
-use support::{Workdir, scene};
 
 /// Half a ball with a bore that opens in its flat side.
 const DOME: &str = "

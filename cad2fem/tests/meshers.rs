@@ -3,15 +3,13 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{Workdir, python_with, scene};
 use mesh::check::check_surface;
 use mesh::io::{read_surface, read_tets};
 use mesh::measure::{area, enclosed_volume, quality, volume};
 use mesh::topology::{boundary, boundary_loops};
-use support::{Workdir, python_with, scene};
 
 #[test]
 fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {

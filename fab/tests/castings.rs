@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod fixture;
-
 use std::path::Path;
 use std::sync::OnceLock;
 
+use crate::fixture::{CLOSED, Scene, assert_fails, assert_status, change_report, copy, stderr};
 use fab::plan::report::PlanReport;
 use fab::verify::{Against, Line, Status, verify};
-use fixture::{CLOSED, Scene, assert_fails, assert_status, change_report, copy, stderr};
 
 /// Two halves of a closed chamber, unequal by the cut below its middle.
 const HALVES: &str = "method = \"halves\"

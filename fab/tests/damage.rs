@@ -2,15 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod fixture;
-
 use std::path::Path;
 
-use fab::verify::{Against, Line, Status, verify};
-use fixture::damaged::{
+use crate::fixture::damaged::{
     BOX, after, change, change_solid, cube, feature, moved, sound, turned, write_copies,
 };
-use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report};
+use crate::fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report};
+use fab::verify::{Against, Line, Status, verify};
 use mesh::Vec3;
 use mesh::io::read_tets;
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
@@ -276,7 +274,7 @@ fn demolding() {
 /// What `fab mold` says of a mold that fails a check before it is written.
 fn refused(scene: &Scene, check: &str) -> String {
     let output = scene.mold();
-    let said = fixture::stderr(&output);
+    let said = crate::fixture::stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains(check), "{said}");
     assert!(!scene.path("mold/mold.json").exists());

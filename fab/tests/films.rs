@@ -6,12 +6,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod fixture;
-
 use std::path::Path;
 
+use crate::fixture::damaged::{after, change, change_solid, cube, moved};
 use fab::verify::{Line, Status};
-use fixture::damaged::{after, change, change_solid, cube, moved};
 use mesh::Vec3;
 use mesh::solid::Solid;
 
@@ -47,6 +45,7 @@ fn at_wall([low, high]: [[f64; 2]; 2], y0: f64, y1: f64) -> Solid {
 }
 
 #[test]
+#[ignore = "four seconds: runs in make test-all; damage.rs shifts the core by 100 µm"]
 fn a_core_that_is_shifted() {
     let shift = |mold: &Path, d: f64| {
         change(mold, "core", |s| moved(s, Vec3::new(d, 0.0, 0.0)));

@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
-mod fixture;
-
 use std::time::Instant;
 
-use fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, stderr, stdout};
+use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use nalgebra::{Matrix3, Rotation3, Unit};
@@ -249,6 +247,7 @@ fn two_chambers_and_two_inlets() {
 }
 
 #[test]
+#[ignore = "six seconds: runs in make test-all; plan.rs casts halves, also across an oblique plane"]
 fn a_closed_chamber() {
     Cases::few().a_closed_chamber();
 }
@@ -258,6 +257,7 @@ const FIN: Cubes =
     Cubes { count: [15, 7, 6], solid: |[i, j, _]| i < 5 || j == 3, chamber: CHAMBER.chamber };
 
 #[test]
+#[ignore = "three seconds: runs in make test-all; damage.rs has a wall that is too thin"]
 fn a_fin_too_thin_for_silicone() {
     Cases::few().a_fin_too_thin_for_silicone();
 }

@@ -2,24 +2,23 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
-mod fixture;
 #[path = "../../tests/support/skip.rs"]
 #[allow(clippy::expect_used)]
 mod skip;
 #[path = "../../tests/support/judges.rs"]
 #[allow(dead_code, clippy::expect_used)]
-mod judges;
+mod programs;
 
 use std::sync::OnceLock;
 
+use crate::fixture::{CHAMBER, Scene, stderr};
 use fab::files::report::MoldReport;
 use fab::geometry::overhang::needs_supports;
-use fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, stderr};
-use judges::{Lengths, Solid};
+use programs::{Lengths, Solid};
 
-/// A mold of a body for a printer.
-fn molded(body: &Cubes, parting: &str) -> Scene {
-    let scene = Scene::new(body, &format!("{parting}\n[casting]\nprinter = \"prusa-mk4\""));
+/// A mold of the chamber for a printer.
+fn molded(parting: &str) -> Scene {
+    let scene = Scene::new(&CHAMBER, &format!("{parting}\n[casting]\nprinter = \"prusa-mk4\""));
     let output = scene.mold();
     assert!(output.status.success(), "{}", stderr(&output));
     scene
@@ -28,11 +27,9 @@ fn molded(body: &Cubes, parting: &str) -> Scene {
 const PLANE: &str = "[parting]\nkind = \"plane\"";
 const FIELD: &str = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
 
-fn molds() -> &'static [Scene; 3] {
-    static MOLDS: OnceLock<[Scene; 3]> = OnceLock::new();
-    MOLDS.get_or_init(|| {
-        [molded(&CHAMBER, FIELD), molded(&CHAMBER, PLANE), molded(&TWO_TOPS, FIELD)]
-    })
+fn molds() -> &'static [Scene; 2] {
+    static MOLDS: OnceLock<[Scene; 2]> = OnceLock::new();
+    MOLDS.get_or_init(|| [molded(FIELD), molded(PLANE)])
 }
 
 /// The printed parts of a mold.
@@ -59,26 +56,26 @@ fn solids(scene: &Scene) -> Vec<Solid> {
 
 #[test]
 fn trimesh_and_manifold3d_agree() {
-    let Some(python) = judges::python(judges::PACKAGES) else { return };
+    let Some(python) = programs::python(programs::PACKAGES) else { return };
     for scene in molds() {
-        judges::trimesh_and_manifold3d_agree(&python, &solids(scene));
+        programs::trimesh_and_manifold3d_agree(&python, &solids(scene));
         let places: Vec<_> = MoldReport::read(&scene.path("mold")).unwrap().parts;
         let places: Vec<_> = places.iter().map(|part| part.to_mold).collect();
-        judges::trimesh_reads_3mf(&python, &parts(scene), &places);
+        programs::trimesh_reads_3mf(&python, &parts(scene), &places);
     }
 }
 
 #[test]
 fn admesh_repairs_nothing() {
-    if judges::installed("admesh") {
-        molds().iter().for_each(|scene| judges::admesh_repairs_nothing(&solids(scene)));
+    if programs::installed("admesh") {
+        molds().iter().for_each(|scene| programs::admesh_repairs_nothing(&solids(scene)));
     }
 }
 
 /// Where we see no need for supports the slicer sees none, either.
 #[test]
 fn prusa_slicer_needs_supports_where_told() {
-    if !judges::installed("prusa-slicer") {
+    if !programs::installed("prusa-slicer") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -90,7 +87,7 @@ fn prusa_slicer_needs_supports_where_told() {
         let needs = needs_supports(part.overhang);
         for options in [&[][..], &["--support-material"]] {
             let Lengths { part: printed, support } =
-                judges::slice(&file, &file.with_extension("ini"), options, folder.path());
+                programs::slice(&file, &file.with_extension("ini"), options, folder.path());
             eprintln!(
                 "{}: {:.1} mm2 hang over, {printed:.0} and {support:.0} mm of filament",
                 part.name, part.overhang

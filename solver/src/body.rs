@@ -32,7 +32,7 @@ pub struct Part {
 
 /// A name of a tag or a body, or several.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "needed is a name in quotes, or a list of names")]
+#[serde(untagged, expecting = "expected a name in quotes, or a list of names")]
 pub enum Names {
     /// One name.
     One(String),

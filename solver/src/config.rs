@@ -103,7 +103,7 @@ impl SimConfig {
             }]),
             (None, None, false) => Ok(self.body.clone()),
             (None, None, true) => {
-                bail!("no body: needed are mesh and material, or a table [[body]] for each")
+                bail!("no body: expected mesh and material, or a table [[body]] for each")
             }
             (_, None, true) => bail!("mesh without material: a body needs both"),
             (None, _, true) => bail!("material without mesh: a body needs both"),
@@ -222,7 +222,7 @@ fn quintic() -> usize {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(
     untagged,
-    expecting = "needed is the name of a silicone, as in \
+    expecting = "expected the name of a silicone, as in \
     material = \"ecoflex-00-30\", or a table [material] with kind and parameters"
 )]
 pub enum MaterialConfig {

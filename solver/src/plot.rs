@@ -84,7 +84,7 @@ fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
         let positive =
             along(axes.log_x, ", positive along x") + &along(axes.log_y, ", positive along y");
         return Err(anyhow!(
-            "the point ({x}, {y}) cannot be drawn: needed are finite numbers{positive}"
+            "the point ({x}, {y}) cannot be drawn: expected finite numbers{positive}"
         ));
     }
     // positions along the axes; on a logarithmic one, decades

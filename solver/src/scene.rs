@@ -78,7 +78,7 @@ impl Scene {
         for (name, mesh) in others {
             ensure!(
                 bodies.iter().any(|body| stands_for(name, body)),
-                "{}: {} cannot take the place of a mesh; needed is the name of one of the bodies, \
+                "{}: {} cannot take the place of a mesh; expected the name of one of the bodies, \
                  as in --mesh {}={}",
                 path.display(),
                 mesh.display(),

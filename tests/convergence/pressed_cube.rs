@@ -19,7 +19,7 @@ use tests::{block, tag};
 const EDGE: f64 = 0.02;
 /// d̂ [m].
 const ACTIVATION: f64 = 1e-4;
-const STEPS: usize = 20;
+const STEPS: usize = 10;
 
 /// A square of which no edge meets those of the cube: they would share forces of
 /// contact with nodes that are farther away.
@@ -200,6 +200,7 @@ fn stress_at_free_faces_halves_with_the_mesh_and_contact_has_none() {
 /// sin²(λπ/2) = ((κ + 1)² − 4 λ²) / 4κ with κ = 3 − 4ν (Williams 1952), so that
 /// halved edges leave 0.62 of the error.
 #[test]
+#[ignore = "six seconds: runs in make test-all; the cube that slips stays"]
 fn where_it_sticks_the_edges_keep_it_from_halving() {
     compare(1.0, 0.62);
 }

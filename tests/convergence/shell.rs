@@ -170,6 +170,7 @@ fn incompressible(mu: f64, inner: f64) -> f64 {
 /// Beyond λ_a ≈ 1.6 the pressure falls while the shell grows: no pressure can be
 /// prescribed there, but a volume can.
 #[test]
+#[ignore = "five seconds: runs in make test-all; volumes.rs prescribes volumes below the limit point"]
 fn a_prescribed_volume_passes_the_limit_point() {
     let mu = 120e3;
     let poisson = 0.4995;
@@ -177,7 +178,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
         Box::new(NeoHookean(Lame::new(2.0 * mu * (1.0 + poisson), poisson)))
     };
     let mut factor: Schedule = "(1 + t)^3".parse().unwrap();
-    factor.begin(0.1);
+    factor.begin(0.2);
     let gas = PrescribedVolume::Factor(factor);
     let Shell { body, gas } = Shell::with(law, 2, [6, 2], &gas);
     let octant = std::f64::consts::PI / 6.0 * A.powi(3);
@@ -186,7 +187,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
     let mut workspace = Workspace::new(&problem);
     let newton = Newton { iterations: 30, relative: 1e-9, absolute: 0.0 };
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-2, newton };
-    let times: Vec<f64> = (1..=10).map(|n| 0.1 * f64::from(n)).collect();
+    let times: Vec<f64> = (1..=5).map(|n| 0.2 * f64::from(n)).collect();
     let solution =
         solve_in_time(&problem, &mut workspace, &body.rest, &stepping, &times, |_| ()).unwrap();
     eprintln!(
@@ -204,6 +205,6 @@ fn a_prescribed_volume_passes_the_limit_point() {
         assert!(error.abs() < 2.0);
         pressures.push(now.pressure);
     }
-    assert_eq!(pressures.len(), 10);
-    assert!(pressures[9] < 0.95 * pressures[5], "the limit point is passed: {pressures:?}");
+    assert_eq!(pressures.len(), 5);
+    assert!(pressures[4] < 0.95 * pressures[2], "the limit point is passed: {pressures:?}");
 }

@@ -112,7 +112,7 @@ fn a_block_moved_onto_a_body_by_more_than_the_gap() {
             EDGE + 1e-3,
             3e-3 / end
         );
-        let mut motion = begin(&[("cube", &cube(4))], &[], &text);
+        let mut motion = begin(&[("cube", &cube(3))], &[], &text);
         let (free, load_steps) = go(&mut motion);
         assert!(free < 0.35, "{free}");
         (motion, load_steps)
@@ -120,10 +120,10 @@ fn a_block_moved_onto_a_body_by_more_than_the_gap() {
     let quasistatic =
         |steps: usize| run(1.0, &format!("method = \"quasistatic\"\nsteps = {steps}"));
     let (one, load_steps) = quasistatic(1);
-    let (many, _) = quasistatic(60);
+    let (many, _) = quasistatic(40);
     let apart = apart(&one, &many);
     eprintln!(
-        "block moved onto a body: {load_steps} load step, {} Newton iterations; in 60: {}; \
+        "block moved onto a body: {load_steps} load step, {} Newton iterations; in 40: {}; \
          {apart:.1e} apart",
         one.stepper.progress.newton_iterations, many.stepper.progress.newton_iterations
     );

@@ -1,4 +1,4 @@
-//! A bar that is shaken by its chamber: the pressure of each of 20 time steps is
+//! A bar that is shaken by its chamber: the pressure of each of 10 time steps is
 //! designed.
 
 use serde_json::Value;
@@ -10,7 +10,7 @@ const DESIGN: &str = r#"
 scene = "moving.toml"
 
 [optimizer]
-iterations = 30
+iterations = 15
 first_step = 1.0
 
 [[chamber]]
@@ -23,9 +23,9 @@ kind = "displacement"
 name = "middle"
 weight = 1e9
 on = "top"
-displacement = [0.0, 0.0, 4e-4]
+displacement = [0.0, 0.0, 3e-4]
 components = "z"
-over = { steps = [9, 10, 11] }
+over = { steps = [5, 6] }
 
 [[objective]]
 kind = "displacement"
@@ -34,73 +34,98 @@ weight = 1e9
 on = "top"
 displacement = [0.0, 0.0, 1e-4]
 components = "z"
-over = { steps = [18, 19, 20] }
+over = { steps = [9, 10] }
 "#;
 
-/// The chamber with linear elements, in 20 steps.
+/// The steps of both objectives.
+const STEPS: [[usize; 2]; 2] = [[5, 6], [9, 10]];
+
+/// The chamber with linear elements, in 10 steps.
 pub fn workdir() -> Workdir {
     let dir = chamber::workdir();
-    let time = "[time]\nend = 0.2\nsteps = 20\n\n[material]\ndensity = 1000.0";
+    let time = "[time]\nend = 0.2\nsteps = 10\n\n[material]\ndensity = 1000.0";
     let scene = chamber::SIM.replace("degree = 2", "degree = 1").replace("[material]", time);
     dir.write("moving.toml", &scene.replace("pressure = 8e3", "pressure = \"1e4*t\""));
     dir.write("design.toml", DESIGN);
     dir
 }
 
-/// Weight of both objectives [1/m⁴], and the heights that they want [m].
-const WEIGHT: f64 = 1e9;
-const HEIGHTS: [f64; 2] = [4e-4, 1e-4];
-
-/// Rest area A of the top [m²], and by how much it bulges: the variance of u_z over the top
-/// divided by the square of its mean, as pressure makes it.
-fn bulge(dir: &Workdir) -> (f64, f64) {
-    let nowhere = DESIGN.replace(" 4e-4]", " 0.0]").replace(" 1e-4]", " 0.0]");
-    dir.write("nowhere.toml", &nowhere);
-    dir.solver("gradient nowhere.toml -o nowhere").assert_good();
-    // the mean of W ∫ u_z² dA over the last three steps
-    let squares = dir.json("nowhere/gradient.json")["terms"]["end"].as_f64().unwrap();
-    dir.solver("simulate moving.toml -o start").assert_good();
-    let report = dir.json("start/report.json");
-    let area = report["tags"]["top"]["area"].as_f64().unwrap();
-    let steps = report["steps"].as_array().unwrap().iter().rev().take(3);
-    let means = steps.map(|s| s["mean_displacement"]["top"][2].as_f64().unwrap().powi(2));
-    let mean = means.sum::<f64>() / 3.0;
-    (area, squares / (WEIGHT * area * mean) - 1.0)
+/// In motion as fast as the bar's own, whose period is about 10 ms, inertia counts in the gradient.
+#[test]
+fn gradients_are_exact_where_inertia_counts() {
+    let dir = workdir();
+    let slow = dir.text("moving.toml").replace("1e4*t", "1e6*t");
+    dir.write("moving.toml", &slow.replace("end = 0.2\nsteps = 10", "end = 0.01\nsteps = 5"));
+    let fast = DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-2e6, 2e6]");
+    dir.write("design.toml", &fast.replace("[5, 6]", "[2, 3]").replace("[9, 10]", "[4, 5]"));
+    dir.solver("check design.toml --steps 5").assert_good();
 }
 
-/// One pressure per step scales the shape of the bulge: with its mean s and variance c s²,
-/// J = W A ((s − w)² + c s²) for a wanted height w is least at s = w / (1 + c), and is then
-/// W A w² c / (1 + c), as far as the top moves in proportion to the pressure.
-#[test]
-fn a_pressure_over_time_is_found_within_its_bounds() {
-    let dir = workdir();
-    // in this slow motion inertia hardly changes the terms: the remainders are within rounding
-    let unmeasured = ["density of body", "velocity of body"];
-    dir.solver("check design.toml --steps 5").assert_all_but(&unmeasured);
-    dir.solver("-q optimize design.toml -o out").assert_good();
-    let report = dir.json("out/report.json");
-    let of = |key: &str| report[key].as_f64().unwrap();
-    let (area, c) = bulge(&dir);
-    let rest = WEIGHT * area * HEIGHTS.map(|w| w * w).iter().sum::<f64>();
-    let above = of("objective_after") / (rest * c / (1.0 + c)) - 1.0;
-    eprintln!("c = {c:.4}: {:.4e} is {above:.4} above the least", of("objective_after"));
-    // 0.0283 was found: at 4e-4 m the top does not quite move in proportion to the pressure
-    assert!((0.0..0.04).contains(&above), "{above}\n{}", dir.text("out/history.jsonl"));
+/// Weight of both objectives [1/m⁴], and the heights that they want [m].
+const WEIGHT: f64 = 1e9;
+const HEIGHTS: [(&str, f64); 2] = [("middle", 3e-4), ("end", 1e-4)];
 
+/// How the top stands in a run of `moving.toml`, at the steps of each objective: its mean height
+/// s [m], and by how much it bulges, the variance of u_z over the top divided by s².
+fn bulges(dir: &Workdir, area: f64) -> [[f64; 2]; 2] {
+    dir.solver("simulate moving.toml -o run").assert_good();
+    let report = dir.json("run/report.json");
+    let nowhere = dir.text("design.toml").replace(" 3e-4]", " 0.0]").replace(" 1e-4]", " 0.0]");
+    dir.write("nowhere.toml", &nowhere);
+    dir.solver("gradient nowhere.toml -o nowhere").assert_good();
+    let terms = dir.json("nowhere/gradient.json")["terms"].clone();
+    [0, 1].map(|k| {
+        // the mean of W ∫ u_z² dA over two steps
+        let squares = terms[HEIGHTS[k].0].as_f64().unwrap() / (WEIGHT * area);
+        let of_step =
+            |n: usize| report["steps"][n - 1]["mean_displacement"]["top"][2].as_f64().unwrap();
+        let heights = STEPS[k].map(of_step);
+        let [mean, mean_square] =
+            [1, 2].map(|n| heights.map(|s| s.powi(n)).iter().sum::<f64>() / 2.0);
+        [mean, squares / mean_square - 1.0]
+    })
+}
+
+/// The pressures of `out/pressures.toml`, with their times; none changes faster than `bound` [Pa/s].
+fn pressures(dir: &Workdir, bound: f64) -> (Vec<f64>, Vec<f64>) {
     let pressures: toml::Table = toml::from_str(&dir.text("out/pressures.toml")).unwrap();
+    assert_eq!(pressures["chamber"][0]["on"].as_str(), Some("cavity"));
     let curve = &pressures["chamber"][0]["pressure"];
     let numbers = |key: &str| -> Vec<f64> {
         curve[key].as_array().unwrap().iter().map(|v| v.as_float().unwrap()).collect()
     };
     let (t, p) = (numbers("t"), numbers("value"));
-    assert_eq!(
-        (t.len(), p.len(), pressures["chamber"][0]["on"].as_str()),
-        (21, 21, Some("cavity"))
-    );
+    assert_eq!((t.len(), p.len()), (11, 11));
     for n in 1..t.len() {
         let slope = (p[n] - p[n - 1]) / (t[n] - t[n - 1]);
-        assert!(slope.abs() < 2e5 * (1.0 + 1e-9), "step {n}: {slope}");
+        assert!(slope.abs() < bound * (1.0 + 1e-9), "step {n}: {slope}");
     }
+    (t, p)
+}
+
+/// Some 12 kPa lift the top to where it should be in step 5, at t = 0.1 s. With at most 1e5 Pa/s there
+/// are 10 kPa then, and as much only if the pressure rises as fast as it may in every step.
+#[test]
+fn a_pressure_rises_as_fast_as_it_may() {
+    let dir = workdir();
+    dir.write("design.toml", &DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-1e5, 1e5]"));
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let (t, p) = pressures(&dir, 1e5);
+    assert!((p[5] / (1e5 * t[5]) - 1.0).abs() < 1e-3, "{p:?}");
+}
+
+/// With the mean s of the top and the variance c s², J = W A ((s − w)² + c s²) for a wanted height
+/// w is least at s = w / (1 + c), and is then W A w² c / (1 + c), if c does not depend on s: with one
+/// pressure per step, which scales the shape of the bulge. That c changes with s by the part
+/// e = s c′/c moves the least s by the part e c / (2 (1 + c)), and the least J by e² c / (4 (1 + c))
+/// of itself: from the lower to the higher s, c falls by a hundredth, so that s is off by a thousandth.
+#[test]
+fn a_pressure_over_time_is_found() {
+    let dir = workdir();
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let promised = report["objective_after"].as_f64().unwrap();
+    pressures(&dir, 2e5);
 
     // the table, put into the scene, gives what was promised
     let scene = dir.text("moving.toml");
@@ -110,11 +135,20 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
     dir.write("design.toml", &again);
     dir.solver("gradient design.toml -o gradient").assert_good();
     let found = dir.json("gradient/gradient.json")["objective"].as_f64().unwrap();
-    assert!((found / of("objective_after") - 1.0).abs() < 1e-6, "{found}");
-    dir.solver("simulate moving.toml -o designed").assert_good();
-    let top = &dir.json("designed/report.json")["tags"]["top"]["mean_displacement_vector"];
-    let mean = top[2].as_f64().unwrap();
-    assert!((mean / (HEIGHTS[1] / (1.0 + c)) - 1.0).abs() < 0.02, "{mean}");
+    assert!((found / promised - 1.0).abs() < 1e-6, "{found}");
+
+    let area = 20e-4;
+    let bulges = bulges(&dir, area);
+    let least = |k: usize| {
+        let ((_, w), [_, c]) = (HEIGHTS[k], bulges[k]);
+        WEIGHT * area * w * w * c / (1.0 + c)
+    };
+    let above = found / (least(0) + least(1)) - 1.0;
+    eprintln!("{bulges:?}: {found:.4e} is {above:.2e} above the least");
+    assert!(above.abs() < 1e-3, "{above}\n{}", dir.text("out/history.jsonl"));
+    for ((name, w), [s, c]) in HEIGHTS.iter().zip(bulges) {
+        assert!((s * (1.0 + c) / w - 1.0).abs() < 0.01, "{name}: {s}");
+    }
 }
 
 /// Killed after every checkpoint: the run through time is done again from θ.
@@ -122,7 +156,7 @@ fn a_pressure_over_time_is_found_within_its_bounds() {
 #[ignore = "fifteen seconds: runs in make test-all; resume.rs kills designs, resume_in_time.rs runs through time"]
 fn a_design_in_time_that_is_killed_ends_the_same() {
     let design = |dir: &Workdir| {
-        let text = dir.text("design.toml").replace("iterations = 30", "iterations = 3");
+        let text = dir.text("design.toml").replace("iterations = 15", "iterations = 3");
         dir.write("design.toml", &text);
     };
     let results = |dir: &Workdir| -> (String, Vec<Value>) {

@@ -60,15 +60,14 @@ fn free_vertices_follow_handles() {
 #[test]
 fn a_frozen_interior_fails_the_check() {
     let dir = chamber::workdir();
-    let middle = |i: usize| i == 2 || i == 3;
-    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
-    let inner = |x: f64| x > 0.019 && x < 0.041;
+    let mesh = block([4, 5, 5], 0.01, |c| c[0] < 2 && c[1] == 2 && c[2] == 2, |p| p);
+    let inner = |x: f64| x > 0.019 && x < 0.031;
     let body = tag(
         mesh,
         &[
             ("seat", &|p| p.x < 1e-6),
-            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
-            ("top", &|p| p.z > 0.06 - 1e-6),
+            ("cavity", &|p| p.x < 0.021 && inner(p.y) && inner(p.z)),
+            ("top", &|p| p.z > 0.05 - 1e-6),
             ("skin", &|_| true),
         ],
     );

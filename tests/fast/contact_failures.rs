@@ -134,7 +134,7 @@ fn a_step_that_cannot_converge() {
     assert_eq!(dir.json("out/report.json")["steps"].as_array().unwrap().len(), 10);
 }
 
-/// A chamber under a pressure that doubles every two steps, until no element
+/// A chamber under a pressure that is multiplied by four every step, until no element
 /// holds it.
 #[test]
 fn a_load_that_explodes() {
@@ -146,9 +146,9 @@ fn a_load_that_explodes() {
     write_tets(&dir.path("hollow.msh"), &hollow.mesh, &hollow.tags).unwrap();
     let text = scene().replacen("block.msh", "hollow.msh", 1).replace(
         "[contact]",
-        "[[chamber]]\non = \"a.cavity\"\npressure = \"1e3*exp(170*t)\"\n[contact]",
+        "[[chamber]]\non = \"a.cavity\"\npressure = \"2e2*exp(350*t)\"\n[contact]",
     );
-    let give_up = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 30\n[time]\nend = 0.4\nsteps = 100";
+    let give_up = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 15\n[time]\nend = 0.4\nsteps = 100";
     dir.write("bang.toml", &text.replace("[time]\nend = 0.04\nsteps = 10", give_up));
     let (run, report) = fails(&dir, "bang.toml", &["worst element: tetrahedron", "try: "]);
     assert!(!run.stderr.contains("NaN") && !run.stderr.contains("inf "), "{}", run.stderr);

@@ -102,7 +102,7 @@ fn schedules() {
                 &[
                     "[[chamber]] on \"cavity\": pressure",
                     "from t = 0 to 0.5 s",
-                    "needed is from 0 to 1 s",
+                    "expected from 0 to 1 s",
                 ],
             ),
             (
@@ -138,10 +138,7 @@ fn times_and_volumes() {
     let body = sound.replace("[[chamber]]\non = \"cavity\"\npressure = 8e3\n", "");
     assert_ne!(sound, body);
     for (scene, words) in [
-        (
-            sound.clone() + "[time]\nend = 1.0\n",
-            &["[time]: needed is either end [s] and steps"][..],
-        ),
+        (sound.clone() + "[time]\nend = 1.0\n", &["[time]: expected either end [s] and steps"][..]),
         (sound.clone() + "[time]\nend = 1.0\nsteps = 2\nat = [1.0]\n", &["[time]", "or at"]),
         (sound.clone() + "[time]\nend = -1.0\nsteps = 2\n", &["end = -1 s", "positive"]),
         (sound.clone() + "[time]\nend = 1.0\nsteps = 0\n", &["steps = 0"]),

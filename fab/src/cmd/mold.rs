@@ -205,7 +205,7 @@ impl MoldFiles {
         let lines = before_writing(&self.report, &self.surfaces, design, plan, progress);
         let failed = lines.iter().filter(|line| line.status == Status::Fail);
         let failed: Vec<String> = failed
-            .map(|line| format!("{} is {}, needed is {}", line.name, line.found, line.needed))
+            .map(|line| format!("{} is {}, expected {}", line.name, line.found, line.needed))
             .collect();
         if failed.is_empty() {
             return Ok(());

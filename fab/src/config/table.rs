@@ -16,9 +16,16 @@ pub struct Key {
     pub meaning: &'static str,
 }
 
-/// Defines a table: `key: type = default => "default in words", range;` for each key, below its
-/// meaning. The words are left out if the default speaks for itself. A range is a function of the
-/// key's name and value that says what is wrong with it.
+/// Defines a table. Each key is written as
+///
+/// ```text
+/// /// What it means, with its unit.
+/// key: type = default => "default in words", range;
+/// ```
+///
+/// where `=> "default in words"` is left out if the default is documented as it is written. `range`
+/// is a function of the key's full name and its value, such as [`length`], that returns a message
+/// if the value is out of range.
 macro_rules! table {
     (
         $(#[doc = $about:literal])+
@@ -49,7 +56,7 @@ macro_rules! table {
             pub const KEYS: &'static [$crate::config::table::Key] = &[$(
                 $crate::config::table::Key {
                     name: concat!($prefix, stringify!($key)),
-                    default: $crate::config::table::either(&[$($words,)? stringify!($default)]),
+                    default: $crate::config::table::first(&[$($words,)? stringify!($default)]),
                     meaning: concat!($($doc),+),
                 },
             )+];
@@ -67,13 +74,13 @@ macro_rules! table {
 }
 pub(crate) use table;
 
-/// The first of one or two.
+/// The first element; `table!` puts a default in words before the default as it is written.
 #[must_use]
-pub const fn either(words: &[&'static str]) -> &'static str {
+pub const fn first(words: &[&'static str]) -> &'static str {
     words[0]
 }
 
-/// Anything of its type.
+/// A range without limits: any value of the type.
 ///
 /// # Errors
 /// None.
@@ -126,15 +133,16 @@ pub fn optional_direction(key: &str, direction: &Option<[f64; 3]>) -> Result<(),
     }
 }
 
-/// Keys as a table in Markdown; of those with one name the first.
+/// Keys as a table in Markdown. Of keys with the same name, as kinds of `[parting]` have them, the
+/// first is listed.
 #[must_use]
 pub fn markdown<'a>(keys: impl Iterator<Item = &'a Key>) -> String {
     let mut text = String::from("| key | default | meaning |\n|---|---|---|\n");
     let mut names = std::collections::BTreeSet::new();
     for Key { name, default, meaning } in keys.filter(|key| names.insert(key.name)) {
-        // A default that is written as it stands begins with a digit, a quote, or is true or false.
-        let plain = default.starts_with(|c: char| c.is_ascii_digit() || c == '"');
-        let code = if plain || ["true", "false"].contains(default) { "`" } else { "" };
+        // values are set as code, words are not
+        let is_value = default.starts_with(|c: char| c.is_ascii_digit() || c == '"');
+        let code = if is_value || ["true", "false"].contains(default) { "`" } else { "" };
         text += &format!("| `{name}` | {code}{default}{code} | {} |\n", meaning.trim());
     }
     text

@@ -75,9 +75,9 @@ impl Blank<'_> {
     fn tray(&self, hull: Solid) -> Division {
         let Block { min, max } = self.block;
         let face = front(min, max, [min.z, max.z], -Vec3::z());
-        let outside = self.labelled(hull, "tray", &face);
+        let (outside, findings) = self.labelled(hull, [("tray", face)]);
         let tray = shell("tray", outside.difference(&self.body.filled), -Vec3::z());
-        let (features, findings) = (Vec::new(), Vec::new());
+        let features = Vec::new();
         Division { outside, level: 0.0, shells: vec![tray], features, findings }
     }
 
@@ -92,8 +92,11 @@ impl Blank<'_> {
         };
         let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
         let outside = self.widened(&hull, flange);
-        let outside = self.labelled(outside, upper, &front(min, max, [joint, top], Vec3::z()));
-        let outside = self.labelled(outside, lower, &front(min, max, [bottom, joint], -Vec3::z()));
+        let faces = [
+            (upper, front(min, max, [joint, top], Vec3::z())),
+            (lower, front(min, max, [bottom, joint], -Vec3::z())),
+        ];
+        let (outside, findings) = self.labelled(outside, faces);
         let (cup, plate) = self.cut_at_seat(&outside);
         let keys = self.keys(&self.joint(joint));
         let shells = vec![
@@ -102,13 +105,7 @@ impl Blank<'_> {
         ];
         let bolts = self.bolts(&self.joint(joint), Turn::NONE);
         let features = [seats(&keys, Turn::NONE), bolts.clone()].concat();
-        Division {
-            outside,
-            level: 0.0,
-            shells: cut(shells, &bolts),
-            features,
-            findings: Vec::new(),
-        }
+        Division { outside, level: 0.0, shells: cut(shells, &bolts), features, findings }
     }
 
     /// Two shells that part above each other.
@@ -121,9 +118,11 @@ impl Blank<'_> {
         let (bottom, top) = (within(level - thickness), within(level + thickness));
         let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
         let outside = self.widened(&hull, flange);
-        let outside = self.labelled(outside, "upper", &front(min, max, [level, top], Vec3::z()));
-        let outside =
-            self.labelled(outside, "lower", &front(min, max, [bottom, level], -Vec3::z()));
+        let faces = [
+            ("upper", front(min, max, [level, top], Vec3::z())),
+            ("lower", front(min, max, [bottom, level], -Vec3::z())),
+        ];
+        let (outside, unlabelled) = self.labelled(outside, faces);
         let sides = divide(&outside, &self.body.filled, &split);
         let keys = self.keys(&self.joint(level));
         let shells = vec![
@@ -136,7 +135,7 @@ impl Blank<'_> {
             level,
             shells: cut(shells, &bolts),
             features: [seats(&keys, Turn::NONE), bolts].concat(),
-            findings: [split.findings, sides.findings].concat(),
+            findings: [split.findings, sides.findings, unlabelled].concat(),
         })
     }
 
@@ -155,9 +154,9 @@ impl Blank<'_> {
         let low = Vec3::new(min.x, level - thickness, min.z);
         let outside = self.widened(&outside, [low, Vec3::new(max.x, level + thickness, max.z)]);
         let [left, right] = self.rims(level, foot);
-        let outside = self.labelled(outside, name, &front(min, max, [min.z, joint], -Vec3::z()));
-        let outside = self.labelled(outside, "left", &left);
-        let outside = self.labelled(outside, "right", &right);
+        let below = front(min, max, [min.z, joint], -Vec3::z());
+        let faces = [(name, below), ("left", left), ("right", right)];
+        let (outside, unlabelled) = self.labelled(outside, faces);
 
         let (above, base) = self.cut_at_seat(&outside);
         let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
@@ -182,7 +181,7 @@ impl Blank<'_> {
             level,
             shells: cut(shells, &bolts),
             features: [seats(&on_base, Turn::NONE), seats(&between, turn), bolts].concat(),
-            findings: sides.findings,
+            findings: [sides.findings, unlabelled].concat(),
         })
     }
 
@@ -230,9 +229,20 @@ impl Blank<'_> {
         outside.union(&slab(self.block, min, max))
     }
 
-    /// An outside with the name of a piece raised on one of its faces.
-    fn labelled(&self, outside: Solid, name: &str, face: &Face) -> Solid {
-        if self.config.labels { outside.union(&label::word(name, face)) } else { outside }
+    /// An outside with the names of pieces raised on its faces, and which do not fit.
+    fn labelled<const N: usize>(
+        &self,
+        mut outside: Solid,
+        names: [(&str, Face); N],
+    ) -> (Solid, Vec<Finding>) {
+        let mut findings = Vec::new();
+        for (name, face) in names.iter().filter(|_| self.config.labels) {
+            match label::word(name, face) {
+                Some(letters) => outside = outside.union(&letters),
+                None => findings.push(unlabelled(name, face)),
+            }
+        }
+        (outside, findings)
     }
 
     /// The keys of a joint.
@@ -279,6 +289,20 @@ impl Blank<'_> {
             }
             PartingSurface::Seat | PartingSurface::Open => Ok(Split::plane(&site, body.seat)),
         }
+    }
+}
+
+/// A piece without its name.
+fn unlabelled(name: &str, face: &Face) -> Finding {
+    let [width, height] = face.size.map(|size| size * 1e3);
+    Finding {
+        rule: "label",
+        message: format!(
+            "the name {name:?} does not fit on a face of {width:.1} × {height:.1} mm in letters of \
+             {:.1} mm or higher: mark the piece by hand, or increase flange.thickness",
+            label::LOWEST * 1e3
+        ),
+        count: 1,
     }
 }
 

@@ -402,24 +402,28 @@ fn check(case: &Case, forces: bool) {
 
 #[test]
 fn a_chamber_alone_has_its_gradient_with_any_formula() {
-    let case = |method, steps, inside| {
-        let (degree, dt, body) = (1, 0.02, Shape::Hollow);
+    let case = |method, steps, body, inside| {
+        let (degree, dt) = (1, 0.02);
         check(&Case { method, degree, steps, dt, body, inside }, false);
     };
-    case(Method::Quasistatic, 1, Inside::Pressure);
-    case(Method::Quasistatic, 2, Inside::Gas);
-    case(Method::Quasistatic, 1, Inside::Volume);
-    case(Method::ImplicitEuler, 1, Inside::Gas);
-    case(Method::ImplicitEuler, 3, Inside::Pressure);
-    case(Method::ImplicitEuler, 2, Inside::Factor);
-    case(Method::Bdf2, 2, Inside::Pressure);
-    case(Method::Bdf2, 4, Inside::Gas);
-    case(Method::Bdf3, 5, Inside::Pressure);
+    // a formula is the same for one element as for many
+    case(Method::Quasistatic, 1, Shape::Tet, Inside::Pressure);
+    case(Method::Quasistatic, 2, Shape::Tet, Inside::Gas);
+    case(Method::Quasistatic, 1, Shape::Tet, Inside::Volume);
+    case(Method::ImplicitEuler, 1, Shape::Tet, Inside::Gas);
+    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::Pressure);
+    case(Method::ImplicitEuler, 2, Shape::Tet, Inside::Factor);
+    case(Method::Bdf2, 2, Shape::Tet, Inside::Pressure);
+    case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
+    case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
+    case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
+    case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
+    case(Method::Bdf2, 2, Shape::Hollow, Inside::Gas);
 }
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    for steps in [1, 2, 3, 10] {
+    for steps in [1, 2, 5] {
         let (degree, dt) = (1, 2e-3);
         let method = Method::ImplicitEuler;
         check(
@@ -432,14 +436,12 @@ fn bodies_that_hit_and_slide_have_their_gradient() {
 #[test]
 fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
     let (degree, dt) = (2, 2e-3);
-    let case = |method, steps| {
-        check(
-            &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },
-            true,
-        );
-    };
-    case(Method::ImplicitEuler, 3);
-    case(Method::Bdf2, 4);
+    // its first step is one of implicit Euler
+    let method = Method::Bdf2;
+    check(
+        &Case { method, degree, steps: 3, dt, body: Shape::Blocks, inside: Inside::Pressure },
+        true,
+    );
 }
 
 #[test]
@@ -465,6 +467,5 @@ fn one_element_and_a_quadratic_bar_have_their_gradient() {
         case(Method::Quasistatic, degree, 1, Shape::Tet, Inside::Pressure);
         case(Method::ImplicitEuler, degree, 2, Shape::Tet, Inside::Pressure);
     }
-    case(Method::Quasistatic, 2, 1, Shape::Bar, Inside::Pressure);
     case(Method::Bdf2, 2, 2, Shape::Bar, Inside::Gas);
 }

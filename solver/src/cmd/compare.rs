@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let spacing = arguments.spacing.unwrap_or(reference.diagonal() / SPACINGS);
     ensure!(
         spacing > 1e-5 * reference.diagonal() && spacing.is_finite(),
-        "--spacing is {spacing} m: needed is a length of at least {:.0e} m, 1e-5 of the diagonal",
+        "--spacing is {spacing} m: expected a length of at least {:.0e} m, 1e-5 of the diagonal",
         1e-5 * reference.diagonal()
     );
     let mut rows: Vec<Comparison> = Vec::new();

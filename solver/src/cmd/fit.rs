@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if chosen.quality.r2 < USABLE {
         remove(&material)?;
         return Err(Unusable(format!(
-            "{}: the best law has R² {:.4}, needed is {USABLE}; look at {}",
+            "{}: the best law has R² {:.4}, expected at least {USABLE}; look at {}",
             arguments.data.display(),
             chosen.quality.r2,
             folder.join("fit.svg").display()

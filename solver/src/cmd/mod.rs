@@ -59,7 +59,7 @@ fn other_mesh(text: &str) -> Result<OtherMesh, String> {
         Some((body, path)) if !body.is_empty() && !path.is_empty() => {
             Ok((Some(body.to_owned()), PathBuf::from(path)))
         }
-        Some(_) => Err("needed is a path, or body=path".to_owned()),
+        Some(_) => Err("expected a path, or body=path".to_owned()),
         None => Ok((None, PathBuf::from(text))),
     }
 }

@@ -101,7 +101,7 @@ fn rows(path: &Path) -> Result<Vec<Value>> {
     match report.get("steps").or_else(|| report.get("runs")) {
         Some(Value::Array(rows)) => Ok(rows.clone()),
         _ => bail!(
-            "{}: no \"steps\" or \"runs\": needed is a report.json of simulate, a history.jsonl of \
+            "{}: no \"steps\" or \"runs\": expected a report.json of simulate, a history.jsonl of \
              optimize or a file of compare",
             path.display()
         ),

@@ -88,6 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             steps,
             progress: run.stepper.progress.clone(),
             couplings: run.workspace.couplings().to_vec(),
+            work: run.recorder.work().clone(),
             timings: run.workspace.timings,
             elapsed_s: before_s + begin.elapsed().as_secs_f64(),
         };
@@ -187,7 +188,7 @@ impl Run<'_> {
         let (scene, problem) = (self.scene, self.problem);
         let energies = results::stored_energies(&problem.energies, end);
         let progress = &self.stepper.progress;
-        let work = self.recorder.work();
+        let work = self.recorder.work().total;
         report["tolerance_met"] =
             json!(self.recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
         report["newton_iterations"] = json!(progress.newton_iterations);

@@ -76,7 +76,7 @@ impl ChamberDesign {
         let ([low, high], title) = (self.slope, title(&self.on));
         ensure!(
             low < high && low.is_finite() && high.is_finite(),
-            "{title}: slope = [{low}, {high}] Pa/s; needed are two numbers, the smaller first"
+            "{title}: slope = [{low}, {high}] Pa/s; expected two numbers, the smaller first"
         );
         ensure!(
             self.change.is_none_or(|c| c.is_finite() && c > 0.0),

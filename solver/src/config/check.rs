@@ -42,7 +42,7 @@ impl SimConfig {
         for (name, value) in &self.parameters {
             ensure!(
                 is_free_name(name),
-                "[parameters]: \"{name}\" cannot be a name; needed are letters, digits and _, and \
+                "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
                  no name that expressions know"
             );
             ensure!(value.is_finite(), "[parameters]: {name} = {value} must be finite");
@@ -89,7 +89,7 @@ impl SimConfig {
             );
             ensure!(
                 body.velocity == [0.0; 3] || self.method().has_inertia(),
-                "[[body]] \"{}\": velocity = {:?} m/s means nothing without inertia; needed is \
+                "[[body]] \"{}\": velocity = {:?} m/s means nothing without inertia; expected \
                  [time] with a method other than \"quasistatic\"",
                 body.name,
                 body.velocity
@@ -189,7 +189,7 @@ impl TimeConfig {
                     );
                 }
             }
-            _ => bail!("[time]: needed is either end [s] and steps, or at, a list of times [s]"),
+            _ => bail!("[time]: expected either end [s] and steps, or at, a list of times [s]"),
         }
         ensure!(
             self.method.order() == 1 || self.at.is_none(),

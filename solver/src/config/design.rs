@@ -182,10 +182,13 @@ impl DesignConfig {
     }
 
     fn check(&self) -> Result<()> {
-        ensure!(!self.objective.is_empty(), "no [[objective]]: needed is what to minimise");
+        ensure!(
+            !self.objective.is_empty(),
+            "no [[objective]]: expected at least one, to be minimised"
+        );
         match (&self.shape, self.optimizer.iterations) {
             (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {
-                bail!("no [shape], [[chamber]] or [[parameter]]: needed is what may change")
+                bail!("no [shape], [[chamber]] or [[parameter]]: expected one, to be changed")
             }
             (None, None) => {
                 bail!("no iterations in [optimizer]: a design without [shape] needs their number")
@@ -203,7 +206,7 @@ impl DesignConfig {
             let found = (level.handles, level.vertices);
             ensure!(
                 self.shape.is_none() || matches!(found, (Some(1..), false) | (None, true)),
-                "[[shape.level]] with handles = {} and vertices = {}: needed is one handle or \
+                "[[shape.level]] with handles = {} and vertices = {}: expected one handle or \
                  more, or vertices = true",
                 level.handles.unwrap_or(0),
                 level.vertices
@@ -215,7 +218,7 @@ impl DesignConfig {
             let ParameterDesign { name, bounds: [low, high], change } = parameter;
             ensure!(
                 low < high && low.is_finite() && high.is_finite(),
-                "[[parameter]] \"{name}\": bounds = [{low}, {high}]; needed are two numbers, the \
+                "[[parameter]] \"{name}\": bounds = [{low}, {high}]; expected two numbers, the \
                  smaller first"
             );
             ensure!(

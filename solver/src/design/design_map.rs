@@ -219,7 +219,7 @@ fn check_apart(patches: &[Patch]) -> Result<()> {
             let rims = matches!((a, b), (Patch::Handles(_), Patch::Handles(_)));
             ensure!(
                 count == 0 || rims,
-                "[shape] on: two tags share {count} vertices off their rims; needed are tags \
+                "[shape] on: two tags share {count} vertices off their rims; expected tags \
                  whose facets are apart"
             );
         }

@@ -97,7 +97,7 @@ impl LoadMap {
         };
         let Some(pressure) = chamber.gas.pressure() else {
             bail!(
-                "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; needed is \
+                "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; expected \
                  pressure",
                 chamber.gas.key()
             );

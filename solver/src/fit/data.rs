@@ -57,7 +57,7 @@ pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Resul
 fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)>> {
     let text = text.trim_start_matches('\u{feff}');
     let header = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#'));
-    let header = header.context("empty; needed is a header and a line per point")?;
+    let header = header.context("empty; expected a header and a line per point")?;
     let delimiter = [b';', b'\t'].into_iter().find(|d| header.as_bytes().contains(d));
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter.unwrap_or(b','))
@@ -104,7 +104,7 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
     })?;
     ensure!(
         !["true", "cauchy"].iter().any(|word| titles[stress].0.contains(word)),
-        "column {} is \"{}\": needed is nominal stress, force over rest area",
+        "column {} is \"{}\": expected nominal stress, force over rest area",
         stress + 1,
         &header[stress]
     );
@@ -175,9 +175,9 @@ impl Layout {
     }
 
     fn number(&self, record: &StringRecord, column: usize) -> Result<f64> {
-        let text = record.get(column).with_context(|| {
-            format!("{} columns; needed is column {}", record.len(), column + 1)
-        })?;
+        let text = record
+            .get(column)
+            .with_context(|| format!("{} columns; expected column {}", record.len(), column + 1))?;
         let plain = if self.decimal_comma { text.replace(',', ".") } else { text.to_owned() };
         let number = plain.parse::<f64>().ok().filter(|n| n.is_finite());
         number.with_context(|| format!("column {}: \"{text}\" is not a number", column + 1))
@@ -189,7 +189,7 @@ fn check(points: &[(f64, f64)]) -> Result<()> {
     let away = points.iter().filter(|p| (p.0 - 1.0).abs() > 1e-3).count();
     ensure!(
         away >= FEWEST,
-        "{} points, {away} of them strained by more than 0.001; needed are at least {FEWEST}",
+        "{} points, {away} of them strained by more than 0.001; expected at least {FEWEST}",
         points.len()
     );
     let against: Vec<_> = points.iter().filter(|p| p.1 * (p.0 - 1.0) < 0.0).collect();
@@ -283,7 +283,7 @@ mod tests {
             (good("stress 1 [kPa],stress 2 [kPa]"), "columns 1, 2"),
             (good("stretch,stress [kPa]") + "1.7,\n", "line 9: column 2: \"\" is not a number"),
             (good("stretch,stress [kPa]") + "1.7,nan\n", "line 9"),
-            (good("stretch,stress [kPa]") + "1.7\n", "line 9: 1 columns; needed is column 2"),
+            (good("stretch,stress [kPa]") + "1.7\n", "line 9: 1 columns; expected column 2"),
             (good("stretch,stress [kPa]") + "-1.7,3\n", "stretch -1.7: must be positive"),
             ("stretch,stress [kPa]\n1.5,3\n".into(), "1 points"),
             (table("stretch,stress [kPa]", |e| format!("{},{}", 1.0 + e, -e)), "against"),

@@ -118,13 +118,13 @@ impl Law {
     pub fn read(&self, table: &toml::Table) -> Result<Vec<f64>> {
         let is_known = |name: &String| self.parameters.iter().any(|p| p.name == *name);
         if let Some(unknown) = table.keys().find(|name| !is_known(name)) {
-            bail!("{}: unknown parameter \"{unknown}\"; needed are {}", self.key, self.needs());
+            bail!("{}: unknown parameter \"{unknown}\"; expected {}", self.key, self.needs());
         }
         let mut values = Vec::new();
         let mut terms = None;
         for parameter in self.parameters {
             let value = table.get(parameter.name).with_context(|| {
-                format!("{}: no \"{}\"; needed are {}", self.key, parameter.name, self.needs())
+                format!("{}: no \"{}\"; expected {}", self.key, parameter.name, self.needs())
             })?;
             let numbers = parameter.numbers(value).with_context(|| self.key.to_owned())?;
             if parameter.list {
@@ -207,7 +207,7 @@ impl Parameter {
         let items = match (self.list, value) {
             (true, Value::Array(items)) if !items.is_empty() => items.as_slice(),
             (true, _) => {
-                bail!("{} = {value}: needed is a list of numbers [{}]", self.name, self.unit)
+                bail!("{} = {value}: expected a list of numbers [{}]", self.name, self.unit)
             }
             (false, _) => single,
         };
@@ -218,7 +218,7 @@ impl Parameter {
         let number = match value {
             Value::Float(number) => *number,
             Value::Integer(number) => *number as f64,
-            other => bail!("{} = {other}: needed is a number [{}]", self.name, self.unit),
+            other => bail!("{} = {other}: expected a number [{}]", self.name, self.unit),
         };
         ensure!(number.is_finite(), "{} = {number} [{}]: must be finite", self.name, self.unit);
         Ok(number)

@@ -30,7 +30,7 @@ impl Specification {
         let mut parameters = table.clone();
         let law = match parameters.remove("kind") {
             Some(Value::String(kind)) => Law::find(&kind)?,
-            Some(other) => bail!("kind = {other}: needed is the name of a law in quotes"),
+            Some(other) => bail!("kind = {other}: expected the name of a law in quotes"),
             None => bail!("no kind; `solver list` names the laws"),
         };
         let density = parameters.remove("density").map(|v| density(&v)).transpose()?;
@@ -57,14 +57,14 @@ fn number(value: &Value) -> Option<f64> {
 
 fn density(value: &Value) -> Result<f64> {
     let density = number(value).filter(|d| d.is_finite() && *d > 0.0);
-    density.with_context(|| format!("density = {value}: needed is a positive number [kg/m³]"))
+    density.with_context(|| format!("density = {value}: expected a positive number [kg/m³]"))
 }
 
 fn range(value: &Value) -> Result<[f64; 2]> {
     let numbers: Option<Vec<f64>> =
         value.as_array().and_then(|items| items.iter().map(number).collect());
     let Some(&[low, high]) = numbers.as_deref() else {
-        bail!("stretch_range = {value}: needed are two numbers, as in [0.5, 4.0]");
+        bail!("stretch_range = {value}: expected two numbers, as in [0.5, 4.0]");
     };
     ensure!(
         low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite(),
@@ -113,16 +113,16 @@ mod tests {
             ("kind = 'mooney'".to_owned(), "mooney-rivlin-quadratic, neo-hookean, yeoh"),
             ("c1 = 1.0".to_owned(), "no kind"),
             ("kind = 3".to_owned(), "kind = 3"),
-            (format!("{yeoh}c4 = 1"), "unknown parameter \"c4\"; needed are c1 [Pa], c2 [Pa]"),
+            (format!("{yeoh}c4 = 1"), "unknown parameter \"c4\"; expected c1 [Pa], c2 [Pa]"),
             ("kind = 'neo-hookean'\nyoung = 1e5".to_owned(), "no \"poisson\""),
             ("kind = 'neo-hookean'\nyoung = 1e5\npoisson = 0.5".to_owned(), "inf Pa"),
             ("kind = 'neo-hookean'\nyoung = -1e5\npoisson = 0.3".to_owned(), "-38461.5"),
             (yeoh.replace("c1 = 1e4", "c1 = -1e4"), "shear = 2 c1 = -20000 Pa"),
             (yeoh.replace("c1 = 1e4", "c1 = nan"), "must be finite"),
-            (yeoh.replace("c1 = 1e4", "c1 = 'soft'"), "needed is a number [Pa]"),
+            (yeoh.replace("c1 = 1e4", "c1 = 'soft'"), "expected a number [Pa]"),
             (format!("{ogden}mu = [1e4]\nalpha = [2, 3]"), "mu has 1 numbers, alpha has 2"),
-            (format!("{ogden}mu = 1e4\nalpha = [2]"), "needed is a list of numbers [Pa]"),
-            (format!("{ogden}mu = []\nalpha = []"), "needed is a list"),
+            (format!("{ogden}mu = 1e4\nalpha = [2]"), "expected a list of numbers [Pa]"),
+            (format!("{ogden}mu = []\nalpha = []"), "expected a list"),
             (format!("{ogden}mu = [1e4]\nalpha = [0]"), "NaN Pa"),
             (format!("{yeoh}density = -1"), "density = -1"),
             (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),

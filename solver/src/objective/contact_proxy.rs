@@ -66,7 +66,7 @@ impl Specification for Keys {
         positive("activation", self.activation)?;
         ensure!(
             self.on.all().len() > 1,
-            "on = {:?}: needed are two tags or more that should press on each other",
+            "on = {:?}: expected two tags or more that should press on each other",
             self.on.all()
         );
         Ok(())

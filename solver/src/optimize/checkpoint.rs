@@ -119,7 +119,7 @@ impl Checkpoint {
         let found = [self.theta.len(), self.gradient.len()];
         ensure!(
             found == [variables, variables],
-            "{}: theta and gradient have {found:?} numbers, needed are {:?}; begin anew: \
+            "{}: theta and gradient have {found:?} numbers, expected {:?}; begin anew: \
              --restart",
             Self::path(folder).display(),
             [variables, variables]
@@ -141,7 +141,7 @@ impl Checkpoint {
         let rows = npy::read_rows(&path)?;
         ensure!(
             rows.shape == [steps, dofs],
-            "{}: an array of shape {:?}, needed is {:?}; begin anew: --restart",
+            "{}: an array of shape {:?}, expected {:?}; begin anew: --restart",
             path.display(),
             rows.shape,
             [steps, dofs]

@@ -19,7 +19,7 @@ pub enum Invalid {
     /// Elements are inverted or flat.
     #[error(
         "{count} elements are flat or inverted, the worst is {tet} at {} with a volume of \
-         {relative:.1e} of the mean; needed is {SMALLEST:.0e}", point(.at)
+         {relative:.1e} of the mean; expected at least {SMALLEST:.0e}", point(.at)
     )]
     Inverted {
         /// Number of such elements.

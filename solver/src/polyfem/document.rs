@@ -41,7 +41,7 @@ impl Document {
         let root: Value = serde_json::from_str(&text)
             .map_err(|e| anyhow!("{}: not JSON: {e}", path.display()))?;
         if !root.is_object() {
-            return Err(anyhow!("{}: a list or a value; needed is {{...}}", path.display()));
+            return Err(anyhow!("{}: a list or a value; expected {{...}}", path.display()));
         }
         let (fates, entered) = Default::default();
         let sha256 = program::sha256_file(path)?;
@@ -200,7 +200,7 @@ impl<'a> Key<'a> {
         if found.len() > 60 {
             found = found.chars().take(60).collect::<String>() + "…";
         }
-        self.wrong(&format!("found {found}, needed is {needed}"))
+        self.wrong(&format!("found {found}, expected {needed}"))
     }
 
     /// A finite number.
@@ -335,15 +335,18 @@ mod tests {
         let b = a.get("b").expect("there");
         refused(
             b.numbers(2).expect_err("x"),
-            "/a/b: found [1,\"x\"], needed is a list of 2 numbers",
+            "/a/b: found [1,\"x\"], expected a list of 2 numbers",
         );
-        refused(b.items()[1].number().expect_err("x"), "/a/b/1: found \"x\", needed is a number");
-        refused(a.get("n").expect("there").id().expect_err("1.5"), "found 1.5, needed is a whole");
+        refused(b.items()[1].number().expect_err("x"), "/a/b/1: found \"x\", expected a number");
+        refused(a.get("n").expect("there").id().expect_err("1.5"), "found 1.5, expected a whole");
         refused(
             root.need("z", "the last letter").err().expect("absent"),
             "/: there is no \"z\", the",
         );
-        refused(root.get("c").expect("there").text().expect_err("true"), "/c: found true, needed");
+        refused(
+            root.get("c").expect("there").text().expect_err("true"),
+            "/c: found true, expected",
+        );
     }
 
     #[test]

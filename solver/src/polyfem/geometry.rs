@@ -96,7 +96,7 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
         }
         if let Some(kind) = key.get("type").map(|k| k.becomes("body")).filter(|k| k.value != "mesh")
         {
-            return Err(kind.wrong(&format!("unknown kind {}; needed is \"mesh\"", kind.value)));
+            return Err(kind.wrong(&format!("unknown kind {}; expected \"mesh\"", kind.value)));
         }
         let file = key.need("mesh", "the file of the body")?.becomes("[[body]] mesh");
         let path = file.file()?;
@@ -128,7 +128,7 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
         .collect();
     if !planes.is_empty() {
         if planes.len() < bodies.len() || !geometry.obstacles.is_empty() {
-            return Err(geometries.wrong("plane bodies beside others: needed are all of one kind"));
+            return Err(geometries.wrong("plane bodies beside others: expected all of one kind"));
         }
         // of a floor of two triangles, edges are no measure
         let finest = planes.into_iter().fold(f64::INFINITY, f64::min);
@@ -138,7 +138,7 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
         geometry.solids.push(solid(&key, name, read, geometry.thickness)?);
     }
     if geometry.solids.is_empty() {
-        return Err(geometries.wrong("no body: needed is one that is no obstacle"));
+        return Err(geometries.wrong("no body: expected one that is no obstacle"));
     }
     Ok(geometry)
 }
@@ -172,7 +172,7 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
         let refinements = refinements.becomes("nothing, as it is 0");
         if refinements.count()? != 0 {
             return Err(refinements.wrong(&format!(
-                "{}: bodies are not refined here; needed is 0 and a fine mesh",
+                "{}: bodies are not refined here; expected 0 and a fine mesh",
                 refinements.value
             )));
         }
@@ -195,7 +195,7 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
         };
         for (k, factor) in factors.into_iter().enumerate() {
             if !(factor.is_finite() && factor > 0.0) {
-                return Err(given.wrong(&format!("{factor}: needed are factors greater than 0")));
+                return Err(given.wrong(&format!("{factor}: expected factors greater than 0")));
             }
             scale[k] = factor;
         }
@@ -228,7 +228,7 @@ fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<
         }
         Read::Plane(plane) => {
             if let Some(flaw) = plane.flaw() {
-                return Err(key.wrong(&format!("{name}: {flaw}; needed is a sound triangulation")));
+                return Err(key.wrong(&format!("{name}: {flaw}; expected a sound triangulation")));
             }
             plane.extruded(thickness.unwrap_or_else(|| THIN * plane.mean_edge()))
         }

@@ -122,7 +122,7 @@ fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
     if let Some(active) = load.get("dimension") {
         let flags: Vec<bool> = active.items().iter().map(Key::flag).collect::<Result<_>>()?;
         if flags.len() != at.dimension() {
-            return Err(active.wrong(&format!("needed are {} values", at.dimension())));
+            return Err(active.wrong(&format!("expected {} values", at.dimension())));
         }
         let _ = active.becomes("components");
         let named = "xyz".chars().zip(&flags);

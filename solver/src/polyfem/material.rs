@@ -40,7 +40,7 @@ pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
         return Ok(format!("{{ {} }}", fields.join(", ")));
     }
     Err(materials.wrong(&format!(
-        "no material has the id {id}, the volume_selection of a body: needed is one, or one \
+        "no material has the id {id}, the volume_selection of a body: expected one, or one \
          without id for all"
     )))
 }
@@ -58,7 +58,7 @@ fn law(key: &Key, planar: bool) -> Result<Translated> {
     match name.text()? {
         // in the plane it is another law, in which c₂ has no part
         "MooneyRivlin3ParamSymbolic" if planar => Err(name.wrong(
-            "in the plane this law is not that of a slab in plane strain; needed is NeoHookean or \
+            "in the plane this law is not that of a slab in plane strain; expected NeoHookean or \
              MooneyRivlin3Param",
         )),
         "MooneyRivlin3ParamSymbolic" => rivlin("mooney-rivlin"),

@@ -80,7 +80,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Imported> {
     };
     let all = states.items();
     let [state] = &all[..] else {
-        return Err(states.wrong(&format!("{} scenes; needed is one", all.len())));
+        return Err(states.wrong(&format!("{} scenes; expected one", all.len())));
     };
     let key = state.need("path", "the file of the scene")?.becomes("scene");
     let (place, moved) = find(path, Path::new(key.text()?)).ok_or_else(|| {

@@ -42,7 +42,7 @@ pub fn read(path: &Path) -> Result<Plane> {
                 let x = x.ok().filter(|x| x.iter().all(|c| c.is_finite()));
                 match x.as_deref() {
                     Some(&[x, y] | &[x, y, 0.0]) => plane.vertices.push(Vec3::new(x, y, 0.0)),
-                    _ => return Err(error("needed are x and y of a plane body, and z = 0 if any")),
+                    _ => return Err(error("expected x and y of a plane body, and z = 0 if any")),
                 }
             }
             Some("f") => {
@@ -52,14 +52,14 @@ pub fn read(path: &Path) -> Result<Plane> {
                 let corners: Option<Vec<usize>> = fields.map(index).collect();
                 match corners.as_deref() {
                     Some(&[a, b, c]) => plane.triangles.push([a - 1, b - 1, c - 1]),
-                    _ => return Err(error(&format!("needed are three vertices from 1 to {n}"))),
+                    _ => return Err(error(&format!("expected three vertices from 1 to {n}"))),
                 }
             }
             _ => {}
         }
     }
     if plane.triangles.is_empty() {
-        bail!("{}: no triangles: needed is a triangulation of a plane body", path.display());
+        bail!("{}: no triangles: expected a triangulation of a plane body", path.display());
     }
     Ok(plane)
 }
@@ -166,8 +166,8 @@ mod tests {
         assert_eq!(plane.triangles, [[0, 1, 2]]);
         assert!(plane.flaw().is_none());
         for (text, words) in [
-            ("v 0 0 1\n", "line 1: \"v 0 0 1\": needed are x and y"),
-            ("v 0 0\nf 1 2 3\n", "line 2: \"f 1 2 3\": needed are three vertices from 1 to 1"),
+            ("v 0 0 1\n", "line 1: \"v 0 0 1\": expected x and y"),
+            ("v 0 0\nf 1 2 3\n", "line 2: \"f 1 2 3\": expected three vertices from 1 to 1"),
             ("v 0 0\n", "no triangles"),
         ] {
             let message = read(text).expect_err(text).to_string();

@@ -132,7 +132,7 @@ fn degrees(root: &Key, text: &mut Text) -> Result<()> {
             let key = key.becomes("degree");
             let degree = key.count()?;
             if !(1..=3).contains(&degree) {
-                return Err(key.wrong(&format!("{degree}: needed is 1, 2 or 3")));
+                return Err(key.wrong(&format!("{degree}: expected 1, 2 or 3")));
             }
             degree
         }
@@ -169,11 +169,12 @@ fn clock(root: &Key, planar: bool) -> Result<Clock> {
         (Some(end), None, Some(count)) => (count as f64, (end - start) / count as f64),
         (None, Some(step), Some(count)) => (count as f64, step),
         (Some(_), Some(step), Some(count)) => (count as f64, step),
-        _ => return Err(time.wrong("needed are two of tend [s], dt [s] and time_steps")),
+        _ => return Err(time.wrong("expected two of tend [s], dt [s] and time_steps")),
     };
     if !((1.0..1e6).contains(&steps) && step > 0.0) {
-        return Err(time
-            .wrong(&format!("{steps} steps of {step} s: needed are 1 to 10⁶ of positive length")));
+        return Err(
+            time.wrong(&format!("{steps} steps of {step} s: expected 1 to 10⁶ of positive length"))
+        );
     }
     // as it was written if that is the same, and as our scene counts its steps
     let written = end.map(|end| end - start).filter(|end| (end - steps * step).abs() < 1e-9 * step);
@@ -198,7 +199,7 @@ fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
             ("BDF", 3) | ("BDF3", _) => "bdf3".to_owned(),
             _ => {
                 return Err(integrator.wrong(&format!(
-                    "{}: needed is ImplicitEuler, or BDF with 1, 2 or 3 steps",
+                    "{}: expected ImplicitEuler, or BDF with 1, 2 or 3 steps",
                     integrator.value
                 )));
             }

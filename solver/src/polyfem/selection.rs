@@ -87,7 +87,7 @@ fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)
         return listed(&key.clone().becomes(TAGS), facets, dimension);
     }
     if !key.value.is_object() {
-        return Err(key.wrong("needed is an id, a file of facets, or a list of selections"));
+        return Err(key.wrong("expected an id, a file of facets, or a list of selections"));
     }
     let get = |name: &str| key.get(name).map(|k| k.becomes(TAGS));
     let need = |name: &str, what: &str| key.need(name, what).map(|k| k.becomes(TAGS));
@@ -105,7 +105,7 @@ fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)
     if let Some(corners) = get("box") {
         let items = corners.items();
         let [a, b] = &items[..] else {
-            return Err(corners.wrong("needed are two corners"));
+            return Err(corners.wrong("expected two corners"));
         };
         return Ok(Rule::Box(id, [point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?]));
     }
@@ -142,7 +142,7 @@ fn axis(key: &Key, dimension: usize) -> Result<(usize, f64)> {
     match number.map(|n| (n.unsigned_abs() as usize, n.signum() as f64)) {
         Some((n, sign)) if (1..=dimension).contains(&n) => Ok((n - 1, sign)),
         _ => Err(key.wrong(&format!(
-            "{}: needed is one of {}, with a minus for the other side",
+            "{}: expected one of {}, with a minus for the other side",
             key.value,
             names[..dimension].join(", ")
         ))),

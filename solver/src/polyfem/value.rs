@@ -115,7 +115,7 @@ pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
     let Some(times) = times else {
         if values.len() <= clock.ends.len() {
             return Err(key.wrong(&format!(
-                "{} values; needed is one for the start and each of {} time steps",
+                "{} values; expected one for the start and each of {} time steps",
                 values.len(),
                 clock.ends.len()
             )));
@@ -129,7 +129,7 @@ pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
         let place = listed.iter().position(|l| (l - rounded).abs() < SAME_TIME);
         place.map(|i| [t, values[i]]).ok_or_else(|| {
             times.wrong(&format!(
-                "there is no {rounded} s among its {} times; needed is every end of a time step",
+                "there is no {rounded} s among its {} times; expected every end of a time step",
                 listed.len()
             ))
         })
@@ -149,7 +149,7 @@ pub fn amounts(
 ) -> Result<Vec<Amount>> {
     let items = key.items();
     if items.len() != dimension || !key.value.is_array() {
-        return Err(key.wrong(&format!("needed are {dimension} values, one for each axis")));
+        return Err(key.wrong(&format!("expected {dimension} values, one for each axis")));
     }
     items.iter().map(|item| amount(item, times, clock)).collect()
 }
@@ -290,13 +290,13 @@ mod tests {
         let timed = r#"{"v": [3, 9, 7, 5], "times": [0.04, 0.03, 0.0, 0.0200000000001]}"#;
         assert_eq!(read(timed, &at_rest()).expect("all there"), table);
         for (json, words) in [
-            (r#"{"v": [7, 5]}"#, "2 values; needed is one for the start and each of 2"),
+            (r#"{"v": [7, 5]}"#, "2 values; expected one for the start and each of 2"),
             (r#"{"v": [7, 5, 1], "times": [0, 0.02, 0.05]}"#, "/times: there is no 0.04 s among"),
             (
                 r#"{"v": [7, 5, 1], "times": [0, 0.02]}"#,
-                "/times: found [0,0.02], needed is a list of 3",
+                "/times: found [0,0.02], expected a list of 3",
             ),
-            (r#"{"v": true}"#, "/v: found true, needed is a number"),
+            (r#"{"v": true}"#, "/v: found true, expected a number"),
         ] {
             let message = read(json, &at_rest()).expect_err(json).to_string();
             assert!(message.contains(words), "{message}");

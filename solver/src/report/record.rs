@@ -31,6 +31,8 @@ pub struct Checkpoint {
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
     pub couplings: Vec<[usize; 2]>,
+    /// Work of the loads so far.
+    pub work: Work,
     /// Time spent so far.
     pub timings: Timings,
     /// The same, from the first step on [s].
@@ -108,8 +110,8 @@ impl<'a> Recorder<'a> {
         pictures: bool,
         done: Option<&Checkpoint>,
     ) -> Result<Self> {
-        let rest = &scene.body.mesh.vertices;
-        let mut work = Work::new(problem, rest);
+        let begin = || Work::new(problem, &scene.body.mesh.vertices);
+        let work = done.map_or_else(begin, |done| done.work.clone());
         let mut lines = Vec::new();
         if let Some(done) = done {
             let path = folder.join(STEPS);
@@ -127,8 +129,6 @@ impl<'a> Recorder<'a> {
                 lines.len(),
                 done.steps
             );
-            let so_far = lines.last().and_then(|line: &Value| line["work_of_loads"].as_f64());
-            work.resume(problem, rest, &done.progress, so_far.unwrap_or(0.0));
         }
         Ok(Self { scene, problem, folder: folder.to_path_buf(), pictures, lines, work })
     }
@@ -139,10 +139,10 @@ impl<'a> Recorder<'a> {
         self.work.follow(self.problem, &at);
     }
 
-    /// Work of gas, dead loads and moving supports so far [J].
+    /// Work of gas, dead loads and moving supports so far.
     #[must_use]
-    pub fn work(&self) -> f64 {
-        self.work.total
+    pub fn work(&self) -> &Work {
+        &self.work
     }
 
     /// Writes what is known of a step, which has the velocity `v` [m/s].
@@ -181,11 +181,14 @@ fn time(line: &Value) -> f64 {
 /// Work of gas, dead loads and moving supports along the load steps by the
 /// trapezoidal rule [J]: second order in the load increment, so it meets the
 /// elastic energy only roughly.
-struct Work {
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Work {
     /// Pairs of a force and the quantity it works on, at the last step: gas on
-    /// volumes, dead loads and supports on displacements.
+    /// volumes, dead loads and supports on displacements. Reactions at supports hold forces of
+    /// inertia and contact: they cannot be computed anew once the time step is over.
     last: Vec<[f64; 2]>,
-    total: f64,
+    /// [J]
+    pub total: f64,
 }
 
 impl Work {
@@ -197,14 +200,6 @@ impl Work {
         let at = problem.iterate(rest, &still, 0.0);
         let last = pairs(problem, &Iterate { multipliers: &multipliers, ..at });
         Self { last, total: 0.0 }
-    }
-
-    fn resume(&mut self, problem: &Problem, rest: &[Vec3], progress: &Progress, total: f64) {
-        let at = problem.iterate(rest, progress.reached(), progress.load());
-        let reached = progress.last.last();
-        let multipliers = reached.map_or(at.multipliers, |last| &last.multipliers);
-        self.last = pairs(problem, &Iterate { multipliers, ..at });
-        self.total = total;
     }
 
     fn follow(&mut self, problem: &Problem, at: &Iterate) {

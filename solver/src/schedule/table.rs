@@ -34,14 +34,14 @@ impl Table {
     pub fn new(t: Vec<f64>, value: Vec<f64>) -> Result<Self, String> {
         if t.len() != value.len() || t.len() < 2 {
             return Err(format!(
-                "the table has {} times and {} values; needed is one value for each of two or more \
+                "the table has {} times and {} values; expected one value for each of two or more \
                  times",
                 t.len(),
                 value.len()
             ));
         }
         if let Some(bad) = t.iter().chain(&value).find(|v| !v.is_finite()) {
-            return Err(format!("the table has {bad}; needed are finite numbers"));
+            return Err(format!("the table has {bad}; expected finite numbers"));
         }
         if let Some(pair) = t.windows(2).find(|pair| pair[0] >= pair[1]) {
             return Err(format!("the table's times must increase, not {}, {}", pair[0], pair[1]));
@@ -66,7 +66,7 @@ impl Table {
         if first <= from && to <= last {
             return Ok(());
         }
-        Err(format!("the table goes from t = {first} to {last} s, needed is from {from} to {to} s"))
+        Err(format!("the table goes from t = {first} to {last} s, expected from {from} to {to} s"))
     }
 
     /// The value at a time [s]; NaN outside the range.

@@ -109,7 +109,7 @@ pub fn read_rows(path: &Path) -> Result<Rows, IoError> {
     let shape = parse_header(&mut cursor).map_err(of)?;
     let begin = start.len() - cursor.remaining();
     let Ok(shape) = <[usize; 2]>::try_from(&shape[..]) else {
-        return Err(of(format!("an array of shape {shape:?}; needed are two axes")));
+        return Err(of(format!("an array of shape {shape:?}; expected two axes")));
     };
     check_size(&shape, size as usize - begin).map_err(of)?;
     file.seek(SeekFrom::Start(begin as u64)).map_err(fail)?;

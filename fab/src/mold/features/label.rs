@@ -10,7 +10,7 @@ use render::font::{Weight, outlines};
 
 /// Lowest and highest capitals [m]. The thinnest strokes are a sixth of the height: lower
 /// letters have strokes below 0.4 mm, the width of a printed line.
-const LOWEST: f64 = 2.5e-3;
+pub const LOWEST: f64 = 2.5e-3;
 const HIGHEST: f64 = 5e-3;
 
 /// Least free space around the word [height of a capital].
@@ -39,15 +39,15 @@ pub struct Face {
     pub down: Vec3,
 }
 
-/// The word in capitals, raised on the face as large as it fits; empty if it would be
-/// lower than 2.5 mm. Symbols that the font does not have become question marks, with a warning.
+/// The word in capitals, raised on the face as large as it fits; none if it would be
+/// lower than [`LOWEST`]. Symbols that the font does not have become question marks, with a warning.
 #[must_use]
-pub fn word(word: &str, face: &Face) -> Solid {
+pub fn word(word: &str, face: &Face) -> Option<Solid> {
     let (polygons, width) = outlines(&word.to_uppercase(), Weight::Bold);
     let room = [face.size[0] / (width + 2.0 * MARGIN), face.size[1] / (1.0 + 2.0 * MARGIN)];
     let height = room[0].min(room[1]).min(HIGHEST);
     if height < LOWEST {
-        return Solid::cube(&Vec3::zeros(), &Vec3::zeros());
+        return None;
     }
     let centred = |p: &[f64; 2]| [(p[0] - width / 2.0) * height, (p[1] - 0.5) * height];
     let polygons: Vec<Vec<[f64; 2]>> =
@@ -55,7 +55,7 @@ pub fn word(word: &str, face: &Face) -> Solid {
     let raised = RAISED.min(height / 10.0);
     let out = face.along.cross(&face.up) - face.down * SLANT;
     let place = Matrix3x4::from_columns(&[face.along, face.up, out, face.middle]);
-    Solid::extrude(&polygons, -raised, raised).transform(&place)
+    Some(Solid::extrude(&polygons, -raised, raised).transform(&place))
 }
 
 #[cfg(test)]
@@ -63,6 +63,10 @@ mod tests {
     use super::*;
     use crate::geometry::overhang::{CUSTOMARY, Overhangs, needs_supports};
     use mesh::SurfaceMesh;
+
+    fn fitting(word: &str, face: &Face) -> Solid {
+        super::word(word, face).expect("it fits")
+    }
 
     #[test]
     fn every_letter_is_one_body_of_its_own_shape() {
@@ -75,7 +79,7 @@ mod tests {
         };
         let mut volumes = Vec::new();
         for symbol in 'A'..='Z' {
-            let solid = word(&symbol.to_string(), &face);
+            let solid = fitting(&symbol.to_string(), &face);
             assert_eq!(solid.decompose().len(), 1, "{symbol}");
             volumes.push((solid.volume(), symbol));
         }
@@ -102,18 +106,18 @@ mod tests {
         let middle = Vec3::new(1.0, 2.0, 3.0);
         let (along, up) = (Vec3::x(), Vec3::z());
         let face = Face { middle, along, up, size: [40e-3, 7e-3], down: -up };
-        let solid = word("cup", &face);
+        let solid = fitting("cup", &face);
         assert_eq!(solid.decompose().len(), 3);
         let (low, high) = solid.bounds();
         let half = [(high.x - low.x) / 2.0, (high.z - low.z) / 2.0];
         assert!(half[0] < 20e-3 && half[1] < 3.5e-3, "{half:?}");
         assert!((high.y - low.y - 2.0 * RAISED).abs() < 1e-12);
         // U has more of its strokes low.
-        let u = word("u", &face);
+        let u = fitting("u", &face);
         let half = u.trim_by_plane(&Vec3::z(), face.middle.z).volume();
         assert!(half < 0.5 * u.volume());
         let thin = Face { size: [40e-3, 2e-3], ..face };
-        assert!(word("cup", &thin).is_empty());
+        assert!(word("cup", &thin).is_none());
     }
 
     #[test]
@@ -123,7 +127,7 @@ mod tests {
             let middle = Vec3::zeros();
             let face = Face { middle, along, up, size: [40e-3, 7e-3], down };
             let wall = Solid::cube(&Vec3::new(-0.02, 0.0, -4e-3), &Vec3::new(0.02, 5e-3, 4e-3));
-            let solid = wall.union(&word("upper", &face)).to_surface();
+            let solid = wall.union(&fitting("upper", &face)).to_surface();
             // Printed with `down` against z.
             let side = down.cross(&Vec3::y());
             let turned = |p: &Vec3| Vec3::new(p.dot(&side), p.y, -p.dot(&down)) * 1e3;

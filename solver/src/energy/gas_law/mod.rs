@@ -133,7 +133,7 @@ pub fn read(keys: toml::Table) -> Result<Box<dyn GasLaw>> {
         let needed: Vec<String> =
             selecting.iter().map(|key| format!("{} [{}]", key.name, key.unit)).collect();
         bail!(
-            "needed is exactly one of {}; found {}",
+            "expected exactly one of {}; found {}",
             needed.join(", "),
             if found.is_empty() { "none".to_owned() } else { found.join(" and ") }
         );

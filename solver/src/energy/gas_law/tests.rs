@@ -79,7 +79,7 @@ fn every_law_is_read_by_its_keys() {
 fn exactly_one_key_selects_the_law() {
     let all = "pressure [Pa], fill [Pa], volume_change [m³], volume_factor [1]";
     for (text, words) in [
-        ("", &["needed is exactly one of", all, "found none"][..]),
+        ("", &["expected exactly one of", all, "found none"][..]),
         ("ambient = 1e5", &[all, "found none"]),
         ("pressure = 1\nfill = 2", &[all, "found pressure and fill"]),
         ("volume_change = 1\nvolume_factor = 2", &["found volume_change and volume_factor"]),

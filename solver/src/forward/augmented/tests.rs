@@ -95,7 +95,7 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
         let one = pusher.attempt((&zero, 0.0), 1.0);
         let one = one.unwrap_or_else(|f| panic!("P{degree}, h {h:?}: {}", f.failure));
 
-        let (mut u, mut load, steps) = (zero, 0.0, 60);
+        let (mut u, mut load, steps) = (zero, 0.0, 30);
         let mut iterations = 0;
         for k in 1..=steps {
             let next = f64::from(k) / f64::from(steps);

@@ -28,12 +28,12 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
         (
             "/geometry/0/transformation/scale",
             json!([1, 2]),
-            &["scale: found [1,2], needed is a list of 3"],
+            &["scale: found [1,2], expected a list of 3"],
         ),
         (
             "/geometry/0/transformation/scale",
             json!(-1),
-            &["scale: -1: needed are factors greater than 0"],
+            &["scale: -1: expected factors greater than 0"],
         ),
         (
             "/geometry/0/surface_selection",
@@ -48,7 +48,7 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
         (
             "/geometry/0/surface_selection/0/axis",
             json!("w"),
-            &["/axis: \"w\": needed is one of x, y, z"],
+            &["/axis: \"w\": expected one of x, y, z"],
         ),
         ("/geometry/0/surface_selection/0", json!({ "id": 1 }), &["unknown kind of selection"]),
         ("/geometry/0/type", json!("plane"), &["unknown kind \"plane\""]),
@@ -60,15 +60,15 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
         ("/materials/1/E", Value::Null, &["/materials/1: there is no \"E\", Young's modulus [Pa]"]),
         ("/materials/1/nu", json!(0.5), &["poisson"]),
         ("/materials/1/id", json!(8), &["/materials: no material has the id 7"]),
-        ("/space/discr_order", json!(4), &["/space/discr_order: 4: needed is 1, 2 or 3"]),
-        ("/time/dt", json!(0), &["/time/dt: found 0, needed is a number greater than 0"]),
-        ("/time/tend", Value::Null, &["/time: needed are two of tend"]),
-        ("/time/tend", json!(-1), &["/time: ", "needed are 1 to 10⁶"]),
+        ("/space/discr_order", json!(4), &["/space/discr_order: 4: expected 1, 2 or 3"]),
+        ("/time/dt", json!(0), &["/time/dt: found 0, expected a number greater than 0"]),
+        ("/time/tend", Value::Null, &["/time: expected two of tend"]),
+        ("/time/tend", json!(-1), &["/time: ", "expected 1 to 10⁶"]),
         ("/contact/dhat", json!("wide"), &["/contact/dhat: found \"wide\""]),
         (
             "/boundary_conditions/rhs",
             json!([0, 0]),
-            &["/boundary_conditions/rhs: needed are 3 values"],
+            &["/boundary_conditions/rhs: expected 3 values"],
         ),
         (
             "/boundary_conditions/pressure_boundary/0/value",
@@ -79,7 +79,7 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
         (
             "/boundary_conditions/pressure_boundary/0/value",
             json!([1, 2]),
-            &["2 values; needed is one for the start and each of 3"],
+            &["2 values; expected one for the start and each of 3"],
         ),
     ] {
         refused(&with(pointer, value), words);
@@ -87,7 +87,7 @@ fn slips_name_the_file_the_key_and_what_is_needed() {
     refused(&json!({ "output": 1 }), &["neither \"geometry\"", "nor \"states\""]);
     let absent = json!({ "states": [{ "path": "gone.json" }] });
     refused(&absent, &["/states/0/path: there is no file", "gone.json"]);
-    refused(&json!({ "states": [{}, {}] }), &["/states: 2 scenes; needed is one"]);
+    refused(&json!({ "states": [{}, {}] }), &["/states: 2 scenes; expected one"]);
     let mut target = run();
     target["functionals"][0]["mesh_path"] = json!("nowhere.obj");
     refused(&target, &["/functionals/0/mesh_path", "nowhere.obj"]);

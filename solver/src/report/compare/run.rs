@@ -45,7 +45,7 @@ impl Run {
 
     fn assemble(folder: &Path, report: &Value) -> Result<Self> {
         let status = report["status"].as_str().unwrap_or("missing");
-        ensure!(status == "ok", "status is {status:?}, needed is a run with an equilibrium");
+        ensure!(status == "ok", "status is {status:?}, expected a run with an equilibrium");
         let degree = entry(report, "/config/degree")?.as_u64().unwrap_or(0) as usize;
         ensure!((1..=3).contains(&degree), "config.degree is {degree}: 1, 2 and 3 exist");
         let time = entry(report, "/equilibrium_s")?.as_f64().context("equilibrium_s")?;

@@ -1,0 +1,8 @@
+//! One program of all tests of `cad2fem`, so that they share the cores to the end.
+
+#[allow(clippy::unwrap_used)]
+mod support;
+
+mod cli;
+mod meshers;
+mod picture;
