@@ -10,7 +10,7 @@ PYTHON ?= python3
 BIN := target/release
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all bench lint docs clean compression gripper worm-segment $(SCENES)
+.PHONY: help setup test test-all bench bench-compare lint docs clean compression gripper worm-segment $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
@@ -35,6 +35,9 @@ test-all: setup beam  ## also those that take minutes
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)
+
+bench-compare:  ## the same, and fail where a row is more than 10 % slower than when this machine was last measured
+	cargo bench --locked -p tests --bench speed -- --compare $(ONLY)
 
 lint:  ## what CI asks of the sources: format, clippy, documentation
 	cargo fmt --check

@@ -295,8 +295,9 @@ pub struct TractionConfig {
 #[serde(default, deny_unknown_fields)]
 pub struct SolverConfig {
     /// First load increment as a fraction of a time step, in a static scene of
-    /// the full load [1].
-    pub first_load_step: f64,
+    /// the full load [1]; the largest if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_load_step: Option<f64>,
     /// Largest load increment, for smooth curves over the load [1].
     pub largest_load_step: f64,
     /// Increment below which the load counts as unreachable [1].
@@ -315,7 +316,7 @@ pub struct SolverConfig {
 impl Default for SolverConfig {
     fn default() -> Self {
         Self {
-            first_load_step: 0.25,
+            first_load_step: None,
             largest_load_step: 1.0,
             smallest_load_step: 1e-3,
             newton_iterations: None,

@@ -294,7 +294,7 @@ impl Scene {
     #[must_use]
     pub fn stepping(&self) -> Stepping {
         let SolverConfig {
-            first_load_step,
+            first_load_step: _,
             largest_load_step,
             smallest_load_step,
             newton_iterations: _,
@@ -302,7 +302,7 @@ impl Scene {
             absolute_tolerance,
         } = self.config.solver;
         Stepping {
-            first: first_load_step,
+            first: self.config.solver.first_load_step(),
             largest: largest_load_step,
             smallest: smallest_load_step,
             newton: Newton {

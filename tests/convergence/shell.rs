@@ -65,7 +65,7 @@ impl Shell {
             mean(&ratios)
         };
         let (rest, deformed): (Vec<_>, Vec<_>) = self.body.nodes().into_iter().unzip();
-        let volume = |x: &[Vec3]| self.gas.volume(&self.body.problem.space, x);
+        let volume = |x: &[Vec3]| self.gas.volume(&self.body.problem.space, |n| x[n]);
         [stretch(A), stretch(B), volume(&deformed) / volume(&rest)]
     }
 }

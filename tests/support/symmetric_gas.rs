@@ -42,7 +42,7 @@ impl SymmetricGas {
 
     /// Volume at node positions `x` [m³].
     #[must_use]
-    pub fn volume(&self, space: &FunctionSpace, x: &[Vec3]) -> f64 {
+    pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3) -> f64 {
         let table = space.facet_table();
         let (mask, share) = match self.planes {
             Planes::ThroughOrigin => (Vec3::repeat(1.0), 1.0 / 3.0),
@@ -52,10 +52,10 @@ impl SymmetricGas {
         for nodes in &self.facets {
             for (q, weight) in table.weights.iter().enumerate() {
                 let tangent = |k: usize| -> Vec3 {
-                    nodes.iter().zip(&table.gradients[q]).map(|(&n, g)| x[n] * g[k]).sum()
+                    nodes.iter().zip(&table.gradients[q]).map(|(&n, g)| x(n) * g[k]).sum()
                 };
                 let normal = tangent(0).cross(&tangent(1));
-                let p: Vec3 = nodes.iter().zip(&table.values[q]).map(|(&n, v)| x[n] * *v).sum();
+                let p: Vec3 = nodes.iter().zip(&table.values[q]).map(|(&n, v)| x(n) * *v).sum();
                 volume -= 0.5 * weight * share * mask.component_mul(&p).dot(&normal);
             }
         }
@@ -65,16 +65,16 @@ impl SymmetricGas {
     /// Volume, rest volume [m³] and gas.
     #[must_use]
     pub fn state(&self, iterate: &Iterate) -> (f64, f64, Potential) {
-        let rest = self.volume(iterate.space, &iterate.space.node_positions(iterate.rest));
-        let volume = self.volume(iterate.space, &deformed(iterate));
+        let rest = self.volume(iterate.space, |n| iterate.space.node_position(iterate.rest, n));
+        let volume = self.volume(iterate.space, deformed(iterate));
         let multiplier = iterate.multipliers.first().map_or_else(Multiplier::default, |m| *m);
         (volume, rest, self.gas.at(volume, rest, iterate.load, multiplier))
     }
 }
 
-fn deformed(iterate: &Iterate) -> Vec<Vec3> {
-    let rest = iterate.space.node_positions(iterate.rest);
-    rest.iter().enumerate().map(|(i, x)| x + at(iterate.u, i)).collect()
+fn deformed<'a>(iterate: &Iterate<'a>) -> impl Fn(usize) -> Vec3 + use<'a> {
+    let Iterate { space, rest, u, .. } = *iterate;
+    move |node| space.node_position(rest, node) + at(u, node)
 }
 
 impl Energy for SymmetricGas {
@@ -86,23 +86,23 @@ impl Energy for SymmetricGas {
     }
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
         let pressure = self.state(at).2.pressure;
-        self.wall.add_wall_gradient(at.space, &deformed(at), -pressure, out);
+        self.wall.add_wall_gradient(at.space, deformed(at), -pressure, out);
     }
     fn add_hessian(&self, at: &Iterate, _: Hessian, out: &mut BlockMatrix) {
         let pressure = self.state(at).2.pressure;
-        self.wall.add_stiffness(at.space, &deformed(at), pressure, out);
+        self.wall.add_stiffness(at.space, deformed(at), pressure, out);
     }
     fn rank_one(&self, at: &Iterate) -> Option<RankOne> {
         let scale = self.state(at).2.stiffness;
         let mut vector = vec![0.0; at.u.len()];
-        self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut vector);
+        self.wall.add_wall_gradient(at.space, deformed(at), 1.0, &mut vector);
         (scale != 0.0).then_some(RankOne { scale, vector })
     }
     fn constraint(&self, at: &Iterate) -> Option<Constraint> {
         let (volume, rest, _) = self.state(at);
         let wanted = self.gas.wanted(rest, at.load)?.volume;
         let mut gradient = vec![0.0; at.u.len()];
-        self.wall.add_wall_gradient(at.space, &deformed(at), 1.0, &mut gradient);
+        self.wall.add_wall_gradient(at.space, deformed(at), 1.0, &mut gradient);
         Some(Constraint { multiplier: 0, volume, wanted, gradient })
     }
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {

@@ -10,7 +10,7 @@ use program::Unusable;
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
-use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace};
+use crate::forward::{Clock, LoadStep, Problem, TimeStepper, Unreached, Workspace};
 use crate::memory;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::record::{Checkpoint, Recorder, STEPS};
@@ -167,6 +167,7 @@ impl Run<'_> {
             let last = steps.len();
             let integrator = &self.stepper.progress.integrator;
             let v = integrator.method.has_inertia().then_some(&integrator.last().v[..]);
+            let clock = Clock::start();
             for (i, step) in steps.iter().enumerate() {
                 self.recorder.follow(step);
                 if !timed || (i + 1 == last && step.ends_time_step) {
@@ -179,6 +180,7 @@ impl Run<'_> {
             if timed && n + 1 < count {
                 save(self, n + 1)?;
             }
+            self.workspace.timings.output += clock.elapsed();
         }
         Ok(None)
     }

@@ -225,23 +225,32 @@ impl ContactConfig {
 }
 
 impl SolverConfig {
+    /// First load increment: as large as it may be, if none is given.
+    #[must_use]
+    pub fn first_load_step(&self) -> f64 {
+        self.first_load_step.unwrap_or(self.largest_load_step.min(1.0))
+    }
+
     fn check(&self) -> Result<()> {
-        let s = self;
+        let (s, first) = (self, self.first_load_step());
         ensure!(
-            s.first_load_step > 0.0 && s.first_load_step <= 1.0,
-            "first_load_step = {}: must be above 0 and at most 1",
-            s.first_load_step
+            s.largest_load_step > 0.0,
+            "largest_load_step = {}: must be above 0",
+            s.largest_load_step
         );
         ensure!(
-            s.smallest_load_step > 0.0 && s.smallest_load_step <= s.first_load_step,
-            "smallest_load_step = {}: must be above 0 and at most first_load_step",
+            first > 0.0 && first <= 1.0,
+            "first_load_step = {first}: must be above 0 and at most 1"
+        );
+        ensure!(
+            s.smallest_load_step > 0.0 && s.smallest_load_step <= first,
+            "smallest_load_step = {}: must be above 0 and at most first_load_step = {first}",
             s.smallest_load_step
         );
         ensure!(
-            s.largest_load_step >= s.first_load_step,
-            "largest_load_step = {}: must be at least first_load_step = {}",
-            s.largest_load_step,
-            s.first_load_step
+            s.largest_load_step >= first,
+            "largest_load_step = {}: must be at least first_load_step = {first}",
+            s.largest_load_step
         );
         ensure!(
             s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,

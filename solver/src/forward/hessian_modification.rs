@@ -10,7 +10,6 @@
 //! projected Hessian for five more iterations 22/17 on the beam. No run left the last
 //! modification without a step, so there is no gradient descent below it.
 
-
 use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
 use crate::math::linear::{Descent, Precision, Symmetric, dot};

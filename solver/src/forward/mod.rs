@@ -37,7 +37,7 @@ pub use stepping::{
 };
 pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};
+pub use timings::{Clock, Time, Timings};
 pub use trajectory::Trajectory;
 pub use volumes::solve_multipliers;
-pub use timings::{Clock, Time, Timings};
 pub use workspace::{Linearization, Workspace};

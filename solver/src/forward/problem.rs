@@ -13,9 +13,7 @@ use mesh::Vec3;
 use super::dirichlet::Dirichlet;
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
-use crate::energy::{
-    Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
-};
+use crate::energy::{Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep};
 use crate::math::linear::norm;
 
 /// Energies on a function space with Dirichlet conditions. A copy shares what is

@@ -13,8 +13,8 @@ use serde::Serialize;
 use super::augmented::pull_supports;
 use super::volumes::balance;
 use super::{
-    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State, TimeStepper,
-    Workspace, certificate,
+    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State,
+    TimeStepper, Workspace, certificate,
 };
 use crate::energy::{Iterate, Multiplier, TimeStep};
 use crate::math::linear::norm;

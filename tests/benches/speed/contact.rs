@@ -79,6 +79,7 @@ impl Sheets {
                 body: body.to_owned(),
                 dofs: Some(dofs),
                 seconds,
+                one_thread_s: None,
                 work: Work::Dofs(dofs as f64),
                 peak_mb: Some(peak_rss_mb().context("no VmHWM in /proc/self/status")?),
                 beside,

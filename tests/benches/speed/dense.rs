@@ -74,6 +74,7 @@ fn row(what: String, n: usize, work: Work, runs: Vec<f64>) -> Row {
         body: format!("{n} × {n}"),
         dofs: None,
         seconds: Seconds::new(runs),
+        one_thread_s: None,
         work,
         peak_mb: None,
         beside: String::new(),

@@ -1,7 +1,7 @@
 //! Single steps of a solve, timed by Criterion.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
@@ -198,17 +198,17 @@ impl<'a> Kernels<'a> {
         })
     }
 
-    fn time<O>(&mut self, step: &Step, mut run: impl FnMut() -> O) -> Result<()> {
+    fn time<O: Send>(&mut self, step: &Step, mut run: impl FnMut() -> O + Send) -> Result<()> {
         self.time_with(step, || (), |()| run())
     }
 
-    /// Times `run` on what `prepare` makes; neither that nor the end of what `run`
-    /// returns is counted.
-    fn time_with<T, O>(
+    /// Times `run` on what `prepare` makes, on all threads and on one; neither the making
+    /// nor the end of what `run` returns is counted.
+    fn time_with<T: Send, O: Send>(
         &mut self,
         Step { what, body, dofs, work }: &Step,
         mut prepare: impl FnMut() -> T,
-        mut run: impl FnMut(T) -> O,
+        mut run: impl FnMut(T) -> O + Send,
     ) -> Result<()> {
         if !(self.wanted)(&format!("{what}/{body}")) {
             return Ok(());
@@ -219,7 +219,18 @@ impl<'a> Kernels<'a> {
             b.iter_batched(&mut prepare, &mut run, BatchSize::PerIteration);
         });
         group.finish();
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let mut once = || {
+            let input = prepare();
+            let clock = Instant::now();
+            let result = one.install(|| run(input));
+            let seconds = clock.elapsed().as_secs_f64();
+            drop(result);
+            seconds
+        };
+        let one_thread_s = Some(Seconds::new((0..3).map(|_| once()).collect()).median);
         self.rows.push(Row {
+            one_thread_s,
             what: (*what).to_owned(),
             body: body.clone(),
             dofs: Some(*dofs),

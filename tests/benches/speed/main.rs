@@ -2,12 +2,14 @@
 //! the last stored run and an independent solver, and prints one table.
 //!
 //! `make bench`, or `make bench ONLY="factor gripper"` for the rows whose names
-//! contain all of the words. Only full runs are stored.
+//! contain all of the words. Only full runs are stored. `make bench-compare` fails where
+//! a row takes more than 10 % longer than in the last stored run of the same machine.
 #![allow(missing_docs)]
 
 mod cases;
 mod contact;
 mod dense;
+mod history;
 mod kernels;
 mod motion;
 mod row;
@@ -18,8 +20,7 @@ mod table;
 
 use std::io::Write;
 
-use anyhow::Result;
-use solver::report::results::write_json;
+use anyhow::{Result, ensure};
 use stored::Stored;
 use tests::workdir::repository;
 
@@ -31,6 +32,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const BODIES: [&str; 4] = ["bar20k-p2", "bar60k-p2", "bar250k-p2", "gripper-p2"];
 /// Bodies on which assembly is timed, too.
 const DEGREES: [&str; 2] = ["bar60k-p1", "bar60k-p3"];
+/// Times relative to those of the stored run from which on `make bench-compare` fails.
+const LIMIT: f64 = 1.1;
 /// Published bodies that are solved as a whole.
 const PUBLISHED: [&str; 3] = ["gripper-p1", "gripper-p2", "worm-p2"];
 
@@ -45,16 +48,25 @@ fn main() -> Result<()> {
         eprintln!("SKIPPED: benchmarks run by `make bench`");
         return Ok(());
     }
-    run(&arguments.into_iter().filter(|a| !a.starts_with("--")).collect::<Vec<_>>())
+    let compare = arguments.iter().any(|a| a == "--compare");
+    run(&arguments.into_iter().filter(|a| !a.starts_with("--")).collect::<Vec<_>>(), compare)
 }
 
-fn run(words: &[String]) -> Result<()> {
+fn run(words: &[String], compare: bool) -> Result<()> {
     let wanted = |key: &str| words.iter().all(|w| key.contains(w.as_str()));
     let folder = repository().join("build/bench");
     std::fs::create_dir_all(&folder)?;
-    let last = folder.join("last.json");
-    let before = Stored::read(&last)?;
+    // beside the cache of meshes: it survives `make clean`
+    let kept = repository().join(".cache/bench/history.jsonl");
+    let mut history = Stored::history(&kept)?;
     let mut now = Stored::begin();
+    let before = history.iter().rev().find(|run| run.machine == now.machine);
+    ensure!(
+        before.is_some() || !compare,
+        "{}: no stored run of this machine ({}) to compare with; `make bench` stores one",
+        kept.display(),
+        now.machine
+    );
 
     if wanted("dgemm") {
         now.rows.extend(dense::products());
@@ -74,7 +86,8 @@ fn run(words: &[String]) -> Result<()> {
     }
     now.rows.extend(kernels.take_rows());
     now.rows.extend(contact::rows(&wanted)?);
-    now.rows.extend(motion::rows(&wanted)?);
+    let moving = motion::rows(&wanted)?;
+    now.rows.extend(moving.iter().map(|(row, _)| row.clone()));
 
     let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
     for name in bars.iter().map(String::as_str).chain(PUBLISHED) {
@@ -88,9 +101,15 @@ fn run(words: &[String]) -> Result<()> {
     table::compare_dense(&mut now.rows);
     solves::compare(&mut now.rows, &now.solves);
 
-    let mut text = table::render(&now, before.as_ref());
+    let mut text = table::render(&now, before);
     if !now.solves.is_empty() {
         text += &format!("\n{}", solves::parts(&now.solves));
+    }
+    let timings = now.solves.iter().map(|s| (&s.body[..], &s.timings));
+    let timings: Vec<_> =
+        timings.chain(moving.iter().map(|(row, timings)| (&row.body[..], timings))).collect();
+    if !timings.is_empty() {
+        text += &format!("\n{}", solves::busy_cores(timings.into_iter()));
     }
     let of_bars: Vec<_> = now.solves.iter().filter(|s| bars.contains(&s.body)).cloned().collect();
     let size = "degrees of freedom";
@@ -110,13 +129,16 @@ fn run(words: &[String]) -> Result<()> {
     if !targets.is_empty() {
         text += &format!("\n{}\n", targets.join("\n"));
     }
-    write!(std::io::stdout(), "\n{text}")?;
+    let slower = before.map_or(Vec::new(), |before| table::slower(&now, before, LIMIT));
     if words.is_empty() {
+        now.keep(&kept)?;
+        let machine = now.machine.clone();
+        history.push(now);
+        let picture = history::picture(&history, &machine, &folder.join("history.svg"))?;
+        text += &picture.unwrap_or_default();
         mesh::io::write_atomic(&folder.join("table.txt"), |out| write!(out, "{text}"))?;
-        if let Some(before) = before {
-            write_json(&folder.join("previous.json"), &before)?;
-        }
-        write_json(&last, &now)?;
     }
+    write!(std::io::stdout(), "\n{text}")?;
+    ensure!(!compare || slower.is_empty(), "slower than before:\n  {}", slower.join("\n  "));
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
+use solver::forward::Timings;
 use tests::published::FOLDER;
 use tests::shared;
 use tests::workdir::program;
@@ -25,7 +26,7 @@ const RUNS: usize = 3;
 ///
 /// # Errors
 /// When a scene is at hand and cannot be run.
-pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
+pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<(Row, Timings)>> {
     let mut rows = Vec::new();
     for (name, scene, steps, polyfem_s, polyfem_gb) in SCENES {
         if !wanted(&format!("motion/{name}")) {
@@ -47,21 +48,27 @@ pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
         solver(&["import", &path.to_string_lossy(), "-o", "scene"])?;
         let file = folder.path().join("scene/sim.toml");
         std::fs::write(&file, std::fs::read_to_string(&file)? + TOLERANCE)?;
+        let n = steps.to_string();
+        let run = |threads: &[&str]| -> Result<Value> {
+            let scene = ["simulate", "scene/sim.toml", "-o", "out", "--final-only", "--steps", &n];
+            solver(&[&scene, threads].concat())?;
+            let text = std::fs::read_to_string(folder.path().join("out/report.json"))?;
+            Ok(serde_json::from_str(&text)?)
+        };
+        let time = |report: &Value| report["equilibrium_s"].as_f64().context("equilibrium_s");
         let (mut seconds, mut peaks, mut last) = (Vec::new(), Vec::new(), Value::Null);
         for _ in 0..RUNS {
-            let n = steps.to_string();
-            solver(&["simulate", "scene/sim.toml", "-o", "out", "--final-only", "--steps", &n])?;
-            let text = std::fs::read_to_string(folder.path().join("out/report.json"))?;
-            last = serde_json::from_str(&text)?;
-            let number = |key: &str| last[key].as_f64().context(key.to_owned());
-            seconds.push(number("equilibrium_s")?);
-            peaks.push(number("peak_rss_mb")?);
+            last = run(&[])?;
+            seconds.push(time(&last)?);
+            peaks.push(last["peak_rss_mb"].as_f64().context("peak_rss_mb")?);
         }
+        let one_thread_s = Some(time(&run(&["--threads", "1"])?)?);
         let seconds = Seconds::new(seconds);
         let peak = peaks.into_iter().fold(0.0, f64::max);
         let dofs = last["dofs"].as_u64().context("dofs")? as usize;
-        let time = |key: &str| last["timings"][key]["wall_s"].as_f64().unwrap_or(f64::NAN);
-        rows.push(Row {
+        let timings: Timings = serde_json::from_value(last["timings"].clone())?;
+        let row = Row {
+            one_thread_s,
             what: "motion".to_owned(),
             body: name.to_owned(),
             dofs: Some(dofs),
@@ -74,9 +81,10 @@ pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
                 last["newton_iterations"],
                 polyfem_s / seconds.median,
                 peak * 1.048_576e-3 / polyfem_gb,
-                100.0 * time("collision") / seconds.median
+                100.0 * timings.collision.wall_s / seconds.median
             ),
-        });
+        };
+        rows.push((row, timings));
     }
     Ok(rows)
 }

@@ -56,8 +56,11 @@ pub struct Row {
     pub body: String,
     /// Degrees of freedom; none for dense matrices.
     pub dofs: Option<usize>,
-    /// How long it took.
+    /// How long it took on all threads, or on those that its name says.
     pub seconds: Seconds,
+    /// On one thread, where that was measured beside it [s].
+    #[serde(default)]
+    pub one_thread_s: Option<f64>,
     /// How much it was.
     pub work: Work,
     /// Largest resident set [MiB], where a process of its own did it.
@@ -72,6 +75,11 @@ impl Row {
     /// What identifies a row.
     pub fn key(&self) -> String {
         format!("{}/{}", self.what, self.body)
+    }
+
+    /// How much faster all threads are than one.
+    pub fn speed_up(&self) -> Option<f64> {
+        self.one_thread_s.map(|one| one / self.seconds.median)
     }
 }
 

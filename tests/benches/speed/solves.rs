@@ -106,11 +106,13 @@ pub fn repeat(name: &str) -> Result<Option<(Row, Solve)>> {
     eprintln!("solving {name}");
     let mut runs = Vec::new();
     while runs.len() < RUNS && runs.iter().map(Solve::total_s).sum::<f64>() < ENOUGH {
-        let Some(run) = once(name)? else { return Ok(None) };
+        let Some(run) = once(name, None)? else { return Ok(None) };
         runs.push(run);
     }
     runs.sort_by(|a, b| a.total_s().total_cmp(&b.total_s()));
+    let one_thread_s = once(name, Some(1))?.map(|run| run.total_s());
     let row = Row {
+        one_thread_s,
         what: "static solve".to_owned(),
         body: name.to_owned(),
         dofs: Some(runs[0].dofs),
@@ -122,11 +124,14 @@ pub fn repeat(name: &str) -> Result<Option<(Row, Solve)>> {
     Ok(Some((row, runs.swap_remove(runs.len() / 2))))
 }
 
-fn once(name: &str) -> Result<Option<Solve>> {
-    let output = Command::new(std::env::current_exe()?)
-        .args(["--solve", name])
-        .stderr(Stdio::inherit())
-        .output()?;
+/// On a number of threads; on all without one.
+fn once(name: &str, threads: Option<usize>) -> Result<Option<Solve>> {
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args(["--solve", name]).stderr(Stdio::inherit());
+    if let Some(threads) = threads {
+        command.env("RAYON_NUM_THREADS", threads.to_string());
+    }
+    let output = command.output()?;
     ensure!(output.status.success(), "the solve of {name} failed: {}", output.status);
     if output.stdout.is_empty() {
         return Ok(None);
@@ -172,6 +177,25 @@ pub fn parts(solves: &[Solve]) -> String {
     text
 }
 
+/// The cores that were busy in the tasks of some runs, by name, with their share of the
+/// time; tasks below 3 % are left out.
+pub fn busy_cores<'a>(runs: impl Iterator<Item = (&'a str, &'a Timings)>) -> String {
+    let mut text = String::from("cores busy (share of the time)\n");
+    for (name, timings) in runs {
+        let total = timings.total();
+        text += &format!("{name:<20}");
+        for (task, time) in timings.tasks() {
+            let share = time.wall_s / total.wall_s;
+            if let (true, Some(busy)) = (share > 0.03, time.busy_cores()) {
+                text += &format!("  {task} {busy:.2} ({:.0} %)", 100.0 * share);
+            }
+        }
+        let whole = total.busy_cores().unwrap_or_default();
+        text += &format!("  together {whole:.2}\n");
+    }
+    text
+}
+
 /// Whole solves of PolyFEM (661588e8, Pardiso, 2 threads) of the same bodies under
 /// the same load, from rest in one load step: body, seconds, peak memory [GB].
 const POLYFEM: [(&str, f64, f64); 2] = [("gripper-p1", 13.5, 1.2), ("gripper-p2", 107.7, 6.3)];
@@ -193,8 +217,9 @@ pub fn compare(rows: &mut [Row], solves: &[Solve]) {
         }
         let solve = solves.iter().find(|s| s.body == row.body);
         if let (true, Some(s)) = (row.body == "worm-p2", solve) {
-            let ours = (s.timings.assembly.wall_s + s.timings.factor.wall_s + s.timings.solve.wall_s)
-                / s.newton_iterations as f64;
+            let ours =
+                (s.timings.assembly.wall_s + s.timings.factor.wall_s + s.timings.solve.wall_s)
+                    / s.newton_iterations as f64;
             row.beside = format!(
                 "assembly and linear solve per iteration {ours:.2} s, PolyFEM's (dynamic, with \
                  contact) {POLYFEM_WORM:.2} s: {:.1} × as fast",

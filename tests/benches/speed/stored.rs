@@ -49,16 +49,32 @@ impl Stored {
         }
     }
 
-    /// The last full run, if there is one.
-    pub fn read(path: &Path) -> Result<Option<Self>> {
+    /// All full runs that are kept in a file, one in each line, the latest last.
+    pub fn history(path: &Path) -> Result<Vec<Self>> {
         if !path.exists() {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let text = mesh::io::read_text(path)?;
-        let found = serde_json::from_str(&text).with_context(|| {
-            format!("{}: not as this version writes it; remove it to continue", path.display())
-        })?;
-        Ok(Some(found))
+        let line = |(i, line): (usize, &str)| {
+            serde_json::from_str(line).with_context(|| {
+                let (path, line) = (path.display(), i + 1);
+                format!(
+                    "{path}: line {line} is not as this version writes it; remove it to continue"
+                )
+            })
+        };
+        text.lines().enumerate().map(line).collect()
+    }
+
+    /// Adds this run to the file.
+    pub fn keep(&self, path: &Path) -> Result<()> {
+        let before = if path.exists() { mesh::io::read_text(path)? } else { String::new() };
+        let line = serde_json::to_string(self)?;
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        mesh::io::write_atomic(path, |out| write!(out, "{before}{line}\n"))?;
+        Ok(())
     }
 
     /// One line about when and where.

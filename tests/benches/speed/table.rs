@@ -35,19 +35,20 @@ pub fn render(run: &Stored, before: Option<&Stored>) -> String {
         None => text += "no stored run to compare with\n",
     }
     text += &format!(
-        "\n{:<21}{:<15}{:>8}{:>11}{:>21}{:>17}{:>10}  {}\n",
-        "what", "body", "dofs", "median s", "fastest - slowest", "rate", "now/then", ""
+        "\n{:<21}{:<15}{:>8}{:>11}{:>21}{:>17}{:>10}{:>10}  {}\n",
+        "what", "body", "dofs", "median s", "fastest - slowest", "rate", "speed-up", "now/then", ""
     );
     for row in &run.rows {
         let then = before.and_then(|b| b.rows.iter().find(|r| r.key() == row.key()));
         let ratio = then.map_or("-".to_owned(), |then| {
             format!("{:.2}", row.seconds.median / then.seconds.median)
         });
+        let speed_up = row.speed_up().map_or("-".to_owned(), |s| format!("{s:.2}"));
         let dofs = row.dofs.map_or("-".to_owned(), |n| n.to_string());
         let s = &row.seconds;
         let spread = format!("{} - {}", short(s.min), short(s.max));
         text += format!(
-            "{:<21}{:<15}{dofs:>8}{:>11}{spread:>21}{:>17}{ratio:>10}  {}",
+            "{:<21}{:<15}{dofs:>8}{:>11}{spread:>21}{:>17}{speed_up:>10}{ratio:>10}  {}",
             row.what,
             row.body,
             short(s.median),
@@ -58,6 +59,24 @@ pub fn render(run: &Stored, before: Option<&Stored>) -> String {
         text += "\n";
     }
     text
+}
+
+/// Rows that took more than `factor` times as long as in another run, one line each.
+pub fn slower(run: &Stored, before: &Stored, factor: f64) -> Vec<String> {
+    let judge = |row: &Row| {
+        let then = find(&before.rows, &row.what, &row.body)?.seconds.median;
+        let now = row.seconds.median;
+        (now > factor * then).then(|| {
+            let percent = 100.0 * (now / then - 1.0);
+            format!(
+                "{}: {} s, {} s before: {percent:.0} % slower",
+                row.key(),
+                short(now),
+                short(then)
+            )
+        })
+    };
+    run.rows.iter().filter_map(judge).collect()
 }
 
 /// Seconds with three digits that count.

@@ -28,8 +28,7 @@ impl Indefinite {
             inverse: vec![0; n],
         };
         let rows: Vec<usize> = pattern.rows.iter().map(|&row| row as usize).collect();
-        let matrix =
-            SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &rows);
+        let matrix = SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &rows);
         let scratch = symbolic
             .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default());
         symbolic.factorize_numeric_intranode_lblt(

@@ -323,8 +323,7 @@ impl SparseSolver {
     pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
         let (x, residual) = if self.is_positive() {
             let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-            let Gradients { x, residual, .. } =
-                self.conjugate_gradients(&self.matrix, rhs, &stop);
+            let Gradients { x, residual, .. } = self.conjugate_gradients(&self.matrix, rhs, &stop);
             (x, residual)
         } else {
             self.refine(rhs, tolerance)

@@ -319,11 +319,7 @@ struct Job<'a, T> {
 
 impl<T: Scalar> Job<'_, T> {
     /// Factors disjoint subtrees, whose columns are stored one after the other.
-    fn subtrees(
-        &self,
-        roots: &[usize],
-        mut factor: &mut [T],
-    ) -> Result<Vec<Update<T>>, usize> {
+    fn subtrees(&self, roots: &[usize], mut factor: &mut [T]) -> Result<Vec<Update<T>>, usize> {
         let mut tasks = Vec::with_capacity(roots.len());
         for &root in roots {
             let values = &self.fronts.supernodes;
@@ -346,11 +342,7 @@ impl<T: Scalar> Job<'_, T> {
     }
 
     /// Factors one subtree on this thread.
-    fn in_order(
-        &self,
-        range: Range<usize>,
-        mut factor: &mut [T],
-    ) -> Result<Update<T>, usize> {
+    fn in_order(&self, range: Range<usize>, mut factor: &mut [T]) -> Result<Update<T>, usize> {
         let mut waiting: Vec<Update<T>> = Vec::new();
         for s in range {
             let node = &self.fronts.supernodes[s];

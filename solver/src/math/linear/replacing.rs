@@ -21,8 +21,7 @@ pub fn cholesky<T: Scalar>(mut a: MatMut<T>, scale: f64, par: Par) -> usize {
     for first in (0..n).step_by(PANEL) {
         let end = (first + PANEL).min(n);
         let remaining = a.as_mut().submatrix_mut(first, first, n - first, n - first);
-        let (mut block, _, mut below, mut rest) =
-            remaining.split_at_mut(end - first, end - first);
+        let (mut block, _, mut below, mut rest) = remaining.split_at_mut(end - first, end - first);
         replaced += eliminate(block.as_mut(), scale);
         solve_lower_triangular_in_place(block.as_ref(), below.as_mut().transpose_mut(), par);
         triangular_matmul(
