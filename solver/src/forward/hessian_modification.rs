@@ -24,8 +24,6 @@ pub enum Modification {
     Near,
     /// The exact Hessian, factored.
     Exact,
-    /// The exact Hessian, which has negative curvature: conjugate gradients up to there.
-    Truncated,
     /// Projected elastic tangents.
     Projected,
     /// The same with a multiple of the identity added.
@@ -37,7 +35,7 @@ impl Modification {
     pub fn next(self) -> Option<Self> {
         match self {
             Self::Near => Some(Self::Exact),
-            Self::Exact | Self::Truncated => Some(Self::Projected),
+            Self::Exact => Some(Self::Projected),
             Self::Projected => Some(Self::Shifted),
             Self::Shifted => None,
         }
@@ -112,11 +110,11 @@ fn exact(
                 return Some((Modification::Near, direction));
             }
             // known to be indefinite, without a factorisation
-            Descent::Truncated(_) if hessian.updates.is_empty() => {
+            Descent::Curved if hessian.updates.is_empty() => {
                 workspace.recycle(hessian);
                 return None;
             }
-            Descent::Truncated(_) | Descent::Inaccurate => {}
+            Descent::Curved | Descent::Inaccurate => {}
         }
     }
     // where gas stiffens the body, the whole may be positive definite although
@@ -124,7 +122,7 @@ fn exact(
     let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
     match descend(workspace, hessian, force, forcing)? {
         Descent::Solved(direction) => Some((Modification::Exact, direction)),
-        Descent::Truncated(direction) => Some((Modification::Truncated, direction)),
+        Descent::Curved => None,
         Descent::Inaccurate if sharpen(workspace) => {
             Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)))
         }
@@ -160,7 +158,7 @@ fn descend(
     if replaced > 0 {
         let end = match &found {
             Descent::Solved(_) => "positive definite",
-            Descent::Truncated(_) => "indefinite",
+            Descent::Curved => "indefinite",
             Descent::Inaccurate => "undecided",
         };
         log::debug!("{replaced} pivots replaced: {end}");

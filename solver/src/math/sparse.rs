@@ -28,7 +28,7 @@ struct Scatter {
     /// First pair of each group and part.
     start: Vec<usize>,
     /// Which pair of the group: element times number of pairs, plus index.
-    pair: Vec<u16>,
+    pair: Vec<u32>,
     /// Twice the index of its block, plus 1 where the local block must be transposed to
     /// lie in the lower triangle.
     target: Vec<u32>,
@@ -37,18 +37,17 @@ struct Scatter {
 impl Scatter {
     /// Of elements by the targets of their pairs, for a number of blocks.
     fn new(targets: impl Iterator<Item = u32>, pairs: usize, blocks: usize) -> Self {
-        assert!(GROUP * pairs <= 1 << 16, "a pair of a group has 16 bits");
         let targets: Vec<u32> = targets.collect();
         let part_len = part_len(blocks);
         let part = |target: u32| (target >> 1) as usize / part_len;
         let mut scatter = Self { start: vec![0], pair: Vec::new(), target: Vec::new() };
         for group in targets.chunks(GROUP * pairs) {
-            let mut lists: [Vec<u16>; PARTS] = Default::default();
+            let mut lists: [Vec<u32>; PARTS] = Default::default();
             for (i, &target) in group.iter().enumerate() {
-                lists[part(target)].push(u16::try_from(i).expect("asserted above"));
+                lists[part(target)].push(u32::try_from(i).expect("< 2^32 pairs"));
             }
             for list in lists {
-                scatter.target.extend(list.iter().map(|&i| group[usize::from(i)]));
+                scatter.target.extend(list.iter().map(|&i| group[i as usize]));
                 scatter.pair.extend(list);
                 scatter.start.push(scatter.pair.len());
             }
@@ -59,7 +58,7 @@ impl Scatter {
     /// Pairs and targets of a group in a part of the blocks.
     fn of(&self, group: usize, part: usize) -> impl Iterator<Item = (usize, u32)> {
         let range = self.start[group * PARTS + part]..self.start[group * PARTS + part + 1];
-        let pairs = self.pair[range.clone()].iter().map(|&pair| usize::from(pair));
+        let pairs = self.pair[range.clone()].iter().map(|&pair| pair as usize);
         pairs.zip(self.target[range].iter().copied())
     }
 }

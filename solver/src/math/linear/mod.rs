@@ -11,7 +11,9 @@
 //!
 //! Source: Golub and Van Loan, "Matrix Computations", sections 2.1.4 and 11.5.
 
+mod conjugate_gradients;
 mod elimination;
+mod extend_add;
 mod indefinite;
 mod matrix;
 mod multifrontal;
@@ -31,6 +33,8 @@ use faer::sparse::linalg::cholesky::{
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use crate::math::pool::Pool;
+pub use conjugate_gradients::Descent;
+use conjugate_gradients::{Gradients, Stop, conjugate_gradients};
 use indefinite::Indefinite;
 use matrix::Triangle;
 pub use matrix::{Symmetric, dot, norm};
@@ -62,9 +66,6 @@ const ROUNDING: f64 = 1e-14;
 
 /// Refinement steps of a solution, at most.
 const REFINEMENTS: usize = 40;
-
-/// Steps without progress after which refinement has come to rounding.
-const PATIENCE: usize = 3;
 
 /// Conjugate-gradient steps with the factor of another matrix that cost less
 /// than a factor of its own.
@@ -262,7 +263,7 @@ impl SparseSolver {
     #[must_use]
     pub fn descend(&self, b: &[f64], tolerance: f64) -> Descent {
         let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-        self.conjugate_gradients(&self.matrix, b, &stop).descent(tolerance)
+        self.gradients(&self.matrix, b, &stop).descent(tolerance)
     }
 
     /// Factors the last matrix in double precision if its factor is in single;
@@ -323,7 +324,7 @@ impl SparseSolver {
     pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
         let (x, residual) = if self.is_positive() {
             let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-            let Gradients { x, residual, .. } = self.conjugate_gradients(&self.matrix, rhs, &stop);
+            let Gradients { x, residual, .. } = self.gradients(&self.matrix, rhs, &stop);
             (x, residual)
         } else {
             self.refine(rhs, tolerance)
@@ -341,47 +342,13 @@ impl SparseSolver {
             return Descent::Inaccurate;
         }
         let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
-        self.conjugate_gradients(matrix, b, &stop).descent(tolerance)
+        self.gradients(matrix, b, &stop).descent(tolerance)
     }
 
     /// Conjugate gradients preconditioned with the last factor.
-    fn conjugate_gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
-        let size = norm(b).max(f64::MIN_POSITIVE);
-        let mut x = vec![0.0; b.len()];
-        let mut r = b.to_vec();
-        let mut z = self.inverse_times(&r);
-        let mut p = z.clone();
-        let mut rz = dot(&r, &z);
-        // where a matrix proves not positive definite at once, a descent
-        let mut best = (z.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
-        let (mut since, mut curved) = (0, None);
-        for step in 1..=stop.steps {
-            let ap = self.pattern.multiply(matrix, &p);
-            let curvature = dot(&p, &ap);
-            if curvature.is_nan() || curvature <= 0.0 {
-                // of the first direction nothing is known but that it descends
-                curved = Some(if step > 1 { x } else { z });
-                break;
-            }
-            let alpha = rz / curvature;
-            x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
-            r.iter_mut().zip(&ap).for_each(|(r, a)| *r -= alpha * a);
-            let residual = norm(&r) / size;
-            since += 1;
-            if residual < best.1 {
-                best = (x.clone(), residual);
-                since = 0;
-            }
-            if best.1 <= stop.tolerance || since >= PATIENCE || stop.is_hopeless(step, best.1) {
-                break;
-            }
-            z = self.inverse_times(&r);
-            let next = dot(&r, &z);
-            let beta = next / rz;
-            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
-            rz = next;
-        }
-        Gradients { x: best.0, residual: best.1, curved }
+    fn gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
+        let multiply = |x: &[f64]| self.pattern.multiply(matrix, x);
+        conjugate_gradients(multiply, |x| self.inverse_times(x), b, stop)
     }
 
     /// Iterative refinement; the best x and its relative residual.
@@ -457,65 +424,5 @@ impl SparseSolver {
     pub fn forget(&mut self) {
         self.factor = Factor::None;
         self.capacitance = None;
-    }
-}
-
-/// Where conjugate gradients end.
-struct Gradients {
-    /// The best x.
-    x: Vec<f64>,
-    /// Its relative residual.
-    residual: f64,
-    /// The last x before a direction of negative curvature, if there is one.
-    curved: Option<Vec<f64>>,
-}
-
-impl Gradients {
-    fn descent(self, tolerance: f64) -> Descent {
-        match self.curved {
-            Some(iterate) => Descent::Truncated(iterate),
-            None if self.residual <= tolerance => Descent::Solved(self.x),
-            None => Descent::Inaccurate,
-        }
-    }
-}
-
-/// A direction x with bᵀ x > 0.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Descent {
-    /// A x = b.
-    Solved(Vec<f64>),
-    /// A is not positive definite: x minimises ½ xᵀAx − bᵀx in the space of the conjugate
-    /// directions before that of negative curvature. Source: Nocedal and Wright,
-    /// "Numerical Optimization", algorithm 7.1 (line search Newton-CG).
-    Truncated(Vec<f64>),
-    /// Neither was found within the precision of the factor.
-    Inaccurate,
-}
-
-impl Descent {
-    /// The solution, if it was found.
-    #[must_use]
-    pub fn solved(self) -> Option<Vec<f64>> {
-        if let Self::Solved(x) = self { Some(x) } else { None }
-    }
-}
-
-/// When conjugate gradients end.
-struct Stop {
-    /// Relative residual wanted.
-    tolerance: f64,
-    /// Steps at most.
-    steps: usize,
-    /// Whether to give up when the tolerance is out of reach.
-    near: bool,
-}
-
-impl Stop {
-    /// Whether a residual reached in `step` steps will not come to the
-    /// tolerance at this rate.
-    fn is_hopeless(&self, step: usize, residual: f64) -> bool {
-        let rate = residual.powf(1.0 / step as f64);
-        self.near && step >= 3 && rate.powi(self.steps as i32) > self.tolerance
     }
 }

@@ -23,6 +23,7 @@ use faer::traits::RealField;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
+use super::extend_add::extend_add;
 use super::matrix::Triangle;
 use super::replacing;
 use crate::math::pool::Pool;
@@ -450,7 +451,7 @@ impl<T: Scalar> Job<'_, T> {
     fn add_to_columns(&self, node: &Supernode, update: &Update<T>, own: &mut [T], par: Par) {
         let places = &self.fronts.supernodes[update.supernode].places;
         let split = places.partition_point(|&p| (p as usize) < node.width());
-        extend_add(places, update, own, (node.height(), 0..split, 0), par);
+        extend_add(places, &update.values, own, (node.height(), 0..split, 0), par);
     }
 
     /// Adds to F₂₂ what the update of a child has there.
@@ -458,56 +459,6 @@ impl<T: Scalar> Job<'_, T> {
         let places = &self.fronts.supernodes[update.supernode].places;
         let split = places.partition_point(|&p| (p as usize) < node.width());
         let height = node.height() - node.width();
-        extend_add(places, update, rest, (height, split..places.len(), node.width()), par);
+        extend_add(places, &update.values, rest, (height, split..places.len(), node.width()), par);
     }
-}
-
-/// Adds some columns of an update to a front, whose columns in `target` have a height and
-/// begin at the place `skip`.
-fn extend_add<T: Scalar>(
-    places: &[u32],
-    update: &Update<T>,
-    target: &mut [T],
-    (height, columns, skip): (usize, Range<usize>, usize),
-    par: Par,
-) {
-    let n = places.len();
-    let runs = runs(places);
-    let add = |column: usize, target: &mut [T]| {
-        let source = &update.values[column * n..(column + 1) * n];
-        let after = runs.partition_point(|run| run.0.end <= column);
-        for (from, to) in &runs[after..] {
-            let start = from.start.max(column);
-            let to = to + (start - from.start) - skip;
-            let target = &mut target[to..to + (from.end - start)];
-            for (t, v) in target.iter_mut().zip(&source[start..from.end]) {
-                *t += *v;
-            }
-        }
-    };
-    if matches!(par, Par::Seq) {
-        for c in columns {
-            let place = places[c] as usize - skip;
-            add(c, &mut target[place * height..(place + 1) * height]);
-        }
-    } else {
-        target.par_chunks_mut(height).enumerate().for_each(|(place, target)| {
-            if let Ok(c) = places[columns.clone()].binary_search(&narrow(place + skip)) {
-                add(columns.start + c, target);
-            }
-        });
-    }
-}
-
-/// Maximal ranges of a sequence that are consecutive numbers, with the first
-/// number of each.
-fn runs(places: &[u32]) -> Vec<(Range<usize>, usize)> {
-    let mut runs: Vec<(Range<usize>, usize)> = Vec::new();
-    for (i, place) in places.iter().map(|&p| p as usize).enumerate() {
-        match runs.last_mut() {
-            Some((range, first)) if place == *first + range.len() => range.end = i + 1,
-            _ => runs.push((i..i + 1, place)),
-        }
-    }
-    runs
 }
