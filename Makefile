@@ -42,10 +42,10 @@ bench-compare:  ## the same, and fail where a row is more than 10 % slower than 
 lint:  ## what CI asks of the sources: format, clippy, documentation
 	cargo fmt --check
 	cargo clippy --release --locked --workspace --all-targets -- --deny warnings
-	RUSTDOCFLAGS='--deny warnings' cargo doc --locked --workspace --no-deps --quiet
+	RUSTDOCFLAGS='--deny warnings' cargo doc --release --locked --workspace --no-deps --quiet
 
 docs:  ## documentation of the libraries, in target/doc
-	cargo doc --locked --workspace --no-deps
+	cargo doc --release --locked --workspace --no-deps
 
 clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	rm -rf build

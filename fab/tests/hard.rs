@@ -325,13 +325,13 @@ fn shaken(part: f64, config: &str) -> Outcome {
 const SOFT: &str = "[limits]\npeel = 5";
 
 #[test]
+#[ignore = "six seconds: runs in make test-all; a_scan_with_fine_noise_keeps_its_plan stays"]
 fn a_scan_with_noise() {
     // Up to 0.4 mm, also where the inlet is.
     assert_eq!(shaken(0.1, SOFT), Outcome::Verified);
 }
 
 #[test]
-#[ignore = "three seconds: runs in make test-all; a_scan_with_noise stays"]
 fn a_scan_with_fine_noise_keeps_its_plan() {
     // Up to 0.2 mm everywhere, and no limit changed.
     assert_eq!(shaken(0.05, ""), Outcome::Verified);

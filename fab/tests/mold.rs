@@ -93,12 +93,18 @@ fn upper_and_lower_shell() {
 #[test]
 fn the_other_directions() {
     for parting in [
-        "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.0101",
         "[parting]\nkind = \"height-field\"\npull = [0, 1, 0]",
         "up = [0, 0, 1]\n[parting]\nkind = \"plane\"\npull = [-1, 1, 0]",
     ] {
         molded(&Scene::new(&CHAMBER, parting));
     }
+}
+
+#[test]
+#[ignore = "three seconds: runs in make test-all; the_other_directions has planes that are turned"]
+fn a_plane_with_an_offset() {
+    let parting = "[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.0101";
+    molded(&Scene::new(&CHAMBER, parting));
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl Stored {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        mesh::io::write_atomic(path, |out| write!(out, "{before}{line}\n"))?;
+        mesh::io::write_atomic(path, |out| writeln!(out, "{before}{line}"))?;
         Ok(())
     }
 

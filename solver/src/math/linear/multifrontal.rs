@@ -415,7 +415,7 @@ impl<T: Scalar> Job<'_, T> {
             Spec::default(),
         );
         let Err(LltError::NonPositivePivot { index }) = done else { return Ok(()) };
-        if self.bad_pivots == BadPivots::Refuse || !(scale > 0.0) {
+        if self.bad_pivots == BadPivots::Refuse || scale.is_nan() || scale <= 0.0 {
             self.failed.store(true, Ordering::Relaxed);
             return Err(node.columns.start + index);
         }

@@ -53,7 +53,8 @@ fn eliminate<T: Scalar>(mut a: MatMut<T>, scale: f64) -> usize {
         a[(j, j)] = l;
         let inverse = T::narrow(1.0 / pivot.sqrt());
         for i in j + 1..n {
-            a[(i, j)] = a[(i, j)] * inverse;
+            let scaled = a[(i, j)] * inverse;
+            a[(i, j)] = scaled;
         }
         for k in j + 1..n {
             let factor = a[(k, j)];
