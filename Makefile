@@ -13,7 +13,7 @@ SCENES := frog finger beam chamber
 .PHONY: help setup test test-all bench bench-compare lint docs clean compression gripper worm-segment $(SCENES)
 
 help:  ## list all targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
 
 frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
 finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)

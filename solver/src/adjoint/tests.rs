@@ -434,6 +434,19 @@ fn bodies_that_hit_and_slide_have_their_gradient() {
 }
 
 #[test]
+#[ignore = "runs in make test-all; fewer steps of the same bodies stay"]
+fn longer_runs_and_other_formulas_have_their_gradient() {
+    let case = |method, degree, steps| {
+        let (dt, body, inside) = (2e-3, Shape::Blocks, Inside::Pressure);
+        check(&Case { method, degree, steps, dt, body, inside }, true);
+    };
+    case(Method::ImplicitEuler, 1, 3);
+    case(Method::ImplicitEuler, 1, 10);
+    case(Method::ImplicitEuler, 2, 3);
+    case(Method::Bdf2, 2, 4);
+}
+
+#[test]
 fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
     let (degree, dt) = (2, 2e-3);
     // its first step is one of implicit Euler

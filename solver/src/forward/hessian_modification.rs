@@ -1,5 +1,6 @@
 //! Hessian modification: descent directions −H̃⁻¹g of Newton's method. H̃ is the exact
-//! Hessian; where that gives none, elastic tangents and contacts are projected to be
+//! Hessian if it is positive definite, which conjugate gradients decide where a few pivots
+//! in single precision are not positive; where that gives none, elastic tangents and contacts are projected to be
 //! positive semidefinite, and where that is not enough, a multiple of the identity is
 //! added (a shift).
 //!
@@ -12,7 +13,7 @@
 
 use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
-use crate::math::linear::{Descent, Precision, Symmetric, dot};
+use crate::math::linear::{Outcome, Precision, Symmetric, dot};
 
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
@@ -105,28 +106,28 @@ fn exact(
         let near = workspace.linear().solve_near(&hessian, force, forcing);
         workspace.timings.solve += clock.elapsed();
         match near {
-            Descent::Solved(direction) => {
+            Outcome::Solved(direction) => {
                 workspace.recycle(hessian);
                 return Some((Modification::Near, direction));
             }
             // known to be indefinite, without a factorisation
-            Descent::Curved if hessian.updates.is_empty() => {
+            Outcome::Curved if hessian.updates.is_empty() => {
                 workspace.recycle(hessian);
                 return None;
             }
-            Descent::Curved | Descent::Inaccurate => {}
+            Outcome::Curved | Outcome::Inaccurate => {}
         }
     }
     // where gas stiffens the body, the whole may be positive definite although
     // its sparse part is not
     let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
-    match descend(workspace, hessian, force, forcing)? {
-        Descent::Solved(direction) => Some((Modification::Exact, direction)),
-        Descent::Curved => None,
-        Descent::Inaccurate if sharpen(workspace) => {
+    match factor_and_solve(workspace, hessian, force, forcing)? {
+        Outcome::Solved(direction) => Some((Modification::Exact, direction)),
+        Outcome::Curved => None,
+        Outcome::Inaccurate if sharpen(workspace) => {
             Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)))
         }
-        Descent::Inaccurate => {
+        Outcome::Inaccurate => {
             let direction = indefinite(workspace, stiffened?, force)?;
             Some((Modification::Exact, direction))
         }
@@ -134,12 +135,12 @@ fn exact(
 }
 
 /// Factors a Hessian, of which a few pivots need not be positive, and solves with it.
-fn descend(
+fn factor_and_solve(
     workspace: &mut Workspace,
     hessian: Symmetric,
     force: &[f64],
     forcing: f64,
-) -> Option<Descent> {
+) -> Option<Outcome> {
     let clock = Clock::start();
     let replaced = workspace.linear_mut().factor_modified(hessian);
     workspace.timings.factor += clock.elapsed();
@@ -153,13 +154,13 @@ fn descend(
         }
     };
     let clock = Clock::start();
-    let found = workspace.linear().descend(force, forcing);
+    let found = workspace.linear().solve_modified(force, forcing);
     workspace.timings.solve += clock.elapsed();
     if replaced > 0 {
         let end = match &found {
-            Descent::Solved(_) => "positive definite",
-            Descent::Curved => "indefinite",
-            Descent::Inaccurate => "undecided",
+            Outcome::Solved(_) => "positive definite",
+            Outcome::Curved => "indefinite",
+            Outcome::Inaccurate => "undecided",
         };
         log::debug!("{replaced} pivots replaced: {end}");
     }

@@ -52,11 +52,6 @@ impl<T: Copy> Pool<T> {
             self.free.lock().unwrap_or_else(PoisonError::into_inner).push(buffer);
         }
     }
-
-    /// Frees all memory.
-    pub fn clear(&self) {
-        self.free.lock().unwrap_or_else(PoisonError::into_inner).clear();
-    }
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ where
     DefaultAllocator:
         Allocator<DimDiff<Const<N>, Const<1>>> + Allocator<Const<N>, DimDiff<Const<N>, Const<1>>>,
 {
-    // most are positive definite, which this tells in a tenth of the time
+    // most are positive definite, which this tells without eigenvalues
     if a.cholesky().is_some() {
         return *a;
     }

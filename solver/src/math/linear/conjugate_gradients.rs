@@ -65,20 +65,20 @@ pub struct Gradients {
 
 impl Gradients {
     /// What they say of the matrix, where a relative residual is wanted.
-    pub fn descent(self, tolerance: f64) -> Descent {
+    pub fn outcome(self, tolerance: f64) -> Outcome {
         if self.curved {
-            Descent::Curved
+            Outcome::Curved
         } else if self.residual <= tolerance {
-            Descent::Solved(self.x)
+            Outcome::Solved(self.x)
         } else {
-            Descent::Inaccurate
+            Outcome::Inaccurate
         }
     }
 }
 
 /// What conjugate gradients find.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Descent {
+pub enum Outcome {
     /// The solution.
     Solved(Vec<f64>),
     /// A direction p with pᵀ A p ≤ 0: A is not positive definite.
@@ -87,7 +87,7 @@ pub enum Descent {
     Inaccurate,
 }
 
-impl Descent {
+impl Outcome {
     /// The solution, if it was found.
     #[must_use]
     pub fn solved(self) -> Option<Vec<f64>> {

@@ -33,7 +33,7 @@ use faer::sparse::linalg::cholesky::{
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use crate::math::pool::Pool;
-pub use conjugate_gradients::Descent;
+pub use conjugate_gradients::Outcome;
 use conjugate_gradients::{Gradients, Stop, conjugate_gradients};
 use indefinite::Indefinite;
 use matrix::Triangle;
@@ -209,14 +209,9 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<(), NotPositive> {
         let size = self.size();
-        let old = std::mem::replace(&mut self.factor, Factor::None);
-        self.capacitance = None;
-        self.matrix = matrix;
+        let old = self.begin(matrix);
         if precision == Precision::Single {
-            let mut values = match old {
-                Factor::Single(values) => values,
-                _ => vec![0.0; self.factor_len()],
-            };
+            let mut values = self.single_memory(old);
             let (lower, refuse) = (&self.matrix.lower, BadPivots::Refuse);
             if self.fronts.factor(lower, &mut values, &self.pool, refuse).is_ok() {
                 self.factor = Factor::Single(values);
@@ -233,21 +228,31 @@ impl SparseSolver {
         Ok(())
     }
 
+    /// Sets the matrix of the next factorisation and returns the last factor.
+    fn begin(&mut self, matrix: Symmetric) -> Factor {
+        self.capacitance = None;
+        self.matrix = matrix;
+        std::mem::replace(&mut self.factor, Factor::None)
+    }
+
+    /// The memory of the last factor, if it was in single precision, for the next.
+    fn single_memory(&self, old: Factor) -> Vec<f32> {
+        match old {
+            Factor::Single(values) => values,
+            _ => vec![0.0; self.factor_len()],
+        }
+    }
+
     /// Factors a matrix in single precision as if it were positive definite: L Lᵀ = A + E,
     /// where E is nonzero at pivots that are not positive alone. Returns their number. For
-    /// the solution see [`Self::descend`].
+    /// the solution see [`Self::solve_modified`].
     ///
     /// # Errors
     /// [`NotPositive`] where there are many such pivots.
     pub fn factor_modified(&mut self, matrix: Symmetric) -> Result<usize, NotPositive> {
         let size = self.size();
-        let old = std::mem::replace(&mut self.factor, Factor::None);
-        self.capacitance = None;
-        self.matrix = matrix;
-        let mut values = match old {
-            Factor::Single(values) => values,
-            _ => vec![0.0; self.factor_len()],
-        };
+        let old = self.begin(matrix);
+        let mut values = self.single_memory(old);
         let replaced = self
             .fronts
             .factor(&self.matrix.lower, &mut values, &self.pool, BadPivots::ReplaceFew)
@@ -261,9 +266,9 @@ impl SparseSolver {
     /// of [`Self::factor_modified`], which meet a direction of negative curvature after a
     /// few steps if A is not positive definite.
     #[must_use]
-    pub fn descend(&self, b: &[f64], tolerance: f64) -> Descent {
+    pub fn solve_modified(&self, b: &[f64], tolerance: f64) -> Outcome {
         let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-        self.gradients(&self.matrix, b, &stop).descent(tolerance)
+        self.gradients(&self.matrix, b, &stop).outcome(tolerance)
     }
 
     /// Factors the last matrix in double precision if its factor is in single;
@@ -334,15 +339,15 @@ impl SparseSolver {
     }
 
     /// Solves for another matrix by conjugate gradients, preconditioned with the
-    /// last factor, to ‖A x − b‖ ≤ tolerance ‖b‖. [`Descent::Inaccurate`] where a
+    /// last factor, to ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where a
     /// factorisation is likely to be cheaper, or there is no positive factor.
     #[must_use]
-    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Descent {
+    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
         if !self.is_positive() {
-            return Descent::Inaccurate;
+            return Outcome::Inaccurate;
         }
         let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
-        self.gradients(matrix, b, &stop).descent(tolerance)
+        self.gradients(matrix, b, &stop).outcome(tolerance)
     }
 
     /// Conjugate gradients preconditioned with the last factor.

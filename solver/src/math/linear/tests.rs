@@ -41,7 +41,7 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
             solver.pattern.multiply(&near, &x).iter().zip(&b).map(|(a, b)| a - b).collect();
         assert!(norm(&error) < 1e-10 * norm(&b));
         let far = Symmetric::sparse(laplacian(n, 100.0).2);
-        assert_eq!(solver.solve_near(&far, &b, 1e-11), Descent::Inaccurate);
+        assert_eq!(solver.solve_near(&far, &b, 1e-11), Outcome::Inaccurate);
     }
 
     // not -1: its second leading minor is zero, where pivoting within one
