@@ -120,6 +120,7 @@ fn sides_are_bolted_to_their_base_beside_a_collar() {
 }
 
 #[test]
+#[ignore = "four seconds: runs in make test-all; a_collar_is_cast_with_the_body has a fitting"]
 fn a_funnel_stands_in_the_sprue() {
     let scene = Scene::new(&CHAMBER, "[sprue]\nhead = 0.2\n");
     let said = verified(&scene);
