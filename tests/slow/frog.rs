@@ -38,8 +38,8 @@ fn the_objective_of_the_frog_falls() {
 
     let mut tetmesh = Command::new(program("cad2fem"));
     tetmesh.arg("tetmesh").arg(models.join("model.stl")).arg("-o").arg(dir.path("volume.msh"));
-    // with a wider envelope the inlet's corner may touch itself
-    tetmesh.args(["--relative-edge-length", "0.1", "--relative-envelope", "3e-3"]);
+    // with 3e-3 the boundary of a few meshes touches itself, at toes or the inlet
+    tetmesh.args(["--relative-edge-length", "0.1", "--relative-envelope", "2e-3"]);
     run(tetmesh.current_dir(repository()));
     let mut tag = Command::new(program("tagger"));
     tag.arg("tag").arg(dir.path("volume.msh")).arg("--config").arg(scene.join("tags.toml"));

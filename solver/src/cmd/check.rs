@@ -33,6 +33,10 @@ const LINEAR: f64 = 1e-4;
 /// Remainders above the noise that a slope needs.
 const POINTS: usize = 3;
 
+/// Remainders in a row, each a quarter of the one before, that are no noise although they are
+/// below the usual one: a term of the rest shape alone has less.
+const QUADRATIC: usize = 5;
+
 /// Check the gradients of a design problem against its objective
 ///
 /// For each term of the objective and each group of parameters (shape, loads,
@@ -173,8 +177,9 @@ impl Finding {
         let noise = NOISE * size;
         // a remainder in the noise says nothing, nor do those after it
         let above = remainder.iter().take_while(|r| **r > noise).count();
-        if above >= POINTS {
-            return Self::Slope(log_slope(&epsilon[..above], &remainder[..above]));
+        let measured = above.max(quadratic(epsilon, remainder));
+        if measured >= POINTS {
+            return Self::Slope(log_slope(&epsilon[..measured], &remainder[..measured]));
         }
         let predicted = epsilon.iter().map(|e| e * slope);
         if change.iter().copied().chain(predicted).all(|c| c.abs() <= noise) {
@@ -212,6 +217,14 @@ impl std::fmt::Display for Finding {
             Self::NotMeasurable => write!(f, "not measurable: the remainder is within rounding"),
         }
     }
+}
+
+/// Number of first remainders of which each is a quarter of the one before, as noise never is
+/// several times in a row; none where they are fewer than [`QUADRATIC`].
+fn quadratic(epsilon: &[f64], remainder: &[f64]) -> usize {
+    let pairs = epsilon.windows(2).zip(remainder.windows(2));
+    let fall = pairs.take_while(|(e, r)| ACCEPTED.contains(&log_slope(e, r))).count() + 1;
+    if fall >= QUADRATIC { fall } else { 0 }
 }
 
 /// The test of one term along one direction.
@@ -393,6 +406,14 @@ mod tests {
         assert!(found(j, 3.0).passes() && matches!(found(j, 3.0), Finding::Slope(_)));
         assert!(!found(j, 3.1).passes());
         assert!(!found(j, 0.0).passes());
+    }
+
+    /// Of 4e-11 of the term and less.
+    #[test]
+    fn small_remainders_that_fall_as_they_should_have_a_slope() {
+        let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
+        assert!(found(j, 1e-3).passes() && matches!(found(j, 1e-3), Finding::Slope(_)));
+        assert!(!found(j, 1.01e-3).passes());
     }
 
     #[test]
