@@ -38,6 +38,23 @@ pub fn map_merge_waves<T: Send>(
     }
 }
 
+/// Calls `fill` on consecutive index ranges of `0..len` in parallel, with the part of a
+/// vector that belongs to the range, `each` values an index, and returns the vector.
+pub fn fill<T: Clone + Send + Sync>(
+    len: usize,
+    each: usize,
+    zero: T,
+    fill: impl Fn(std::ops::Range<usize>, &mut [T]) + Sync,
+) -> Vec<T> {
+    let mut values = Vec::new();
+    rayon::iter::repeat_n(zero, len * each).with_min_len(CHUNK).collect_into_vec(&mut values);
+    values.par_chunks_mut(CHUNK * each).enumerate().for_each(|(i, values)| {
+        let first = i * CHUNK;
+        fill(first..first + values.len() / each, values);
+    });
+    values
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

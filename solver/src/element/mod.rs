@@ -2,11 +2,13 @@
 
 mod basis;
 mod bernstein;
+mod incidence;
 mod interpolate;
 pub mod quadrature;
 mod space;
 
 pub use basis::{HIGHEST_DEGREE, Tabulation, tabulate};
 pub use bernstein::JacobianForm;
+pub use incidence::Incidence;
 pub use interpolate::{interpolate, sample};
 pub use space::{FunctionSpace, add_at, at};

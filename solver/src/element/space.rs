@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::Vec3;
 
+use super::Incidence;
 use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate, values};
 use super::quadrature;
 
@@ -24,6 +25,7 @@ pub struct FunctionSpace {
     /// Rows of Π for the nodes after the vertices: vertices and their weights.
     added: Vec<[(usize, f64); 3]>,
     element_nodes: Vec<usize>,
+    incidence: Incidence,
     volume: Tabulation,
     facet: Tabulation,
 }
@@ -65,6 +67,7 @@ impl FunctionSpace {
             face_node: BTreeMap::new(),
             added: Vec::new(),
             element_nodes: Vec::new(),
+            incidence: Incidence::default(),
             volume: tabulate(degree, &quadrature::tetrahedron(exact)),
             facet: tabulate(degree, &quadrature::triangle(exact.max(2 * degree + 1))),
             tets,
@@ -93,6 +96,7 @@ impl FunctionSpace {
             let nodes = self.simplex_nodes(&tet, &EDGES, &FACES);
             self.element_nodes.extend(nodes);
         }
+        self.incidence = Incidence::new(self.node_count(), &self.element_nodes);
     }
 
     /// Nodes of a simplex of the mesh in the order of its basis.
@@ -149,6 +153,12 @@ impl FunctionSpace {
     #[must_use]
     pub fn element_nodes(&self) -> &[usize] {
         &self.element_nodes
+    }
+
+    /// Where each node stands in [`Self::element_nodes`].
+    #[must_use]
+    pub fn incidence(&self) -> &Incidence {
+        &self.incidence
     }
 
     /// Basis on the volume rule.

@@ -13,9 +13,10 @@ use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
 
 use super::{Energy, Hessian, Iterate};
-use crate::element::{add_at, at};
+use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
+use crate::parallel::{fill, map_merge};
 use crate::schedule::Field;
 
 /// A force per rest volume.
@@ -65,21 +66,25 @@ impl BodyForce {
         Self { force: gravity, factor: density, elements: Some(elements) }
     }
 
-    fn for_each_point(&self, iterate: &Iterate, mut f: impl FnMut(&Point)) {
-        let table = iterate.space.volume_table();
-        let positions = iterate.space.node_positions(iterate.rest);
+    fn elements(&self, space: &FunctionSpace) -> Range<usize> {
+        self.elements.clone().unwrap_or(0..space.tets().len())
+    }
+
+    /// Calls `f` with each point of some elements.
+    fn for_each_point(&self, iterate: &Iterate, elements: Range<usize>, mut f: impl FnMut(&Point)) {
+        let (space, table) = (iterate.space, iterate.space.volume_table());
         let varies = self.force.uses_position();
         let uniform = self.factor * self.force.at(Vec3::zeros(), iterate.load);
-        let nodes = iterate.space.element_nodes().chunks_exact(iterate.space.nodes_per_element());
-        let elements = self.elements.clone().unwrap_or(0..iterate.space.tets().len());
-        let all = iterate.space.tets().iter().zip(nodes);
+        let nodes = space.element_nodes().chunks_exact(space.nodes_per_element());
+        let all = space.tets().iter().zip(nodes);
         for (&tet, nodes) in all.skip(elements.start).take(elements.len()) {
             let [a, b, c, d] = tet.map(|v| iterate.rest[v]);
             let volume = tet_volume(a, b, c, d);
             for (values, &weight) in table.values.iter().zip(&table.weights) {
                 let (mut place, mut force) = (Vec3::zeros(), uniform);
                 if varies {
-                    place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
+                    let position = |n: usize| space.node_position(iterate.rest, n);
+                    place = nodes.iter().zip(values).map(|(&n, v)| position(n) * *v).sum();
                     force = self.factor * self.force.at(place, iterate.load);
                 }
                 f(&Point { tet, nodes, values, weight, volume, place, force });
@@ -94,20 +99,31 @@ impl Energy for BodyForce {
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
+        let own = self.elements(iterate.space);
+        let work_on = |range: Range<usize>| {
+            let mut work = 0.0;
+            self.for_each_point(iterate, own.start + range.start..own.start + range.end, |p| {
+                work += p.weight * p.volume * p.force.dot(&p.value_of(iterate.u));
+            });
+            work
+        };
         let mut work = 0.0;
-        self.for_each_point(iterate, |p| {
-            work += p.weight * p.volume * p.force.dot(&p.value_of(iterate.u));
-        });
+        map_merge(own.len(), work_on, |_, part| work += part);
         -work
     }
 
     fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
-        self.for_each_point(iterate, |p| {
-            let force = -p.weight * p.volume * p.force;
-            for (&node, v) in p.nodes.iter().zip(p.values) {
-                add_at(out, node, &(force * *v));
+        let (own, n) = (self.elements(iterate.space), iterate.space.nodes_per_element());
+        let forces = fill(own.len(), n, Vec3::zeros(), |range, forces| {
+            let first = own.start + range.start;
+            for (e, forces) in forces.chunks_exact_mut(n).enumerate() {
+                self.for_each_point(iterate, first + e..first + e + 1, |p| {
+                    let force = -p.weight * p.volume * p.force;
+                    forces.iter_mut().zip(p.values).for_each(|(f, v)| *f += force * *v);
+                });
             }
         });
+        iterate.space.incidence().add(n * own.start..n * own.end, &forces, out);
     }
 
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
@@ -115,7 +131,7 @@ impl Energy for BodyForce {
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let varies = self.force.uses_position();
         let mut nodal = vec![0.0; iterate.u.len()];
-        self.for_each_point(iterate, |p| {
+        self.for_each_point(iterate, self.elements(iterate.space), |p| {
             let lambda = p.value_of(lambda);
             let density = -p.weight * p.force.dot(&lambda);
             let [a, b, c, d] = p.tet.map(|v| iterate.rest[v]);

@@ -37,7 +37,7 @@ impl Chamber {
         self.state_at(iterate, positions(iterate))
     }
 
-    fn state_at(&self, iterate: &Iterate, x: impl Fn(usize) -> Vec3) -> (f64, Potential) {
+    fn state_at(&self, iterate: &Iterate, x: impl Fn(usize) -> Vec3 + Sync) -> (f64, Potential) {
         let volume = self.wall.volume(iterate.space, x);
         let multiplier =
             self.multiplier.map_or_else(Multiplier::default, |i| iterate.multipliers[i]);

@@ -23,8 +23,8 @@ use crate::material::{Kinematics, Material};
 use crate::math::pool::Pool;
 use crate::math::simd::{Wide, widest};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
-use crate::math::tensor::{Mat3, project_positive, vec9};
-use crate::parallel::{map_merge, map_merge_waves};
+use crate::math::tensor::{Mat3, project_isotropic, vec9};
+use crate::parallel::{fill, map_merge, map_merge_waves};
 
 /// Elastic energy of elements with one law.
 #[derive(Clone)]
@@ -110,15 +110,16 @@ impl Elastic {
         sum
     }
 
+    /// Writes the gradients of elements, N values each.
     fn element_gradients<const N: usize>(
         &self,
         iterate: &Iterate,
         elements: Range<usize>,
-    ) -> Vec<[Vec3; N]> {
-        let one = |e| {
+        out: &mut [Vec3],
+    ) {
+        for (e, local) in elements.zip(out.chunks_exact_mut(N)) {
             let element = Element::new(iterate.space, iterate.rest, e);
             let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-            let mut local = [Vec3::zeros(); N];
             for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
                 let g = element.gradients(iterate.space, q);
                 let k = Kinematics::new(&field_gradient(&u, &g));
@@ -127,9 +128,7 @@ impl Elastic {
                     *l += stress * g;
                 }
             }
-            local
-        };
-        elements.map(one).collect()
+        }
     }
 
     /// Writes the lower blocks of the elements' Hessians in the order of [`pair_index`].
@@ -148,9 +147,10 @@ impl Elastic {
             let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
                 let g: [Vec3; N] = element.gradients(iterate.space, q);
-                let mut tangent = self.material.tangent(&Kinematics::new(&field_gradient(&u, &g)));
+                let grad_u = field_gradient(&u, &g);
+                let mut tangent = self.material.tangent(&Kinematics::new(&grad_u));
                 if kind == Hessian::Projected {
-                    tangent = project_positive(&tangent);
+                    tangent = project_isotropic(&tangent, &(Mat3::identity() + grad_u));
                 }
                 tangent *= weight * element.volume;
                 add_point_hessian(&tangent, &g, &mut local);
@@ -246,7 +246,8 @@ fn corner_gradients(element: &Element) -> [Vec3; 4] {
 /// last two indices make long rows.
 type Dense<const N: usize> = [[[[f64; N]; 3]; 3]; N];
 
-/// Adds ∇φ_a · A · ∇φ_b for all pairs; A is symmetric.
+/// Adds ∇φ_a · A · ∇φ_b for all pairs; A is symmetric. Rows of only the pairs b ≤ a, in whole
+/// vectors, took a quarter longer.
 #[inline(always)]
 fn add_point_hessian<const N: usize>(
     tangent: &crate::math::tensor::Mat9,
@@ -303,18 +304,11 @@ impl Elastic {
     }
 
     fn merge_gradients<const N: usize>(&self, iterate: &Iterate, out: &mut [f64]) {
-        let (own, nodes) = (self.elements(iterate.space), iterate.space.element_nodes());
-        map_merge(
-            own.len(),
-            |r| self.element_gradients::<N>(iterate, shifted(&r, own.start)),
-            |r, parts| {
-                for (e, part) in shifted(&r, own.start).zip(parts) {
-                    for (node, p) in nodes[e * N..(e + 1) * N].iter().zip(part) {
-                        add_at(out, *node, &p);
-                    }
-                }
-            },
-        );
+        let own = self.elements(iterate.space);
+        let forces = fill(own.len(), N, Vec3::zeros(), |r, forces| {
+            self.element_gradients::<N>(iterate, shifted(&r, own.start), forces);
+        });
+        iterate.space.incidence().add(N * own.start..N * own.end, &forces, out);
     }
 
     fn merge_hessians<const N: usize>(

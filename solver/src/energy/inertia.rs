@@ -29,10 +29,13 @@ use super::{Energy, Hessian, Iterate, PastCotangent};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
-use crate::parallel::{map_merge, map_merge_waves};
+use crate::parallel::{fill, map_merge, map_merge_waves};
 
 /// Stiffness per mass of the regularisation [1/s²].
 const REGULARIZATION: f64 = 1.0;
+
+/// Nodes of an element, at most.
+const MOST_NODES: usize = 20;
 
 /// Inertia of elements with one density.
 #[derive(Clone)]
@@ -90,10 +93,11 @@ impl Inertia {
     }
 
     /// Σ_b m_ab w_b for all nodes a of an element.
-    fn times_reference(&self, w: &[f64], nodes: &[usize]) -> Vec<Vec3> {
-        let w: Vec<Vec3> = nodes.iter().map(|&b| at(w, b)).collect();
-        let row = |m: &[f64]| m.iter().zip(&w).map(|(m, w)| *m * w).sum();
-        self.reference.chunks_exact(nodes.len()).map(row).collect()
+    fn times_reference(&self, w: &[f64], nodes: &[usize]) -> impl Iterator<Item = Vec3> {
+        let mut values = [Vec3::zeros(); MOST_NODES];
+        nodes.iter().zip(&mut values).for_each(|(&b, value)| *value = at(w, b));
+        let row = move |m: &[f64]| m.iter().zip(&values).map(|(m, w)| *m * w).sum();
+        self.reference.chunks_exact(nodes.len()).map(row)
     }
 
     fn each<T: Send>(&self, one: impl Fn(usize) -> T + Sync, mut merge: impl FnMut(usize, T)) {
@@ -120,7 +124,7 @@ impl Inertia {
         self.each(
             |e| {
                 let (mass, nodes) = self.element(&iterate, e);
-                mass * self.times_reference(w, nodes).into_iter().sum::<Vec3>()
+                mass * self.times_reference(w, nodes).sum::<Vec3>()
             },
             |_, part| total += part,
         );
@@ -133,7 +137,7 @@ impl Inertia {
             |e| {
                 let (mass, nodes) = self.element(iterate, e);
                 let mw = self.times_reference(w, nodes);
-                0.5 * mass * mw.iter().zip(nodes).map(|(m, &a)| m.dot(&at(w, a))).sum::<f64>()
+                0.5 * mass * mw.zip(nodes).map(|(m, &a)| m.dot(&at(w, a))).sum::<f64>()
             },
             |_, part| total += part,
         );
@@ -144,15 +148,16 @@ impl Inertia {
 impl Inertia {
     /// Adds `factor` M w, three components per node.
     fn add_mass_times(&self, iterate: &Iterate, w: &[f64], factor: f64, out: &mut [f64]) {
-        self.each(
-            |e| {
-                let (mass, nodes) = self.element(iterate, e);
-                (nodes, factor * mass, self.times_reference(w, nodes))
-            },
-            |_, (nodes, factor, parts)| {
-                nodes.iter().zip(parts).for_each(|(&a, p)| add_at(out, a, &(factor * p)));
-            },
-        );
+        let (first, n) = (self.elements.start, iterate.space.nodes_per_element());
+        let forces = fill(self.elements.len(), n, Vec3::zeros(), |range, forces| {
+            for (e, forces) in range.zip(forces.chunks_exact_mut(n)) {
+                let (mass, nodes) = self.element(iterate, first + e);
+                let products = self.times_reference(w, nodes);
+                forces.iter_mut().zip(products).for_each(|(f, mw)| *f = factor * mass * mw);
+            }
+        });
+        let places = n * first..n * self.elements.end;
+        iterate.space.incidence().add(places, &forces, out);
     }
 }
 
@@ -199,7 +204,7 @@ impl Energy for Inertia {
                 let (mass, nodes) = self.element(iterate, e);
                 let [a, b, c, d] = iterate.space.tets()[e].map(|v| iterate.rest[v]);
                 let md = self.times_reference(&deviation, nodes);
-                let along: f64 = md.iter().zip(nodes).map(|(m, &n)| m.dot(&at(lambda, n))).sum();
+                let along: f64 = md.zip(nodes).map(|(m, &n)| m.dot(&at(lambda, n))).sum();
                 let volume = tet_volume(a, b, c, d);
                 tet_volume_gradient(a, b, c, d).map(|by| rate * mass / volume * along * by)
             },

@@ -21,6 +21,10 @@ use super::Iterate;
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, cross_matrix};
+use crate::parallel::map_merge;
+
+/// Nodes of a facet, at most.
+const MOST_NODES: usize = 10;
 
 /// Facets of the solid around a chamber, as node ids.
 #[derive(Clone, Debug)]
@@ -71,23 +75,25 @@ impl Wall {
         x: impl Fn(usize) -> Vec3,
         mut f: impl FnMut(&[usize], &[Vec3], &Point),
     ) {
-        let table = space.facet_table();
         for nodes in &self.facets {
-            let x: Vec<Vec3> = nodes.iter().map(|&n| x(n)).collect();
-            for (q, weight) in table.weights.iter().enumerate() {
-                let gradients = &table.gradients[q];
-                let tangent =
-                    |k: usize| x.iter().zip(gradients).map(|(x, g)| x * g[k]).sum::<Vec3>();
-                let point = Point {
-                    weight: 0.5 * weight,
-                    values: &table.values[q],
-                    gradients,
-                    g1: tangent(0),
-                    g2: tangent(1),
-                };
-                f(nodes, &x, &point);
-            }
+            points(space, nodes, &x, |x, point| f(nodes, x, point));
         }
+    }
+
+    /// Calls `of_facet` with the nodes of each facet, in parallel, and then `merge` with
+    /// these and with what it returned, facet by facet.
+    fn for_each_facet<T: Send>(
+        &self,
+        of_facet: impl Fn(&[usize]) -> T + Sync,
+        mut merge: impl FnMut(&[usize], T),
+    ) {
+        map_merge(
+            self.facets.len(),
+            |range| self.facets[range].iter().map(|nodes| of_facet(nodes)).collect::<Vec<T>>(),
+            |range, parts| {
+                self.facets[range].iter().zip(parts).for_each(|(nodes, part)| merge(nodes, part));
+            },
+        );
     }
 
     /// Calls `f` with each edge of the rim, the middle of its loop, and the
@@ -107,12 +113,17 @@ impl Wall {
 
     /// Volume behind the wall and its caps at node positions `x` [m³].
     #[must_use]
-    pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3) -> f64 {
+    pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+        let behind = |nodes: &[usize]| {
+            let mut volume = 0.0;
+            points(space, nodes, &x, |x, p| {
+                let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
+                volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
+            });
+            volume
+        };
         let mut volume = 0.0;
-        self.for_each_point(space, &x, |_, x, p| {
-            let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
-            volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
-        });
+        self.for_each_facet(behind, |_, part| volume += part);
         self.for_each_rim_edge(&x, |_, [a, b], c| {
             let inside = space.edge_nodes([a, b]);
             let nodes: Vec<Vec3> = [a].into_iter().chain(inside).chain([b]).map(&x).collect();
@@ -126,15 +137,20 @@ impl Wall {
     pub fn add_wall_gradient(
         &self,
         space: &FunctionSpace,
-        x: impl Fn(usize) -> Vec3,
+        x: impl Fn(usize) -> Vec3 + Sync,
         scale: f64,
         out: &mut [f64],
     ) {
-        self.for_each_point(space, &x, |nodes, _, p| {
-            let normal = -scale * p.weight * p.g1.cross(&p.g2);
-            for (node, v) in nodes.iter().zip(p.values) {
-                add_at(out, *node, &(normal * *v));
-            }
+        let of_facet = |nodes: &[usize]| {
+            let mut forces = [Vec3::zeros(); MOST_NODES];
+            points(space, nodes, &x, |_, p| {
+                let normal = -scale * p.weight * p.g1.cross(&p.g2);
+                forces.iter_mut().zip(p.values).for_each(|(f, v)| *f += normal * *v);
+            });
+            forces
+        };
+        self.for_each_facet(of_facet, |nodes, forces| {
+            nodes.iter().zip(forces).for_each(|(&node, f)| add_at(out, node, &f));
         });
     }
 
@@ -191,18 +207,27 @@ impl Wall {
     pub fn add_stiffness(
         &self,
         space: &FunctionSpace,
-        x: impl Fn(usize) -> Vec3,
+        x: impl Fn(usize) -> Vec3 + Sync,
         scale: f64,
         out: &mut BlockMatrix,
     ) {
-        self.for_each_point(space, &x, |nodes, _, p| {
-            for a in 0..nodes.len() {
-                for b in 0..nodes.len() {
-                    // S is symmetric once assembled, so its symmetric part is it
-                    let block =
-                        p.values[a] * p.normal_by(b) + p.values[b] * p.normal_by(a).transpose();
-                    out.add_lower(nodes[a], nodes[b], &(0.5 * scale * p.weight * block));
+        let of_facet = |nodes: &[usize]| {
+            let mut blocks = vec![Mat3::zeros(); nodes.len() * nodes.len()];
+            points(space, nodes, &x, |_, p| {
+                let by: Vec<Mat3> = (0..nodes.len()).map(|b| p.normal_by(b)).collect();
+                for (a, blocks) in blocks.chunks_exact_mut(nodes.len()).enumerate() {
+                    for (b, block) in blocks.iter_mut().enumerate() {
+                        // S is symmetric once assembled, so its symmetric part is it
+                        let both = p.values[a] * by[b] + p.values[b] * by[a].transpose();
+                        *block += 0.5 * scale * p.weight * both;
+                    }
                 }
+            });
+            blocks
+        };
+        self.for_each_facet(of_facet, |nodes, blocks| {
+            for (&a, blocks) in nodes.iter().zip(blocks.chunks_exact(nodes.len())) {
+                nodes.iter().zip(blocks).for_each(|(&b, block)| out.add_lower(a, b, block));
             }
         });
     }
@@ -222,6 +247,31 @@ impl Wall {
                 add_at(out, *node, &(scale * p.weight * (p.normal_by(b).transpose() * l)));
             }
         });
+    }
+}
+
+/// Calls `f` with the positions of a facet's nodes and each of its points.
+fn points(
+    space: &FunctionSpace,
+    nodes: &[usize],
+    x: impl Fn(usize) -> Vec3,
+    mut f: impl FnMut(&[Vec3], &Point),
+) {
+    let table = space.facet_table();
+    let mut positions = [Vec3::zeros(); MOST_NODES];
+    nodes.iter().zip(&mut positions).for_each(|(&n, position)| *position = x(n));
+    let x = &positions[..nodes.len()];
+    for (q, weight) in table.weights.iter().enumerate() {
+        let gradients = &table.gradients[q];
+        let tangent = |k: usize| x.iter().zip(gradients).map(|(x, g)| x * g[k]).sum::<Vec3>();
+        let point = Point {
+            weight: 0.5 * weight,
+            values: &table.values[q],
+            gradients,
+            g1: tangent(0),
+            g2: tangent(1),
+        };
+        f(x, &point);
     }
 }
 
