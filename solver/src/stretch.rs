@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::element::{FunctionSpace, at};
 use crate::material::Kinematics;
 use crate::math::tensor::{Mat3, cofactor};
+use crate::parallel::fill;
 
 /// How far a state strains its material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,10 +38,19 @@ impl Stretches {
         let limit = fitted.map_or(f64::INFINITY, |[_, high]| high);
         let mut volume = 0.0;
         let n = space.nodes_per_element();
-        for (tet, nodes) in space.tets().iter().zip(space.element_nodes().chunks_exact(n)) {
-            let [a, b, c, d] = tet.map(|v| rest[v]);
-            let g = Mat3::from_columns(&[b - a, c - a, d - a]);
-            let [low, high] = element(space, &(cofactor(&g) / g.determinant()), nodes, u);
+        let edges = |e: usize| {
+            let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
+            (Mat3::from_columns(&[b - a, c - a, d - a]), (a + b + c + d) / 4.0)
+        };
+        let ranges = fill(space.tets().len(), 1, [1.0; 2], |range, ranges| {
+            for (e, own) in range.zip(ranges) {
+                let (g, _) = edges(e);
+                let nodes = &space.element_nodes()[e * n..(e + 1) * n];
+                *own = element(space, &(cofactor(&g) / g.determinant()), nodes, u);
+            }
+        });
+        for (e, [low, high]) in ranges.into_iter().enumerate() {
+            let (g, centre) = edges(e);
             volume += g.determinant();
             found.smallest = found.smallest.min(low);
             if high > limit {
@@ -48,7 +58,7 @@ impl Stretches {
             }
             if high > found.largest {
                 found.largest = high;
-                found.largest_at = ((a + b + c + d) / 4.0).into();
+                found.largest_at = centre.into();
             }
         }
         found.volume_beyond /= volume;

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::*;
 use crate::math::random::Random;
-use crate::math::tensor::vec9;
+use crate::math::tensor::{project_isotropic, project_positive, vec9};
 use crate::testing::check_gradient;
 
 fn at(f: &Mat3) -> Kinematics {
@@ -294,4 +294,23 @@ fn laws_that_contain_each_other_agree() {
             assert!((a.tangent(&k) - b.tangent(&k)).norm() < 1e-12 * scale);
         }
     }
+}
+
+/// By the principal axes and by all nine eigenvalues, at compressions that make tangents
+/// indefinite, too.
+#[test]
+fn projected_tangents_by_principal_axes_are_the_nearest_positive_ones() {
+    let crushed = rotation() * Mat3::from_diagonal(&Vector3::new(0.35, 0.4, 1.1));
+    let mut indefinite = 0;
+    for law in LAWS {
+        let material = sample(law);
+        for f in deformations().into_iter().chain([crushed]) {
+            let tangent = material.tangent(&at(&f));
+            let (fast, nearest) = (project_isotropic(&tangent, &f), project_positive(&tangent));
+            let error = (fast - nearest).norm() / tangent.norm();
+            assert!(error < 1e-10, "{}: {error:.1e} at {f}", law.key);
+            indefinite += usize::from((nearest - tangent).norm() > 1e-3 * tangent.norm());
+        }
+    }
+    assert!(indefinite > LAWS.len(), "{indefinite} tangents were indefinite");
 }
