@@ -125,8 +125,9 @@ impl Workspace {
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
         let fixed = self.dirichlet.fixed();
-        let made = symbolic(&problem.space, fixed, &self.couplings);
-        (self.pattern, self.free, *self.linear_mut()) = made;
+        let (pattern, free, linear) = symbolic(&problem.space, fixed, &self.couplings);
+        self.linear_mut().replace(linear);
+        (self.pattern, self.free) = (pattern, free);
         self.timings.ordering += clock.elapsed();
     }
 

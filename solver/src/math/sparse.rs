@@ -102,11 +102,13 @@ impl Pattern {
                 columns[b].extend(element.iter().copied().filter(|&a| a >= b));
             }
         }
-        let mut column_start = vec![0];
-        let mut rows = Vec::new();
-        for column in &mut columns {
+        columns.par_iter_mut().for_each(|column| {
             column.sort_unstable();
             column.dedup();
+        });
+        let mut column_start = vec![0];
+        let mut rows = Vec::with_capacity(columns.iter().map(Vec::len).sum());
+        for column in &mut columns {
             rows.append(column);
             column_start.push(rows.len());
         }
@@ -167,8 +169,8 @@ impl<'a> BlockMatrix<'a> {
     /// The zero matrix in the memory of an earlier one, from [`Self::into_memory`].
     #[must_use]
     pub fn zeros_in(pattern: &'a Pattern, mut memory: Vec<[f64; 9]>) -> Self {
-        memory.par_chunks_mut(1 << 14).for_each(|blocks| blocks.fill([0.0; 9]));
-        memory.resize(pattern.rows.len(), [0.0; 9]);
+        let zeros = rayon::iter::repeat_n([0.0; 9], pattern.rows.len());
+        zeros.with_min_len(1 << 14).collect_into_vec(&mut memory);
         Self { pattern, blocks: memory }
     }
 
@@ -296,7 +298,9 @@ impl FreeTriangle {
         for (i, &d) in dof.iter().enumerate() {
             index[d] = Some(i);
         }
-        let (mut column_start, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
+        let most = 9 * pattern.block_count();
+        let (mut rows, mut sources) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        let mut column_start = vec![0];
         for &own in &dof {
             let (column, j) = (own / 3, own % 3);
             for k in pattern.column_start[column]..pattern.column_start[column + 1] {
@@ -321,10 +325,7 @@ impl FreeTriangle {
     /// length.
     pub fn gather(&self, matrix: &BlockMatrix, values: &mut Vec<f64>) {
         let flat = matrix.blocks.as_flattened();
-        values.resize(self.source.len(), 0.0);
-        let parts = values.par_chunks_mut(1 << 14).zip(self.source.par_chunks(1 << 14));
-        parts.for_each(|(values, source)| {
-            values.iter_mut().zip(source).for_each(|(v, &s)| *v = flat[s as usize]);
-        });
+        let gathered = self.source.par_iter().with_min_len(1 << 14).map(|&s| flat[s as usize]);
+        gathered.collect_into_vec(values);
     }
 }

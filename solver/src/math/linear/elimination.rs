@@ -3,6 +3,8 @@
 //! Sources: Liu 1990, "The role of elimination trees in sparse factorization",
 //! doi:10.1137/0611010; Davis, "Direct Methods for Sparse Linear Systems", ch. 4.
 
+use super::multifrontal::narrow;
+
 /// Stands for "no column".
 const NONE: usize = usize::MAX;
 
@@ -22,7 +24,7 @@ fn earlier_neighbours(
     column_start: &[usize],
     rows: &[usize],
     order: &[usize],
-) -> (Vec<usize>, Vec<usize>) {
+) -> (Vec<usize>, Vec<u32>) {
     let n = order.len();
     let mut position = vec![0; n];
     for (i, &unknown) in order.iter().enumerate() {
@@ -47,7 +49,7 @@ fn earlier_neighbours(
     let mut neighbours = vec![0; start[n]];
     for (later, earlier) in pairs() {
         if later != earlier {
-            neighbours[next[later]] = earlier;
+            neighbours[next[later]] = narrow(earlier);
             next[later] += 1;
         }
     }
@@ -56,14 +58,14 @@ fn earlier_neighbours(
 
 /// Parent of each column in the elimination tree: the first later column that
 /// its elimination reaches.
-fn parents((start, neighbours): &(Vec<usize>, Vec<usize>)) -> Vec<usize> {
+fn parents((start, neighbours): &(Vec<usize>, Vec<u32>)) -> Vec<usize> {
     let n = start.len() - 1;
     let mut parent = vec![NONE; n];
     // a shortcut to the root found so far
     let mut ancestor = vec![NONE; n];
     for column in 0..n {
         for &neighbour in &neighbours[start[column]..start[column + 1]] {
-            let mut at = neighbour;
+            let mut at = neighbour as usize;
             while ancestor[at] != NONE && ancestor[at] != column {
                 at = std::mem::replace(&mut ancestor[at], column);
             }

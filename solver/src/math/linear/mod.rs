@@ -17,10 +17,12 @@ mod extend_add;
 mod indefinite;
 mod matrix;
 mod multifrontal;
+mod product;
 mod replacing;
 mod substitution;
 #[cfg(test)]
 mod tests;
+mod trapezoid;
 
 use faer::Side;
 use faer::perm::PermRef;
@@ -31,14 +33,17 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use nalgebra::{DMatrix, DVector, Dyn, LU};
+use rayon::prelude::*;
 
 use crate::math::pool::Pool;
 pub use conjugate_gradients::Outcome;
 use conjugate_gradients::{Gradients, Stop, conjugate_gradients};
 use indefinite::Indefinite;
 use matrix::Triangle;
+
 pub use matrix::{Symmetric, dot, norm};
 use multifrontal::{BadPivots, Fronts, narrow};
+pub use product::product_speed;
 
 /// The matrix has a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -103,8 +108,10 @@ pub struct SparseSolver {
     order: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
     fronts: Fronts,
-    /// Memory of factorisations in single precision.
+    /// Memory of updates in single precision.
     pool: Pool<f32>,
+    /// Memory of the next factor in single precision.
+    memory: Vec<f32>,
     factor: Factor,
     /// Matrix of the last factorisation.
     matrix: Symmetric,
@@ -144,8 +151,8 @@ impl SparseSolver {
             SymbolicCholeskyRaw::Simplicial(_) => Fronts::default(),
         };
         let matrix = Symmetric::sparse(Vec::new());
-        let (pool, factor) = (Pool::default(), Factor::None);
-        Self { pattern, order, symbolic, fronts, pool, factor, matrix, capacitance: None }
+        let (pool, memory, factor) = (Pool::default(), Vec::new(), Factor::None);
+        Self { pattern, order, symbolic, fronts, pool, memory, factor, matrix, capacitance: None }
     }
 
     /// Number of unknowns.
@@ -209,16 +216,11 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<(), NotPositive> {
         let size = self.size();
-        let old = self.begin(matrix);
-        if precision == Precision::Single {
-            let mut values = self.single_memory(old);
-            let (lower, refuse) = (&self.matrix.lower, BadPivots::Refuse);
-            if self.fronts.factor(lower, &mut values, &self.pool, refuse).is_ok() {
-                self.factor = Factor::Single(values);
-                self.set_capacitance();
-                return Ok(());
-            }
+        self.begin(matrix);
+        if precision == Precision::Single && self.factor_single(BadPivots::Refuse).is_ok() {
+            return Ok(());
         }
+        self.memory = Vec::new();
         let mut values = vec![0.0; self.factor_len()];
         self.fronts
             .factor(&self.matrix.lower, &mut values, &Pool::default(), BadPivots::Refuse)
@@ -228,19 +230,30 @@ impl SparseSolver {
         Ok(())
     }
 
-    /// Sets the matrix of the next factorisation and returns the last factor.
-    fn begin(&mut self, matrix: Symmetric) -> Factor {
-        self.capacitance = None;
+    /// Sets the matrix of the next factorisation and forgets the last one.
+    fn begin(&mut self, matrix: Symmetric) {
+        self.forget();
         self.matrix = matrix;
-        std::mem::replace(&mut self.factor, Factor::None)
     }
 
-    /// The memory of the last factor, if it was in single precision, for the next.
-    fn single_memory(&self, old: Factor) -> Vec<f32> {
-        match old {
-            Factor::Single(values) => values,
-            _ => vec![0.0; self.factor_len()],
+    /// Factors the matrix in single precision. The result is the number of pivots that
+    /// were replaced, or the position of one that was refused.
+    fn factor_single(&mut self, bad_pivots: BadPivots) -> Result<usize, usize> {
+        let mut values = std::mem::take(&mut self.memory);
+        if values.len() != self.factor_len() {
+            // pages of new memory are cleared where they are first written: in parallel
+            values = Vec::new();
+            let zeros = rayon::iter::repeat_n(0.0, self.factor_len());
+            zeros.with_min_len(1 << 16).collect_into_vec(&mut values);
         }
+        let result = self.fronts.factor(&self.matrix.lower, &mut values, &self.pool, bad_pivots);
+        if result.is_err() {
+            self.memory = values;
+            return result;
+        }
+        self.factor = Factor::Single(values);
+        self.set_capacitance();
+        result
     }
 
     /// Factors a matrix in single precision as if it were positive definite: L Lᵀ = A + E,
@@ -251,15 +264,8 @@ impl SparseSolver {
     /// [`NotPositive`] where there are many such pivots.
     pub fn factor_modified(&mut self, matrix: Symmetric) -> Result<usize, NotPositive> {
         let size = self.size();
-        let old = self.begin(matrix);
-        let mut values = self.single_memory(old);
-        let replaced = self
-            .fronts
-            .factor(&self.matrix.lower, &mut values, &self.pool, BadPivots::ReplaceFew)
-            .map_err(|pivot| NotPositive { pivot, size })?;
-        self.factor = Factor::Single(values);
-        self.set_capacitance();
-        Ok(replaced)
+        self.begin(matrix);
+        self.factor_single(BadPivots::ReplaceFew).map_err(|pivot| NotPositive { pivot, size })
     }
 
     /// Solves A x = b, to ‖A x − b‖ ≤ tolerance ‖b‖, by conjugate gradients with the factor
@@ -287,8 +293,8 @@ impl SparseSolver {
 
     /// Factors any symmetric matrix.
     pub fn factor_indefinite(&mut self, matrix: Symmetric) {
-        self.forget();
-        self.matrix = matrix;
+        self.begin(matrix);
+        self.memory = Vec::new();
         let factor = Indefinite::new(&self.symbolic, &self.pattern, &self.matrix.lower);
         self.factor = Factor::Indefinite(factor);
         self.set_capacitance();
@@ -425,9 +431,18 @@ impl SparseSolver {
         matches!(self.factor, Factor::Single(_) | Factor::Double(_))
     }
 
-    /// Forgets the factorisation; the symbolic part stays.
+    /// Forgets the factorisation; the symbolic part and the memory stay.
     pub fn forget(&mut self) {
-        self.factor = Factor::None;
+        if let Factor::Single(values) = std::mem::replace(&mut self.factor, Factor::None) {
+            self.memory = values;
+        }
         self.capacitance = None;
+    }
+
+    /// Makes way for the solver of another pattern, which gets the memory.
+    pub fn replace(&mut self, by: Self) {
+        self.forget();
+        let (memory, pool) = (std::mem::take(&mut self.memory), std::mem::take(&mut self.pool));
+        *self = Self { memory, pool, ..by };
     }
 }

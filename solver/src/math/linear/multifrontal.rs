@@ -105,10 +105,9 @@ impl Supernode {
         self.width() + self.pattern.len()
     }
 
-    /// L₁₁ and L₂₁ in its part of the factor.
-    pub(super) fn blocks<'a, T>(&self, own: &'a [T]) -> (MatRef<'a, T>, MatRef<'a, T>) {
-        let front = MatRef::from_column_major_slice(own, self.height(), self.width());
-        front.split_at_row(self.width())
+    /// L₁₁ over L₂₁ in its part of the factor.
+    pub(super) fn front<'a, T>(&self, own: &'a [T]) -> MatRef<'a, T> {
+        MatRef::from_column_major_slice(own, self.height(), self.width())
     }
 }
 

@@ -1,20 +1,16 @@
 //! Solution with a factor, in parallel over subtrees of the elimination tree:
 //! L y = b from the leaves to the roots, Lᵀ x = y from the roots to the leaves.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, MatMut, Par};
 use rayon::prelude::*;
 
 use super::multifrontal::{Fronts, Scalar, Supernode};
+use super::trapezoid;
 
 /// Entries of the factor that are worth a task of their own.
 const TASK: usize = 1 << 18;
 
-/// Values of the rows below a supernode: what its subtree subtracts from them
-/// on the way up, the solution there on the way down.
+/// Values of the rows below a supernode: what its subtree adds to them on the way up,
+/// the solution there on the way down.
 type Below<T> = Vec<T>;
 
 impl Fronts {
@@ -63,23 +59,16 @@ impl Fronts {
         x: &mut [T],
         updates: &[Below<T>],
     ) -> Below<T> {
-        let mut below = vec![T::narrow(0.0); s.height() - s.width()];
+        let mut front = vec![T::narrow(0.0); s.height()];
+        front[..s.width()].copy_from_slice(x);
         for (&child, update) in s.children.iter().zip(updates) {
             for (&place, &v) in self.supernodes[child].places.iter().zip(update) {
-                match (place as usize).checked_sub(s.width()) {
-                    None => x[place as usize] -= v,
-                    Some(place) => below[place] += v,
-                }
+                front[place as usize] += v;
             }
         }
-        let (top, bottom) = s.blocks(own);
-        let mut x = MatMut::from_column_major_slice_mut(x, s.width(), 1);
-        solve_lower_triangular_in_place(top, x.as_mut(), Par::Seq);
-        if !below.is_empty() {
-            let sum = MatMut::from_column_major_slice_mut(&mut below, bottom.nrows(), 1);
-            matmul(sum, Accum::Add, bottom, x.as_ref(), T::narrow(1.0), Par::Seq);
-        }
-        below
+        trapezoid::forward(s.front(own), &mut front);
+        x.copy_from_slice(&front[..s.width()]);
+        front.split_off(s.width())
     }
 
     /// Lᵀ x = y on disjoint subtrees, given the solution below each.
@@ -127,20 +116,13 @@ impl Fronts {
         s: &Supernode,
         own: &[T],
         x: &mut [T],
-        mut below: Below<T>,
+        below: Below<T>,
     ) -> Vec<Below<T>> {
-        let (top, bottom) = s.blocks(own);
-        let mut target = MatMut::from_column_major_slice_mut(&mut *x, s.width(), 1);
-        if !below.is_empty() {
-            let known = MatMut::from_column_major_slice_mut(&mut below, bottom.nrows(), 1);
-            let minus = T::narrow(-1.0);
-            matmul(target.as_mut(), Accum::Add, bottom.transpose(), known, minus, Par::Seq);
-        }
-        solve_upper_triangular_in_place(top.transpose(), target, Par::Seq);
-        let known = |&place: &u32| {
-            let place = place as usize;
-            if place < s.width() { x[place] } else { below[place - s.width()] }
-        };
+        let mut front = x.to_vec();
+        front.extend(below);
+        trapezoid::backward(s.front(own), &mut front);
+        x.copy_from_slice(&front[..s.width()]);
+        let known = |&place: &u32| front[place as usize];
         let one = |&child: &usize| self.supernodes[child].places.iter().map(known).collect();
         s.children.iter().map(one).collect()
     }
