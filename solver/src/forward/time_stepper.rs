@@ -14,6 +14,8 @@ use crate::energy::{Iterate, Multiplier, TimeStep};
 
 /// Fraction of the free path of supports and obstacles that the next load step goes.
 const NEARLY: f64 = 0.9;
+/// States that are extrapolated from, at most.
+const STATES: usize = 3;
 /// Smallest factor of an increment by which the next is tried.
 const SHORTEST: f64 = 0.02;
 
@@ -26,7 +28,7 @@ pub struct Progress {
     pub time: f64,
     /// Next increment, as a fraction of a time step.
     pub increment: f64,
-    /// Up to two last load steps, the latest last.
+    /// The last load steps, up to [`STATES`], the latest last.
     pub last: Vec<Reached>,
     /// All Newton iterations, those of rejected steps included.
     pub newton_iterations: usize,
@@ -59,7 +61,7 @@ impl Progress {
     fn keep(&mut self, step: LoadStep) {
         let LoadStep { load, u, multipliers, .. } = step;
         self.last.push(Reached { load, u, multipliers });
-        if self.last.len() > 2 {
+        if self.last.len() > STATES {
             self.last.remove(0);
         }
     }
@@ -181,11 +183,9 @@ impl TimeStepper {
         step
     }
 
-    /// A state near the next one, that surfaces can reach, at the load of the last: where
-    /// a guide went, or inertia carries the bodies, or by linear extrapolation in the
-    /// load, multipliers of prescribed volumes included. Loads may bend where time steps
-    /// meet, and surfaces may be hit, so the last state itself is taken if its residual
-    /// is smaller.
+    /// A state near the next one, that surfaces can reach, at the load of the last: of
+    /// [`Self::extrapolations`] and the last state itself the one with the smallest
+    /// residual. Loads may bend where time steps meet, and surfaces may be hit.
     fn predict<'a>(
         &self,
         problem: &Problem,
@@ -195,51 +195,82 @@ impl TimeStepper {
         begins: bool,
     ) -> Configuration<'a> {
         let last = Iterate { step: Some(step), ..self.iterate(problem, rest) };
-        let start = |u: &[f64]| Configuration {
-            rest,
-            load: last.load,
-            step: Some(step),
-            u: u.to_vec(),
-            multipliers: last.multipliers.to_vec(),
-        };
-        let from = last.u;
-        let moved = |by: Vec<f64>| from.iter().zip(by).map(|(u, d)| u + d).collect();
-        let guided = self.guide.as_ref().filter(|_| begins).and_then(|g| g.motion_to(load));
-        let has_inertia = step.free_flight.is_some();
-        let flight = step.free_flight.clone().filter(|_| begins);
-        let known = guided.map(moved).or(flight);
-        let inertial = known.is_some();
-        let (further, fraction) = match (known, &self.progress.last[..]) {
-            (Some(known), _) => (known, 0.0),
-            (None, [a, b]) => {
-                let t = (load - b.load) / (b.load - a.load);
-                (b.u.iter().zip(&a.u).map(|(b, a)| b + t * (b - a)).collect(), t)
-            }
-            (None, [b]) if !has_inertia => {
-                let t = (load - b.load) / b.load;
-                (b.u.iter().map(|b| b + t * b).collect(), t)
-            }
-            _ => return start(from),
-        };
-        let free = workspace.max_step(problem, &last, &Iterate { u: &further, ..last });
-        let ahead: Vec<f64> = from.iter().zip(&further).map(|(a, b)| a + free * (b - a)).collect();
-        let bent = self.progress.time > 0.0 || inertial || free < 1.0;
-        // obstacles that have moved into a state leave forces there that mean nothing
         let now = Iterate { load, ..last };
-        let open = bent && workspace.max_step(problem, &last, &now) >= 1.0;
-        if open
-            && residual(problem, workspace, &now)
-                <= residual(problem, workspace, &Iterate { u: &ahead, ..now })
-        {
-            return start(from);
-        }
-        let mut start = start(&ahead);
-        if let (false, Some((b, a))) = (inertial, self.progress.last.split_last()) {
-            let earlier = |i: usize| a.first().map_or(0.0, |a| a.multipliers[i].pressure);
-            for (i, (m, b)) in start.multipliers.iter_mut().zip(&b.multipliers).enumerate() {
-                m.pressure = b.pressure + fraction * (b.pressure - earlier(i));
+        let mut best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
+        let mut smallest = None;
+        for mut guess in self.extrapolations(&last, load, begins) {
+            let free = workspace.max_step(problem, &last, &Iterate { u: &guess.u, ..last });
+            guess.u.iter_mut().zip(last.u).for_each(|(u, from)| *u = from + free * (*u - from));
+            let residual = residual(problem, workspace, &Iterate { u: &guess.u, ..now });
+            if smallest.is_none_or(|smallest| residual < smallest) {
+                (best, smallest) = (guess, Some(residual));
             }
         }
-        start
+        // obstacles that have moved into a state leave forces there that mean nothing
+        if let Some(smallest) = smallest
+            && workspace.max_step(problem, &last, &now) >= 1.0
+            && residual(problem, workspace, &now) <= smallest
+        {
+            best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
+        }
+        let mut multipliers = last.multipliers.to_vec();
+        multipliers.iter_mut().zip(best.pressures).for_each(|(m, p)| m.pressure = p);
+        Configuration { rest, load: last.load, step: Some(step), u: best.u, multipliers }
     }
+
+    /// Where a guide went or inertia carries the bodies, at the start of a time step; else
+    /// along a line in the load through the last two states. And along a parabola through
+    /// the last three. The first state is the rest shape, where inertia is neglected.
+    fn extrapolations(&self, last: &Iterate, load: f64, begins: bool) -> Vec<Guess> {
+        let flight = last.step.and_then(|step| step.free_flight.as_ref());
+        let guided = self.guide.as_ref().filter(|_| begins).and_then(|g| g.motion_to(load));
+        let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
+        let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());
+        let mut points: Vec<(f64, Guess)> = Vec::new();
+        let reached = &self.progress.last;
+        if flight.is_none() && reached.len() < STATES {
+            let rest =
+                Guess { u: vec![0.0; last.u.len()], pressures: vec![0.0; last.multipliers.len()] };
+            points.push((0.0, rest));
+        }
+        points.extend(
+            reached.iter().map(|at| {
+                (at.load, Guess { u: at.u.clone(), pressures: pressures(&at.multipliers) })
+            }),
+        );
+        let through = |count: usize| {
+            points.len().checked_sub(count).map(|first| extrapolated(&points[first..], load))
+        };
+        let line = match known {
+            Some(u) => Some(Guess { u, pressures: pressures(last.multipliers) }),
+            None => through(2),
+        };
+        line.into_iter().chain(through(3)).collect()
+    }
+}
+
+/// Where Newton's method could begin.
+struct Guess {
+    /// Displacement [m].
+    u: Vec<f64>,
+    /// Of the multipliers of prescribed volumes [Pa].
+    pressures: Vec<f64>,
+}
+
+fn pressures(multipliers: &[Multiplier]) -> Vec<f64> {
+    multipliers.iter().map(|m| m.pressure).collect()
+}
+
+/// The polynomial in the load through some states, at another load (Lagrange).
+fn extrapolated(points: &[(f64, Guess)], load: f64) -> Guess {
+    let sum = |of: fn(&Guess) -> &Vec<f64>| {
+        let mut sum = vec![0.0; of(&points[0].1).len()];
+        for (i, (own, guess)) in points.iter().enumerate() {
+            let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+            let weight: f64 = others.map(|(_, (l, _))| (load - l) / (own - l)).product();
+            sum.iter_mut().zip(of(guess)).for_each(|(s, v)| *s += weight * v);
+        }
+        sum
+    };
+    Guess { u: sum(|g| &g.u), pressures: sum(|g| &g.pressures) }
 }
