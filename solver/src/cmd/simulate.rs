@@ -10,7 +10,9 @@ use program::Unusable;
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
-use crate::forward::{Clock, LoadStep, Problem, TimeStepper, Unreached, Workspace};
+use crate::forward::{
+    Clock, LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time,
+};
 use crate::memory;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::record::{Checkpoint, Recorder, STEPS};
@@ -70,6 +72,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.config.degree,
         workspace.memory().describe(memory::available())
     );
+    let left = time_steps_left(&scene, arguments, checkpoint.as_ref());
+    let predicted_s = predicted_time(&problem, &workspace, left);
+    log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
     let pictures = !arguments.final_only;
     let recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
@@ -118,6 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     run.fill(&mut report, &end)?;
     report["equilibrium_s"] = json!(equilibrium_s);
+    report["timings"]["predicted_s"] = json!(predicted_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)
@@ -212,6 +218,18 @@ impl Run<'_> {
         report["timings"] = json!(self.workspace.timings);
         Ok(())
     }
+}
+
+/// Time steps that are to be made; none in a static scene.
+fn time_steps_left(
+    scene: &Scene,
+    arguments: &Arguments,
+    checkpoint: Option<&Checkpoint>,
+) -> Option<usize> {
+    scene.config.time.as_ref()?;
+    let count = scene.times().len();
+    let wanted = arguments.steps.map_or(count, |n| n.min(count));
+    Some(wanted.saturating_sub(checkpoint.map_or(0, |c| c.steps)))
 }
 
 fn merge(report: &mut Value, more: &Value) {

@@ -9,6 +9,7 @@
 
 mod augmented;
 mod certificate;
+mod cost;
 mod dirichlet;
 mod hessian_modification;
 mod integrator;
@@ -27,6 +28,7 @@ mod volumes;
 mod workspace;
 
 pub use certificate::{Uncertified, certificate};
+pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Integrator, Method, State};
 pub use newton::{Converged, Failure, Newton};

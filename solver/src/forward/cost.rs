@@ -1,0 +1,69 @@
+//! How long a run will take, said before it begins.
+//!
+//! T = I (a P m² + f F + s L) / R
+//!
+//! I  Newton iterations: [`STATIC`] in a static scene, [`STEP`] or [`CONTACT_STEP`] in a time step
+//! P  quadrature points;  m  nodes of an element
+//! F  operations of a factorisation;  L  entries of the factor
+//! R  operations per second of a matrix product in single precision, measured in some
+//!    milliseconds, so that the machine and the number of threads count
+//!
+//! The numbers were fitted to the runs in README.md, section "Computing time", where they stand
+//! beside what was measured. A run with few iterations takes half as long, one whose Hessians
+//! are indefinite, or that is cut into many load steps, several times.
+
+use super::{Problem, Workspace};
+use crate::math::linear::product_speed;
+
+/// Newton iterations of a static scene.
+const STATIC: f64 = 9.0;
+/// Of a time step without contact.
+const STEP: f64 = 4.0;
+/// Of a time step with contact.
+const CONTACT_STEP: f64 = 7.0;
+/// Operations at a quadrature point for each pair of nodes: a.
+const ASSEMBLY: f64 = 3000.0;
+/// Share of the operations of a factorisation in an iteration: f.
+const FACTORIZATIONS: f64 = 1.0;
+/// Operations for each entry of the factor in the solves of an iteration: s.
+const SOLVES: f64 = 570.0;
+
+/// Predicted time of a run [s]. None of the time steps means a static scene.
+#[must_use]
+pub fn predicted_time(problem: &Problem, workspace: &Workspace, time_steps: Option<usize>) -> f64 {
+    let iterations = match time_steps {
+        None => STATIC,
+        Some(steps) if problem.energies.contact.is_some() => CONTACT_STEP * steps as f64,
+        Some(steps) => STEP * steps as f64,
+    };
+    let space = &problem.space;
+    let points = space.tets().len() * space.volume_table().weights.len();
+    let pairs = space.nodes_per_element().pow(2);
+    let linear = workspace.linear();
+    let work = ASSEMBLY * (points * pairs) as f64
+        + FACTORIZATIONS * linear.factor_flops()
+        + SOLVES * linear.factor_len() as f64;
+    iterations * work / product_speed()
+}
+
+/// A time as people say it, with one or two digits.
+#[must_use]
+pub fn about(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.5 => "a second".into(),
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 90.0 * 60.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_with_the_digits_they_have() {
+        let said = [0.2, 41.3, 89.0, 91.0, 3500.0, 7300.0].map(about);
+        assert_eq!(said, ["a second", "41 s", "89 s", "2 min", "58 min", "2.0 h"]);
+    }
+}
