@@ -5,3 +5,4 @@ pub mod compare;
 pub mod failure;
 pub mod record;
 pub mod results;
+pub mod writer;

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use crate::energy::{Iterate, Multiplier};
 use crate::forward::{LoadStep, Problem, Progress, Timings};
 use crate::report::results;
+use crate::report::writer::Finished;
 use crate::scene::Scene;
 
 /// One line per reported step.
@@ -133,10 +134,21 @@ impl<'a> Recorder<'a> {
         Ok(Self { scene, problem, folder: folder.to_path_buf(), pictures, lines, work })
     }
 
-    /// Follows the work of the loads through every load step.
-    pub fn follow(&mut self, step: &LoadStep) {
-        let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
-        self.work.follow(self.problem, &at);
+    /// Follows the work of the loads through all load steps, writes those that are reported,
+    /// then the checkpoint.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&mut self, finished: Finished) -> Result<()> {
+        for (i, step) in finished.steps.iter().enumerate() {
+            let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
+            self.work.follow(self.problem, &at);
+            if finished.reported.contains(&i) {
+                self.record(step, finished.velocity.as_deref())?;
+            }
+        }
+        let Some(checkpoint) = finished.checkpoint else { return Ok(()) };
+        Checkpoint { work: self.work.clone(), ..checkpoint }.write(&self.folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -146,10 +158,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Writes what is known of a step, which has the velocity `v` [m/s].
-    ///
-    /// # Errors
-    /// When a file cannot be written.
-    pub fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
+    fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
         let body = &self.scene.body;
         let mut line = results::step(self.scene, body, self.problem, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
@@ -181,7 +190,7 @@ fn time(line: &Value) -> f64 {
 /// Work of gas, dead loads and moving supports along the load steps by the
 /// trapezoidal rule [J]: second order in the load increment, so it meets the
 /// elastic energy only roughly.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Pairs of a force and the quantity it works on, at the last step: gas on
     /// volumes, dead loads and supports on displacements. Reactions at supports hold forces of
