@@ -5,6 +5,7 @@
 mod chamber;
 mod check;
 mod design;
+mod level;
 mod objective;
 mod superseded;
 
@@ -22,9 +23,8 @@ use crate::forward::Method;
 use crate::material::Specification;
 use crate::schedule::{Field, axes};
 use crate::silicone;
-pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig, Spread,
-};
+pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
+pub use level::{HandleMotion, HandlesConfig, LevelConfig, Moves, VerticesConfig};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";

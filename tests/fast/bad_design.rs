@@ -40,7 +40,7 @@ fn settings() {
         (
             "handles = 1",
             "handles = 0",
-            &["design.toml", "handles = 0 and vertices = false", "one handle or more"],
+            &["design.toml", "handles = 0", "one handle or more"],
         ),
         ("p1.toml", "none.toml", &["none.toml", "No such file"]),
         ("target.stl", "none.stl", &["none.stl", "No such file"]),

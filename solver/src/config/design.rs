@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::{ChamberDesign, ObjectiveConfig, superseded};
+use super::{ChamberDesign, LevelConfig, ObjectiveConfig, superseded};
 use crate::body::Names;
 
 /// A design problem: the design variables of a scene and the objective function.
@@ -79,7 +79,7 @@ pub struct ShapeConfig {
     /// How handles are spread over a tag.
     #[serde(default)]
     pub spread: Spread,
-    /// Levels from coarse to fine.
+    /// Levels from coarse to fine, as written; [`DesignConfig::levels`] has one for each.
     pub level: Vec<LevelConfig>,
 }
 
@@ -104,32 +104,6 @@ pub enum Interior {
     /// Follow the boundary, but the gradient takes them as fixed, as the published
     /// one does; for comparison.
     Frozen,
-}
-
-/// One level of the cascade: `handles`, or `vertices = true`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LevelConfig {
-    /// Number of handles on each tag.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub handles: Option<usize>,
-    /// Whether all vertices off the rims move freely.
-    #[serde(default)]
-    pub vertices: bool,
-    /// Accepted optimiser iterations.
-    pub iterations: usize,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_step: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stagnation: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gradient_tolerance: Option<f64>,
-    /// In place of the design's [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_limit: Option<f64>,
 }
 
 /// A number of the scene that may change, such as a peak pressure or a delay.
@@ -163,7 +137,7 @@ impl DesignConfig {
         let iterations = self.optimizer.iterations.unwrap_or(0);
         self.shape.as_ref().map_or_else(
             || vec![LevelConfig { iterations, ..Default::default() }],
-            |shape| shape.level.clone(),
+            |shape| shape.level.iter().flat_map(LevelConfig::expand).collect(),
         )
     }
 
@@ -199,18 +173,13 @@ impl DesignConfig {
             _ => {}
         }
         if let Some(shape) = &self.shape {
-            ensure!(!shape.on.all().is_empty(), "[shape] on = []: name a tag or more");
+            let on = shape.on.all();
+            ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
+            let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+            shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         for level in self.levels() {
-            let found = (level.handles, level.vertices);
-            ensure!(
-                self.shape.is_none() || matches!(found, (Some(1..), false) | (None, true)),
-                "[[shape.level]] with handles = {} and vertices = {}: expected one handle or \
-                 more, or vertices = true",
-                level.handles.unwrap_or(0),
-                level.vertices
-            );
             self.optimizer_of(&level).check()?;
         }
         self.chamber.iter().try_for_each(ChamberDesign::check)?;

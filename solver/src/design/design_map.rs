@@ -47,8 +47,9 @@ impl DesignMap {
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
         for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
+            let Some(moves) = level.moves(on) else { continue };
             let spread = design.shape.as_ref().map_or(Spread::default(), |shape| shape.spread);
-            patches.push(Patch::new(&rest, &facets, level.handles, spread)?);
+            patches.push(Patch::new(&rest, &facets, moves, spread)?);
             moving.extend(facets);
         }
         check_apart(&patches)?;

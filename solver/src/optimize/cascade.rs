@@ -402,11 +402,9 @@ fn lower(
 
 /// What changes in a level, for the log.
 fn variables(level: &Level, settings: &LevelConfig) -> String {
-    match (settings.handles, settings.vertices) {
-        (Some(1), _) => "1 handle".to_owned(),
-        (Some(count), _) => format!("{count} handles"),
-        (None, true) => "free vertices".to_owned(),
-        (None, false) => format!("{} variables of loads", level.variables()),
+    match settings.describe() {
+        said if said.is_empty() => format!("{} variables of loads", level.variables()),
+        said => said,
     }
 }
 

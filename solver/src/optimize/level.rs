@@ -105,7 +105,10 @@ impl Level {
         level: &LevelConfig,
     ) -> Result<Self> {
         let (problem, workspace) = scene.problem(&body)?;
-        let terms = objectives.build(&body, &problem.space)?;
+        let mut terms = objectives.build(&body, &problem.space)?;
+        for term in &mut terms {
+            term.weight *= level.weights.get(term.objective.name()).unwrap_or(&1.0);
+        }
         let map = DesignMap::new(scene, design, level, &body, &problem.energies)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
