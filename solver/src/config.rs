@@ -24,7 +24,7 @@ use crate::material::Specification;
 use crate::schedule::{Field, axes};
 use crate::silicone;
 pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
-pub use level::{HandleMotion, HandlesConfig, LevelConfig, Moves, VerticesConfig};
+pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";

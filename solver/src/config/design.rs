@@ -131,14 +131,23 @@ impl DesignConfig {
         Ok(design)
     }
 
-    /// The levels; that of a design without a shape has neither handles nor vertices.
+    /// The levels; that of a design without a shape has neither handles nor vertices. Where some
+    /// simulate another problem than the scene's, the first and the last are the scene itself.
     #[must_use]
     pub fn levels(&self) -> Vec<LevelConfig> {
         let iterations = self.optimizer.iterations.unwrap_or(0);
-        self.shape.as_ref().map_or_else(
-            || vec![LevelConfig { iterations, ..Default::default() }],
-            |shape| shape.level.iter().flat_map(LevelConfig::expand).collect(),
-        )
+        let Some(shape) = &self.shape else {
+            return vec![LevelConfig { iterations, ..Default::default() }];
+        };
+        let mut levels: Vec<_> = shape.level.iter().flat_map(LevelConfig::expand).collect();
+        if levels.iter().any(LevelConfig::has_own_fidelity) {
+            levels.insert(0, levels[0].at_full_fidelity());
+            let last = &levels[levels.len() - 1];
+            if last.has_own_fidelity() {
+                levels.push(last.at_full_fidelity());
+            }
+        }
+        levels
     }
 
     /// The settings of a level in place of the design's.
@@ -180,6 +189,11 @@ impl DesignConfig {
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         for level in self.levels() {
+            ensure!(
+                level.time.is_none() || self.chamber.is_empty(),
+                "[[shape.level]] time beside [[chamber]]: the slopes of a pressure belong to the \
+                 time steps of the scene; design a [[parameter]] instead, or leave time out"
+            );
             self.optimizer_of(&level).check()?;
         }
         self.chamber.iter().try_for_each(ChamberDesign::check)?;

@@ -1,4 +1,5 @@
-//! `[[shape.level]]`: what moves in a level of the cascade, tag by tag, and what counts.
+//! `[[shape.level]]`: what moves in a level of the cascade, tag by tag, what counts, and how
+//! finely the scene is simulated.
 
 use std::collections::BTreeMap;
 
@@ -25,6 +26,12 @@ pub struct LevelConfig {
     /// Factors on the weights of objectives, by their names; 1 for the others.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub weights: BTreeMap<String, f64>,
+    /// Degree of the displacement in place of the scene's: 1, 2 or 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<usize>,
+    /// Time steps in place of the scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<LevelTime>,
     /// In place of the design's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_step: Option<f64>,
@@ -37,6 +44,17 @@ pub struct LevelConfig {
     /// In place of the design's [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit: Option<f64>,
+}
+
+/// Time steps of equal length in a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelTime {
+    /// Their number.
+    pub steps: usize,
+    /// End of the last, in place of the scene's [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
 }
 
 /// `handles` of a level.
@@ -121,6 +139,18 @@ impl LevelConfig {
         }
     }
 
+    /// Whether it simulates another problem than the scene's.
+    #[must_use]
+    pub fn has_own_fidelity(&self) -> bool {
+        self.degree.is_some() || self.time.is_some()
+    }
+
+    /// The scene itself on this level's body, without an iteration.
+    #[must_use]
+    pub fn at_full_fidelity(&self) -> Self {
+        Self { degree: None, time: None, iterations: 0, ..self.clone() }
+    }
+
     /// The levels that it stands for.
     #[must_use]
     pub fn expand(&self) -> Vec<Self> {
@@ -155,6 +185,14 @@ impl LevelConfig {
         }
         for tag in freed {
             ensure!(on.contains(tag), "{title}: vertices of \"{tag}\": {}", expected(on));
+        }
+        if let Some(LevelTime { steps, end }) = self.time {
+            ensure!(steps > 0, "{title}: time: steps = 0: expected 1 or more");
+            ensure!(
+                end.is_none_or(|end| end.is_finite() && end > 0.0),
+                "{title}: time: end = {} s: must be positive",
+                end.unwrap_or(f64::NAN)
+            );
         }
         for (name, factor) in &self.weights {
             ensure!(
@@ -299,6 +337,8 @@ mod tests {
             ("vertices = [\"right\"]", "expected some of left, skin"),
             ("handles = { first = 2, factor = 1, levels = 3 }", "greater than 1"),
             ("handles = { first = 2, factor = 10, levels = 9 }", "more than a million"),
+            ("handles = 2\ntime = { steps = 0 }", "steps = 0"),
+            ("handles = 2\ntime = { steps = 2, end = -1 }", "end = -1"),
             ("handles = 2\nweights = { grap = 2 }", "there are grip, smooth"),
             ("handles = 2\nweights = { grip = -1 }", "grip = -1"),
         ] {

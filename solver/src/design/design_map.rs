@@ -123,6 +123,22 @@ impl DesignMap {
         self.rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
     }
 
+    /// Variables at which the shape is that of the body, and the loads are those of another
+    /// level, whose [`Self::loads`] they are; the scene's own without any.
+    #[must_use]
+    pub fn start(&self, loads: &[f64]) -> Vec<f64> {
+        let mut theta = vec![0.0; self.variables()];
+        let own = &mut theta[self.shape_variables()..];
+        own.iter_mut().zip(loads).for_each(|(own, load)| *own = load * self.mean_edge);
+        theta
+    }
+
+    /// Variables of the loads in mean edges, which mean the same in every level [1].
+    #[must_use]
+    pub fn loads(&self, theta: &[f64]) -> Vec<f64> {
+        theta[self.shape_variables()..].iter().map(|own| own / self.mean_edge).collect()
+    }
+
     /// Gives the chambers the loads of θ.
     pub fn set_loads(&self, theta: &[f64], energies: &mut Energies) {
         self.loads.apply(&theta[self.shape_variables()..], energies);

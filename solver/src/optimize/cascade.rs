@@ -71,8 +71,15 @@ impl Cascade<'_> {
     /// Runs from the start, or from where the folder's checkpoint says.
     ///
     /// # Errors
-    /// When the start is not admissible or something cannot be written.
+    /// When a level does not fit the scene, the start is not admissible or something cannot be
+    /// written.
     pub fn run(&self) -> Result<Finished> {
+        for (i, level) in self.design.levels().iter().enumerate() {
+            let scene = self.scene.with_fidelity(level);
+            scene
+                .and_then(|scene| self.objectives.check_times(&scene))
+                .with_context(|| format!("level {}", i + 1))?;
+        }
         let mut checkpoint = match Checkpoint::read(&self.folder)? {
             Some(checkpoint) => {
                 checkpoint.check_inputs(&self.folder, &self.inputs)?;
@@ -97,13 +104,16 @@ impl Cascade<'_> {
             stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
-            if checkpoint.level + 1 == self.design.levels().len() {
+            let levels = self.design.levels();
+            if checkpoint.level + 1 == levels.len() {
                 let theta = checkpoint.theta;
                 return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
             }
             let body = remesh(&shape, level.map().moving());
-            let start = level.carry(&evaluation, &body);
-            let next = checkpoint.next_level(start, stopped, Lbfgs::new(MEMORY));
+            let degree = levels[checkpoint.level + 1].degree.unwrap_or(self.scene.config.degree);
+            let start = level.carry(&evaluation, &body, degree);
+            let loads = level.map().loads(&checkpoint.theta);
+            let next = checkpoint.next_level((start, loads), stopped, Lbfgs::new(MEMORY));
             checkpoint = self.begin_level(&body, next)?;
         }
     }
@@ -137,7 +147,8 @@ impl Cascade<'_> {
     fn run_level(&self, body: Body, checkpoint: &mut Checkpoint) -> Result<(Level, Evaluation)> {
         let settings = &self.design.levels()[checkpoint.level];
         let optimizer = self.design.optimizer_of(settings);
-        let mut level = Level::new(self.scene, self.objectives, body, self.design, settings)?;
+        let scene = self.scene.with_fidelity(settings)?;
+        let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
             match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
@@ -161,13 +172,12 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables())?;
-            let steps = self.scene.times().len();
-            let run = checkpoint.read_run(&self.folder, steps, level.dofs())?;
+            let run = checkpoint.read_run(&self.folder, level.steps(), level.dofs())?;
             let evaluation = level.recall(&checkpoint.theta, run)?;
             level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
-        let theta = vec![0.0; level.variables()];
+        let theta = level.map().start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
         let mut evaluation = match self.solve_near(level, &theta, &checkpoint.start) {
@@ -334,6 +344,7 @@ impl Cascade<'_> {
             "gradient_s": step.gradient_s,
             "time_s": checkpoint.total_s,
             "dofs": level.dofs(),
+            "time_steps": level.steps(),
             "parameters": level.map().parameters(&step.theta),
             "mean_displacement": level.mean_displacements(evaluation)?,
         });

@@ -26,6 +26,9 @@ pub struct Checkpoint {
     /// Before the level's first solve a displacement near its equilibrium [m], or
     /// none.
     pub start: Vec<f64>,
+    /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
+    /// first.
+    pub loads: Vec<f64>,
     /// Objective at θ.
     pub objective: f64,
     /// Weighted terms at θ.
@@ -58,6 +61,7 @@ impl Checkpoint {
             iteration: 0,
             theta: Vec::new(),
             start: Vec::new(),
+            loads: Vec::new(),
             objective: f64::MAX,
             terms: BTreeMap::new(),
             gradient: Vec::new(),
@@ -75,13 +79,21 @@ impl Checkpoint {
     #[must_use]
     pub fn next_level(
         self,
-        start: Vec<f64>,
+        (start, loads): (Vec<f64>, Vec<f64>),
         stopped_before: Vec<(usize, String)>,
         lbfgs: Lbfgs,
     ) -> Self {
         let Self { level, total_s, history, .. } = self;
         let level = level + 1;
-        Self { level, total_s, history, start, stopped_before, ..Self::new(self.inputs, lbfgs) }
+        Self {
+            level,
+            total_s,
+            history,
+            start,
+            loads,
+            stopped_before,
+            ..Self::new(self.inputs, lbfgs)
+        }
     }
 
     /// Counts computing time [s].
