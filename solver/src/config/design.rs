@@ -43,6 +43,9 @@ pub struct OptimizerConfig {
     /// A level ends when the objective falls by less than this fraction in one
     /// iteration [1].
     pub stagnation: f64,
+    /// A level ends when its last two iterations gain less per Newton iteration than this fraction
+    /// of what the level gained [1].
+    pub least_rate: f64,
     /// A level ends when the norm of the gradient falls below this fraction of that
     /// at its start [1].
     pub gradient_tolerance: f64,
@@ -60,6 +63,7 @@ impl Default for OptimizerConfig {
             iterations: None,
             first_step: 0.5,
             stagnation: 0.0,
+            least_rate: 0.0,
             gradient_tolerance: 0.0,
             time_limit: None,
             state_memory: 4e9,
@@ -158,6 +162,7 @@ impl DesignConfig {
             iterations: Some(level.iterations),
             first_step: level.first_step.unwrap_or(own.first_step),
             stagnation: level.stagnation.unwrap_or(own.stagnation),
+            least_rate: level.least_rate.unwrap_or(own.least_rate),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
             time_limit: level.time_limit.or(own.time_limit),
             state_memory: own.state_memory,
@@ -219,6 +224,7 @@ impl OptimizerConfig {
         for (key, value) in [
             ("first_step", self.first_step),
             ("stagnation", self.stagnation),
+            ("least_rate", self.least_rate),
             ("gradient_tolerance", self.gradient_tolerance),
             ("time_limit", self.time_limit.unwrap_or(0.0)),
             ("state_memory", self.state_memory),

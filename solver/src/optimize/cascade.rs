@@ -312,6 +312,14 @@ impl Cascade<'_> {
         if fall < optimizer.stagnation {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
+        let mut progress = checkpoint.progress.clone();
+        progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
+        if let Some(rate) = progress.rate().filter(|rate| *rate < optimizer.least_rate) {
+            checkpoint.stopped = Some(format!(
+                "a Newton iteration gains {:.1} % of what it gained on average in this level",
+                100.0 * rate
+            ));
+        }
         let left = projected_norm(level, &step.theta, &step.gradient) / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
             checkpoint.stopped = Some(format!("the gradient fell to {left:.1e} of its first"));
@@ -328,6 +336,7 @@ impl Cascade<'_> {
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         checkpoint.spend(step.forward_s + step.gradient_s);
+        checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
         let gradient_norm = norm(&step.gradient);
         let line = json!({
             "level": checkpoint.level + 1,

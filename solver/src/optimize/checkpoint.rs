@@ -9,6 +9,7 @@ use mesh::io::npy;
 use serde::{Deserialize, Serialize};
 
 use super::Lbfgs;
+use super::progress::LevelProgress;
 use crate::forward::Trajectory;
 
 /// The state after an accepted iteration. Numbers are written so that they are
@@ -37,6 +38,8 @@ pub struct Checkpoint {
     pub gradient: Vec<f64>,
     /// Norm of the gradient at the start of the level.
     pub first_gradient: f64,
+    /// What the level has gained so far.
+    pub progress: LevelProgress,
     /// Computing time of the level so far [s].
     pub spent_s: f64,
     /// The same of all levels [s].
@@ -66,6 +69,7 @@ impl Checkpoint {
             terms: BTreeMap::new(),
             gradient: Vec::new(),
             first_gradient: 0.0,
+            progress: LevelProgress::default(),
             spent_s: 0.0,
             total_s: 0.0,
             lbfgs,
