@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
-use program::Unusable;
+use program::{FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene)?;
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = |run: &Run, steps: usize| Checkpoint {
         inputs: inputs.clone(),
         steps,
+        lines: String::new(),
         progress: run.stepper.progress.clone(),
         couplings: run.workspace.couplings().to_vec(),
         work: Work::default(),
@@ -279,7 +280,7 @@ fn header(
     Ok(json!({
         "status": "ok",
         "usable": true,
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::PROGRAM,
         "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
         "config": scene.config,
         "material": one_or_list(materials.collect()),

@@ -88,17 +88,17 @@ impl Cascade<'_> {
                     checkpoint.level + 1,
                     checkpoint.iteration
                 );
-                self.history().truncate(checkpoint.history)?;
+                self.history().truncate(checkpoint.history, &checkpoint.lines)?;
                 checkpoint
             }
             None => {
-                self.history().truncate(0)?;
+                self.history().truncate(0, "")?;
                 let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
                 self.begin_level(&self.scene.body, start)?
             }
         };
         loop {
-            let body = self.level_body(checkpoint.level)?;
+            let body = self.level_body(&checkpoint)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
             let mut stopped = checkpoint.stopped_before.clone();
             stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
@@ -122,18 +122,22 @@ impl Cascade<'_> {
         self.folder.join(mesh_file(&format!("level-{}", level + 1), part.name.as_deref()))
     }
 
-    fn level_body(&self, level: usize) -> Result<Body> {
+    fn level_body(&self, checkpoint: &Checkpoint) -> Result<Body> {
         let part = |part: &Part| {
-            let file = mesh::io::read_tets(&self.level_path(level, part))?;
+            let path = self.level_path(checkpoint.level, part);
+            checkpoint.check_file(&path)?;
+            let file = mesh::io::read_tets(&path)?;
             Ok((part.name.clone(), file.mesh, file.tags))
         };
         Ok(Body::join(self.scene.body.parts.iter().map(part).collect::<Result<_>>()?))
     }
 
     /// Puts a level's mesh and the checkpoint before its first solve on disk.
-    fn begin_level(&self, body: &Body, checkpoint: Checkpoint) -> Result<Checkpoint> {
+    fn begin_level(&self, body: &Body, mut checkpoint: Checkpoint) -> Result<Checkpoint> {
         for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
-            mesh::io::write_tets(&self.level_path(checkpoint.level, part), &mesh, &tags)?;
+            let path = self.level_path(checkpoint.level, part);
+            mesh::io::write_tets(&path, &mesh, &tags)?;
+            checkpoint.add_file(&path)?;
         }
         checkpoint.write(&self.folder)?;
         Ok(checkpoint)
@@ -386,6 +390,7 @@ impl Cascade<'_> {
         // history first: a kill in between leaves one line too many, which the
         // next start removes
         self.history().append(&line)?;
+        checkpoint.lines = self.history().sha256()?;
         checkpoint.write_with_run(&self.folder, &run)
     }
 

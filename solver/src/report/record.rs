@@ -26,8 +26,10 @@ const CHECKPOINT: &str = "checkpoint.json";
 pub struct Checkpoint {
     /// Hash of the program's inputs; another hash is another run.
     pub inputs: String,
-    /// Time steps done.
+    /// Time steps done, ...
     pub steps: usize,
+    /// ... of which the lines of `steps.jsonl` have this SHA-256.
+    pub lines: String,
     /// All that determines the next time step ...
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
@@ -51,9 +53,7 @@ impl Checkpoint {
             return Ok(None);
         }
         let anew = "to begin anew: --restart, or another output folder";
-        let text = mesh::io::read_text(&path)?;
-        let found: Self = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a checkpoint; {anew}", path.display()))?;
+        let found: Self = program::read_checkpoint(&path, crate::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
             "{}: a run of another scene or mesh was interrupted here after {} time steps\n  {anew}",
@@ -68,10 +68,7 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        mesh::io::write_atomic(&folder.join(CHECKPOINT), |out| {
-            serde_json::to_writer(out, self).map_err(std::io::Error::from)
-        })?;
-        Ok(())
+        program::write_checkpoint(&folder.join(CHECKPOINT), crate::PROGRAM, self)
     }
 
     /// Takes it away from a folder.
@@ -124,10 +121,9 @@ impl<'a> Recorder<'a> {
                 );
             }
             ensure!(
-                lines.len() == done.steps,
-                "{} has {} lines, the checkpoint {} steps; to begin anew: --restart",
+                lines.len() == done.steps && sha256(&lines) == done.lines,
+                "{}: not the {} lines that the checkpoint expects; to begin anew: --restart",
                 path.display(),
-                lines.len(),
                 done.steps
             );
         }
@@ -148,7 +144,8 @@ impl<'a> Recorder<'a> {
             }
         }
         let Some(checkpoint) = finished.checkpoint else { return Ok(()) };
-        Checkpoint { work: self.work.clone(), ..checkpoint }.write(&self.folder)
+        let (work, lines) = (self.work.clone(), sha256(&self.lines));
+        Checkpoint { work, lines, ..checkpoint }.write(&self.folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -177,6 +174,12 @@ impl<'a> Recorder<'a> {
         })?;
         Ok(())
     }
+}
+
+/// Of lines as they are written.
+fn sha256(lines: &[Value]) -> String {
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    program::sha256(text.as_bytes())
 }
 
 fn picture(step: usize) -> String {
