@@ -19,7 +19,10 @@ fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
     run(&["model", &scene("beam", "model.toml"), "-o", "model"]).succeeds();
     let config = scene("beam", "cad2fem.toml");
     let mesh = ["tetmesh", "model/model.stl", "--config", &config, "-o"];
+    // a module of the standard library that Python imports for us
+    dir.write("csv.py", "open('executed', 'w')");
     run(&[&mesh[..], &["a.msh"]].concat()).succeeds();
+    assert!(!dir.path("executed").exists(), "a file of the working directory was run");
 
     let tets = read_tets(&dir.path("a.msh")).unwrap().mesh;
     assert!((1000..5000).contains(&tets.tets.len()), "{} tets", tets.tets.len());
