@@ -109,8 +109,17 @@ fn a_library_that_gmsh_misses_is_named_with_its_package() {
     let dir = Workdir::new();
     let cannot = "raise OSError('libGLU.so.1: cannot open shared object file')";
     dir.write("gmsh.py", cannot);
-    let shim = dir
-        .program("python", &format!("PYTHONPATH={} exec {python} \"$@\"", dir.path("").display()));
+    // the programs isolate Python: it takes gmsh.py from nowhere else
+    let with_ours = format!(
+        "import runpy, sys; sys.path.insert(0, '{}'); runpy.run_path('driver.py')",
+        dir.path("").display()
+    );
+    let shim = dir.program(
+        "python",
+        &format!(
+            "if [ \"$2\" = -c ]; then exec {python} \"$@\"; fi; exec {python} -c \"{with_ours}\""
+        ),
+    );
     dir.run_with(
         "PUFFER_PYTHON",
         &shim,

@@ -109,8 +109,13 @@ impl Cascade<'_> {
                 let theta = checkpoint.theta;
                 return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
             }
-            let body = remesh(&shape, level.map().moving());
-            let degree = levels[checkpoint.level + 1].degree.unwrap_or(self.scene.config.degree);
+            let next = &levels[checkpoint.level + 1];
+            // a level without iterations tells what the same mesh does at another fidelity
+            let body = match next.iterations {
+                0 => shape,
+                _ => remesh(&shape, level.map().moving()),
+            };
+            let degree = next.degree.unwrap_or(self.scene.config.degree);
             let start = level.carry(&evaluation, &body, degree);
             let loads = level.map().loads(&checkpoint.theta);
             let next = checkpoint.next_level((start, loads), stopped, Lbfgs::new(MEMORY));
