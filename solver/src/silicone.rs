@@ -82,7 +82,7 @@ impl Named {
             "name": self.silicone.key,
             "source": fit.source,
             "test": fit.test,
-            "shear_modulus": self.fit.specification.moduli().shear,
+            "shear_modulus": fit.shear_modulus,
             "shear_modulus_range": self.silicone.entry.shear_moduli(),
         })
     }

@@ -34,7 +34,7 @@ fn treloars_tensile_test() {
     dir.write("treloar.csv", &table(&points));
     let run = dir.solver("fit treloar.csv -o fit");
     run.assert_good();
-    println!("{}", run.stdout);
+    eprintln!("{}", run.stdout);
     let report = dir.json("fit/fit.json");
     assert!(r2(&report, "gent") > 0.99, "{report}");
     assert!(r2(&report, "neo-hookean") < 0.9, "{report}");
@@ -59,7 +59,7 @@ fn kawabatas_biaxial_tests() {
     write("planar.csv", |row| row[1] == 1.0);
     let run = dir.solver("fit uniaxial.csv --biaxial biaxial.csv --planar planar.csv -o fit");
     run.assert_good();
-    println!("{}", run.stdout);
+    eprintln!("{}", run.stdout);
     let report = dir.json("fit/fit.json");
     assert!(r2(&report, "gent") > 0.95, "{report}");
     let chosen = r2(&report, report["written"].as_str().unwrap());
