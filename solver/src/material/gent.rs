@@ -9,7 +9,9 @@
 //!
 //! Source: Gent 1996, "A new constitutive relation for rubber", doi:10.5254/1.3538357;
 //! volumetric term as in the Mooney–Rivlin law.
-//! Limits: near the limit the tangent grows with the inverse square of the distance to it.
+//! Limits: near the limit the tangent grows with the inverse square of the distance to it. The
+//! limit is one of Ī₁, and ½ bulk ln²J is weak: a bar with bulk = 20 μ and J_m = 5 that is pulled
+//! to 6 times its length does so by dilating.
 
 use super::isotropic::{Invariants, Isotropic, Partials};
 use super::law::{Law, Moduli, PA, Parameter};
@@ -37,8 +39,8 @@ pub(super) const LAW: Law = Law {
     shear: "mu where j_m > 0",
     bulk: "bulk",
     source: "Gent 1996, doi:10.5254/1.3538357",
-    limits: "no equilibrium has Ī1 − 3 ≥ j_m: uniaxial stretch up to about √(j_m + 3), \
-             equibiaxial up to about √((j_m + 3)/2)",
+    limits: "no equilibrium has Ī1 − 3 ≥ j_m: at constant volume uniaxial stretch up to about \
+             √(j_m + 3), equibiaxial up to about √((j_m + 3)/2); pulled further, a body dilates",
     objective: true,
     moduli: |p| Moduli { shear: if p[1] > 0.0 { p[0] } else { f64::NAN }, bulk: p[2] },
     build: |p| Box::new(Gent { mu: p[0], j_m: p[1], bulk: p[2] }),
