@@ -240,8 +240,17 @@ impl MaterialConfig {
     /// With what was found and what is needed.
     pub fn specification(&self) -> Result<Specification> {
         match self {
-            Self::Silicone(name) => silicone::find(name).map(|fit| fit.specification.clone()),
+            Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
             Self::Law(table) => Specification::read(table).context("[material]"),
+        }
+    }
+
+    /// The silicone that is named, if one is.
+    #[must_use]
+    pub fn silicone(&self) -> Option<silicone::Named> {
+        match self {
+            Self::Silicone(name) => silicone::find(name).ok(),
+            Self::Law(_) => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -67,6 +68,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     remove_stale(folder, done)?;
+    let silicones = scene.parts.iter().filter_map(|part| part.config.material.silicone());
+    for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
+        log::info!("{line}");
+    }
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
@@ -271,10 +276,12 @@ fn header(
     let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
     let materials = scene.parts.iter().map(|part| {
         let material = &part.material;
+        let silicone = part.config.material.silicone().map(|named| named.report());
         json!({
             "kind": material.law.key,
             "parameters": material.law.table(&material.values),
             "moduli": material.moduli(),
+            "silicone": silicone,
         })
     });
     Ok(json!({
