@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::energy::Iterate;
 use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time};
 use crate::memory;
+use crate::probe::Probe;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
 use crate::report::results;
@@ -62,6 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
+    let probes = scene.probes(&scene.body, &problem.space)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene)?;
@@ -84,7 +86,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
     let pictures = !arguments.final_only;
-    let mut recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
+    let mut recorder =
+        Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
         log::info!("continuing after {} time steps", checkpoint.steps);
@@ -93,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, &workspace, arguments)?;
-    let mut run = Run { scene: &scene, problem: &problem, workspace, stepper };
+    let mut run = Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper };
     let checkpoint = |run: &Run, steps: usize| Checkpoint {
         inputs: inputs.clone(),
         steps,
@@ -141,6 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 struct Run<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
+    probes: &'a [Probe],
     workspace: Workspace,
     stepper: TimeStepper,
 }
@@ -213,6 +217,9 @@ impl Run<'_> {
         report["force_balance"] = results::balance(problem, end);
         report["tags"] = json!(results::tags(scene, &scene.body, problem, end)?);
         report["chambers"] = json!(results::chambers(&problem.energies, end));
+        if !self.probes.is_empty() {
+            report["probes"] = results::probes(self.probes, problem, end);
+        }
         report["stretch_range"] = json!(stretches(scene, end));
         report["timings"] = json!(self.workspace.timings);
         Ok(())
