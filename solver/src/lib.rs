@@ -29,8 +29,5 @@ pub mod polyfem; // scenes of PolyFEM to scenes of ours
 pub mod optimize; // outer loop: quasi-Newton steps to a better shape
 pub mod cmd; // the verbs of the program, one per file
 
-/// Name and version, in reports and checkpoints.
-pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));
-
 #[cfg(test)]
 mod testing;

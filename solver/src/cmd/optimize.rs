@@ -203,7 +203,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "usable": true,
         "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
         "stopped": finished.stopped,
-        "program": crate::PROGRAM,
+        "program": crate::report::PROGRAM,
         "objective_before": first["objective"],
         "objective_after": last["objective"],
         "terms_before": first["terms"],

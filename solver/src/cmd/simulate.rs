@@ -294,7 +294,7 @@ fn header(
     Ok(json!({
         "status": "ok",
         "usable": true,
-        "program": crate::PROGRAM,
+        "program": crate::report::PROGRAM,
         "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
         "config": scene.config,
         "material": one_or_list(materials.collect()),

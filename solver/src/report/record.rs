@@ -54,7 +54,7 @@ impl Checkpoint {
             return Ok(None);
         }
         let anew = "to begin anew: --restart, or another output folder";
-        let found: Self = program::read_checkpoint(&path, crate::PROGRAM)?;
+        let found: Self = program::read_checkpoint(&path, crate::report::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
             "{}: a run of another scene or mesh was interrupted here after {} time steps\n  {anew}",
@@ -69,7 +69,7 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        program::write_checkpoint(&folder.join(CHECKPOINT), crate::PROGRAM, self)
+        program::write_checkpoint(&folder.join(CHECKPOINT), crate::report::PROGRAM, self)
     }
 
     /// Takes it away from a folder.
