@@ -168,6 +168,56 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/done: build/chamber/pictures/study.png
 
+# Simulations beside measurements on real silicone.
+VALIDATION := build/validation
+
+# Body $(1), suffix of its scene $(2).
+define validate
+$(VALIDATION)/$(1)/$(2)/report.json: pipelines/validation/$(1)/sim.$(2).toml $(VALIDATION)/$(1)/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+
+$(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
+endef
+$(foreach m,before after,$(foreach b,membrane beam arm,$(eval $(call validate,$(b),$(m)))))
+$(eval $(call validate,beam,fit))
+
+# The arm $(1), with ribs of $(2) mm.
+define ribs
+$(VALIDATION)/arm/$(1)/model/model.json: pipelines/validation/arm/model.geo | setup
+	$(BIN)/cad2fem model $$< --unit mm --set rib=$(2) -o $$(@D)
+
+$(VALIDATION)/arm/$(1)/volume.msh: $(VALIDATION)/arm/$(1)/model/model.json pipelines/validation/arm/cad2fem.toml | setup
+	$(BIN)/cad2fem tetmesh $$(<D)/model.stl --config pipelines/validation/arm/cad2fem.toml -o $$@
+
+$(VALIDATION)/arm/$(1)/tagged.msh: $(VALIDATION)/arm/$(1)/volume.msh pipelines/validation/arm/tags.toml | setup
+	$(BIN)/tagger tag $$< --config pipelines/validation/arm/tags.toml --patches $$(@D)/model/patches -o $$@
+
+$(VALIDATION)/arm/$(1)/report.json: pipelines/validation/arm/sim.after.toml $(VALIDATION)/arm/$(1)/tagged.msh | setup
+	$(BIN)/solver simulate $$< --mesh $(VALIDATION)/arm/$(1)/tagged.msh -o $$(@D)
+
+$(VALIDATION)/errors.json: $(VALIDATION)/arm/$(1)/report.json
+endef
+$(eval $(call ribs,thin,1.2))
+$(eval $(call ribs,thick,4))
+
+$(VALIDATION)/errors.json: pipelines/validation/validation.toml $(wildcard pipelines/validation/measured/*.csv) | setup
+	$(BIN)/solver validate $< -o $(@D)
+
+$(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
+	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view 20,15 \
+		--title "membrane, 10 mm high at 5 kPa" -o $@
+
+$(VALIDATION)/pictures/beam.png: $(patsubst %,$(VALIDATION)/beam/%/report.json,before after) | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
+		--captions "before,after" --title "beam with 0.51 N" -o $@
+
+$(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
+	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view front \
+		--title "arm, one chamber inflated" -o $@
+
+$(VALIDATION)/done: $(VALIDATION)/errors.json $(patsubst %,$(VALIDATION)/pictures/%.png,membrane beam arm)
+	@touch $@
+
 # The frog without a cascade, for comparison.
 build/frog/paper/vertices/report.json: pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml \
 		build/frog/paper/tagged.msh | setup
@@ -235,5 +285,6 @@ $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
+$(foreach b,membrane beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))
 $(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))
