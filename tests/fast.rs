@@ -19,6 +19,8 @@ mod newton;
 mod optimize;
 #[path = "fast/polyfem.rs"]
 mod polyfem;
+#[path = "fast/probes.rs"]
+mod probes;
 #[path = "fast/readme_tables.rs"]
 mod readme_tables;
 #[path = "fast/reference.rs"]

@@ -19,7 +19,9 @@
 //! H λ + G μ = −(ū_n + v̄_n / h)      Gᵀ λ = 0      X̄ += μ ∂(V − V*)/∂X
 //!
 //! An objective may also depend on the forces
-//! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms.
+//! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms. It may depend
+//! on the forces r = ∂E/∂u of supports, on the degrees of freedom that they fix; its ∂J/∂r is
+//! λ there, where λ is zero otherwise.
 //!
 //! It is the chain rule for any formula and start. For one static step it is equation 5 of
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
@@ -50,10 +52,19 @@ pub struct Singular {
 
 /// Partial derivatives of the objective by what a moment looks like.
 pub struct Partials {
-    /// ∂J/∂u_n at fixed f, three components per node.
+    /// ∂J/∂u_n at fixed f and r, three components per node.
     pub by_u: Vec<f64>,
     /// ∂J/∂f_n by the nodal forces of contact and friction.
     pub by_contact: Vec<f64>,
+    /// ∂J/∂r_n by the forces of supports, zero on free degrees of freedom.
+    pub by_reaction: Vec<f64>,
+}
+
+impl Partials {
+    fn new(by_u: Vec<f64>) -> Self {
+        let (by_contact, by_reaction) = (vec![0.0; by_u.len()], vec![0.0; by_u.len()]);
+        Self { by_u, by_contact, by_reaction }
+    }
 }
 
 /// dJ of a run, without ∂J/∂X, which the objective adds.
@@ -85,7 +96,7 @@ pub fn sweep(
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
         let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
-        let mut own = Partials { by_u: u, by_contact: vec![0.0; len] };
+        let mut own = Partials::new(u);
         partials(&problem.space, n, &mut own);
         let (state, step) = (run.state(n), run.step(problem, rest, n));
         let at = problem.iterate(rest, &state.u, run.times[n]);
@@ -100,7 +111,7 @@ pub fn sweep(
         pull_back_past(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
     }
     let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
-    let mut first = Partials { by_u: u, by_contact: vec![0.0; len] };
+    let mut first = Partials::new(u);
     partials(&problem.space, 0, &mut first);
     Ok(Gradient { rest: rest_bar, parameters, start: State { u: first.by_u, v } })
 }
@@ -111,7 +122,7 @@ fn zeros(len: usize) -> State {
 
 /// Of the adjoint system of a step.
 struct Solution {
-    /// λ, zero on the fixed degrees of freedom.
+    /// λ, on the fixed degrees of freedom ∂J/∂r.
     lambda: Vec<f64>,
     /// μ of each prescribed volume.
     mu: Vec<f64>,
@@ -133,26 +144,28 @@ impl Moment<'_> {
         workspace: &mut Workspace,
         linearization: Option<&Linearization>,
     ) -> Result<Solution, Singular> {
-        let (at, by_contact) = (&self.at, &self.partials.by_contact);
+        let Partials { by_u, by_contact, by_reaction } = &self.partials;
+        let at = &self.at;
         let through = workspace.contact_hessian_times(problem, at, by_contact);
+        let held = workspace.support_hessian_times(problem, at, by_reaction);
+        let part = |product: &Option<Vec<f64>>, d: usize| product.as_ref().map_or(0.0, |t| t[d]);
         let sum = |d: usize| {
-            let own = self.partials.by_u[d] + self.by_velocity[d] / self.h;
-            -(own - through.as_ref().map_or(0.0, |t| t[d]))
+            let own = by_u[d] + self.by_velocity[d] / self.h;
+            -(own - part(&through, d) + part(&held, d))
         };
         let rhs = problem.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
         let constraints = problem.constraints(at);
         if norm(&rhs) == 0.0 {
-            return Ok(Solution {
-                lambda: vec![0.0; at.u.len()],
-                mu: vec![0.0; constraints.len()],
-            });
+            return Ok(Solution { lambda: by_reaction.clone(), mu: vec![0.0; constraints.len()] });
         }
         if !linearization.is_some_and(|l| workspace.has_factor_of(l, at)) {
             workspace.linearize(problem, at);
         }
         let mut lambda = solve(workspace, rhs)?;
-        let mu = eliminate_constraints(problem, workspace, &constraints, &mut lambda)?;
-        Ok(Solution { lambda: problem.prolong(&lambda), mu })
+        let mu = eliminate_constraints(problem, workspace, &constraints, &mut lambda, by_reaction)?;
+        let mut lambda = problem.prolong(&lambda);
+        lambda.iter_mut().zip(by_reaction).for_each(|(l, r)| *l += r);
+        Ok(Solution { lambda, mu })
     }
 
     /// The cotangent of the past; adds those of the rest shape and of the parameters in
@@ -192,13 +205,15 @@ fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, Singula
     Ok(x)
 }
 
-/// Eliminates G μ from the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0. The penalty
-/// in H does not matter, for it acts along G only.
+/// Eliminates G μ from the adjoint system: λ becomes λ − H⁻¹ G μ with Gᵀ λ = 0, where λ is
+/// `held` on the fixed degrees of freedom. The penalty in H does not matter, for it acts along G
+/// only.
 fn eliminate_constraints(
     problem: &Problem,
     workspace: &mut Workspace,
     constraints: &[Constraint],
     lambda: &mut [f64],
+    held: &[f64],
 ) -> Result<Vec<f64>, Singular> {
     let count = constraints.len();
     let mut mu = vec![0.0; count];
@@ -209,7 +224,8 @@ fn eliminate_constraints(
     let solved = across.iter().map(|g| solve(workspace, g.clone()));
     let solved: Vec<Vec<f64>> = solved.collect::<Result<_, _>>()?;
     let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
-    let side = DVector::from_fn(count, |i, _| dot(&across[i], lambda));
+    let along = |i: usize| dot(&across[i], lambda) + dot(&constraints[i].gradient, held);
+    let side = DVector::from_fn(count, |i, _| along(i));
     let by_constraint = matrix.lu().solve(&side).ok_or(Singular { residual: f64::INFINITY })?;
     for ((constraint, z), by) in constraints.iter().zip(&solved).zip(by_constraint.iter()) {
         lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= by * z);

@@ -6,6 +6,7 @@ mod chamber;
 mod check;
 mod design;
 mod objective;
+mod probe;
 mod superseded;
 
 use std::collections::BTreeMap;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use objective::ObjectiveConfig;
+pub use probe::ProbeConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
@@ -68,6 +70,9 @@ pub struct SimConfig {
     /// Forces on parts of the boundary.
     #[serde(default)]
     pub traction: Vec<TractionConfig>,
+    /// Numbers that are measured at every reported step.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probe: Vec<ProbeConfig>,
     /// Numbers that expressions may name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,

@@ -18,6 +18,7 @@ pub mod schedule; // values over time, as people write them
 pub mod energy; // terms of the potential energy: elasticity, loads, contact
 pub mod forward; // from energies to an equilibrium: Newton's method, load and time steps
 pub mod objective; // what to minimise
+pub mod probe; // what to measure
 pub mod adjoint; // gradient of an objective over a run by the adjoint method
 pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom

@@ -4,6 +4,7 @@
 mod chambers;
 mod contact;
 mod objectives;
+mod probes;
 
 pub use objectives::{ObjectiveBuilder, Weighted};
 

@@ -21,7 +21,9 @@ const FREE: f64 = 1e-8;
 /// Fixed degrees of freedom.
 pub struct Supports {
     /// Index of the support that fixes each degree of freedom, if any.
-    pub owner: Vec<Option<usize>>,
+    owner: Vec<Option<usize>>,
+    /// Tag of each support.
+    tags: Vec<String>,
     /// Displacement that each support prescribes.
     motions: Vec<Field>,
     /// Rest positions of the nodes [m].
@@ -42,6 +44,7 @@ impl Supports {
     ) -> Result<Self> {
         let mut supports = Self {
             owner: vec![None; 3 * space.node_count()],
+            tags: configs.iter().map(|c| c.on.clone()).collect(),
             motions: configs.iter().map(|c| c.displacement.clone()).collect(),
             positions: space.node_positions(&body.mesh.vertices),
         };
@@ -106,6 +109,19 @@ impl Supports {
 
     fn value(&self, index: usize, dof: usize, load: f64) -> f64 {
         self.motions[index].0[dof % 3].jet(self.positions[dof / 3], load).value
+    }
+
+    /// Degrees of freedom that each tag holds. Several supports of one tag are one.
+    #[must_use]
+    pub fn by_tag(&self) -> BTreeMap<String, Vec<usize>> {
+        let mut held: BTreeMap<String, Vec<usize>> =
+            self.tags.iter().map(|tag| (tag.clone(), Vec::new())).collect();
+        for (dof, owner) in self.owner.iter().enumerate() {
+            if let Some(dofs) = owner.and_then(|index| held.get_mut(&self.tags[index])) {
+                dofs.push(dof);
+            }
+        }
+        held
     }
 
     /// Whether each degree of freedom is fixed.

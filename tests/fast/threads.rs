@@ -39,7 +39,14 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
     let path = dir.path("design.toml");
     let design = DesignConfig::read(&path).unwrap();
     let builder = ObjectiveBuilder::new(&path, &design.objective, &scene).unwrap();
-    let at = Equilibrium { space: &problem.space, rest: &rest, u: &u, load: 1.0, contact: &[] };
+    let at = Equilibrium {
+        space: &problem.space,
+        rest: &rest,
+        u: &u,
+        load: 1.0,
+        contact: &[],
+        reaction: &[],
+    };
     for term in builder.build(&scene.body, &problem.space).unwrap() {
         let (mut du, mut drest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
         let value = term.objective.value(&at);

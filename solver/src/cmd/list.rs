@@ -9,17 +9,18 @@ use serde_json::{Value, json};
 
 use crate::energy::gas_law::{GAS_LAWS, Row};
 use crate::material::{LAWS, Law};
-use crate::objective::{COMMON_KEYS, KINDS, Kind};
+use crate::objective::{self, Kind};
+use crate::probe;
 use crate::silicone::{self, Fit, Silicone};
 
 /// Characters in a line.
 const WIDTH: usize = 96;
 
-/// List the material laws, silicones or gas laws that a scene may name, or objectives
+/// List the material laws, silicones, gas laws or probes that a scene may name, or objectives
 ///
 /// A law is the kind of a table [material]; a silicone is named by
-/// material = "its-name"; a gas law is selected by a key of a [[chamber]]; an objective is
-/// the kind of an [[objective]] of a design problem.
+/// material = "its-name"; a gas law is selected by a key of a [[chamber]]; a probe is
+/// the kind of a [[probe]]; an objective is the kind of an [[objective]] of a design problem.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The silicones in place of the laws
@@ -28,8 +29,11 @@ pub struct Arguments {
     /// The gas laws of chambers in place of the material laws
     #[arg(long, conflicts_with = "silicones")]
     gas_laws: bool,
-    /// The objectives of design problems in place of the laws
+    /// The probes of scenes in place of the laws
     #[arg(long, conflicts_with_all = ["silicones", "gas_laws"])]
+    probes: bool,
+    /// The objectives of design problems in place of the laws
+    #[arg(long, conflicts_with_all = ["silicones", "gas_laws", "probes"])]
     objectives: bool,
     /// As JSON
     #[arg(long)]
@@ -40,10 +44,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, gas_laws, objectives, json, markdown } = *arguments;
+    let Arguments { silicones, gas_laws, probes, objectives, json, markdown } = *arguments;
     let text = if objectives {
-        rows(KINDS, (json, kind_json), (markdown, markdown::objectives), |kinds| {
-            joined(kinds, kind_text) + &common_keys()
+        rows(objective::KINDS, (json, kind_json), (markdown, markdown::objectives), |kinds| {
+            joined(kinds, kind_text) + "\nall\n" + &keys_text(&objective::COMMON_KEYS)
+        })?
+    } else if probes {
+        rows(probe::KINDS, (json, probe_json), (markdown, markdown::probes), |kinds| {
+            joined(kinds, probe_text) + "\nall\n" + &keys_text(&probe::COMMON_KEYS)
         })?
     } else if gas_laws {
         rows(GAS_LAWS, (json, gas_law_json), (markdown, markdown::gas_laws), |laws| {
@@ -88,28 +96,37 @@ fn kind_text(kind: &Kind) -> String {
     let sense = if kind.may_be_maximised { "; maximised by a negative weight" } else { "" };
     let mut text = format!("{} [{}{sense}]\n", kind.key, kind.unit);
     text += &wrapped("", kind.formula);
-    for (key, meaning) in kind.keys {
-        text += &wrapped(&format!("  {key:12} "), meaning);
-    }
-    text
+    text + &keys_text(kind.keys)
 }
 
-/// Keys of every objective.
-fn common_keys() -> String {
-    let mut text = "\nall\n".to_owned();
-    for (key, meaning) in COMMON_KEYS {
-        text += &wrapped(&format!("  {key:12} "), meaning);
-    }
-    text
+fn probe_text(kind: &probe::Kind) -> String {
+    format!("{} [{}]\n", kind.key, kind.unit) + &wrapped("", kind.formula) + &keys_text(kind.keys)
 }
 
-fn kind_json(kind: &Kind) -> Value {
-    let keys = kind.keys.iter().map(|(key, meaning)| json!({ "key": key, "meaning": meaning }));
+/// Keys with their meanings, one under the other.
+fn keys_text(keys: &[(&str, &str)]) -> String {
+    keys.iter().map(|(key, meaning)| wrapped(&format!("  {key:12} "), meaning)).collect()
+}
+
+fn keys_json(keys: &[(&str, &str)]) -> Value {
+    keys.iter().map(|(key, meaning)| json!({ "key": key, "meaning": meaning })).collect()
+}
+
+fn probe_json(kind: &probe::Kind) -> Value {
     json!({
         "kind": kind.key,
         "formula": kind.formula,
         "unit": kind.unit,
-        "keys": keys.collect::<Vec<_>>(),
+        "keys": keys_json(kind.keys),
+    })
+}
+
+fn kind_json(kind: &Kind) -> Value {
+    json!({
+        "kind": kind.key,
+        "formula": kind.formula,
+        "unit": kind.unit,
+        "keys": keys_json(kind.keys),
         "may_be_maximised": kind.may_be_maximised,
     })
 }

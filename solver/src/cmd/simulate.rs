@@ -14,6 +14,7 @@ use crate::forward::{
     Clock, LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time,
 };
 use crate::memory;
+use crate::probe::Probe;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::record::{Checkpoint, Recorder, STEPS};
 use crate::report::results;
@@ -61,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
+    let probes = scene.probes(&scene.body, &problem.space)?;
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let inputs = hash_inputs(&scene)?;
@@ -77,7 +79,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
     let pictures = !arguments.final_only;
-    let recorder = Recorder::new(&scene, &problem, folder, pictures, checkpoint.as_ref())?;
+    let recorder =
+        Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
         log::info!("continuing after {} time steps", checkpoint.steps);
@@ -86,7 +89,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, &workspace, arguments)?;
-    let mut run = Run { scene: &scene, problem: &problem, workspace, stepper, recorder };
+    let mut run =
+        Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper, recorder };
     let outcome = run.go(arguments, |run, steps| {
         let checkpoint = Checkpoint {
             inputs: inputs.clone(),
@@ -133,6 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 struct Run<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
+    probes: &'a [Probe],
     workspace: Workspace,
     stepper: TimeStepper,
     recorder: Recorder<'a>,
@@ -214,6 +219,9 @@ impl Run<'_> {
         report["force_balance"] = results::balance(problem, end);
         report["tags"] = json!(results::tags(scene, &scene.body, problem, end)?);
         report["chambers"] = json!(results::chambers(&problem.energies, end));
+        if !self.probes.is_empty() {
+            report["probes"] = results::probes(self.probes, problem, end);
+        }
         report["stretch_range"] = json!(stretches(scene, end));
         report["timings"] = json!(self.workspace.timings);
         Ok(())

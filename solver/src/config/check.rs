@@ -58,6 +58,7 @@ impl SimConfig {
                 schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
             }
         }
+        self.check_probes()?;
         self.check_chambers()
     }
 
@@ -150,6 +151,24 @@ impl SimConfig {
             }
         }
         all
+    }
+
+    fn check_probes(&self) -> Result<()> {
+        for (i, probe) in self.probe.iter().enumerate() {
+            probe.check()?;
+            ensure!(
+                self.probe[..i].iter().all(|other| other.name() != probe.name()),
+                "two [[probe]] are called \"{}\": give each a name of its own",
+                probe.name()
+            );
+            ensure!(
+                self.contact.is_some() || !probe.kind().needs_contact,
+                "{}: {}: there are no forces between surfaces without [contact]",
+                probe.title(),
+                probe.kind().key
+            );
+        }
+        Ok(())
     }
 
     fn check_chambers(&self) -> Result<()> {

@@ -19,10 +19,12 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
+use mesh::{Vec3, topology};
 use rayon::prelude::*;
 
 use super::box_tree::{Bounds, BoxTree};
+use super::distance::Closest;
 use super::pairs::{Features, Pair};
 use crate::parallel::map_merge;
 
@@ -109,6 +111,23 @@ pub fn close_between(a: &Features, b: &Features, x: &[Vec3], radius: f64) -> Vec
     pairs.append(&mut search.close(&b.vertices, &a.triangles, false, radius, point_triangle));
     pairs.append(&mut search.close(&a.edges, &b.edges, false, radius, edge_edge));
     pairs
+}
+
+/// The closest pair of a feature of each of two surfaces without a common vertex, at
+/// positions `x` [m]; none where one of them has no triangles.
+#[must_use]
+pub fn closest_between([a, b]: &[Features; 2], x: &[Vec3]) -> Option<(Pair, Closest)> {
+    if b.triangles.is_empty() {
+        return None;
+    }
+    let surface = SurfaceBvh::new(&topology::submesh(x, &b.triangles).0);
+    let nearest = a.vertices.iter().map(|&v| surface.closest(&x[v]).distance);
+    let bound = nearest.fold(f64::INFINITY, f64::min);
+    // no pair but the closest ones is nearer than any vertex is
+    let radius = bound * (1.0 + ROUNDING) + rounding(x, x);
+    let pairs = close_between(a, b, x, radius).into_iter();
+    let closest = pairs.map(|pair| (pair, pair.closest(&pair.gather(x))));
+    closest.min_by(|(_, one), (_, other)| one.d2.total_cmp(&other.d2))
 }
 
 /// The pair of a vertex and a triangle that does not contain it.

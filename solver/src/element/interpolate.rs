@@ -22,6 +22,10 @@ impl Place {
     fn depth(&self) -> f64 {
         self.lambda.into_iter().fold(f64::INFINITY, f64::min)
     }
+
+    fn is_inside(&self) -> bool {
+        self.depth() >= -MARGIN
+    }
 }
 
 /// Interpolates the field `u` of the space `from` at the nodes of the space
@@ -44,9 +48,16 @@ pub fn sample(
     (space, rest, u): (&FunctionSpace, &[Vec3], &[f64]),
     points: &[Vec3],
 ) -> Vec<Option<Vec3>> {
-    let inside = |place: &Place| place.depth() >= -MARGIN;
     let places = places((space, rest), points).into_iter();
-    places.map(|place| place.filter(inside).map(|p| value(space, u, &p))).collect()
+    places.map(|place| place.filter(Place::is_inside).map(|p| value(space, u, &p))).collect()
+}
+
+/// Nodes of the element that has a rest position, with the values of their basis there; none
+/// outside the body.
+#[must_use]
+pub fn weights((space, rest): (&FunctionSpace, &[Vec3]), point: Vec3) -> Option<Vec<(usize, f64)>> {
+    let place = places((space, rest), &[point]).pop().flatten().filter(Place::is_inside)?;
+    Some(weighted_nodes(space, &place).collect())
 }
 
 /// The element in which each point lies deepest; none where it is in no
@@ -66,10 +77,14 @@ fn places((space, rest): (&FunctionSpace, &[Vec3]), points: &[Vec3]) -> Vec<Opti
 }
 
 fn value(space: &FunctionSpace, u: &[f64], place: &Place) -> Vec3 {
+    weighted_nodes(space, place).map(|(node, value)| value * at(u, node)).sum()
+}
+
+/// Nodes of the element of a place, with the values of their basis there.
+fn weighted_nodes(space: &FunctionSpace, place: &Place) -> impl Iterator<Item = (usize, f64)> {
     let n = space.nodes_per_element();
     let nodes = &space.element_nodes()[n * place.element..n * (place.element + 1)];
-    let values = values(space.degree(), &place.lambda);
-    nodes.iter().zip(values).map(|(&node, value)| value * at(u, node)).sum()
+    nodes.iter().copied().zip(values(space.degree(), &place.lambda))
 }
 
 /// Bounding box, a little larger so that nodes on its faces are found.

@@ -10,5 +10,5 @@ mod space;
 pub use basis::{HIGHEST_DEGREE, Tabulation, tabulate};
 pub use bernstein::JacobianForm;
 pub use incidence::Incidence;
-pub use interpolate::{interpolate, sample};
+pub use interpolate::{interpolate, sample, weights};
 pub use space::{FunctionSpace, add_at, at};

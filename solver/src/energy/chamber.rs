@@ -44,6 +44,13 @@ impl Chamber {
         (volume, self.gas.at(volume, self.rest_volume(iterate), iterate.load, multiplier))
     }
 
+    /// Adds P λᵀ S at the nodes [N/m]: λᵀ ∂²E/∂u² at fixed pressure.
+    pub fn add_stiffness_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let x = positions(iterate);
+        let (_, gas) = self.state_at(iterate, x);
+        self.wall.add_stiffness_vjp(iterate.space, x, lambda, gas.pressure, out);
+    }
+
     /// Volume behind the rest wall [m³].
     #[must_use]
     pub fn rest_volume(&self, iterate: &Iterate) -> f64 {
@@ -98,7 +105,7 @@ impl Energy for Chamber {
         let (_, gas) = self.state_at(iterate, x);
         // x = ΠX + u: the mixed derivative at fixed pressure is P S Π
         let mut nodal = vec![0.0; iterate.u.len()];
-        self.wall.add_stiffness_vjp(iterate.space, x, lambda, gas.pressure, &mut nodal);
+        self.add_stiffness_vjp(iterate, lambda, &mut nodal);
         iterate.space.add_to_vertices(&nodal, out);
         if gas.stiffness == 0.0 {
             return;

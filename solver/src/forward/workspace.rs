@@ -287,6 +287,29 @@ impl Workspace {
         Some(matrix.multiply(vector))
     }
 
+    /// wᵀ ∂²E/∂u² over all degrees of freedom, with w zero on the free ones; none if it is zero.
+    ///
+    /// The pressure on a wall is not symmetric at a rim that slides in its support.
+    pub fn support_hessian_times(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        w: &[f64],
+    ) -> Option<Vec<f64>> {
+        if w.iter().all(|v| *v == 0.0) {
+            return None;
+        }
+        self.extend_pattern(problem, at);
+        let mut matrix = BlockMatrix::zeros(&self.pattern);
+        let others = problem.energies.terms().filter(|t| !matches!(t.kind, Kind::Chamber(_)));
+        others.for_each(|term| term.energy.add_hessian(at, Hessian::Exact, &mut matrix));
+        let mut product = times(&matrix, &problem.rank_ones(at), w);
+        for (_, named) in problem.energies.chambers() {
+            named.chamber.add_stiffness_vjp(at, w, &mut product);
+        }
+        Some(product)
+    }
+
     /// The displacement with the fixed degrees of freedom where they are at the load,
     /// and the others moved as the tangent says, so that elements at the supports are
     /// not crushed [m]. Nothing changes where they are already there.

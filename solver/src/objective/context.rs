@@ -1,11 +1,13 @@
 //! What a term is built from: a body, and the data of its scene.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 
+use super::Objective;
 use crate::body::{Body, Names};
 use crate::element::FunctionSpace;
 use crate::material::Specification;
@@ -21,6 +23,8 @@ pub struct Context<'a> {
     pub bodies: &'a [(&'a str, &'a Specification)],
     /// Times at which the term counts [s].
     pub times: &'a [f64],
+    /// What the scene's probes measure, by their names.
+    pub probes: &'a BTreeMap<String, Arc<dyn Objective>>,
 }
 
 impl Context<'_> {

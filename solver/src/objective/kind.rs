@@ -97,16 +97,7 @@ impl Kind {
     /// # Errors
     /// When one is unknown, missing or of the wrong type.
     pub fn read(&self, keys: toml::Table) -> Result<Read> {
-        let own = || self.keys.iter().map(|(key, _)| *key);
-        if let Some(unknown) = keys.keys().find(|name| !own().any(|key| key == *name)) {
-            let common = COMMON_KEYS.iter().map(|(key, _)| *key);
-            let known: Vec<String> = common.chain(own()).map(|key| format!("`{key}`")).collect();
-            bail!(
-                "kind = \"{}\": unknown field `{unknown}`, expected one of {}",
-                self.key,
-                known.join(", ")
-            );
-        }
+        refuse_unknown(self.key, &keys, &COMMON_KEYS, self.keys)?;
         (self.read)(keys).with_context(|| format!("kind = \"{}\"", self.key))
     }
 }
@@ -116,11 +107,38 @@ pub(super) fn read<S>(keys: toml::Table) -> Result<Read>
 where
     S: Specification + Serialize + DeserializeOwned + 'static,
 {
+    let (found, table) = from_keys::<S>(keys)?;
+    Ok((Arc::new(found), table))
+}
+
+/// Refuses keys that a kind does not have; `common` are those that every kind has, and that
+/// were taken out before.
+///
+/// # Errors
+/// With the key and those that are known.
+pub fn refuse_unknown(
+    kind: &str,
+    keys: &toml::Table,
+    common: &[(&str, &str)],
+    own: &[(&str, &str)],
+) -> Result<()> {
+    let Some(unknown) = keys.keys().find(|name| !own.iter().any(|(key, _)| key == name)) else {
+        return Ok(());
+    };
+    let known: Vec<String> = common.iter().chain(own).map(|(key, _)| format!("`{key}`")).collect();
+    bail!("kind = \"{kind}\": unknown field `{unknown}`, expected one of {}", known.join(", "))
+}
+
+/// Keys as a type, and the same with all defaults written.
+///
+/// # Errors
+/// When one is missing or of the wrong type.
+pub fn from_keys<S: Serialize + DeserializeOwned>(keys: toml::Table) -> Result<(S, toml::Table)> {
     let found: S = keys
         .try_into()
         .map_err(|e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))?;
     let table = toml::Table::try_from(&found)?;
-    Ok((Arc::new(found), table))
+    Ok((found, table))
 }
 
 /// Refuses a length that is not positive.

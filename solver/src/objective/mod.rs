@@ -4,7 +4,7 @@
 //! [`KINDS`].
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod clearance;
 mod contact_force;
 mod contact_proxy;
@@ -13,11 +13,12 @@ mod distance_field;
 mod integral;
 mod kind;
 mod motion;
+mod probe;
 mod smoothness;
 mod solid_integral;
 mod strain_limit;
 mod stress;
-mod surface_integral;
+pub mod surface_integral;
 mod target;
 mod volume;
 mod wall_thickness;
@@ -34,7 +35,7 @@ pub use contact_proxy::{ContactProxy, PartsTouch};
 pub use context::Context;
 pub use distance_field::{DistanceField, DistanceKind};
 pub use integral::TimeIntegral;
-pub use kind::{Builder, COMMON_KEYS, Kind, Specification};
+pub use kind::{Builder, COMMON_KEYS, Kind, Specification, from_keys, refuse_unknown};
 pub use motion::{Motion, Quantity};
 pub use smoothness::{Smoothness, SmoothnessForm};
 pub use strain_limit::StrainLimit;
@@ -57,6 +58,7 @@ pub const KINDS: &[Kind] = &[
     volume::KIND,
     stress::KIND,
     strain_limit::KIND,
+    probe::KIND,
 ];
 
 /// Which shape areas, volumes and distances are of.
@@ -83,6 +85,9 @@ pub struct Equilibrium<'a> {
     /// Force of contact and friction on each node [N], three components per node;
     /// empty where no term needs it.
     pub contact: &'a [f64],
+    /// Force of the supports on each node [N], in the components that they fix, three
+    /// components per node; empty where no term needs it.
+    pub reaction: &'a [f64],
 }
 
 impl Equilibrium<'_> {
@@ -97,7 +102,7 @@ impl Equilibrium<'_> {
     }
 }
 
-/// One term J(u, X, f) of the objective, with its partial derivatives.
+/// One term J(u, X, f, r) of the objective, with its partial derivatives.
 pub trait Objective: Send + Sync {
     /// The user's name for this term.
     fn name(&self) -> &str;
@@ -110,14 +115,21 @@ pub trait Objective: Send + Sync {
     }
     /// J. Infinite where the rest shape is not admissible.
     fn value(&self, at: &Equilibrium) -> f64;
-    /// Adds `weight` ∂J/∂u at fixed f, three components per node.
+    /// Adds `weight` ∂J/∂u at fixed f and r, three components per node.
     fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]);
     /// Whether it looks at the forces of contact.
     fn uses_contact(&self) -> bool {
         false
     }
+    /// Whether it looks at the forces of supports.
+    fn uses_reaction(&self) -> bool {
+        false
+    }
     /// Adds `weight` ∂J/∂f by the forces f of contact, three components per node.
     fn add_dcontact(&self, _: &Equilibrium, _weight: f64, _out: &mut [f64]) {}
-    /// Adds `weight` ∂J/∂X at fixed u and f, three components per vertex.
+    /// Adds `weight` ∂J/∂r by the forces r of supports, on the degrees of freedom that they
+    /// fix.
+    fn add_dreaction(&self, _: &Equilibrium, _weight: f64, _out: &mut [f64]) {}
+    /// Adds `weight` ∂J/∂X at fixed u, f and r, three components per vertex.
     fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]);
 }

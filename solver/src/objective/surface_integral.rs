@@ -68,6 +68,23 @@ impl Patch {
         Self { facets: facets.iter().map(|&f| space.facet_nodes(f)).collect(), measure }
     }
 
+    /// All points with their shares of the area [m²].
+    #[must_use]
+    pub fn points(&self, equilibrium: &Equilibrium) -> Vec<(Place, f64)> {
+        let table = equilibrium.space.facet_table();
+        let rest = equilibrium.nodes(Measure::Rest);
+        let of_facet = |nodes: &Vec<usize>| -> Vec<(Place, f64)> {
+            let (rest, u) = (gather(nodes, |n| rest[n]), gather(nodes, |n| at(equilibrium.u, n)));
+            let point = |(q, weight): (usize, &f64)| {
+                let [g1, g2] = self.tangents(&rest, &u, &table.gradients[q]);
+                let place = place(&rest, &u, &table.values[q]);
+                (place, 0.5 * weight * g1.cross(&g2).norm())
+            };
+            table.weights.iter().enumerate().map(point).collect()
+        };
+        self.facets.iter().flat_map(of_facet).collect()
+    }
+
     /// Deformed positions of all points [m].
     #[must_use]
     pub fn positions(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
@@ -130,24 +147,17 @@ impl Patch {
         j: Integrand,
     ) -> Part {
         let table = equilibrium.space.facet_table();
-        let rest: Vec<Vec3> = nodes.iter().map(|&n| rest[n]).collect();
-        let u: Vec<Vec3> = nodes.iter().map(|&n| at(equilibrium.u, n)).collect();
-        let moves = f64::from(u8::from(self.measure == Measure::Deformed));
+        let (rest, u) = (gather(nodes, |n| rest[n]), gather(nodes, |n| at(equilibrium.u, n)));
+        let moves = self.moves();
         let zero = || vec![Vec3::zeros(); nodes.len()];
         let mut part = Part { value: 0.0, by_u: zero(), by_rest: zero() };
         for (q, weight) in table.weights.iter().enumerate() {
             let (values, slopes) = (&table.values[q], &table.gradients[q]);
-            let sum = |of: &[Vec3]| of.iter().zip(values).map(|(x, v)| x * *v).sum::<Vec3>();
-            let tangent = |k: usize| -> Vec3 {
-                let x = rest.iter().zip(&u).map(|(x, u)| x + moves * u);
-                x.zip(slopes).map(|(x, d)| x * d[k]).sum()
-            };
-            let (g1, g2) = (tangent(0), tangent(1));
+            let [g1, g2] = self.tangents(&rest, &u, slopes);
             let normal = g1.cross(&g2);
             let area = normal.norm();
             let normal = normal / area.max(f64::MIN_POSITIVE);
-            let place = Place { rest: sum(&rest), u: sum(&u) };
-            let Density { value, by_u, by_rest } = j(&place);
+            let Density { value, by_u, by_rest } = j(&place(&rest, &u, values));
             let weight = 0.5 * weight;
             part.value += weight * area * value;
             let (side1, side2) = (g2.cross(&normal), normal.cross(&g1));
@@ -160,6 +170,30 @@ impl Patch {
         }
         part
     }
+
+    /// Tangents of a facet, of the shape that the measure is of, from the slopes of its basis.
+    fn tangents(&self, rest: &[Vec3], u: &[Vec3], slopes: &[[f64; 3]]) -> [Vec3; 2] {
+        let moves = self.moves();
+        [0, 1].map(|k| {
+            let x = rest.iter().zip(u).map(|(x, u)| x + moves * u);
+            x.zip(slopes).map(|(x, d)| x * d[k]).sum()
+        })
+    }
+
+    /// 1 where the measure moves with u, else 0.
+    fn moves(&self) -> f64 {
+        f64::from(u8::from(self.measure == Measure::Deformed))
+    }
+}
+
+fn gather(nodes: &[usize], of: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+    nodes.iter().map(|&n| of(n)).collect()
+}
+
+/// The point of a facet with these values of its basis.
+fn place(rest: &[Vec3], u: &[Vec3], values: &[f64]) -> Place {
+    let sum = |of: &[Vec3]| of.iter().zip(values).map(|(x, v)| x * *v).sum::<Vec3>();
+    Place { rest: sum(rest), u: sum(u) }
 }
 
 #[cfg(test)]

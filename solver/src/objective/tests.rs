@@ -52,7 +52,7 @@ impl Case {
     }
 
     fn with<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], contact: &'a [f64]) -> Equilibrium<'a> {
-        Equilibrium { space: &self.space, rest, u, load: 0.7, contact }
+        Equilibrium { space: &self.space, rest, u, load: 0.7, contact, reaction: &[] }
     }
 
     /// Taylor tests of all derivatives; those that vanish must do so exactly, and

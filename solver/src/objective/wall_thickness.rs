@@ -26,14 +26,13 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use mesh::bvh::SurfaceBvh;
-use mesh::{Vec3, topology};
+use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, positive, read};
 use super::{Equilibrium, Measure, Objective};
 use crate::body::Names;
-use crate::contact::candidates::close_between;
+use crate::contact::candidates::{close_between, closest_between};
 use crate::contact::density::{Density, Repulsion};
 use crate::contact::pairs::{Features, Pair};
 use crate::contact::rest_potential;
@@ -208,16 +207,8 @@ fn apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<[Features; 2], Si
     }
 }
 
-fn min_distance([inner, outer]: &[Features; 2], x: &[Vec3]) -> f64 {
-    if outer.triangles.is_empty() {
-        return f64::INFINITY;
-    }
-    let surface = SurfaceBvh::new(&topology::submesh(x, &outer.triangles).0);
-    let to_outer = |&v: &usize| surface.closest(&x[v]).distance;
-    // no pair but the closest ones is nearer than any vertex is
-    let bound = inner.vertices.iter().map(to_outer).fold(f64::INFINITY, f64::min);
-    let pairs = close_between(inner, outer, x, bound);
-    pairs.iter().map(|p| p.closest(&p.gather(x)).d2.sqrt()).fold(bound, f64::min)
+fn min_distance(sides: &[Features; 2], x: &[Vec3]) -> f64 {
+    closest_between(sides, x).map_or(f64::INFINITY, |(_, closest)| closest.d2.sqrt())
 }
 
 impl Objective for WallThickness {

@@ -20,7 +20,7 @@ use crate::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
-use crate::objective::Equilibrium;
+use crate::objective::{Equilibrium, Objective};
 use crate::report::failure::Diagnosis;
 use crate::report::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
@@ -66,6 +66,15 @@ pub enum Start<'a> {
     Next(&'a [f64]),
     /// From rest through time, next to the states of another run.
     Guided(&'a Arc<Trajectory>),
+}
+
+/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
+/// them.
+struct Forces {
+    /// Of contact and friction.
+    contact: Vec<f64>,
+    /// Of supports.
+    reaction: Vec<f64>,
 }
 
 /// A design problem with a fixed mesh topology and fixed variables.
@@ -251,13 +260,13 @@ impl Level {
     }
 
     /// Weighted terms over a run, by the user's names.
-    fn terms_of(&self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
+    fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
         let mut terms = BTreeMap::new();
         for n in 0..=run.steps() {
-            let contact = self.contact_forces(rest, run, n);
+            let Forces { contact, reaction } = self.forces(rest, run, n);
             let (state, load) = (run.state(n), run.times[n]);
             let (space, u) = (&*self.problem.space, &state.u[..]);
-            let at = Equilibrium { space, rest, u, load, contact: &contact };
+            let at = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
             for term in &self.terms {
                 let value = match term.weight * term.factors[n] {
                     0.0 => 0.0,
@@ -269,15 +278,30 @@ impl Level {
         terms
     }
 
-    /// Forces of contact at a moment, where a term looks at them.
-    fn contact_forces(&self, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
-        let looks = |t: &Weighted| t.factors[n] != 0.0 && t.objective.uses_contact();
-        if n == 0 || !self.terms.iter().any(looks) {
-            return Vec::new();
+    /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
+    fn forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Forces {
+        let looks = |uses: fn(&dyn Objective) -> bool| {
+            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
+        };
+        let (uses_contact, uses_reaction) =
+            (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
+        let none = |wanted: bool| if wanted { vec![0.0; self.problem.dofs()] } else { Vec::new() };
+        let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
+        if n == 0 || !uses_contact && !uses_reaction {
+            return forces;
         }
         let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
         let at = self.problem.iterate(rest, &state.u, run.times[n]);
-        self.problem.energies.contact_forces(&Iterate { step: Some(&step), ..at })
+        let at = Iterate { step: Some(&step), ..at };
+        if uses_contact {
+            forces.contact = self.problem.energies.contact_forces(&at);
+        }
+        if uses_reaction {
+            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+            let at = Iterate { multipliers: &multipliers, ..at };
+            forces.reaction = self.problem.gradient(&at).0;
+        }
+        forces
     }
 
     /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
@@ -352,18 +376,20 @@ impl Level {
     /// # Errors
     /// When the adjoint system has no accurate solution.
     pub fn sweep(&mut self, at: &Evaluation, terms: &[usize]) -> Result<Gradient, Rejected> {
-        let contact: Vec<Vec<f64>> =
-            (0..=at.run.steps()).map(|n| self.contact_forces(&at.rest, &at.run, n)).collect();
+        let forces: Vec<Forces> =
+            (0..=at.run.steps()).map(|n| self.forces(&at.rest, &at.run, n)).collect();
         let mut by_rest = vec![0.0; 3 * at.rest.len()];
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let state = at.run.state(n);
             let (rest, load) = (&at.rest[..], at.run.times[n]);
-            let here = Equilibrium { space, rest, u: &state.u, load, contact: &contact[n] };
+            let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
+            let here = Equilibrium { space, rest, u, load, contact, reaction };
             for term in terms.iter().map(|&i| &self.terms[i]) {
                 let factor = term.weight * term.factors[n];
                 if factor != 0.0 {
                     term.objective.add_du(&here, factor, &mut out.by_u);
                     term.objective.add_dcontact(&here, factor, &mut out.by_contact);
+                    term.objective.add_dreaction(&here, factor, &mut out.by_reaction);
                     term.objective.add_drest(&here, factor, &mut by_rest);
                 }
             }

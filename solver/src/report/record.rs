@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use crate::energy::{Iterate, Multiplier};
 use crate::forward::{LoadStep, Problem, Progress, Timings};
+use crate::probe::{Probe, measure};
 use crate::report::results;
 use crate::scene::Scene;
 
@@ -90,6 +91,7 @@ impl Checkpoint {
 pub struct Recorder<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
+    probes: &'a [Probe],
     folder: PathBuf,
     /// Whether every step gets its picture.
     pictures: bool,
@@ -105,7 +107,7 @@ impl<'a> Recorder<'a> {
     /// When they cannot be read.
     pub fn new(
         scene: &'a Scene,
-        problem: &'a Problem,
+        (problem, probes): (&'a Problem, &'a [Probe]),
         folder: &Path,
         pictures: bool,
         done: Option<&Checkpoint>,
@@ -130,7 +132,7 @@ impl<'a> Recorder<'a> {
                 done.steps
             );
         }
-        Ok(Self { scene, problem, folder: folder.to_path_buf(), pictures, lines, work })
+        Ok(Self { scene, problem, probes, folder: folder.to_path_buf(), pictures, lines, work })
     }
 
     /// Follows the work of the loads through every load step.
@@ -153,10 +155,13 @@ impl<'a> Recorder<'a> {
         let body = &self.scene.body;
         let mut line = results::step(self.scene, body, self.problem, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
+        let at = step.iterate(self.problem, &body.mesh.vertices);
+        if !self.probes.is_empty() {
+            line["probes"] = json!(measure(self.probes, self.problem, &at));
+        }
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
-            let at = step.iterate(self.problem, &body.mesh.vertices);
             let grid = results::grid_with_forces(&self.problem.energies, &at);
             vtu::write_vtu(&self.folder.join(name), &grid)?;
             let picture = |(i, line): (usize, &Value)| (time(line), picture(i));

@@ -12,10 +12,12 @@ use serde_json::{Value, json};
 use crate::body::Body;
 use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
-use crate::energy::{Chamber, Energies, Iterate, Kind, Term};
+use crate::energy;
+use crate::energy::{Chamber, Energies, Iterate, Term};
 use crate::forward::{LoadStep, Problem};
 use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
+use crate::probe::{Kind, Probe, measure};
 use crate::scene::Scene;
 
 /// Measures of one tag.
@@ -71,7 +73,6 @@ pub fn tags(
 }
 
 /// Reaction force of each support on the body [N], in the components that it fixes.
-/// Several entries of one tag are one support.
 fn reactions(
     scene: &Scene,
     body: &Body,
@@ -79,16 +80,13 @@ fn reactions(
     at: &Iterate,
 ) -> Result<BTreeMap<String, [f64; 3]>> {
     let (gradient, _) = problem.gradient(at);
-    let supports = scene.supports(body, at.space)?;
-    let fixed = &scene.config.fixed;
-    let mut reactions: BTreeMap<String, [f64; 3]> =
-        fixed.iter().map(|support| (support.on.clone(), [0.0; 3])).collect();
-    for (dof, owner) in supports.owner.iter().enumerate() {
-        if let Some(sum) = owner.and_then(|i| reactions.get_mut(&fixed[i].on)) {
-            sum[dof % 3] += gradient[dof];
-        }
-    }
-    Ok(reactions)
+    let held = scene.supports(body, at.space)?.by_tag();
+    let reaction = |dofs: Vec<usize>| {
+        let mut sum = [0.0; 3];
+        dofs.iter().for_each(|&dof| sum[dof % 3] += gradient[dof]);
+        sum
+    };
+    Ok(held.into_iter().map(|(tag, dofs)| (tag, reaction(dofs))).collect())
 }
 
 /// Area and displacements of the facets of a tag.
@@ -189,6 +187,18 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, ChamberRe
     chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
 }
 
+/// Kind, unit and value of every probe.
+#[must_use]
+pub fn probes(probes: &[Probe], problem: &Problem, at: &Iterate) -> Value {
+    let values = measure(probes, problem, at);
+    let row = |probe: &Probe| {
+        let Kind { key, unit, .. } = probe.kind;
+        let row = json!({ "kind": key, "unit": unit, "value": values[&probe.name] });
+        (probe.name.clone(), row)
+    };
+    probes.iter().map(row).collect()
+}
+
 /// Energies of a state by kind, and their sum `total` [J]. What inertia and
 /// friction add to the potential of a step in time is none.
 #[must_use]
@@ -211,7 +221,7 @@ pub fn balance(problem: &Problem, state: &Iterate) -> Value {
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
     // the elastic forces of a body have no resultant
-    let is_elastic = |term: &Term| matches!(term.kind, Kind::Elastic(_));
+    let is_elastic = |term: &Term| matches!(term.kind, energy::Kind::Elastic(_));
     for Term { energy, .. } in problem.energies.terms().filter(|term| !is_elastic(term)) {
         let mut gradient = vec![0.0; state.u.len()];
         energy.add_gradient(state, &mut gradient);

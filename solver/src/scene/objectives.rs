@@ -72,11 +72,13 @@ impl<'a> ObjectiveBuilder<'a> {
         let bodies: Vec<(&str, &Specification)> =
             parts.map(|part| (part.config.name.as_str(), &part.material)).collect();
         let ends = self.scene.times();
+        let probes = self.scene.probes(body, space)?;
+        let probes = probes.into_iter().map(|probe| (probe.name, probe.quantity)).collect();
         let build = |term: &Term| {
             let (name, factors) = (term.config.name(), term.factors.clone());
             let times = [0.0].iter().chain(&ends).zip(&factors);
             let times: Vec<f64> = times.filter(|(_, f)| **f != 0.0).map(|(t, _)| *t).collect();
-            let context = Context { body, space, bodies: &bodies, times: &times };
+            let context = Context { body, space, bodies: &bodies, times: &times, probes: &probes };
             let objective =
                 (term.build)(name, &context).with_context(|| format!("objective \"{name}\""))?;
             Ok(Weighted { weight: term.config.weight(), factors, objective })

@@ -3,6 +3,7 @@
 use crate::energy::gas_law::Row;
 use crate::material::Law;
 use crate::objective::Kind;
+use crate::probe;
 
 /// The objectives of design problems; a star marks those that may be maximised.
 pub fn objectives(kinds: &[Kind]) -> String {
@@ -12,6 +13,15 @@ pub fn objectives(kinds: &[Kind]) -> String {
         [format!("`{}`{star}", kind.key), kind.formula.to_owned(), kind.unit.to_owned(), list(keys)]
     };
     table(["kind", "minimises", "unit", "keys"], kinds.iter().map(row))
+}
+
+/// The probes of scenes.
+pub fn probes(kinds: &[probe::Kind]) -> String {
+    let row = |kind: &probe::Kind| {
+        let keys = kind.keys.iter().map(|(key, meaning)| format!("`{key}`: {meaning}"));
+        [format!("`{}`", kind.key), kind.formula.to_owned(), kind.unit.to_owned(), list(keys)]
+    };
+    table(["kind", "measures", "unit", "keys"], kinds.iter().map(row))
 }
 
 /// The gas laws of chambers; the key that selects one is in bold.

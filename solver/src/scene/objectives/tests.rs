@@ -16,6 +16,11 @@ material = { kind = 'neo-hookean', young = 2e5, poisson = 0.4 }
 translate = [0.0, 0.0, 1.01]
 [[fixed]]
 on = 'lower.bottom'
+[[probe]]
+name = 'lift'
+kind = 'displacement'
+on = 'upper.top'
+axis = [0, 0, 2]
 [time]
 end = 1.0
 steps = 4
@@ -71,6 +76,11 @@ on = 'upper'
 [[objective]]
 kind = 'strain-limit'
 largest = 1.05
+[[objective]]
+kind = 'probe'
+probe = 'lift'
+target = '0.2*t'
+scale = 0.01
 ";
 
 #[derive(serde::Deserialize)]
@@ -115,7 +125,7 @@ fn values(contact: &str, terms: &str) -> Result<Vec<(String, f64, Vec<f64>)>> {
     let mut pull = vec![0.0; u.len()];
     pull.chunks_exact_mut(3).for_each(|f| f[2] = 1.0);
     let rest = &scene.body.mesh.vertices;
-    let at = Equilibrium { space: &space, rest, u: &u, load: 1.0, contact: &pull };
+    let at = Equilibrium { space: &space, rest, u: &u, load: 1.0, contact: &pull, reaction: &[] };
     let terms = builder.build(&scene.body, &space)?;
     let one = |t: &Weighted| {
         assert!(t.weight == 2.0);
@@ -151,6 +161,8 @@ fn every_kind_is_built_on_what_it_names() {
     let stress = crate::material::Material::first_piola(&law, &kinematics).norm_squared();
     close(9, stress);
     close(10, 0.05 * 0.05);
+    // lifted by 0.1 where 0.2 is wanted, ten times the scale
+    close(11, 100.0);
 }
 
 #[test]
@@ -167,6 +179,7 @@ fn what_is_missing_is_named() {
         ("", format!("{volume}on = 'chamber'"), "objective \"term 1\": unknown tag \"chamber\""),
         ("", format!("{volume}over = {{ steps = [5] }}"), "step 5: the scene has steps 1 to 4"),
         ("", format!("{volume}over = 'simpson'\nodd = 1"), "unknown field `odd`"),
+        ("", "[[objective]]\nkind = 'probe'\nprobe = 'drop'".to_owned(), "there are: lift"),
         ("", "[[objective]]\nkind = 'stress'\non = 'lower.top'".to_owned(), "lower, upper"),
         (
             "",

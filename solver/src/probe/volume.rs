@@ -1,0 +1,31 @@
+//! Volume of a chamber behind its deformed wall, as in [`Volume`]   [m³].
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Kind, Site, Specification, read};
+use crate::objective::{Measure, Objective, Volume};
+
+pub(super) const KIND: Kind = Kind {
+    key: "volume",
+    formula: "volume of a chamber behind its deformed wall, an open one closed by caps",
+    unit: "m³",
+    keys: &[("on", "tag of the wall")],
+    needs_contact: false,
+    read: read::<Keys>,
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: String,
+}
+
+impl Specification for Keys {
+    fn build(&self, name: &str, site: &Site) -> Result<Arc<dyn Objective>> {
+        let wall = site.body.facets(&self.on)?;
+        Ok(Arc::new(Volume::behind(name, site.space, &wall, Measure::Deformed, None)))
+    }
+}

@@ -1,0 +1,31 @@
+//! The probes of a scene.
+
+use anyhow::{Context as _, Result};
+
+use super::Scene;
+use crate::body::Body;
+use crate::element::FunctionSpace;
+use crate::probe::{Probe, Site};
+use crate::supports::Supports;
+
+impl Scene {
+    /// The probes on a body with this scene's tags, in the order of the scene.
+    ///
+    /// # Errors
+    /// When a tag is missing, or a point lies outside of the body.
+    pub fn probes(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Probe>> {
+        if self.config.probe.is_empty() {
+            return Ok(Vec::new());
+        }
+        let context = || self.path.display().to_string();
+        let (fixed, moments) = (&self.config.fixed, self.config.moments());
+        let supports = Supports::new(fixed, &moments, body, space).with_context(context)?.by_tag();
+        let site = Site { body, space, supports: &supports };
+        let probes = self.config.probe.iter().map(|config| {
+            let (name, kind, quantity) =
+                (config.name().to_owned(), config.kind(), config.build(&site)?);
+            Ok(Probe { name, kind, quantity })
+        });
+        probes.collect::<Result<_>>().with_context(context)
+    }
+}

@@ -1,0 +1,202 @@
+//! Probes of scenes, by the program: against what reports have besides, and as objectives.
+
+use serde_json::Value;
+use tests::chamber::{self, MOUTH, PRESSURE};
+use tests::workdir::Workdir;
+
+/// One probe of each kind that needs no contact.
+const PROBES: &str = r#"
+[[probe]]
+name = "top"
+kind = "displacement"
+on = "top"
+axis = [0, 0, 1]
+
+[[probe]]
+name = "inside"
+kind = "point"
+at = [0.045, 0.02, 0.021]
+axis = [1, 0, 0]
+
+[[probe]]
+name = "marker"
+kind = "point"
+at = [0.02, 0.02, 0.1]
+on = "top"
+axis = [0, 0, 2]
+
+[[probe]]
+name = "bend"
+kind = "angle"
+on = "top"
+to = "seat"
+
+[[probe]]
+name = "apart"
+kind = "distance"
+on = "top"
+to = "seat"
+
+[[probe]]
+name = "wall"
+kind = "gap"
+on = "top"
+to = "cavity"
+
+[[probe]]
+name = "bow"
+kind = "curvature"
+on = ["seat", "cavity", "top"]
+
+[[probe]]
+name = "air"
+kind = "volume"
+on = "cavity"
+
+[[probe]]
+name = "held"
+kind = "reaction"
+on = "seat"
+axis = [3, 0, 0]
+"#;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+#[track_caller]
+fn near(found: &Value, expected: f64) {
+    let found = number(found);
+    assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
+}
+
+/// A folder with `scene` and probes in `probes.toml`.
+fn with_probes(scene: &str, more: &str) -> Workdir {
+    let dir = chamber::workdir();
+    let text = dir.text(scene);
+    dir.write("probes.toml", &format!("{text}{PROBES}{more}"));
+    dir
+}
+
+#[test]
+fn probes_are_columns_and_agree_with_the_report() {
+    let dir = with_probes("sim.toml", "[solver]\nlargest_load_step = 0.3\n");
+    dir.solver("simulate probes.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let last = |name: &str| &report["probes"][name]["value"];
+    near(last("top"), number(&report["tags"]["top"]["mean_displacement_vector"][2]));
+    near(last("air"), number(&report["chambers"]["cavity"]["volume"]));
+    near(last("held"), number(&report["tags"]["seat"]["reaction"][0]));
+    // the gas pushes with the pressure times the area of the mouth, and only the seat holds it
+    near(last("held"), -PRESSURE * MOUTH * MOUTH);
+    assert_eq!(report["probes"]["bend"]["unit"], "deg");
+    assert_eq!(report["probes"]["marker"]["kind"], "point");
+    assert_eq!(report["config"]["probe"][8]["on"], "seat");
+
+    let lines: Vec<Value> =
+        dir.text("out/steps.jsonl").lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert!(lines.len() >= 4, "{}", lines.len());
+    for name in ["top", "inside", "marker", "bend", "apart", "wall", "bow", "air", "held"] {
+        assert_eq!(&lines[lines.len() - 1]["probes"][name], last(name), "{name}");
+        assert_ne!(lines[0]["probes"][name], lines[1]["probes"][name], "{name}");
+    }
+    dir.solver("plot out/steps.jsonl --x probes.air*1e6 --y probes.top*1e3 -o curve.svg")
+        .assert_good();
+}
+
+/// A dead load of 50 Pa on the top, 20 cm², pulls at the seat with 0.1 N.
+#[test]
+fn a_reaction_is_the_force_that_is_applied() {
+    let load = "[[traction]]\non = \"top\"\ntraction = [0, 0, -50]\n";
+    let dir = with_probes("p1.toml", load);
+    let text = dir.text("probes.toml");
+    dir.write("probes.toml", &text.replace("axis = [3, 0, 0]", "axis = [0, 0, 1]"));
+    dir.solver("simulate probes.toml -o out").assert_good();
+    near(&dir.json("out/report.json")["probes"]["held"]["value"], 50.0 * 20e-4);
+}
+
+#[test]
+fn wrong_probes_are_refused_before_anything_is_solved() {
+    let dir = with_probes("p1.toml", "");
+    let sound = dir.text("probes.toml");
+    for (from, to, words) in [
+        ("on = \"top\"", "on = \"lid\"", &["[[probe]] \"top\"", "\"lid\"", "seat, cavity"][..]),
+        ("name = \"bend\"", "name = \"top\"", &["two [[probe]] are called \"top\""]),
+        ("name = \"bend\"", "name = \"a b\"", &["\"a b\"", "letters, digits"]),
+        ("name = \"bend\"", "", &["[[probe]]", "missing field `name`"]),
+        ("0.045, 0.02, 0.021", "0.02, 0.02, 0.02", &["\"inside\"", "lies in no element"]),
+        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", &["\"inside\"", "axis = [0.0, 0.0, 0.0]"]),
+        ("axis = [1, 0, 0]", "axis = \"x\"", &["\"inside\"", "in `axis`"]),
+        ("kind = \"gap\"", "kind = \"gaps\"", &["\"wall\"", "`gaps`", "`gap`"]),
+        ("on = \"seat\"\naxis", "on = \"skin\"\naxis", &["\"held\"", "fixed are: seat"]),
+        ("kind = \"reaction\"", "kind = \"contact-force\"", &["\"held\"", "without [contact]"]),
+    ] {
+        assert!(sound.contains(from), "{from:?}");
+        dir.write("probes.toml", &sound.replacen(from, to, 1));
+        let run = dir.solver("simulate probes.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["probes.toml"]);
+        assert_eq!(dir.files("out"), [""; 0], "{to}");
+    }
+}
+
+/// Objectives of all probes at once, each with a wanted value.
+fn design(scene: &str) -> String {
+    let mut text = format!(
+        "scene = \"{scene}\"\n[shape]\non = \"cavity\"\n[[shape.level]]\nhandles = 2\niterations = 1\n"
+    );
+    for (name, target, scale) in [
+        ("top", "1e-3", "1e-4"),
+        ("inside", "1e-3", "1e-4"),
+        ("marker", "1e-3", "1e-4"),
+        ("bend", "80", "1"),
+        ("apart", "0.04", "1e-3"),
+        ("wall", "0.02", "1e-3"),
+        ("bow", "3", "1"),
+        ("air", "2e-5", "1e-6"),
+        ("held", "\"-t\"", "1"),
+    ] {
+        text += &format!(
+            "[[objective]]\nkind = \"probe\"\nname = \"{name}\"\nweight = 1.0\nprobe = \"{name}\"\n\
+             target = {target}\nscale = {scale}\n"
+        );
+    }
+    text
+}
+
+/// Taylor slopes by shape, loads and material: under pressure; with a prescribed volume, the
+/// pressure of which is part of the reaction; and with a rim that slides in its support, where
+/// the pressure's stiffness is not symmetric.
+#[test]
+fn derivatives_of_designs_are_exact() {
+    let volume = |text: &str| text.replace("pressure = 8e3", "volume_factor = 1.2");
+    let sliding = |text: &str| {
+        let held = "components = \"x\"\n[[fixed]]\non = \"top\"\n[[chamber]]";
+        text.replacen("[[chamber]]", held, 1)
+    };
+    let plain = |text: &str| text.to_owned();
+    let changes: [&dyn Fn(&str) -> String; 3] = [&plain, &volume, &sliding];
+    for change in changes {
+        let dir = with_probes("p1.toml", "");
+        let text = change(&dir.text("probes.toml"));
+        dir.write("probes.toml", &text);
+        dir.write("probes.design.toml", &design("probes.toml"));
+        dir.solver("check probes.design.toml").assert_good();
+    }
+}
+
+#[test]
+fn wrong_objectives_of_probes_are_refused() {
+    let dir = with_probes("p1.toml", "");
+    let sound = design("probes.toml");
+    for (from, to, words) in [
+        ("probe = \"top\"", "probe = \"tip\"", &["\"tip\"", "there are: air, apart"][..]),
+        ("scale = 1e-4", "scale = 0", &["objective \"top\"", "scale = 0"]),
+        ("target = 1e-3", "target = \"x\"", &["target = \"x\"", "must depend on t alone"]),
+        ("target = 1e-3", "target = \"q*t\"", &["unknown name \"q\""]),
+        ("weight = 1.0", "weight = -1.0", &["weight = -1"]),
+    ] {
+        dir.write("probes.design.toml", &sound.replacen(from, to, 1));
+        dir.solver("check probes.design.toml").assert_refused(2, words);
+    }
+}
