@@ -7,5 +7,7 @@ mod bar;
 mod cavity;
 #[path = "design/grip.rs"]
 mod grip;
+#[path = "design/levels.rs"]
+mod levels;
 #[path = "design/together.rs"]
 mod together;

@@ -13,6 +13,8 @@ mod energies;
 mod failures;
 #[path = "fast/import.rs"]
 mod import;
+#[path = "fast/measured_rubber.rs"]
+mod measured_rubber;
 #[path = "fast/newton.rs"]
 mod newton;
 #[path = "fast/optimize.rs"]

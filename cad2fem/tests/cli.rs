@@ -232,7 +232,7 @@ fn a_mesher_that_crashes_or_hangs_is_reported() {
     let dir = Workdir::new();
     write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
     let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--no-cache", "--timeout", "1"];
-    let answer = "if [ \"$1\" = -c ]; then echo 0.0; exit; fi";
+    let answer = "if [ \"$2\" = -c ]; then echo 0.0; exit; fi";
     let crash = dir.program("crash", &format!("{answer}; echo dividing by zero >&2; exit 9"));
     dir.run_with("PUFFER_PYTHON", &crash, &arguments).fails(1, "dividing by zero");
     let hang = dir.program("hang", &format!("{answer}; exec sleep 60"));

@@ -19,7 +19,10 @@ fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
     run(&["model", &scene("beam", "model.toml"), "-o", "model"]).succeeds();
     let config = scene("beam", "cad2fem.toml");
     let mesh = ["tetmesh", "model/model.stl", "--config", &config, "-o"];
+    // a module of the standard library that Python imports for us
+    dir.write("csv.py", "open('executed', 'w')");
     run(&[&mesh[..], &["a.msh"]].concat()).succeeds();
+    assert!(!dir.path("executed").exists(), "a file of the working directory was run");
 
     let tets = read_tets(&dir.path("a.msh")).unwrap().mesh;
     assert!((1000..5000).contains(&tets.tets.len()), "{} tets", tets.tets.len());
@@ -106,8 +109,17 @@ fn a_library_that_gmsh_misses_is_named_with_its_package() {
     let dir = Workdir::new();
     let cannot = "raise OSError('libGLU.so.1: cannot open shared object file')";
     dir.write("gmsh.py", cannot);
-    let shim = dir
-        .program("python", &format!("PYTHONPATH={} exec {python} \"$@\"", dir.path("").display()));
+    // the programs isolate Python: it takes gmsh.py from nowhere else
+    let with_ours = format!(
+        "import runpy, sys; sys.path.insert(0, '{}'); runpy.run_path('driver.py')",
+        dir.path("").display()
+    );
+    let shim = dir.program(
+        "python",
+        &format!(
+            "if [ \"$2\" = -c ]; then exec {python} \"$@\"; fi; exec {python} -c \"{with_ours}\""
+        ),
+    );
     dir.run_with(
         "PUFFER_PYTHON",
         &shim,

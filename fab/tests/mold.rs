@@ -160,14 +160,27 @@ fn the_sheet_adds_up() {
     let solid: f64 = report.parts.iter().map(|part| part.volume).sum();
     assert!((number("/plastic_g") - 1.2e-3 * solid).abs() < 1e-9);
     let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
-    for words in ["Uncured resin inhibits", "20.0 kPa", "Wacker", "`core.stl` [mm]"] {
+    let modulus = "| shear modulus | 220 kPa; one source |";
+    let pressure = "A pressure computed with μ kPa has to be multiplied by 220/μ.";
+    for words in
+        ["Uncured resin inhibits", "20.0 kPa", "Wacker", "`core.stl` [mm]", modulus, pressure]
+    {
         assert!(sheet.contains(words), "{words}: {sheet}");
     }
-    // A filament printer inhibits nothing.
+    // A filament printer inhibits nothing; a silicone with several sources has a range.
+    let config = config.replace("elastosil-m4601", "dragon-skin-20");
     let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"prusa-mk4\""));
     molded(&scene);
     let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
     assert!(!sheet.contains("Uncured resin"), "{sheet}");
+    // 135.9/180.5 and 193/180.5
+    for words in [
+        "sources give 136 to 193 kPa",
+        "computed with 180 kPa has to be multiplied by a factor between 0.75 and 1.07",
+        "between 136/μ and 193/μ",
+    ] {
+        assert!(sheet.contains(words), "{words}: {sheet}");
+    }
 }
 
 #[test]

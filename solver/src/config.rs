@@ -5,6 +5,7 @@
 mod chamber;
 mod check;
 mod design;
+mod level;
 mod objective;
 mod probe;
 mod superseded;
@@ -24,9 +25,8 @@ use crate::forward::Method;
 use crate::material::Specification;
 use crate::schedule::{Field, axes};
 use crate::silicone;
-pub use design::{
-    DesignConfig, Interior, LevelConfig, OptimizerConfig, ParameterDesign, ShapeConfig, Spread,
-};
+pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
+pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
@@ -245,8 +245,17 @@ impl MaterialConfig {
     /// With what was found and what is needed.
     pub fn specification(&self) -> Result<Specification> {
         match self {
-            Self::Silicone(name) => silicone::find(name).map(|fit| fit.specification.clone()),
+            Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
             Self::Law(table) => Specification::read(table).context("[material]"),
+        }
+    }
+
+    /// The silicone that is named, if one is.
+    #[must_use]
+    pub fn silicone(&self) -> Option<silicone::Named> {
+        match self {
+            Self::Silicone(name) => silicone::find(name).ok(),
+            Self::Law(_) => None,
         }
     }
 }

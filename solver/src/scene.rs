@@ -15,7 +15,9 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 
 use crate::body::{Body, Part};
-use crate::config::{BodyConfig, SimConfig, SolverConfig, beside};
+use crate::config::{
+    BodyConfig, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
+};
 use crate::element::FunctionSpace;
 use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
 use crate::forward::{Integrator, Newton, Problem, State, Stepping, Workspace};
@@ -110,6 +112,25 @@ impl Scene {
             last => Body::of_several(meshes.into_iter().chain(last).collect()),
         };
         Ok(Self { path: path.to_path_buf(), config, parts, body, certify: true })
+    }
+
+    /// The same scene with the degree and the time steps of a level of a design.
+    ///
+    /// # Errors
+    /// When they do not fit the scene.
+    pub fn with_fidelity(&self, level: &LevelConfig) -> Result<Self> {
+        let mut scene = self.clone();
+        scene.config.degree = level.degree.unwrap_or(self.config.degree);
+        if let Some(LevelTime { steps, end }) = level.time {
+            let own = scene.config.time.as_mut().context(
+                "[[shape.level]] time: the scene has no [time]; expected a level without it",
+            )?;
+            let end = end.unwrap_or_else(|| self.end());
+            *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
+        }
+        let context = || format!("{}, as a [[shape.level]] has it", self.path.display());
+        scene.config.check().with_context(context)?;
+        Ok(scene)
     }
 
     /// Density of a body [kg/m³].

@@ -40,7 +40,8 @@ pub fn assert_same(dir: &Workdir, expected: &(Vec<u8>, Vec<Value>)) {
     assert!(design == expected.0, "design.msh differs");
 }
 
-fn start(dir: &Workdir) -> Child {
+/// Starts the program.
+pub fn start(dir: &Workdir) -> Child {
     let mut command = dir.command(COMMAND);
     command.stderr(Stdio::null()).spawn().unwrap()
 }

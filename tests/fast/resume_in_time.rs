@@ -145,11 +145,18 @@ fn an_unfinished_run_of_another_scene() {
 #[test]
 fn a_checkpoint_that_is_none() {
     let dir = unfinished();
-    let text = dir.text("out/checkpoint.json");
+    let (text, steps) = (dir.text("out/checkpoint.json"), dir.text("out/steps.jsonl"));
     dir.write("out/checkpoint.json", &text[..text.len() / 2]);
-    dir.solver(COMMAND).assert_refused(2, &["checkpoint.json: not a checkpoint", "--restart"]);
+    dir.solver(COMMAND).assert_refused(2, &["checkpoint.json: broken checkpoint", "--restart"]);
     dir.write("out/checkpoint.json", &text);
     dir.write("out/steps.jsonl", "");
-    dir.solver(COMMAND).assert_refused(2, &["steps.jsonl has 0 lines", "--restart"]);
+    dir.solver(COMMAND).assert_refused(2, &["steps.jsonl: not the", "--restart"]);
+    dir.write("out/steps.jsonl", &steps);
+    // one digit of a displacement
+    let digit = text.rfind("\"work\"").unwrap() - 20;
+    let digit = digit + text[digit..].find(|c: char| c.is_ascii_digit()).unwrap();
+    let other = if &text[digit..=digit] == "1" { "2" } else { "1" };
+    dir.write("out/checkpoint.json", &format!("{}{other}{}", &text[..digit], &text[digit + 1..]));
+    dir.solver(COMMAND).assert_refused(2, &["checkpoint.json: broken checkpoint", "altered"]);
     dir.solver(&format!("{COMMAND} --restart")).assert_good();
 }

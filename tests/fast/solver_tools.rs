@@ -21,7 +21,24 @@ fn list_names_every_law_and_silicone() {
     assert!(laws.as_array().unwrap().len() >= 7, "{laws}");
     let run = dir.solver("list --silicones");
     run.assert_good();
-    assert!(run.stdout.contains("ecoflex-00-30") && run.stdout.contains("ODbL"), "{}", run.stdout);
+    for words in [
+        "ODbL",
+        "shear modulus 31.7 kPa (campbell-2025, tension); sources give 14.4 to 39.4 kPa",
+        "/campbell-2025        31.7 kPa  tension\n",
+        "/dawood-2026          32.4 kPa  compression, stiffening of marechal-2021\n",
+        "/datasheet            39.4 kPa  100 % modulus\n",
+        "/marechal-2021        14.4 kPa  tension, crosshead strain\n",
+        "gent: mu 31700, j_m 39.6, bulk 6340000; range unknown\n",
+        "1.3 to 3.1 times as much as such tests say",
+    ] {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    let run = dir.solver("list --silicones --json");
+    let silicones: Value = serde_json::from_str(&run.stdout).unwrap();
+    let ecoflex = silicones.as_array().unwrap().iter().find(|s| s["key"] == "ecoflex-00-30");
+    let ecoflex = ecoflex.unwrap();
+    assert_eq!(ecoflex["shear_modulus_range"], serde_json::json!([14440.0, 39400.0]));
+    assert_eq!(ecoflex["fits"][0]["name"], "ecoflex-00-30/campbell-2025");
 }
 
 #[test]
@@ -35,7 +52,19 @@ fn a_silicone_is_named_and_its_range_is_kept() {
         dir.write("named.toml", &scene.replace("8e3", "1e3"));
         dir.solver("simulate named.toml -o out")
     };
+    let run = named("ecoflex-00-30/ogden");
+    run.assert_good();
+    let line = "ecoflex-00-30: shear modulus 14.4 kPa (marechal-2021, tension, crosshead strain); \
+                sources give 14.4 to 39.4 kPa";
+    assert_eq!(run.stderr.matches(line).count(), 1, "{}", run.stderr);
+    let material = &dir.json("out/report.json")["material"]["silicone"];
+    assert_eq!(material["source"], "marechal-2021", "{material}");
+    assert_eq!(material["shear_modulus_range"], serde_json::json!([14440.0, 39400.0]));
+    let soft = number(&dir.json("out/report.json")["chambers"]["cavity"]["volume"]);
     named("ecoflex-00-30").assert_good();
+    // 31.7 kPa in place of 14.4
+    let stiff = number(&dir.json("out/report.json")["chambers"]["cavity"]["volume"]);
+    assert!(stiff < soft, "{stiff} {soft}");
     let range = &dir.json("out/report.json")["stretch_range"];
     assert!(number(&range["largest"]) > 1.0 && number(&range["smallest"]) < 1.0, "{range}");
     named("ecoflex").assert_refused(2, &["\"ecoflex\"", "ecoflex-00-30"]);

@@ -1,8 +1,11 @@
 //! `solver optimize` in a folder that holds something else, or not all.
 
+use std::time::Duration;
+
+use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::resume::{COMMAND, assert_same, results, undisturbed, unfinished};
+use crate::resume::{COMMAND, assert_same, results, start, undisturbed, unfinished};
 
 /// Changes one byte or number of every input in turn.
 fn with_other_inputs(dir: &Workdir, mut then: impl FnMut(&str)) {
@@ -36,7 +39,7 @@ fn unfinished_work_on_other_inputs_is_not_thrown_away() {
 #[test]
 fn a_finished_folder_is_used_again_for_other_inputs() {
     let dir = undisturbed();
-    let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["inputs"].clone();
+    let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["content"]["inputs"].clone();
     let mut before = inputs(&dir);
     with_other_inputs(&dir, |file| {
         dir.solver(COMMAND).assert_good();
@@ -63,10 +66,30 @@ fn a_spoiled_folder_is_refused() {
 #[test]
 fn a_checkpoint_of_another_size_is_refused() {
     let dir = undisturbed();
-    let mut checkpoint = dir.json("out/checkpoint.json");
+    let mut checkpoint = dir.json("out/checkpoint.json")["content"].clone();
     checkpoint["theta"].as_array_mut().unwrap().pop();
-    dir.write("out/checkpoint.json", &checkpoint.to_string());
-    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json"]);
+    let path = dir.path("out/checkpoint.json");
+    program::write_checkpoint(&path, solver::report::PROGRAM, &checkpoint).unwrap();
+    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "theta and gradient have"]);
+}
+
+/// One digit of each file from which an interrupted design continues.
+#[test]
+fn altered_files_are_never_used() {
+    let dir = undisturbed();
+    let run = |name: &String| name.starts_with("run-");
+    let run = dir.files("out").into_iter().find(run).unwrap();
+    for name in ["checkpoint.json", "history.jsonl", "level-2.msh", &run] {
+        let path = dir.path(&format!("out/{name}"));
+        let whole = std::fs::read(&path).unwrap();
+        let mut altered = whole.clone();
+        let digit = altered.iter().rposition(u8::is_ascii_digit).unwrap();
+        altered[digit] = if altered[digit] == b'3' { b'4' } else { b'3' };
+        std::fs::write(&path, altered).unwrap();
+        dir.solver(COMMAND).assert_refused(2, &[name, "--restart"]);
+        std::fs::write(&path, whole).unwrap();
+    }
+    dir.solver(COMMAND).assert_good();
 }
 
 /// History without a checkpoint does not show where to continue.
@@ -88,4 +111,18 @@ fn a_history_that_is_too_short_is_refused() {
         dir.write("out/history.jsonl", &lines);
         dir.solver(COMMAND).assert_refused(2, &["out/history.jsonl", "8"]);
     }
+}
+
+#[test]
+fn a_second_writer_is_refused() {
+    let dir = chamber::workdir();
+    let mut first = start(&dir);
+    while !dir.path("out/checkpoint.json").exists() {
+        assert!(first.try_wait().unwrap().is_none(), "over before the second began");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let process = format!("process {} on", first.id());
+    dir.solver(COMMAND).assert_refused(2, &["out: ", &process, "writes to this folder"]);
+    assert!(first.wait().unwrap().success());
+    assert_same(&dir, &results(&undisturbed()));
 }

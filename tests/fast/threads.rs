@@ -47,7 +47,7 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
         contact: &[],
         reaction: &[],
     };
-    for term in builder.build(&scene.body, &problem.space).unwrap() {
+    for term in builder.build(&scene, &scene.body, &problem.space).unwrap() {
         let (mut du, mut drest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
         let value = term.objective.value(&at);
         term.objective.add_du(&at, term.weight, &mut du);

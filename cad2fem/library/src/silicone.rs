@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{Catalog, Source};
 
@@ -26,7 +26,7 @@ pub struct Silicone {
     pub cure_h: Option<f64>,
     /// What else casting needs, if known.
     pub casting: Option<Casting>,
-    /// Laws fitted to tests, the default first.
+    /// Laws by all sources that are known, the default first.
     #[serde(rename = "fit")]
     pub fits: Vec<Fit>,
 }
@@ -55,17 +55,44 @@ pub enum Chemistry {
     Tin,
 }
 
-/// A law of elasticity fitted to tests of a silicone.
+/// A law of elasticity of a silicone by one source.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 pub struct Fit {
     /// Key of the source of its numbers.
     pub source: String,
+    /// Key of the source of how it stiffens, if that is another.
+    pub stiffening: Option<String>,
+    /// How the modulus was found.
+    pub test: Test,
+    /// Shear modulus at rest [Pa]. It is that of the law; a test of the solver, which knows
+    /// the laws, compares them.
+    pub shear_modulus: f64,
+    /// 100 % modulus of the datasheet: nominal stress at stretch 2 [Pa].
+    pub modulus_100: Option<f64>,
     /// Coefficient of determination of the fit, if known [1].
     pub r2: Option<f64>,
     /// `kind` of the law, its parameters and `stretch_range`, as in a table `[material]` of a
     /// scene. The solver builds the law of them.
     #[serde(flatten)]
     pub law: toml::Table,
+}
+
+/// How a modulus was found.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Test {
+    /// Tension, unless the strain is known to be that of the crosshead.
+    Tension,
+    /// Bending of a beam.
+    Bending,
+    /// Compression of a block.
+    Compression,
+    /// By the vendor: one stress, at stretch 2.
+    Datasheet,
+    /// Tension, with strain from the crosshead: the modulus comes out low.
+    Crosshead,
+    /// The source does not say.
+    NotStated,
 }
 
 /// All silicones.
@@ -84,7 +111,51 @@ impl Fit {
     }
 }
 
+impl Test {
+    /// The test in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Tension => "tension",
+            Self::Bending => "bending",
+            Self::Compression => "compression",
+            Self::Datasheet => "100 % modulus",
+            Self::Crosshead => "tension, crosshead strain",
+            Self::NotStated => "test not stated",
+        }
+    }
+}
+
 impl Silicone {
+    /// Smallest and largest shear modulus at rest of all sources [Pa].
+    #[must_use]
+    pub fn shear_moduli(&self) -> [f64; 2] {
+        let moduli = self.fits.iter().map(|fit| fit.shear_modulus);
+        moduli.fold([f64::INFINITY, 0.0], |[low, high], m| [m.min(low), m.max(high)])
+    }
+
+    /// The shear modulus of one of its fits, and what that is worth, in a line.
+    #[must_use]
+    pub fn modulus_in_words(&self, fit: &Fit) -> String {
+        let Fit { source, test, shear_modulus, .. } = fit;
+        let [low, high] = self.shear_moduli();
+        let spread = if self.fits.iter().any(|other| other.source != *source) {
+            format!("sources give {} to {} kPa", kilopascals(low), kilopascals(high))
+        } else if *test == Test::Crosshead {
+            let [least, most] = above_crosshead();
+            format!(
+                "no other source; other silicones have {least:.1} to {most:.1} times as much as such tests say"
+            )
+        } else {
+            "no other source".to_owned()
+        };
+        format!(
+            "shear modulus {} kPa ({source}, {}); {spread}",
+            kilopascals(*shear_modulus),
+            test.words()
+        )
+    }
+
     /// Parts A and B by weight, which add up to 1.
     #[must_use]
     pub fn shares(&self) -> Option<[f64; 2]> {
@@ -100,6 +171,29 @@ impl Silicone {
         let source = silicones().source(self.source.as_ref()?);
         Some(&source.citation)
     }
+}
+
+/// Three digits of a modulus in kPa.
+#[must_use]
+pub fn kilopascals(modulus: f64) -> String {
+    let value = 1e-3 * modulus;
+    match value {
+        ..10.0 => format!("{value:.2}"),
+        ..100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// Smallest and largest ratio of the default to the first fit to crosshead strain, of all silicones that
+/// have another default [1].
+fn above_crosshead() -> [f64; 2] {
+    let ratio = |(_, silicone): (&str, &Silicone)| {
+        let default = silicone.fits.first().filter(|fit| fit.test != Test::Crosshead)?;
+        let crosshead = silicone.fits.iter().find(|fit| fit.test == Test::Crosshead)?;
+        Some(default.shear_modulus / crosshead.shear_modulus)
+    };
+    let ratios = silicones().iter().filter_map(ratio);
+    ratios.fold([f64::INFINITY, 0.0], |[low, high], r| [r.min(low), r.max(high)])
 }
 
 #[cfg(test)]
@@ -121,6 +215,36 @@ mod tests {
             let cure = silicone.cure_h.unwrap();
             assert!(silicone.pot_life_min.is_none_or(|m| m / 60.0 < cure), "{key}");
         }
+    }
+
+    #[test]
+    fn every_range_holds_its_default_and_says_what_it_is_worth() {
+        for (key, silicone) in silicones().iter() {
+            let ([low, high], default) = (silicone.shear_moduli(), &silicone.fits[0]);
+            assert!(
+                low > 0.0 && low <= default.shear_modulus && default.shear_modulus <= high,
+                "{key}"
+            );
+            for fit in &silicone.fits {
+                assert!(!fit.source().citation.is_empty(), "{key}");
+                if let Some(stiffening) = &fit.stiffening {
+                    assert!(!silicones().source(stiffening).citation.is_empty(), "{key}");
+                }
+            }
+            // a fit to crosshead strain is a default only where there is nothing else
+            let only = silicone.fits.iter().all(|fit| fit.test == Test::Crosshead);
+            assert_eq!(only, default.test == Test::Crosshead, "{key}");
+        }
+        let line = |key: &str| {
+            let silicone = silicones().find(key).unwrap();
+            silicone.modulus_in_words(&silicone.fits[0])
+        };
+        assert_eq!(
+            line("ecoflex-00-30"),
+            "shear modulus 31.7 kPa (campbell-2025, tension); sources give 14.4 to 39.4 kPa"
+        );
+        assert!(line("rebound-25").ends_with("1.3 to 3.1 times as much as such tests say"));
+        assert!(line("elastosil-m4601").ends_with("test not stated); no other source"));
     }
 
     #[test]

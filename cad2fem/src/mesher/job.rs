@@ -70,7 +70,7 @@ impl Job {
         let log = |name: &str| std::fs::File::create(self.file(name)).context("cannot write logs");
         let start = Instant::now();
         let mut child = Command::new(&python.path)
-            .arg("driver.py")
+            .args(["-I", "driver.py"]) // no modules from here or the environment
             .current_dir(self.folder.path())
             .stdin(Stdio::null())
             .stdout(log("stdout.log")?)

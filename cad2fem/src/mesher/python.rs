@@ -46,7 +46,7 @@ impl Python {
     pub fn version_of(&self, package: &str) -> Result<String> {
         let script = "import importlib.metadata as m, sys; print(m.version(sys.argv[1]))";
         let output = Command::new(&self.path)
-            .args(["-c", script, package])
+            .args(["-I", "-c", script, package]) // nothing from the working directory
             .output()
             .with_context(|| format!("cannot run {}", self.path.display()))?;
         if output.status.success() {

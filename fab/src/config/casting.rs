@@ -9,8 +9,8 @@ table! {
     /// What is cast, and what the mold is printed on.
     #[derive(PartialEq, Serialize)]
     CastingConfig, "casting." {
-        /// A silicone of [`silicones.toml`](../cad2fem/library/silicones.toml): for masses, times and
-        /// warnings of `cast.md`.
+        /// A silicone of [`silicones.toml`](../cad2fem/library/silicones.toml): for masses, times,
+        /// moduli and warnings of `cast.md`.
         silicone: Option<String> = None => "none: volumes only", known_silicone;
         /// A printer of [`printers.toml`](../cad2fem/library/printers.toml): for gaps, build volume and overhangs, and a
         /// warning of resin.

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use program::Unusable;
 
 use super::optimize::read;
-use crate::config::LevelConfig;
+use crate::config::{HandlesConfig, LevelConfig, VerticesConfig};
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::taylor::log_slope;
@@ -78,7 +78,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let mut settings = design.levels()[0].clone();
     if let Some(handles) = arguments.handles {
-        settings = LevelConfig { handles: Some(handles as usize), vertices: false, ..settings };
+        let (handles, vertices) =
+            (HandlesConfig::Each(handles as usize), VerticesConfig::default());
+        settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
     let theta = vec![0.0; level.variables()];

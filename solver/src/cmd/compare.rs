@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         rows.push(row);
     }
     let report = json!({
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::report::PROGRAM,
         "reference": {
             "run": arguments.reference,
             "degree": reference.space.degree(),

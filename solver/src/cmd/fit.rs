@@ -177,7 +177,7 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
         })
     };
     Ok(json!({
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::report::PROGRAM,
         "tests": tests.iter().map(data).collect::<Result<Vec<_>>>()?,
         "fits": fits.iter().map(one).collect::<Vec<_>>(),
         "written": chosen.candidate.name,

@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .map(|p| (p.name(&scene), json!(p.gradient(&scene, &level, &swept))))
         .collect();
     let report = json!({
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::report::PROGRAM,
         "objective": at.objective,
         "terms": at.terms,
         "by": by,

@@ -1,6 +1,7 @@
 //! `solver list`: what a scene or a design problem may name.
 
 mod markdown;
+mod silicones;
 
 use std::io::Write;
 
@@ -11,7 +12,7 @@ use crate::energy::gas_law::{GAS_LAWS, Row};
 use crate::material::{LAWS, Law};
 use crate::objective::{self, Kind};
 use crate::probe;
-use crate::silicone::{self, Fit, Silicone};
+use crate::silicone;
 
 /// Characters in a line.
 const WIDTH: usize = 96;
@@ -58,9 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             joined(laws, gas_law_text)
         })?
     } else if silicones {
-        rows(silicone::all(), (json, silicone_json), (false, |_| String::new()), |silicones| {
-            joined(silicones, silicone_text)
-        })?
+        rows(silicone::all(), (json, silicones::json), (false, |_| String::new()), silicones::text)?
     } else {
         rows(LAWS, (json, law_json), (markdown, markdown::materials), |laws| {
             joined(laws, law_text)
@@ -197,66 +196,5 @@ fn law_json(law: &Law) -> Value {
         "bulk_modulus": law.bulk,
         "limits": law.limits,
         "source": law.source,
-    })
-}
-
-fn silicone_text(silicone: &Silicone) -> String {
-    let mut facts = vec![format!("{}, {}", silicone.entry.name, silicone.entry.vendor)];
-    facts.extend(silicone.entry.density.map(|d| format!("{d} kg/m³")));
-    facts.extend(silicone.entry.mix.as_ref().map(|m| format!("mix {m}")));
-    facts.extend(silicone.entry.pot_life_min.map(|t| format!("pot life {t} min")));
-    facts.extend(silicone.entry.cure_h.map(|t| format!("demold after {t} h")));
-    let mut text = format!("{}\n  {}\n", silicone.key, facts.join("; "));
-    for fit in &silicone.fits {
-        text += &fit_text(fit);
-    }
-    if let Some(fit) = silicone.fits.first() {
-        text += &wrapped("source: ", &format!("{} [{}]", fit.source.citation, fit.source.licence));
-    }
-    text
-}
-
-fn fit_text(fit: &Fit) -> String {
-    let s = &fit.specification;
-    let one = |(p, values): (&crate::material::Parameter, Vec<f64>)| {
-        let values: Vec<_> = values.iter().map(|v| format!("{v}")).collect();
-        format!("{} {}", p.name, values.join(" "))
-    };
-    let parameters: Vec<_> = s.law.named(&s.values).into_iter().map(one).collect();
-    let range = s
-        .stretch_range
-        .map_or("range unknown".to_owned(), |[low, high]| format!("stretch {low} to {high}"));
-    let r2 = fit.r2.map_or(String::new(), |r2| format!(", R² {r2}"));
-    format!(
-        "    {:14} {}\n    {:14} shear {:.1} kPa, {range}{r2}\n",
-        s.law.key,
-        parameters.join(", "),
-        "",
-        1e-3 * s.moduli().shear
-    )
-}
-
-fn silicone_json(silicone: &Silicone) -> Value {
-    let fit = |fit: &Fit| {
-        let s = &fit.specification;
-        json!({
-            "kind": s.law.key,
-            "parameters": s.law.table(&s.values),
-            "moduli": s.moduli(),
-            "stretch_range": s.stretch_range,
-            "r2": fit.r2,
-            "source": fit.source.citation,
-            "licence": fit.source.licence,
-        })
-    };
-    json!({
-        "key": silicone.key,
-        "name": silicone.entry.name,
-        "vendor": silicone.entry.vendor,
-        "density": silicone.entry.density,
-        "mix": silicone.entry.mix,
-        "pot_life_min": silicone.entry.pot_life_min,
-        "cure_h": silicone.entry.cure_h,
-        "fits": silicone.fits.iter().map(fit).collect::<Vec<_>>(),
     })
 }

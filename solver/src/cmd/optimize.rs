@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use mesh::io::vtu;
-use program::Unusable;
+use program::{FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::config::{DesignConfig, beside};
@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let (design, scene) = read(&arguments.design, &[])?;
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let inputs = hash_inputs(&arguments.design, &design, &scene)?;
     if arguments.restart || outdated(folder, &inputs)? {
@@ -203,7 +203,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "usable": true,
         "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
         "stopped": finished.stopped,
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::report::PROGRAM,
         "objective_before": first["objective"],
         "objective_after": last["objective"],
         "terms_before": first["terms"],

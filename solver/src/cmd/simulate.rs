@@ -1,23 +1,24 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
-use program::Unusable;
+use program::{FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
-use crate::forward::{
-    Clock, LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time,
-};
+use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time};
 use crate::memory;
 use crate::probe::Probe;
 use crate::report::failure::{self, Diagnosis};
-use crate::report::record::{Checkpoint, Recorder, STEPS};
+use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
 use crate::report::results;
+use crate::report::writer::{Finished, Writer, write_beside};
 use crate::scene::Scene;
 use crate::stretch::Stretches;
 
@@ -64,22 +65,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene)?;
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
-    remove_stale(folder, checkpoint.as_ref().map_or(0, |c| c.steps))?;
+    let done = checkpoint.as_ref().map_or(0, |c| c.steps);
+    remove_stale(folder, done)?;
+    let silicones = scene.parts.iter().filter_map(|part| part.config.material.silicone());
+    for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
+        log::info!("{line}");
+    }
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
         scene.config.degree,
         workspace.memory().describe(memory::available())
     );
-    let left = time_steps_left(&scene, arguments, checkpoint.as_ref());
-    let predicted_s = predicted_time(&problem, &workspace, left);
+    let steps = steps_of(&scene, arguments, done);
+    let timed = scene.config.time.is_some();
+    let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
     let pictures = !arguments.final_only;
-    let recorder =
+    let mut recorder =
         Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
@@ -89,22 +96,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, &workspace, arguments)?;
-    let mut run =
-        Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper, recorder };
-    let outcome = run.go(arguments, |run, steps| {
-        let checkpoint = Checkpoint {
-            inputs: inputs.clone(),
-            steps,
-            progress: run.stepper.progress.clone(),
-            couplings: run.workspace.couplings().to_vec(),
-            work: run.recorder.work().clone(),
-            timings: run.workspace.timings,
-            elapsed_s: before_s + begin.elapsed().as_secs_f64(),
-        };
-        checkpoint.write(folder)
-    })?;
+    let mut run = Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper };
+    let checkpoint = |run: &Run, steps: usize| Checkpoint {
+        inputs: inputs.clone(),
+        steps,
+        lines: String::new(),
+        progress: run.stepper.progress.clone(),
+        couplings: run.workspace.couplings().to_vec(),
+        work: Work::default(),
+        timings: run.workspace.timings,
+        elapsed_s: before_s + begin.elapsed().as_secs_f64(),
+    };
+    let (outcome, waited) =
+        write_beside(&mut recorder, |writer| run.go(steps, writer, checkpoint))?;
+    run.workspace.timings.output += waited;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
-    report["steps"] = json!(run.recorder.lines);
+    report["steps"] = json!(recorder.lines);
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {
         let solver = (&problem, &mut run.workspace);
@@ -125,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_state(folder, end.space, end.rest, end.u)?;
     let grid = results::grid_with_forces(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
-    run.fill(&mut report, &end)?;
+    run.fill(&mut report, &end, &recorder)?;
     report["equilibrium_s"] = json!(equilibrium_s);
     report["timings"]["predicted_s"] = json!(predicted_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
@@ -140,24 +147,21 @@ struct Run<'a> {
     probes: &'a [Probe],
     workspace: Workspace,
     stepper: TimeStepper,
-    recorder: Recorder<'a>,
 }
 
 impl Run<'_> {
-    /// Goes through all time steps that are left; the result says where that ends
-    /// early.
+    /// Goes through some of the scene's time steps; the result says where that ends early.
     fn go(
         &mut self,
-        arguments: &Arguments,
-        save: impl Fn(&Self, usize) -> Result<()>,
+        time_steps: Range<usize>,
+        writer: &mut Writer,
+        checkpoint: impl Fn(&Self, usize) -> Checkpoint,
     ) -> Result<Option<Unreached>> {
         let start = Instant::now();
         let rest = &self.scene.body.mesh.vertices;
-        let times = self.scene.times();
-        let count = arguments.steps.map_or(times.len(), |n| n.min(times.len()));
         let timed = self.scene.config.time.is_some();
-        let done = if timed { self.recorder.lines.len() } else { 0 };
-        for (n, &end) in times.iter().enumerate().take(count).skip(done) {
+        let count = time_steps.end;
+        for n in time_steps {
             let mut steps: Vec<LoadStep> = Vec::new();
             let observe = |step: &LoadStep| {
                 log::info!(
@@ -170,40 +174,34 @@ impl Run<'_> {
                 );
                 steps.push(step.clone());
             };
-            let workspace = &mut self.workspace;
+            let (workspace, end) = (&mut self.workspace, self.scene.times()[n]);
             let outcome = self.stepper.advance(self.problem, workspace, rest, end, observe);
             if let (Err(unreached), false) = (&outcome, timed) {
                 return Ok(Some(unreached.clone()));
             }
-            let last = steps.len();
+            let ended = steps.last().is_some_and(|step| step.ends_time_step);
+            let reported =
+                if timed { steps.len() - usize::from(ended)..steps.len() } else { 0..steps.len() };
             let integrator = &self.stepper.progress.integrator;
-            let v = integrator.method.has_inertia().then_some(&integrator.last().v[..]);
-            let clock = Clock::start();
-            for (i, step) in steps.iter().enumerate() {
-                self.recorder.follow(step);
-                if !timed || (i + 1 == last && step.ends_time_step) {
-                    self.recorder.record(step, v)?;
-                }
-            }
+            let velocity = integrator.method.has_inertia().then(|| integrator.last().v.clone());
+            let goes_on = timed && outcome.is_ok() && n + 1 < count;
+            let checkpoint = goes_on.then(|| checkpoint(self, n + 1));
+            writer.send(Finished { steps, reported, velocity, checkpoint })?;
             if let Err(unreached) = outcome {
                 return Ok(Some(unreached));
             }
-            if timed && n + 1 < count {
-                save(self, n + 1)?;
-            }
-            self.workspace.timings.output += clock.elapsed();
         }
         Ok(None)
     }
 
     /// Reports the state at the end.
-    fn fill(&self, report: &mut Value, end: &Iterate) -> Result<()> {
+    fn fill(&self, report: &mut Value, end: &Iterate, recorder: &Recorder) -> Result<()> {
         let (scene, problem) = (self.scene, self.problem);
         let energies = results::stored_energies(&problem.energies, end);
         let progress = &self.stepper.progress;
-        let work = self.recorder.work().total;
+        let work = recorder.work().total;
         report["tolerance_met"] =
-            json!(self.recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
+            json!(recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
         report["newton_iterations"] = json!(progress.newton_iterations);
         let elastic = energies["elastic"];
         report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
@@ -228,16 +226,10 @@ impl Run<'_> {
     }
 }
 
-/// Time steps that are to be made; none in a static scene.
-fn time_steps_left(
-    scene: &Scene,
-    arguments: &Arguments,
-    checkpoint: Option<&Checkpoint>,
-) -> Option<usize> {
-    scene.config.time.as_ref()?;
+/// Time steps that are to be made, of which a static scene has one.
+fn steps_of(scene: &Scene, arguments: &Arguments, done: usize) -> Range<usize> {
     let count = scene.times().len();
-    let wanted = arguments.steps.map_or(count, |n| n.min(count));
-    Some(wanted.saturating_sub(checkpoint.map_or(0, |c| c.steps)))
+    done..arguments.steps.map_or(count, |n| n.min(count))
 }
 
 fn merge(report: &mut Value, more: &Value) {
@@ -291,16 +283,18 @@ fn header(
     let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
     let materials = scene.parts.iter().map(|part| {
         let material = &part.material;
+        let silicone = part.config.material.silicone().map(|named| named.report());
         json!({
             "kind": material.law.key,
             "parameters": material.law.table(&material.values),
             "moduli": material.moduli(),
+            "silicone": silicone,
         })
     });
     Ok(json!({
         "status": "ok",
         "usable": true,
-        "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+        "program": crate::report::PROGRAM,
         "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
         "config": scene.config,
         "material": one_or_list(materials.collect()),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::{ChamberDesign, ObjectiveConfig, superseded};
+use super::{ChamberDesign, LevelConfig, ObjectiveConfig, superseded};
 use crate::body::Names;
 
 /// A design problem: the design variables of a scene and the objective function.
@@ -43,6 +43,9 @@ pub struct OptimizerConfig {
     /// A level ends when the objective falls by less than this fraction in one
     /// iteration [1].
     pub stagnation: f64,
+    /// A level ends when its last two iterations gain less per Newton iteration than this fraction
+    /// of what the level gained [1].
+    pub least_rate: f64,
     /// A level ends when the norm of the gradient falls below this fraction of that
     /// at its start [1].
     pub gradient_tolerance: f64,
@@ -60,6 +63,7 @@ impl Default for OptimizerConfig {
             iterations: None,
             first_step: 0.5,
             stagnation: 0.0,
+            least_rate: 0.0,
             gradient_tolerance: 0.0,
             time_limit: None,
             state_memory: 4e9,
@@ -79,7 +83,7 @@ pub struct ShapeConfig {
     /// How handles are spread over a tag.
     #[serde(default)]
     pub spread: Spread,
-    /// Levels from coarse to fine.
+    /// Levels from coarse to fine, as written; [`DesignConfig::levels`] has one for each.
     pub level: Vec<LevelConfig>,
 }
 
@@ -104,32 +108,6 @@ pub enum Interior {
     /// Follow the boundary, but the gradient takes them as fixed, as the published
     /// one does; for comparison.
     Frozen,
-}
-
-/// One level of the cascade: `handles`, or `vertices = true`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LevelConfig {
-    /// Number of handles on each tag.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub handles: Option<usize>,
-    /// Whether all vertices off the rims move freely.
-    #[serde(default)]
-    pub vertices: bool,
-    /// Accepted optimiser iterations.
-    pub iterations: usize,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_step: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stagnation: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gradient_tolerance: Option<f64>,
-    /// In place of the design's [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_limit: Option<f64>,
 }
 
 /// A number of the scene that may change, such as a peak pressure or a delay.
@@ -157,14 +135,23 @@ impl DesignConfig {
         Ok(design)
     }
 
-    /// The levels; that of a design without a shape has neither handles nor vertices.
+    /// The levels; that of a design without a shape has neither handles nor vertices. Where some
+    /// simulate another problem than the scene's, the first and the last are the scene itself.
     #[must_use]
     pub fn levels(&self) -> Vec<LevelConfig> {
         let iterations = self.optimizer.iterations.unwrap_or(0);
-        self.shape.as_ref().map_or_else(
-            || vec![LevelConfig { iterations, ..Default::default() }],
-            |shape| shape.level.clone(),
-        )
+        let Some(shape) = &self.shape else {
+            return vec![LevelConfig { iterations, ..Default::default() }];
+        };
+        let mut levels: Vec<_> = shape.level.iter().flat_map(LevelConfig::expand).collect();
+        if levels.iter().any(LevelConfig::has_own_fidelity) {
+            levels.insert(0, levels[0].at_full_fidelity());
+            let last = &levels[levels.len() - 1];
+            if last.has_own_fidelity() {
+                levels.push(last.at_full_fidelity());
+            }
+        }
+        levels
     }
 
     /// The settings of a level in place of the design's.
@@ -175,6 +162,7 @@ impl DesignConfig {
             iterations: Some(level.iterations),
             first_step: level.first_step.unwrap_or(own.first_step),
             stagnation: level.stagnation.unwrap_or(own.stagnation),
+            least_rate: level.least_rate.unwrap_or(own.least_rate),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
             time_limit: level.time_limit.or(own.time_limit),
             state_memory: own.state_memory,
@@ -199,17 +187,17 @@ impl DesignConfig {
             _ => {}
         }
         if let Some(shape) = &self.shape {
-            ensure!(!shape.on.all().is_empty(), "[shape] on = []: name a tag or more");
+            let on = shape.on.all();
+            ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
+            let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+            shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         for level in self.levels() {
-            let found = (level.handles, level.vertices);
             ensure!(
-                self.shape.is_none() || matches!(found, (Some(1..), false) | (None, true)),
-                "[[shape.level]] with handles = {} and vertices = {}: expected one handle or \
-                 more, or vertices = true",
-                level.handles.unwrap_or(0),
-                level.vertices
+                level.time.is_none() || self.chamber.is_empty(),
+                "[[shape.level]] time beside [[chamber]]: the slopes of a pressure belong to the \
+                 time steps of the scene; design a [[parameter]] instead, or leave time out"
             );
             self.optimizer_of(&level).check()?;
         }
@@ -236,6 +224,7 @@ impl OptimizerConfig {
         for (key, value) in [
             ("first_step", self.first_step),
             ("stagnation", self.stagnation),
+            ("least_rate", self.least_rate),
             ("gradient_tolerance", self.gradient_tolerance),
             ("time_limit", self.time_limit.unwrap_or(0.0)),
             ("state_memory", self.state_memory),

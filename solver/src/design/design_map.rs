@@ -47,8 +47,9 @@ impl DesignMap {
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
         for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
+            let Some(moves) = level.moves(on) else { continue };
             let spread = design.shape.as_ref().map_or(Spread::default(), |shape| shape.spread);
-            patches.push(Patch::new(&rest, &facets, level.handles, spread)?);
+            patches.push(Patch::new(&rest, &facets, moves, spread)?);
             moving.extend(facets);
         }
         check_apart(&patches)?;
@@ -120,6 +121,22 @@ impl DesignMap {
             moved.iter().zip(&self.rest).map(|(x, rest)| x - rest).collect();
         extension.apply(&mut displacement);
         self.rest.iter().zip(displacement).map(|(x, d)| x + d).collect()
+    }
+
+    /// Variables at which the shape is that of the body, and the loads are those of another
+    /// level, whose [`Self::loads`] they are; the scene's own without any.
+    #[must_use]
+    pub fn start(&self, loads: &[f64]) -> Vec<f64> {
+        let mut theta = vec![0.0; self.variables()];
+        let own = &mut theta[self.shape_variables()..];
+        own.iter_mut().zip(loads).for_each(|(own, load)| *own = load * self.mean_edge);
+        theta
+    }
+
+    /// Variables of the loads in mean edges, which mean the same in every level [1].
+    #[must_use]
+    pub fn loads(&self, theta: &[f64]) -> Vec<f64> {
+        theta[self.shape_variables()..].iter().map(|own| own / self.mean_edge).collect()
     }
 
     /// Gives the chambers the loads of θ.

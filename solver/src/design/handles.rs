@@ -12,7 +12,8 @@
 //!       but at least the mean edge: a handle that moves hardly more than its own
 //!       vertex must not spin with its variables [m]
 //!
-//! The variables of a handle are (θ₁, θ₂, θ₃, t_x, t_y, t_z), all in metres: a
+//! The variables of a handle are (θ₁, θ₂, θ₃, t_x, t_y, t_z), or t alone where handles do not
+//! rotate, all in metres: a
 //! rotation variable is the path of a vertex at distance r_j, so that equal
 //! changes of any variable move the surface about equally far. θ = 0 is the
 //! shape as it is. The rim does not move, whatever the variables.
@@ -24,12 +25,9 @@ use mesh::{Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
 use super::sampling::{TooManyHandles, rim, spread_points};
-use crate::config::Spread;
+use crate::config::{HandleMotion, Spread};
 
 type Mat3 = nalgebra::Matrix3<f64>;
-
-/// Variables per handle.
-const VARIABLES: usize = 6;
 
 /// Handles could not be placed on a patch.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -51,6 +49,7 @@ pub struct Handles {
     radii: Vec<f64>,
     /// Weights by handle, in the order of `vertices`.
     weights: Vec<Vec<f64>>,
+    motion: HandleMotion,
 }
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
@@ -74,7 +73,7 @@ pub fn sample_handles(
         .zip(&weights)
         .map(|(c, w)| radius(&surface.vertices, c, w).max(edge))
         .collect();
-    Ok(Handles { vertices, centers, radii, weights })
+    Ok(Handles { vertices, centers, radii, weights, motion: HandleMotion::default() })
 }
 
 /// Root mean square distance to `center`, weighted with w² [m].
@@ -86,10 +85,23 @@ fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
 }
 
 impl Handles {
-    /// Number of design variables: six per handle.
+    /// The same handles with another motion.
+    #[must_use]
+    pub fn with(self, motion: HandleMotion) -> Self {
+        Self { motion, ..self }
+    }
+
+    /// Number of design variables.
     #[must_use]
     pub fn variables(&self) -> usize {
-        VARIABLES * self.centers.len()
+        self.variables_each() * self.centers.len()
+    }
+
+    fn variables_each(&self) -> usize {
+        match self.motion {
+            HandleMotion::Rigid => 6,
+            HandleMotion::Translation => 3,
+        }
     }
 
     /// Vertex ids of the patch, ascending, rim included.
@@ -108,7 +120,7 @@ impl Handles {
     /// positions `rest` of the whole mesh with which the handles were made.
     #[must_use]
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
-        assert_eq!(theta.len(), self.variables(), "six variables per handle");
+        assert_eq!(theta.len(), self.variables(), "variables of all handles");
         let mut moved: Vec<Vec3> = self.vertices.iter().map(|&v| rest[v]).collect();
         for (j, motion) in self.motions(theta).iter().enumerate() {
             let turn = motion.rotation() - Mat3::identity();
@@ -133,19 +145,25 @@ impl Handles {
                 force += pull;
                 moment += pull * (rest[v] - self.centers[j]).transpose();
             }
-            let slopes = motion.rotation_slopes();
-            gradient.extend(slopes.map(|slope| slope.dot(&moment) / self.radii[j]));
+            if self.motion == HandleMotion::Rigid {
+                let slopes = motion.rotation_slopes();
+                gradient.extend(slopes.map(|slope| slope.dot(&moment) / self.radii[j]));
+            }
             gradient.extend([force.x, force.y, force.z]);
         }
         gradient
     }
 
     fn motions(&self, theta: &[f64]) -> Vec<Motion> {
-        let motion = |(six, radius): (&[f64], &f64)| Motion {
-            angles: [six[0] / radius, six[1] / radius, six[2] / radius],
-            translation: Vec3::new(six[3], six[4], six[5]),
+        let motion = |(own, radius): (&[f64], &f64)| {
+            let (turn, translation) = own.split_at(own.len() - 3);
+            let angle = |k: usize| turn.get(k).map_or(0.0, |path| path / radius);
+            Motion {
+                angles: [0, 1, 2].map(angle),
+                translation: Vec3::from_column_slice(translation),
+            }
         };
-        theta.chunks_exact(VARIABLES).zip(&self.radii).map(motion).collect()
+        theta.chunks_exact(self.variables_each()).zip(&self.radii).map(motion).collect()
     }
 }
 
@@ -232,6 +250,13 @@ mod tests {
         let surface = cap(2);
         let x = &surface.vertices;
         let handles = sample_handles(x, &surface.triangles, 3, Spread::RePick).unwrap();
+        check_pull_back(&handles, x);
+        let translated = handles.with(HandleMotion::Translation);
+        assert_eq!(translated.variables(), 9);
+        check_pull_back(&translated, x);
+    }
+
+    fn check_pull_back(handles: &Handles, x: &[Vec3]) {
         let theta: Vec<f64> =
             Random::new(32).numbers(handles.variables()).iter().map(|t| 0.4 * t).collect();
         // J = Σ (aᵥ·v' + ½ |v'|²)

@@ -4,7 +4,7 @@ use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
 use super::sampling::rim;
-use crate::config::Spread;
+use crate::config::{Moves, Spread};
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -23,18 +23,19 @@ pub struct FreeVertices {
 }
 
 impl Patch {
-    /// A patch with handles, or without a number of them with all vertices free.
+    /// A patch with handles, or with all vertices free.
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
     pub fn new(
         rest: &[Vec3],
         facets: &[[usize; 3]],
-        handles: Option<usize>,
+        moves: Moves,
         spread: Spread,
     ) -> Result<Self, HandleError> {
-        if let Some(count) = handles {
-            return Ok(Self::Handles(sample_handles(rest, facets, count, spread)?));
+        if let Moves::Handles(count, motion) = moves {
+            let handles = sample_handles(rest, facets, count, spread)?;
+            return Ok(Self::Handles(handles.with(motion)));
         }
         let (surface, ids) = topology::submesh(rest, facets);
         let held = rim(&surface);
@@ -95,7 +96,7 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(x, &surface.triangles, None, Spread::RePick).unwrap();
+        let patch = Patch::new(x, &surface.triangles, Moves::Vertices, Spread::RePick).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));

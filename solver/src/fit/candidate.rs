@@ -9,49 +9,62 @@ use crate::math::least_squares::{Minimum, Residuals, levenberg_marquardt};
 
 /// A law with a number of terms.
 ///
-/// All parameters but the last are unknowns; the last sets the bulk modulus.
+/// All parameters but the last follow from the unknowns; the last sets the bulk modulus.
 pub struct Candidate {
     /// Name on the command line and in tables.
     pub name: &'static str,
     /// Key of the law.
     key: &'static str,
-    /// Exponents to start from, for Ogden's law.
-    exponents: &'static [&'static [f64]],
-    /// Unknowns relative to half the shear modulus to start from, for other
-    /// laws.
-    start: &'static [f64],
-    /// Whether all unknowns must be zero or positive, which makes the law
-    /// stable.
-    nonnegative: bool,
-    /// The last parameter, from the unknowns and bulk over shear modulus.
+    /// What is varied.
+    unknowns: Unknowns,
+    /// The last parameter, from the others and bulk over shear modulus.
     last: fn(&[f64], f64) -> f64,
 }
+
+/// What is varied, and where that starts.
+enum Unknowns {
+    /// The parameters, all of them stresses.
+    Stresses {
+        /// Where to start, relative to half the shear modulus.
+        start: &'static [f64],
+        /// Whether all must be zero or positive, which makes the law stable.
+        nonnegative: bool,
+    },
+    /// μ and 1/J_m of Gent's law: the neo-Hookean law is 1/J_m = 0.
+    Limit,
+    /// s and α of Ogden's law, μ = 2 exp(s)/α, which keeps every term stable; exponents to
+    /// start from.
+    Terms(&'static [&'static [f64]]),
+}
+
+/// 1/J_m to start from: chains that reach 32 times their length.
+const START_OF_LIMIT: f64 = 1e-3;
 
 /// What `solver fit` tries.
 pub static CANDIDATES: &[Candidate] = &[
     Candidate {
         name: "neo-hookean",
         key: "neo-hookean",
-        exponents: &[],
-        start: &[6.0],
-        nonnegative: true,
+        unknowns: Unknowns::Stresses { start: &[6.0], nonnegative: true },
         last: |_, ratio| (3.0 * ratio - 2.0) / (2.0 * (3.0 * ratio + 1.0)),
     },
     Candidate {
         name: "mooney-rivlin",
         key: "mooney-rivlin",
-        exponents: &[],
-        start: &[0.8, 0.2, 0.05],
-        nonnegative: true,
-        last: |x, ratio| ratio * (x[0] + x[1]),
+        unknowns: Unknowns::Stresses { start: &[0.8, 0.2, 0.05], nonnegative: true },
+        last: |p, ratio| ratio * (p[0] + p[1]),
+    },
+    Candidate {
+        name: "gent",
+        key: "gent",
+        unknowns: Unknowns::Limit,
+        last: |p, ratio| ratio * p[0],
     },
     Candidate {
         name: "yeoh",
         key: "yeoh",
-        exponents: &[],
-        start: &[1.0, 0.02, 0.0],
-        nonnegative: false,
-        last: |x, ratio| ratio * 2.0 * x[0],
+        unknowns: Unknowns::Stresses { start: &[1.0, 0.02, 0.0], nonnegative: false },
+        last: |p, ratio| ratio * 2.0 * p[0],
     },
     ogden("ogden-1", &[&[1.5], &[2.5], &[5.0], &[-2.0]]),
     ogden("ogden-2", &[&[1.5, 5.0], &[2.0, -2.0], &[2.5, 8.0], &[1.3, 3.0]]),
@@ -62,11 +75,9 @@ const fn ogden(name: &'static str, exponents: &'static [&'static [f64]]) -> Cand
     Candidate {
         name,
         key: "ogden",
-        exponents,
-        start: &[],
-        nonnegative: false,
-        last: |x, ratio| {
-            let (mu, alpha) = x.split_at(x.len() / 2);
+        unknowns: Unknowns::Terms(exponents),
+        last: |p, ratio| {
+            let (mu, alpha) = p.split_at(p.len() / 2);
             0.5 * ratio * mu.iter().zip(alpha).map(|(m, a)| m * a).sum::<f64>()
         },
     }
@@ -85,55 +96,72 @@ impl Candidate {
     /// Number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {
-        self.exponents.first().map_or(self.start.len(), |e| 2 * e.len())
+        match self.unknowns {
+            Unknowns::Stresses { start, .. } => start.len(),
+            Unknowns::Limit => 2,
+            Unknowns::Terms(exponents) => 2 * exponents[0].len(),
+        }
     }
 
     /// Parameters of the law that fit best; nothing when none are admissible.
     pub(super) fn solve(&self, tests: &[Test], ratio: f64) -> Option<Vec<f64>> {
         let problem = Problem::new(self, tests, ratio)?;
         let mut values = self.parameters(&problem.best()?.x);
-        let stresses = if self.exponents.is_empty() { values.len() } else { values.len() / 2 };
+        let stresses = match self.unknowns {
+            Unknowns::Stresses { .. } => values.len(),
+            Unknowns::Limit | Unknowns::Terms(_) => values.len() / 2,
+        };
         values[..stresses].iter_mut().for_each(|v| *v *= problem.unit);
         values.push((self.last)(&values, ratio));
         self.law().check(&values).ok()?;
         Some(values)
     }
 
-    /// Parameters without the last one: the unknowns themselves, or of Ogden's
-    /// law μ = 2 exp(s)/α of unknowns s and α, which keeps every term stable.
+    /// Parameters without the last one.
     fn parameters(&self, x: &[f64]) -> Vec<f64> {
-        if self.exponents.is_empty() {
-            return x.to_vec();
+        match self.unknowns {
+            Unknowns::Stresses { .. } => x.to_vec(),
+            Unknowns::Limit => vec![x[0], 1.0 / x[1]],
+            Unknowns::Terms(_) => {
+                let (s, alpha) = x.split_at(x.len() / 2);
+                let mu = s.iter().zip(alpha).map(|(s, a)| 2.0 * s.exp() / a);
+                mu.chain(alpha.iter().copied()).collect()
+            }
         }
-        let (s, alpha) = x.split_at(x.len() / 2);
-        let mu = s.iter().zip(alpha).map(|(s, a)| 2.0 * s.exp() / a);
-        mu.chain(alpha.iter().copied()).collect()
     }
 
     /// ∂/∂unknowns from ∂/∂parameters.
     fn chain(&self, parameters: &[f64], gradient: &[f64]) -> Vec<f64> {
-        if self.exponents.is_empty() {
-            return gradient.to_vec();
+        match self.unknowns {
+            Unknowns::Stresses { .. } => gradient.to_vec(),
+            Unknowns::Limit => vec![gradient[0], -parameters[1].powi(2) * gradient[1]],
+            Unknowns::Terms(_) => {
+                let n = parameters.len() / 2;
+                let (mu, alpha) = parameters.split_at(n);
+                let by_s = (0..n).map(|t| mu[t] * gradient[t]);
+                let by_alpha = (0..n).map(|t| gradient[n + t] - mu[t] / alpha[t] * gradient[t]);
+                by_s.chain(by_alpha).collect()
+            }
         }
-        let n = parameters.len() / 2;
-        let (mu, alpha) = parameters.split_at(n);
-        let by_s = (0..n).map(|t| mu[t] * gradient[t]);
-        let by_alpha = (0..n).map(|t| gradient[n + t] - mu[t] / alpha[t] * gradient[t]);
-        by_s.chain(by_alpha).collect()
     }
 
     /// Whether unknowns give a law that resists at rest, and, where that is
-    /// cheap to say, everywhere.
+    /// cheap to say, everywhere. Strains beyond Gent's limit have residuals that are not
+    /// numbers, which no step accepts.
     fn admissible(&self, x: &[f64]) -> bool {
-        if !self.exponents.is_empty() {
-            let (s, alpha) = x.split_at(x.len() / 2);
-            let good = |(s, a): (&f64, &f64)| s.abs() < 100.0 && (0.1..=20.0).contains(&a.abs());
-            return s.iter().zip(alpha).all(good);
+        match self.unknowns {
+            Unknowns::Stresses { nonnegative: true, .. } => {
+                x.iter().all(|v| *v >= 0.0) && x.iter().take(2).any(|v| *v > 0.0)
+            }
+            Unknowns::Stresses { .. } => x[0] > 0.0,
+            Unknowns::Limit => x[0] > 0.0 && x[1] > 0.0,
+            Unknowns::Terms(_) => {
+                let (s, alpha) = x.split_at(x.len() / 2);
+                let good =
+                    |(s, a): (&f64, &f64)| s.abs() < 100.0 && (0.1..=20.0).contains(&a.abs());
+                s.iter().zip(alpha).all(good)
+            }
         }
-        if self.nonnegative {
-            return x.iter().all(|v| *v >= 0.0) && x.iter().take(2).any(|v| *v > 0.0);
-        }
-        x[0] > 0.0
     }
 }
 
@@ -173,30 +201,36 @@ impl<'a> Problem<'a> {
     /// Unknowns to start from, and which of them are free.
     fn starts(&self) -> Vec<(Vec<f64>, Vec<usize>)> {
         let n = self.candidate.unknowns();
-        if !self.candidate.exponents.is_empty() {
-            return self.ogden_starts().into_iter().map(|x| (x, (0..n).collect())).collect();
+        let all = |x: Vec<f64>| (x, (0..n).collect());
+        match self.candidate.unknowns {
+            Unknowns::Limit => vec![all(vec![2.0 * self.half_shear, START_OF_LIMIT])],
+            Unknowns::Terms(exponents) => {
+                self.ogden_starts(exponents).into_iter().map(all).collect()
+            }
+            Unknowns::Stresses { start, nonnegative } => {
+                let start: Vec<f64> = start.iter().map(|s| s * self.half_shear).collect();
+                if !nonnegative {
+                    return vec![all(start)];
+                }
+                // an optimum under bounds has some unknowns at zero: try every choice
+                let choice = |bits: usize| {
+                    let free: Vec<usize> = (0..n).filter(|i| bits >> i & 1 == 1).collect();
+                    let held = |i: usize| if free.contains(&i) { start[i] } else { 0.0 };
+                    ((0..n).map(held).collect(), free)
+                };
+                (1..1 << n).map(choice).collect()
+            }
         }
-        let start: Vec<f64> = self.candidate.start.iter().map(|s| s * self.half_shear).collect();
-        if !self.candidate.nonnegative {
-            return vec![(start, (0..n).collect())];
-        }
-        // an optimum under bounds has some unknowns at zero: try every choice
-        let choice = |bits: usize| {
-            let free: Vec<usize> = (0..n).filter(|i| bits >> i & 1 == 1).collect();
-            let held = |i: usize| if free.contains(&i) { start[i] } else { 0.0 };
-            ((0..n).map(held).collect(), free)
-        };
-        (1..1 << n).map(choice).collect()
     }
 
     /// Equal terms, and the best fit with one term less beside a weak one.
-    fn ogden_starts(&self) -> Vec<Vec<f64>> {
+    fn ogden_starts(&self, exponents: &[&[f64]]) -> Vec<Vec<f64>> {
         let terms = self.candidate.unknowns() / 2;
         let equal = |exponents: &&[f64]| {
             let s = (2.0 * self.half_shear / terms as f64).ln();
             std::iter::repeat_n(s, terms).chain(exponents.iter().copied()).collect()
         };
-        let mut starts: Vec<Vec<f64>> = self.candidate.exponents.iter().map(equal).collect();
+        let mut starts: Vec<Vec<f64>> = exponents.iter().map(equal).collect();
         let fewer = CANDIDATES.iter().find(|c| c.key == "ogden" && c.unknowns() + 2 == 2 * terms);
         let fewer = fewer.and_then(|candidate| Problem { candidate, ..self.clone() }.best());
         if let Some(Minimum { x, .. }) = fewer {

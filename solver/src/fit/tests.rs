@@ -1,7 +1,7 @@
 //! Fits of data whose law is known.
 
 use super::*;
-use crate::material::{BULK_RATIO, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
+use crate::material::{BULK_RATIO, Gent, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
 use crate::math::random::Random;
 
 /// A test of a law, with noise relative to the largest stress.
@@ -44,6 +44,26 @@ fn every_candidate_names_a_law_and_recovers_itself() {
     let ogden = Ogden { terms: vec![(12.28e3, 2.351)], bulk: 1e6 };
     let found = named("ogden-1", &[test(&ogden, Mode::Uniaxial, 4.0, 0.0)]);
     assert_close(&found.values[..2], &[12.28e3, 2.351], 1e-8);
+    let gent = Gent { mu: 31.7e3, j_m: 39.6, bulk: 1e6 };
+    for end in [2.0, 6.0] {
+        let found = named("gent", &[test(&gent, Mode::Uniaxial, end, 0.0)]);
+        assert_close(&found.values[..2], &[31.7e3, 39.6], 1e-8);
+    }
+}
+
+#[test]
+fn the_range_of_gents_law_ends_at_its_limit_and_without_stiffening_it_has_none() {
+    // at stretch 6 in both directions chains would have to be longer than they are
+    let gent = Gent { mu: 31.7e3, j_m: 39.6, bulk: 1e6 };
+    let tests = [test(&gent, Mode::Uniaxial, 6.0, 0.0)];
+    let found = named("gent", &tests);
+    let biaxial = ((39.6 + 3.0) / 2.0_f64).sqrt();
+    assert!((found.quality.stretch_range[1] - biaxial).abs() < 2e-3, "{:?}", found.quality);
+    assert!(!found.stable());
+    let neo = NeoHookean(Lame::new(1e5, 0.45));
+    let found = named("gent", &[test(&neo, Mode::Uniaxial, 3.0, 0.0)]);
+    assert!(found.values[1] > 1e5 && found.values[1].is_finite(), "{:?}", found.values);
+    assert_close(&found.values[..1], &[neo.0.mu], 1e-4);
 }
 
 #[test]

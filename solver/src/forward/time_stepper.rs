@@ -28,7 +28,7 @@ pub struct Progress {
     pub time: f64,
     /// Next increment, as a fraction of a time step.
     pub increment: f64,
-    /// The last load steps, up to [`STATES`], the latest last.
+    /// The last load steps, up to three, the latest last.
     pub last: Vec<Reached>,
     /// All Newton iterations, those of rejected steps included.
     pub newton_iterations: usize,

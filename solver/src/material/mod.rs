@@ -2,6 +2,7 @@
 //!
 //! One law per file, one row per law in [`LAWS`].
 
+mod gent;
 mod isotropic;
 mod kinematics;
 mod lame;
@@ -18,6 +19,7 @@ mod specification;
 mod tests;
 mod yeoh;
 
+pub use gent::Gent;
 pub use isotropic::{Invariants, Isotropic, Partials};
 pub use kinematics::Kinematics;
 pub use lame::Lame;
@@ -33,8 +35,8 @@ pub use yeoh::Yeoh;
 
 use crate::math::tensor::{Mat3, Mat9};
 
-/// A hyperelastic law. The energy of an inverted point (J ≤ 0) is infinite; its
-/// stress and tangent have no meaning there.
+/// A hyperelastic law. The energy of an inverted point (J ≤ 0) is infinite, and so is that of
+/// a strain a law does not admit; stress and tangent have no meaning there.
 pub trait Material: Send + Sync {
     /// ψ [J/m³].
     fn energy_density(&self, k: &Kinematics) -> f64;
@@ -54,6 +56,7 @@ pub const LAWS: &[Law] = &[
     mooney_rivlin_quadratic::LAW,
     neo_hookean::LAW,
     yeoh::LAW,
+    gent::LAW,
     ogden::LAW,
     saint_venant_kirchhoff::LAW,
     linear_elastic::LAW,

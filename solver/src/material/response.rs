@@ -98,20 +98,21 @@ impl Mode {
 /// Nominal stress [Pa] and lateral stretch of a block of compressible material
 /// whose sides are free, at stretch λ along the pull.
 ///
-/// Newton's method for P₂₂ = 0, halved while it would leave J > 0 or not lower
-/// |P₂₂|.
+/// Newton's method for P₂₂ = 0, halved while it would leave J > 0 or what the law admits, or
+/// not lower |P₂₂|.
 #[must_use]
 pub fn free_uniaxial(material: &dyn Material, lambda: f64) -> (f64, f64) {
     let block = |side: f64| {
         Kinematics::new(&Mat3::from_diagonal(&Vector3::new(lambda - 1.0, side - 1.0, side - 1.0)))
     };
     let residual = |side: f64| material.first_piola(&block(side))[(1, 1)];
+    let size = |side: f64| Some(residual(side).abs()).filter(|r| !r.is_nan());
     let mut side = lambda.powf(-0.5);
     for _ in 0..50 {
         let tangent = material.tangent(&block(side));
         // vec index 4 is component (2, 2), index 8 is (3, 3)
         let mut step = -residual(side) / (tangent[(4, 4)] + tangent[(4, 8)]);
-        while side + step <= 0.0 || residual(side + step).abs() > residual(side).abs() {
+        while side + step <= 0.0 || size(side + step).is_none_or(|r| r > residual(side).abs()) {
             step *= 0.5;
             if step.abs() < f64::EPSILON * side {
                 return (material.first_piola(&block(side))[(0, 0)], side);

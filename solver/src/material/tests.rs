@@ -124,7 +124,11 @@ fn parameter_derivatives_are_those_of_stress() {
 
 #[test]
 fn parameter_derivatives_pass_the_taylor_test_where_they_are_not_linear() {
-    let (f, bar) = (&deformations()[0], Mat3::new(0.4, -0.1, 0.2, 0.8, 0.5, -0.3, -0.6, 0.1, 0.7));
+    // a large stretch without a change of volume: bulk moduli, which are linear, do not outweigh
+    // the others
+    let stretched = deformations()[3];
+    let f = &(stretched / stretched.determinant().cbrt());
+    let bar = Mat3::new(0.4, -0.1, 0.2, 0.8, 0.5, -0.3, -0.6, 0.1, 0.7);
     for law in LAWS.iter().filter(|law| law.parameters.iter().any(|p| p.unit == "1")) {
         // parameters relative to the sample, so that all have the same scale
         let scaled =

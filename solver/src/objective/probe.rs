@@ -54,7 +54,8 @@ impl Specification for Keys {
             self.scale
         );
         if let Some(target) = &self.target {
-            target.clone().bind(&BTreeMap::new()).context("target")?;
+            let bound = target.clone().bind(&BTreeMap::new());
+            bound.map_err(|what| anyhow!("target: {what}"))?;
             ensure!(!target.uses_position(), "target = {target}: must depend on t alone");
         }
         Ok(())

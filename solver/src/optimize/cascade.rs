@@ -71,8 +71,15 @@ impl Cascade<'_> {
     /// Runs from the start, or from where the folder's checkpoint says.
     ///
     /// # Errors
-    /// When the start is not admissible or something cannot be written.
+    /// When a level does not fit the scene, the start is not admissible or something cannot be
+    /// written.
     pub fn run(&self) -> Result<Finished> {
+        for (i, level) in self.design.levels().iter().enumerate() {
+            let scene = self.scene.with_fidelity(level);
+            scene
+                .and_then(|scene| self.objectives.check_times(&scene))
+                .with_context(|| format!("level {}", i + 1))?;
+        }
         let mut checkpoint = match Checkpoint::read(&self.folder)? {
             Some(checkpoint) => {
                 checkpoint.check_inputs(&self.folder, &self.inputs)?;
@@ -81,29 +88,37 @@ impl Cascade<'_> {
                     checkpoint.level + 1,
                     checkpoint.iteration
                 );
-                self.history().truncate(checkpoint.history)?;
+                self.history().truncate(checkpoint.history, &checkpoint.lines)?;
                 checkpoint
             }
             None => {
-                self.history().truncate(0)?;
+                self.history().truncate(0, "")?;
                 let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
                 self.begin_level(&self.scene.body, start)?
             }
         };
         loop {
-            let body = self.level_body(checkpoint.level)?;
+            let body = self.level_body(&checkpoint)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
             let mut stopped = checkpoint.stopped_before.clone();
             stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
-            if checkpoint.level + 1 == self.design.levels().len() {
+            let levels = self.design.levels();
+            if checkpoint.level + 1 == levels.len() {
                 let theta = checkpoint.theta;
                 return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
             }
-            let body = remesh(&shape, level.map().moving());
-            let start = level.carry(&evaluation, &body);
-            let next = checkpoint.next_level(start, stopped, Lbfgs::new(MEMORY));
+            let next = &levels[checkpoint.level + 1];
+            // a level without iterations tells what the same mesh does at another fidelity
+            let body = match next.iterations {
+                0 => shape,
+                _ => remesh(&shape, level.map().moving()),
+            };
+            let degree = next.degree.unwrap_or(self.scene.config.degree);
+            let start = level.carry(&evaluation, &body, degree);
+            let loads = level.map().loads(&checkpoint.theta);
+            let next = checkpoint.next_level((start, loads), stopped, Lbfgs::new(MEMORY));
             checkpoint = self.begin_level(&body, next)?;
         }
     }
@@ -112,18 +127,22 @@ impl Cascade<'_> {
         self.folder.join(mesh_file(&format!("level-{}", level + 1), part.name.as_deref()))
     }
 
-    fn level_body(&self, level: usize) -> Result<Body> {
+    fn level_body(&self, checkpoint: &Checkpoint) -> Result<Body> {
         let part = |part: &Part| {
-            let file = mesh::io::read_tets(&self.level_path(level, part))?;
+            let path = self.level_path(checkpoint.level, part);
+            checkpoint.check_file(&path)?;
+            let file = mesh::io::read_tets(&path)?;
             Ok((part.name.clone(), file.mesh, file.tags))
         };
         Ok(Body::join(self.scene.body.parts.iter().map(part).collect::<Result<_>>()?))
     }
 
     /// Puts a level's mesh and the checkpoint before its first solve on disk.
-    fn begin_level(&self, body: &Body, checkpoint: Checkpoint) -> Result<Checkpoint> {
+    fn begin_level(&self, body: &Body, mut checkpoint: Checkpoint) -> Result<Checkpoint> {
         for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
-            mesh::io::write_tets(&self.level_path(checkpoint.level, part), &mesh, &tags)?;
+            let path = self.level_path(checkpoint.level, part);
+            mesh::io::write_tets(&path, &mesh, &tags)?;
+            checkpoint.add_file(&path)?;
         }
         checkpoint.write(&self.folder)?;
         Ok(checkpoint)
@@ -137,7 +156,8 @@ impl Cascade<'_> {
     fn run_level(&self, body: Body, checkpoint: &mut Checkpoint) -> Result<(Level, Evaluation)> {
         let settings = &self.design.levels()[checkpoint.level];
         let optimizer = self.design.optimizer_of(settings);
-        let mut level = Level::new(self.scene, self.objectives, body, self.design, settings)?;
+        let scene = self.scene.with_fidelity(settings)?;
+        let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
             match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
@@ -161,13 +181,12 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables())?;
-            let steps = self.scene.times().len();
-            let run = checkpoint.read_run(&self.folder, steps, level.dofs())?;
+            let run = checkpoint.read_run(&self.folder, level.steps(), level.dofs())?;
             let evaluation = level.recall(&checkpoint.theta, run)?;
             level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
-        let theta = vec![0.0; level.variables()];
+        let theta = level.map().start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
         let mut evaluation = match self.solve_near(level, &theta, &checkpoint.start) {
@@ -302,6 +321,14 @@ impl Cascade<'_> {
         if fall < optimizer.stagnation {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
+        let mut progress = checkpoint.progress.clone();
+        progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
+        if let Some(rate) = progress.rate().filter(|rate| *rate < optimizer.least_rate) {
+            checkpoint.stopped = Some(format!(
+                "a Newton iteration gains {:.1} % of what it gained on average in this level",
+                100.0 * rate
+            ));
+        }
         let left = projected_norm(level, &step.theta, &step.gradient) / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
             checkpoint.stopped = Some(format!("the gradient fell to {left:.1e} of its first"));
@@ -318,6 +345,7 @@ impl Cascade<'_> {
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         checkpoint.spend(step.forward_s + step.gradient_s);
+        checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
         let gradient_norm = norm(&step.gradient);
         let line = json!({
             "level": checkpoint.level + 1,
@@ -334,6 +362,7 @@ impl Cascade<'_> {
             "gradient_s": step.gradient_s,
             "time_s": checkpoint.total_s,
             "dofs": level.dofs(),
+            "time_steps": level.steps(),
             "parameters": level.map().parameters(&step.theta),
             "mean_displacement": level.mean_displacements(evaluation)?,
         });
@@ -366,6 +395,7 @@ impl Cascade<'_> {
         // history first: a kill in between leaves one line too many, which the
         // next start removes
         self.history().append(&line)?;
+        checkpoint.lines = self.history().sha256()?;
         checkpoint.write_with_run(&self.folder, &run)
     }
 
@@ -402,11 +432,9 @@ fn lower(
 
 /// What changes in a level, for the log.
 fn variables(level: &Level, settings: &LevelConfig) -> String {
-    match (settings.handles, settings.vertices) {
-        (Some(1), _) => "1 handle".to_owned(),
-        (Some(count), _) => format!("{count} handles"),
-        (None, true) => "free vertices".to_owned(),
-        (None, false) => format!("{} variables of loads", level.variables()),
+    match settings.describe() {
+        said if said.is_empty() => format!("{} variables of loads", level.variables()),
+        said => said,
     }
 }
 

@@ -9,6 +9,7 @@ use mesh::io::npy;
 use serde::{Deserialize, Serialize};
 
 use super::Lbfgs;
+use super::progress::LevelProgress;
 use crate::forward::Trajectory;
 
 /// The state after an accepted iteration. Numbers are written so that they are
@@ -26,6 +27,9 @@ pub struct Checkpoint {
     /// Before the level's first solve a displacement near its equilibrium [m], or
     /// none.
     pub start: Vec<f64>,
+    /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
+    /// first.
+    pub loads: Vec<f64>,
     /// Objective at θ.
     pub objective: f64,
     /// Weighted terms at θ.
@@ -34,14 +38,20 @@ pub struct Checkpoint {
     pub gradient: Vec<f64>,
     /// Norm of the gradient at the start of the level.
     pub first_gradient: f64,
+    /// What the level has gained so far.
+    pub progress: LevelProgress,
     /// Computing time of the level so far [s].
     pub spent_s: f64,
     /// The same of all levels [s].
     pub total_s: f64,
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,
-    /// Lines that history.jsonl has at this point.
+    /// Lines that history.jsonl has at this point, ...
     pub history: usize,
+    /// ... and their SHA-256; empty without any.
+    pub lines: String,
+    /// SHA-256 of the files that the level reads, by their names.
+    pub files: BTreeMap<String, String>,
     /// The level ended early, and why.
     pub stopped: Option<String>,
     /// Levels before this one that ended early, and why.
@@ -58,14 +68,18 @@ impl Checkpoint {
             iteration: 0,
             theta: Vec::new(),
             start: Vec::new(),
+            loads: Vec::new(),
             objective: f64::MAX,
             terms: BTreeMap::new(),
             gradient: Vec::new(),
             first_gradient: 0.0,
+            progress: LevelProgress::default(),
             spent_s: 0.0,
             total_s: 0.0,
             lbfgs,
             history: 0,
+            lines: String::new(),
+            files: BTreeMap::new(),
             stopped: None,
             stopped_before: Vec::new(),
         }
@@ -75,13 +89,22 @@ impl Checkpoint {
     #[must_use]
     pub fn next_level(
         self,
-        start: Vec<f64>,
+        (start, loads): (Vec<f64>, Vec<f64>),
         stopped_before: Vec<(usize, String)>,
         lbfgs: Lbfgs,
     ) -> Self {
-        let Self { level, total_s, history, .. } = self;
+        let Self { level, total_s, history, lines, .. } = self;
         let level = level + 1;
-        Self { level, total_s, history, start, stopped_before, ..Self::new(self.inputs, lbfgs) }
+        Self {
+            level,
+            total_s,
+            history,
+            lines,
+            start,
+            loads,
+            stopped_before,
+            ..Self::new(self.inputs, lbfgs)
+        }
     }
 
     /// Counts computing time [s].
@@ -103,12 +126,7 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        let context = || path.display().to_string();
-        let text = std::fs::read_to_string(&path).with_context(context)?;
-        let checkpoint = serde_json::from_str(&text).with_context(|| {
-            format!("{}: not a checkpoint; begin anew: --restart", path.display())
-        })?;
-        Ok(Some(checkpoint))
+        program::read_checkpoint(&path, crate::report::PROGRAM).map(Some)
     }
 
     /// Makes sure that its vectors have the sizes of its level.
@@ -138,6 +156,7 @@ impl Checkpoint {
     /// `dofs` degrees of freedom.
     pub fn read_run(&self, folder: &Path, steps: usize, dofs: usize) -> Result<npy::Rows> {
         let path = self.run_path(folder);
+        self.check_file(&path)?;
         let rows = npy::read_rows(&path)?;
         ensure!(
             rows.shape == [steps, dofs],
@@ -154,19 +173,36 @@ impl Checkpoint {
     ///
     /// # Errors
     /// When it cannot be written; the one before then still stands.
-    pub fn write_with_run(&self, folder: &Path, run: &Trajectory) -> Result<()> {
+    pub fn write_with_run(&mut self, folder: &Path, run: &Trajectory) -> Result<()> {
         let path = self.run_path(folder);
         npy::write_rows(&path, [run.steps(), run.last().len()], run.displacements())?;
+        self.files.retain(|name, _| !is_run(name));
+        self.add_file(&path)?;
         self.write(folder)?;
         for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
             let other = entry?.path();
-            let name = other.file_name().map(|n| n.to_string_lossy().into_owned());
-            let old = name.is_some_and(|n| n.starts_with("run-") && n.ends_with(".npy"));
-            if old && other != path {
+            if is_run(&name_of(&other)) && other != path {
                 std::fs::remove_file(&other).with_context(|| other.display().to_string())?;
             }
         }
         Ok(())
+    }
+
+    /// Remembers a file as it is now.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn add_file(&mut self, path: &Path) -> Result<()> {
+        self.files.insert(name_of(path), program::sha256_file(path)?);
+        Ok(())
+    }
+
+    /// Makes sure that a file is as it was when the checkpoint was written.
+    ///
+    /// # Errors
+    /// When it cannot be read or was altered.
+    pub fn check_file(&self, path: &Path) -> Result<()> {
+        program::check_unaltered(path, self.files.get(&name_of(path)).map_or("", String::as_str))
     }
 
     /// Makes sure that it belongs to these inputs.
@@ -190,9 +226,15 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        mesh::io::write_atomic(&Self::path(folder), |out| {
-            serde_json::to_writer(out, self).map_err(std::io::Error::from)
-        })?;
-        Ok(())
+        program::write_checkpoint(&Self::path(folder), crate::report::PROGRAM, self)
     }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// Whether a file of this name holds the states of a run.
+fn is_run(name: &str) -> bool {
+    name.starts_with("run-") && name.ends_with(".npy")
 }

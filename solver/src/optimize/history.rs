@@ -32,11 +32,19 @@ impl History {
         write().with_context(|| self.path.display().to_string())
     }
 
-    /// Keeps the first `lines` lines.
+    /// SHA-256 of all lines.
     ///
     /// # Errors
-    /// When there are fewer, or the file cannot be read or written.
-    pub fn truncate(&self, lines: usize) -> Result<()> {
+    /// When they cannot be read.
+    pub fn sha256(&self) -> Result<String> {
+        Ok(program::sha256_file(&self.path)?)
+    }
+
+    /// Keeps the first `lines` lines, which have this SHA-256 if there are any.
+    ///
+    /// # Errors
+    /// When there are fewer or others, or the file cannot be read or written.
+    pub fn truncate(&self, lines: usize, sha256: &str) -> Result<()> {
         let path = &self.path;
         let text = if path.exists() { mesh::io::read_text(path)? } else { String::new() };
         let found = text.lines().count();
@@ -45,8 +53,13 @@ impl History {
             "{}: {found} lines, but the checkpoint is at line {lines}; begin anew: --restart",
             path.display()
         );
+        let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
+        ensure!(
+            lines == 0 || program::sha256(kept.as_bytes()) == sha256,
+            "{}: its first {lines} lines were altered; begin anew: --restart",
+            path.display()
+        );
         if found > lines {
-            let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
             mesh::io::write_atomic(path, |out| out.write_all(kept.as_bytes()))?;
         }
         Ok(())

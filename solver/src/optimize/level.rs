@@ -114,7 +114,10 @@ impl Level {
         level: &LevelConfig,
     ) -> Result<Self> {
         let (problem, workspace) = scene.problem(&body)?;
-        let terms = objectives.build(&body, &problem.space)?;
+        let mut terms = objectives.build(scene, &body, &problem.space)?;
+        for term in &mut terms {
+            term.weight *= level.weights.get(term.objective.name()).unwrap_or(&1.0);
+        }
         let map = DesignMap::new(scene, design, level, &body, &problem.energies)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
@@ -157,6 +160,12 @@ impl Level {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         self.transient
+    }
+
+    /// Number of time steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.times.len()
     }
 
     /// Names of the terms, in the order of the design file.
@@ -350,12 +359,13 @@ impl Level {
         follow(&self.problem, &mut self.workspace, linearization, &at.rest, &motion)
     }
 
-    /// The last displacement of an evaluation on another mesh of the same shape.
+    /// The last displacement of an evaluation on another mesh of the same shape, by elements
+    /// of another degree.
     #[must_use]
-    pub fn carry(&self, at: &Evaluation, body: &Body) -> Vec<f64> {
+    pub fn carry(&self, at: &Evaluation, body: &Body, degree: usize) -> Vec<f64> {
         let space = &*self.problem.space;
         let vertices = &body.mesh.vertices;
-        let other = FunctionSpace::new(space.degree(), vertices.len(), body.mesh.tets.clone());
+        let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
         interpolate((space, &at.rest, &at.run.last()), (&other, vertices))
     }
 

@@ -8,6 +8,7 @@ mod lbfgs;
 mod lbfgsb;
 mod level;
 mod parameter;
+mod progress;
 mod rest_path;
 mod trial_step;
 pub mod validity;

@@ -5,7 +5,7 @@ use anyhow::Result;
 
 use super::{Evaluation, Level, Rejected};
 use crate::adjoint::Gradient;
-use crate::config::{DesignConfig, LevelConfig};
+use crate::config::{DesignConfig, LevelConfig, VerticesConfig};
 use crate::energy::ParameterId;
 use crate::scene::{ObjectiveBuilder, Scene};
 
@@ -176,7 +176,7 @@ impl Perturbed<'_> {
         // free vertices take no time to set up, and none is moved
         let settings = LevelConfig {
             handles: None,
-            vertices: self.design.shape.is_some(),
+            vertices: VerticesConfig::All(self.design.shape.is_some()),
             ..self.settings.clone()
         };
         let body = level.body.clone();

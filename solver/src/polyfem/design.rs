@@ -57,6 +57,7 @@ pub struct TargetFile {
 struct Moving {
     on: String,
     handles: usize,
+    rotates: bool,
 }
 
 /// What is known while terms are written.
@@ -136,21 +137,26 @@ impl Writer<'_> {
             moving.extend(self.shape_of(&variable, solid, id)?);
         }
         let Some(first) = moving.first() else { return Ok(false) };
-        let handles = first.handles;
-        let others = moving.iter().filter(|m| m.handles != handles);
-        let others: Vec<String> = others.map(|m| format!("{} on {}", m.handles, m.on)).collect();
-        if !others.is_empty() {
+        let handles = if moving.iter().all(|m| m.handles == first.handles) {
+            first.handles.to_string()
+        } else {
+            let tags = moving.iter().map(|m| format!("{} = {}", quoted(&m.on), m.handles));
+            format!("{{ {} }}", tags.collect::<Vec<_>>().join(", "))
+        };
+        let rotates = moving.iter().any(|m| m.rotates);
+        if rotates && !moving.iter().all(|m| m.rotates) {
             self.notes.push(format!(
-                "{}: {handles} handles on every tag that moves, as on {}, in place of {}",
-                root.document.path.display(),
-                first.on,
-                others.join(", ")
+                "{}: handles rotate on every tag that moves, though not on all there",
+                root.document.path.display()
             ));
         }
         let iterations = iterations(root, "[[shape.level]] iterations")?.unwrap_or(ITERATIONS);
         let on: Vec<String> = moving.into_iter().map(|m| m.on).collect();
         self.text.table("[shape]").key("on", &names(&on)).table("[[shape.level]]");
-        self.text.key("handles", &handles.to_string()).key("iterations", &iterations.to_string());
+        self.text.key("handles", &handles).key("iterations", &iterations.to_string());
+        if !rotates {
+            self.text.key("motion", &quoted("translation"));
+        }
         Ok(true)
     }
 
@@ -181,12 +187,10 @@ impl Writer<'_> {
                 ));
             }
         }
-        match weights.get("allow_rotations") {
-            Some(key) if key.flag()? => drop(key.becomes("handles, which always rotate")),
-            Some(key) => key.leave("handles always rotate here"),
-            None => {}
-        }
-        Ok(Some(Moving { on: self.on(solid, id), handles }))
+        let rotations = weights.get("allow_rotations");
+        let rotates = rotations.map(|key| key.becomes("[[shape.level]] motion").flag());
+        let rotates = rotates.transpose()?.unwrap_or(true);
+        Ok(Some(Moving { on: self.on(solid, id), handles, rotates }))
     }
 
     fn on(&self, solid: &Solid, id: i64) -> String {

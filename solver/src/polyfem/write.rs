@@ -86,7 +86,7 @@ impl Imported {
         }
         let bodies: Vec<Value> = self.scene.geometry.solids.iter().map(facts).collect();
         json!({
-            "program": concat!("solver ", env!("CARGO_PKG_VERSION")),
+            "program": crate::report::PROGRAM,
             "files": files,
             "notes": self.scene.notes,
             "thickness": self.scene.geometry.thickness,

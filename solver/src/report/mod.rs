@@ -7,3 +7,7 @@ pub mod compare;
 pub mod failure;
 pub mod record;
 pub mod results;
+pub mod writer;
+
+/// Name and version of the program, in reports and checkpoints.
+pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));

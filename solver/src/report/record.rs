@@ -13,6 +13,7 @@ use crate::energy::{Iterate, Multiplier};
 use crate::forward::{LoadStep, Problem, Progress, Timings};
 use crate::probe::{Probe, measure};
 use crate::report::results;
+use crate::report::writer::Finished;
 use crate::scene::Scene;
 
 /// One line per reported step.
@@ -26,8 +27,10 @@ const CHECKPOINT: &str = "checkpoint.json";
 pub struct Checkpoint {
     /// Hash of the program's inputs; another hash is another run.
     pub inputs: String,
-    /// Time steps done.
+    /// Time steps done, ...
     pub steps: usize,
+    /// ... of which the lines of `steps.jsonl` have this SHA-256.
+    pub lines: String,
     /// All that determines the next time step ...
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
@@ -51,9 +54,7 @@ impl Checkpoint {
             return Ok(None);
         }
         let anew = "to begin anew: --restart, or another output folder";
-        let text = mesh::io::read_text(&path)?;
-        let found: Self = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a checkpoint; {anew}", path.display()))?;
+        let found: Self = program::read_checkpoint(&path, crate::report::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
             "{}: a run of another scene or mesh was interrupted here after {} time steps\n  {anew}",
@@ -68,10 +69,7 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        mesh::io::write_atomic(&folder.join(CHECKPOINT), |out| {
-            serde_json::to_writer(out, self).map_err(std::io::Error::from)
-        })?;
-        Ok(())
+        program::write_checkpoint(&folder.join(CHECKPOINT), crate::report::PROGRAM, self)
     }
 
     /// Takes it away from a folder.
@@ -125,20 +123,31 @@ impl<'a> Recorder<'a> {
                 );
             }
             ensure!(
-                lines.len() == done.steps,
-                "{} has {} lines, the checkpoint {} steps; to begin anew: --restart",
+                lines.len() == done.steps && sha256(&lines) == done.lines,
+                "{}: not the {} lines that the checkpoint expects; to begin anew: --restart",
                 path.display(),
-                lines.len(),
                 done.steps
             );
         }
         Ok(Self { scene, problem, probes, folder: folder.to_path_buf(), pictures, lines, work })
     }
 
-    /// Follows the work of the loads through every load step.
-    pub fn follow(&mut self, step: &LoadStep) {
-        let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
-        self.work.follow(self.problem, &at);
+    /// Follows the work of the loads through all load steps, writes those that are reported,
+    /// then the checkpoint.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&mut self, finished: Finished) -> Result<()> {
+        for (i, step) in finished.steps.iter().enumerate() {
+            let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
+            self.work.follow(self.problem, &at);
+            if finished.reported.contains(&i) {
+                self.record(step, finished.velocity.as_deref())?;
+            }
+        }
+        let Some(checkpoint) = finished.checkpoint else { return Ok(()) };
+        let (work, lines) = (self.work.clone(), sha256(&self.lines));
+        Checkpoint { work, lines, ..checkpoint }.write(&self.folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -148,10 +157,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Writes what is known of a step, which has the velocity `v` [m/s].
-    ///
-    /// # Errors
-    /// When a file cannot be written.
-    pub fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
+    fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
         let body = &self.scene.body;
         let mut line = results::step(self.scene, body, self.problem, step, v)?;
         line["work_of_loads"] = json!(self.work.total);
@@ -175,6 +181,12 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// Of lines as they are written.
+fn sha256(lines: &[Value]) -> String {
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    program::sha256(text.as_bytes())
+}
+
 fn picture(step: usize) -> String {
     format!("step_{step:03}.vtu")
 }
@@ -186,7 +198,7 @@ fn time(line: &Value) -> f64 {
 /// Work of gas, dead loads and moving supports along the load steps by the
 /// trapezoidal rule [J]: second order in the load increment, so it meets the
 /// elastic energy only roughly.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Pairs of a force and the quantity it works on, at the last step: gas on
     /// volumes, dead loads and supports on displacements. Reactions at supports hold forces of

@@ -24,13 +24,11 @@ pub struct Weighted {
 /// Builds objectives; files are read once for all levels.
 pub struct ObjectiveBuilder<'a> {
     terms: Vec<Term<'a>>,
-    scene: &'a Scene,
 }
 
 /// A term whose files have been read.
 struct Term<'a> {
     config: &'a ObjectiveConfig,
-    factors: Vec<f64>,
     build: Builder,
 }
 
@@ -45,11 +43,7 @@ impl<'a> ObjectiveBuilder<'a> {
             let context = || design.display().to_string();
             config.check().with_context(context)?;
             let name = config.name();
-            let factors = config
-                .over()
-                .factors(&scene.times())
-                .map_err(|what| anyhow!("objective \"{name}\": over: {what}"))
-                .with_context(context)?;
+            factors(config, scene).with_context(context)?;
             ensure!(
                 scene.config.contact.is_some() || !config.kind().needs_contact,
                 "{}: objective \"{name}\": {}: there are no forces between surfaces without \
@@ -58,24 +52,37 @@ impl<'a> ObjectiveBuilder<'a> {
                 config.kind().key,
                 scene.path.display()
             );
-            Ok(Term { config, factors, build: config.prepare(folder)? })
+            Ok(Term { config, build: config.prepare(folder)? })
         };
-        Ok(Self { terms: configs.iter().map(term).collect::<Result<_>>()?, scene })
+        Ok(Self { terms: configs.iter().map(term).collect::<Result<_>>()? })
     }
 
-    /// The terms on one body.
+    /// Checks that the times of all terms are times of a scene.
     ///
     /// # Errors
-    /// When a tag or a body is missing.
-    pub fn build(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Weighted>> {
-        let parts = self.scene.parts.iter();
+    /// When a time step is missing.
+    pub fn check_times(&self, scene: &Scene) -> Result<()> {
+        self.terms.iter().try_for_each(|term| factors(term.config, scene).map(drop))
+    }
+
+    /// The terms on one body, over the times of a scene.
+    ///
+    /// # Errors
+    /// When a tag, a body or a time step is missing.
+    pub fn build(
+        &self,
+        scene: &Scene,
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Vec<Weighted>> {
+        let parts = scene.parts.iter();
         let bodies: Vec<(&str, &Specification)> =
             parts.map(|part| (part.config.name.as_str(), &part.material)).collect();
-        let ends = self.scene.times();
-        let probes = self.scene.probes(body, space)?;
+        let ends = scene.times();
+        let probes = scene.probes(body, space)?;
         let probes = probes.into_iter().map(|probe| (probe.name, probe.quantity)).collect();
         let build = |term: &Term| {
-            let (name, factors) = (term.config.name(), term.factors.clone());
+            let (name, factors) = (term.config.name(), factors(term.config, scene)?);
             let times = [0.0].iter().chain(&ends).zip(&factors);
             let times: Vec<f64> = times.filter(|(_, f)| **f != 0.0).map(|(t, _)| *t).collect();
             let context = Context { body, space, bodies: &bodies, times: &times, probes: &probes };
@@ -85,6 +92,12 @@ impl<'a> ObjectiveBuilder<'a> {
         };
         self.terms.iter().map(build).collect()
     }
+}
+
+/// ω of each moment of a scene.
+fn factors(config: &ObjectiveConfig, scene: &Scene) -> Result<Vec<f64>> {
+    let factors = config.over().factors(&scene.times());
+    factors.map_err(|what| anyhow!("objective \"{}\": over: {what}", config.name()))
 }
 
 #[cfg(test)]

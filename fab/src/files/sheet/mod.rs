@@ -7,7 +7,7 @@ mod steps;
 
 use std::path::Path;
 
-use library::{Chemistry, Printer, PrinterKind, Silicone, printers, silicones};
+use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals, printers, silicones};
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
@@ -69,6 +69,10 @@ pub struct Pour {
     pub pot_life_min: Option<f64>,
     /// Time to demold at 23 °C [h], if known.
     pub cure_h: Option<f64>,
+    /// Shear modulus that simulations take by default [kPa].
+    pub shear_modulus_kpa: f64,
+    /// Smallest and largest shear modulus of all sources [kPa].
+    pub shear_modulus_range_kpa: [f64; 2],
 }
 
 /// A part to print.
@@ -157,6 +161,9 @@ impl Sheet {
         }
         text += "## What to pour\n\n| | |\n|-|-|\n";
         text += &list(self.silicone_rows().into_iter().map(|(a, b)| format!("| {a} | {b} |")));
+        if let Some(pour) = &self.silicone {
+            text += &format!("## Pressure\n\n{}\n\n", pour.pressure_in_words());
+        }
         text += "## Parts to print\n\n| part | file | volume | mass, if solid | supports |\n|-|-|-|-|-|\n";
         text += &list(self.printed.iter().map(|part| {
             let Printed { name, file, volume_ml, mass_g, supports } = part;
@@ -187,6 +194,14 @@ impl Sheet {
             format!("{:.1} mL, {:.0} % of it for the cup", self.mix_ml, 100.0 * self.waste),
         ));
         let Some(pour) = &self.silicone else { return rows };
+        let [low, high] = pour.shear_modulus_range_kpa.map(|m| kilopascals(1e3 * m));
+        let spread = if low == high {
+            "one source".into()
+        } else {
+            format!("sources give {low} to {high} kPa")
+        };
+        let default = kilopascals(1e3 * pour.shear_modulus_kpa);
+        rows.push(("shear modulus", format!("{default} kPa; {spread}")));
         if let (Some(mass), Some([a, b]), Some(mix)) = (pour.mass_g, pour.parts_g, &pour.mix) {
             rows.push(("mass", format!("{mass:.1} g")));
             rows.push(("part A", format!("{a:.1} g")));
@@ -240,6 +255,31 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
 }
 
 impl Pour {
+    /// What the spread of moduli means for the pressure.
+    ///
+    /// In equilibrium the elastic energy U and the volume V of the chamber balance: δU = p δV.
+    /// U is in proportion to the moduli. With all of them s times as large, p is s times as
+    /// large for the same shape, however large its strains; weight would not grow along.
+    fn pressure_in_words(&self) -> String {
+        let [low, high] = self.shear_modulus_range_kpa;
+        let kpa = |modulus: f64| kilopascals(1e3 * modulus);
+        let proportion = "Without weight, the same shape needs a pressure in proportion to the \
+                          shear modulus. A pressure computed with";
+        if low == high {
+            return format!("{proportion} μ kPa has to be multiplied by {}/μ.", kpa(low));
+        }
+        let [least, most] = [low, high].map(|m| m / self.shear_modulus_kpa);
+        format!(
+            "{proportion} {} kPa has to be multiplied by a factor between {least:.2} and {most:.2}, \
+             by what sources say of {}; one computed with μ kPa by a factor between {}/μ and {}/μ. \
+             Begin with the lowest.",
+            kpa(self.shear_modulus_kpa),
+            self.name,
+            kpa(low),
+            kpa(high)
+        )
+    }
+
     fn new(silicone: &Silicone, volume_ml: f64) -> Self {
         // 1 kg/m³ is 10⁻³ g/mL.
         let mass_g = silicone.density.map(|density| volume_ml * density * 1e-3);
@@ -252,6 +292,8 @@ impl Pour {
             parts_g: mass_g.zip(shares).map(|(mass, shares)| shares.map(|share| share * mass)),
             pot_life_min: silicone.pot_life_min,
             cure_h: silicone.cure_h,
+            shear_modulus_kpa: 1e-3 * silicone.fits[0].shear_modulus,
+            shear_modulus_range_kpa: silicone.shear_moduli().map(|m| 1e-3 * m),
         }
     }
 }

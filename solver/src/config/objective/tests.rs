@@ -1,7 +1,7 @@
 use super::*;
 
 /// A term of each kind with all that it needs.
-const SOUND: [&str; 11] = [
+const SOUND: [&str; 12] = [
     "kind = 'target'\non = 'a'\ntarget = 'a.stl'\ndistance = 'signed'",
     "kind = 'displacement'\non = ['a', 'b']\ndisplacement = [0.03, '0.1*t', 0]\nover = 'simpson'",
     "kind = 'position'\non = 'a'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
@@ -13,6 +13,7 @@ const SOUND: [&str; 11] = [
     "kind = 'volume'\non = 'a'\nvolume = 1e-6",
     "kind = 'stress'\npower = 8",
     "kind = 'strain-limit'\nlargest = 3",
+    "kind = 'probe'\nprobe = 'tip'\ntarget = '2*t'\nscale = 0.5",
 ];
 
 fn read(text: &str, weight: &str) -> anyhow::Result<ObjectiveConfig> {
@@ -73,6 +74,8 @@ fn what_makes_no_sense_is_refused_with_what_is_needed() {
         (9, "8", "1.5", "2 or more"),
         (10, "3", "0.9", "above 1"),
         (10, "3", "3\nsmallest = 1.5", "from 0 to 1"),
+        (11, "0.5", "0", "scale = 0: must be positive"),
+        (11, "2*t", "2*x", "must depend on t alone"),
     ] {
         let text = SOUND[row].replace(from, to);
         assert_ne!(text, SOUND[row]);

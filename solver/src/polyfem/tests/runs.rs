@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 
 use super::sound;
-use crate::config::{ContactForm, DesignConfig, ObjectiveConfig};
+use crate::config::{ContactForm, DesignConfig, HandlesConfig, ObjectiveConfig};
 
 /// An optimisation of the scene.
 pub fn run() -> Value {
@@ -54,7 +54,10 @@ fn an_optimisation_becomes_a_design_problem() {
     let design = imported.design.as_ref().expect("a shape may change");
     let config: DesignConfig = toml::from_str(&design.text).expect("sound");
     let shape = config.shape.expect("a shape");
-    assert_eq!((shape.on.all(), shape.level[0].handles), (&["s3".to_owned()][..], Some(5)));
+    assert_eq!(
+        (shape.on.all(), shape.level[0].handles.clone()),
+        (&["s3".to_owned()][..], Some(HandlesConfig::Each(5)))
+    );
     assert_eq!(shape.level[0].iterations, 40);
     let short = |o: &ObjectiveConfig| {
         let written = toml::Table::try_from(o).expect("sound");
@@ -138,8 +141,8 @@ fn several_tags_may_move() {
         .filter_map(|v| v.as_str())
         .collect();
     assert_eq!(on, ["s3", "s2"]);
-    let notes = imported.scene.notes.join("\n");
-    assert!(notes.contains("5 handles on every tag that moves, as on s3, in place of 9 on s2"));
+    let handles = &design["shape"]["level"][0]["handles"];
+    assert_eq!((handles["s3"].as_integer(), handles["s2"].as_integer()), (Some(5), Some(9)));
 }
 
 #[test]

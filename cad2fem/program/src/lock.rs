@@ -1,0 +1,85 @@
+//! One writer for a folder of results.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+/// The file that is locked.
+const NAME: &str = ".lock";
+
+/// The right to write to a folder, until it is dropped. The operating system takes it back when
+/// the process ends, however that ends.
+#[derive(Debug)]
+pub struct FolderLock {
+    file: File,
+    path: PathBuf,
+}
+
+impl FolderLock {
+    /// Makes the folder if it is missing, and locks it.
+    ///
+    /// # Errors
+    /// When another process has locked it, with its number and host; or when the folder cannot be
+    /// written.
+    pub fn new(folder: &Path) -> Result<Self> {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        let path = folder.join(NAME);
+        let context = || path.display().to_string();
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(false);
+        let mut file = options.open(&path).with_context(context)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut owner = String::new();
+                file.read_to_string(&mut owner).with_context(context)?;
+                bail!(
+                    "{}: {} writes to this folder; wait until it has ended, or take another \
+                     folder",
+                    folder.display(),
+                    if owner.is_empty() { "another process" } else { owner.trim_end() }
+                );
+            }
+            Err(TryLockError::Error(error)) => return Err(error).with_context(context),
+        }
+        file.set_len(0).with_context(context)?;
+        writeln!(file, "process {} on {}", std::process::id(), host()).with_context(context)?;
+        Ok(Self { file, path })
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        // a file that stays is locked by nobody
+        let _ = std::fs::remove_file(&self.path);
+        let _ = self.file.unlock();
+    }
+}
+
+/// Name of this machine, for messages.
+fn host() -> String {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    if name.trim().is_empty() { "this machine".to_owned() } else { name.trim().to_owned() }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_has_one_writer() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("out");
+        let lock = FolderLock::new(&inner).unwrap();
+        let refused = FolderLock::new(&inner).unwrap_err().to_string();
+        assert!(refused.contains(&format!("process {} on ", std::process::id())), "{refused}");
+        drop(lock);
+        assert!(!inner.join(NAME).exists());
+        // what a killed process leaves
+        std::fs::write(inner.join(NAME), "process 1 on elsewhere\n").unwrap();
+        drop(FolderLock::new(&inner).unwrap());
+    }
+}

@@ -1,0 +1,73 @@
+//! Writes the results of a run on a thread of its own, while the next step is computed.
+
+use std::ops::Range;
+use std::sync::mpsc::{SyncSender, sync_channel};
+
+use anyhow::{Context, Result};
+
+use super::record::{Checkpoint, Recorder};
+use crate::forward::{Clock, LoadStep, Time};
+
+/// Time steps that wait to be written, at most: each holds its states in memory.
+const WAITING: usize = 1;
+
+/// A time step that was computed, or a whole static scene.
+pub struct Finished {
+    /// Its load steps, in order.
+    pub steps: Vec<LoadStep>,
+    /// Which of them are reported.
+    pub reported: Range<usize>,
+    /// Velocity at its end [m/s].
+    pub velocity: Option<Vec<f64>>,
+    /// From which the run continues if it is interrupted now, but for `work` and `lines`, which
+    /// the recorder knows.
+    pub checkpoint: Option<Checkpoint>,
+}
+
+/// Takes what is to be written.
+pub struct Writer {
+    sender: SyncSender<Finished>,
+    waited: Time,
+}
+
+impl Writer {
+    /// Hands over a time step. Waits while others are not written yet.
+    ///
+    /// # Errors
+    /// When one before it could not be written.
+    pub fn send(&mut self, finished: Finished) -> Result<()> {
+        let clock = Clock::start();
+        let sent = self.sender.send(finished);
+        self.waited += clock.elapsed();
+        sent.ok().context("a step before this one was not written")
+    }
+}
+
+/// The result of a computation that hands its steps to a writer, and the time for which it
+/// waited for files. All steps are written when this returns.
+///
+/// The writer has a pool of one thread: it neither waits for the threads that compute nor
+/// takes their work.
+///
+/// # Errors
+/// Those of the recorder, else those of the computation.
+pub fn write_beside<T>(
+    recorder: &mut Recorder,
+    compute: impl FnOnce(&mut Writer) -> Result<T>,
+) -> Result<(T, Time)> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    std::thread::scope(|scope| {
+        let (sender, receiver) = sync_channel::<Finished>(WAITING);
+        let write = move || receiver.iter().try_for_each(|finished| recorder.write(finished));
+        let thread = scope.spawn(move || pool.install(write));
+        let mut writer = Writer { sender, waited: Time::default() };
+        let computed = compute(&mut writer);
+        let Writer { sender, mut waited } = writer;
+        drop(sender);
+        let clock = Clock::start();
+        // if it failed, that is why the computation ended
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        waited += clock.elapsed();
+        Ok((computed?, waited))
+    })
+}

@@ -1,0 +1,110 @@
+//! Levels of a cascade that differ in what moves, what counts and how the scene is simulated.
+
+use serde_json::Value;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+/// The chamber with linear elements, blown up in six steps to a peak that may change.
+fn with(levels: &str, more: &str) -> Workdir {
+    let dir = chamber::workdir();
+    let sim = chamber::SIM
+        .replace("degree = 2", "degree = 1")
+        .replace("pressure = 8e3", "pressure = \"peak*t\"");
+    let time = "[parameters]\npeak = 8e3\n[time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = 6\n";
+    dir.write("sim.toml", &(sim + time));
+    let (head, objectives) = chamber::DESIGN.split_once("[[objective]]").unwrap();
+    let head = &head[..head.find("[[shape.level]]").unwrap()];
+    dir.write("design.toml", &format!("{head}{levels}\n[[objective]]{objectives}{more}"));
+    dir
+}
+
+fn history(dir: &Workdir) -> Vec<Value> {
+    dir.text("out/history.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// Cheap levels are framed by the scene itself, and end where it says they do.
+#[test]
+fn a_cascade_on_fewer_time_steps_ends_with_the_scene_itself() {
+    let level = "[[shape.level]]\nhandles = { first = 1, factor = 3, levels = 2 }\n\
+                 iterations = 2\ntime = { steps = 2 }\n";
+    let dir = with(level, "");
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let steps = |level: u64| -> Vec<u64> {
+        let of = history.iter().filter(|line| line["level"] == level);
+        of.map(|line| line["time_steps"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(
+        [steps(1), steps(2), steps(3), steps(4)],
+        [vec![6], vec![2; 3], vec![2; 3], vec![6]]
+    );
+    let handles = |line: &Value| line["handles"].as_u64().unwrap();
+    assert_eq!((handles(&history[1]), handles(&history[4])), (1, 3));
+    // the scene is quasistatic and elastic: its last state does not depend on the steps before
+    let objective = |line: usize| history[line]["objective"].as_f64().unwrap();
+    for (a, b) in [(0, 1), (6, 7)] {
+        let gap = (objective(a) / objective(b) - 1.0).abs();
+        assert!(gap < 1e-4, "{a} {b}: {gap}");
+    }
+    assert!(objective(7) < 0.9 * objective(0), "{} {}", objective(0), objective(7));
+    // the design is that of the last line
+    dir.solver("-q simulate sim.toml --mesh out/design.msh -o again").assert_good();
+    let again = dir.json("again/report.json")["tags"]["top"]["mean_displacement"].as_f64().unwrap();
+    let said = history[7]["mean_displacement"]["top"].as_f64().unwrap();
+    assert!((again / said - 1.0).abs() < 1e-6, "{again} {said}");
+}
+
+/// A level with another degree begins with the displacement of the one before.
+#[test]
+fn a_cheap_level_may_have_another_degree() {
+    let dir = chamber::workdir();
+    let cheap = chamber::DESIGN.replacen("iterations = 3", "iterations = 3\ndegree = 1", 1);
+    dir.write("design.toml", &cheap);
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let dofs = |level: u64| history.iter().find(|l| l["level"] == level).unwrap()["dofs"].clone();
+    assert_eq!(dofs(1), dofs(3));
+    assert!(dofs(2).as_u64() < dofs(1).as_u64());
+    assert_eq!(history.last().unwrap()["level"], 3);
+}
+
+#[test]
+fn designed_loads_go_from_level_to_level() {
+    let levels = "[[shape.level]]\nhandles = 1\niterations = 2\n\
+                  [[shape.level]]\nhandles = 3\niterations = 1\n";
+    let dir = with(levels, "[[parameter]]\nname = \"peak\"\nbounds = [0, 2e4]\n");
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let peak = |line: &Value| line["parameters"]["peak"].as_f64().unwrap();
+    let before = history.iter().rfind(|line| line["level"] == 1).unwrap();
+    let after = history.iter().find(|line| line["level"] == 2).unwrap();
+    assert!((peak(before) / 8e3 - 1.0).abs() > 1e-3, "the peak has not changed: {before}");
+    assert!((peak(after) / peak(before) - 1.0).abs() < 1e-12, "{before} {after}");
+}
+
+#[test]
+fn weights_count_in_their_level_only() {
+    let levels = "[[shape.level]]\nhandles = 1\niterations = 0\nweights = { smooth = 4 }\n\
+                  [[shape.level]]\nhandles = 1\nmotion = \"translation\"\niterations = 1\n";
+    let dir = with(levels, "");
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let smooth = |line: usize| history[line]["terms"]["smooth"].as_f64().unwrap();
+    assert!((smooth(0) / smooth(1) - 4.0).abs() < 1e-9, "{} {}", smooth(0), smooth(1));
+    assert_eq!([6, 3].map(Value::from), [0, 1].map(|line| history[line]["variables"].clone()));
+}
+
+#[test]
+fn a_level_that_does_not_fit_the_scene_is_refused_at_once() {
+    let level = |more: &str| format!("[[shape.level]]\nhandles = 1\niterations = 1\n{more}\n");
+    let dir = chamber::workdir();
+    let design =
+        chamber::DESIGN.replacen("iterations = 3", "iterations = 3\ntime = { steps = 2 }", 1);
+    dir.write("design.toml", &design);
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["level 2", "has no [time]"]);
+    let dir = with(&level("degree = 4"), "");
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["level 2", "degree = 4"]);
+    let dir = with(&level("handles = { skin = 2 }").replace("handles = 1\n", ""), "");
+    dir.solver("optimize design.toml -o out")
+        .assert_refused(2, &["design.toml", "\"skin\"", "cavity"]);
+}
