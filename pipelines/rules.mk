@@ -179,18 +179,19 @@ $(VALIDATION)/$(1)/$(2)/report.json: pipelines/validation/$(1)/sim.$(2).toml $(V
 $(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
 endef
 $(foreach b,membrane beam arm,$(eval $(call validate,$(b),after)))
-$(foreach m,before fit,$(eval $(call validate,beam,$(m))))
+$(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
+$(eval $(call validate,beam,datasheet))
 
 $(VALIDATION)/errors.json: pipelines/validation/validation.toml $(wildcard pipelines/validation/measured/*.csv) | setup
 	$(BIN)/solver validate $< -o $(@D)
 
 $(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
-	$(BIN)/cad2fem picture $(@D)/../membrane/after/step_003.vtu --cut y=0 --color displacement --view 0,12 --edges \
-		--title "membrane, 40 mm high at 3.2 kPa" -o $@
+	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,002 008 012) --cut y=0 --color displacement --view 0,12 --edges \
+		--captions "10 mm,40 mm,55 mm" --title "membrane under 14.7 N" -o $@
 
-$(VALIDATION)/pictures/beam.png: $(patsubst %,$(VALIDATION)/beam/%/report.json,before after) | setup
+$(VALIDATION)/pictures/beam.png: $(patsubst %,$(VALIDATION)/beam/%/report.json,before datasheet) | setup
 	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
-		--captions "before,after" --title "beam with 0.51 N" -o $@
+		--captions "before,data sheet" --title "beam with 0.51 N" -o $@
 
 $(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
 	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view front \

@@ -2,14 +2,18 @@
 // end, where the chambers are open, above. Lengths in millimetres.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {4, Name "Longest edge"}, rib = {2.27, Name "Thickness of the ribs"} ];
+DefineConstant[
+    h = {4, Name "Longest edge"},
+    rib = {2.27, Name "Thickness of the ribs"},
+    more = {0, Name "Added to outer wall and wall of the core, into the chambers"}
+];
 
 length = 102;
 end = 6.93;             // closed end at the tip
 outer = 22.22;          // radius
-outer_wall = 2.03;
+outer_wall = 2.03 + more;
 core = 10.11 / Sqrt(2); // half of the side of the core
-core_wall = 2.27;
+core_wall = 2.27 + more;
 
 square = core + core_wall;
 inside = outer - outer_wall;
