@@ -21,6 +21,7 @@ const NEAREST: usize = 4;
 #[serde(deny_unknown_fields)]
 pub struct Config {
     /// Measured curves with their simulations.
+    #[serde(default)]
     pub row: Vec<Row>,
 }
 
@@ -130,7 +131,9 @@ impl Config {
     /// When a table or a run cannot be read or lacks a column, or when a run has none of the
     /// measured states.
     pub fn compare(&self, folder: &Path) -> Result<Vec<Comparison>> {
+        ensure!(!self.row.is_empty(), "no [[row]]: there is nothing to compare");
         let of_row = |row: &Row| {
+            row.check()?;
             let measured = row.measured(folder)?;
             let compare = |run| row.compare(run, &measured, folder);
             row.run.iter().map(compare).collect::<Result<Vec<_>>>()
@@ -145,17 +148,25 @@ impl Config {
 }
 
 impl Row {
+    /// Refuses a row that compares nothing, or whose bounds nothing can meet.
+    fn check(&self) -> Result<()> {
+        ensure!(!self.y.is_empty(), "y: no column; expected one or more titles of the table");
+        ensure!(!self.run.is_empty(), "no [[row.run]]: expected one simulation or more");
+        ensure!(!self.condition.is_empty(), "condition: none; expected one or more");
+        let ordered = |name: &str, [from, to]: [f64; 2]| {
+            ensure!(from < to, "{name} = [{from}, {to}]: expected the smaller number first");
+            Ok(())
+        };
+        self.range.map_or(Ok(()), |range| ordered("range", range))?;
+        ordered("tolerance", self.tolerance)
+    }
+
     fn measured(&self, folder: &Path) -> Result<Vec<Point>> {
         let path = folder.join(&self.measured);
         let table = Table::read(&path, &self.lines)?;
         let column =
             |title: &String| table.numbers(title).with_context(|| path.display().to_string());
         let columns = |titles: &[String]| titles.iter().map(column).collect::<Result<Vec<_>>>();
-        ensure!(
-            !self.y.is_empty(),
-            "y: no column; expected one or more titles of {}",
-            path.display()
-        );
         let (x, trials) = (column(&self.x)?, columns(&self.y)?);
         let spread = self.spread.as_ref().map(column).transpose()?;
         let conditions: Vec<String> = self.condition.iter().map(|c| c.measured.clone()).collect();

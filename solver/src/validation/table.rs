@@ -3,12 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 
 /// A measured table as text, by the titles of its columns.
 pub struct Table {
     titles: Vec<String>,
-    lines: Vec<Vec<String>>,
+    lines: Vec<Line>,
+}
+
+/// A line of the file: its number, from 1, and its entries.
+struct Line {
+    number: u64,
+    entries: Vec<String>,
 }
 
 impl Table {
@@ -25,33 +31,64 @@ impl Table {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let titles = reader.headers()?.iter().map(str::to_owned).collect();
-        let lines = reader.records().map(|r| Ok(r?.iter().map(str::to_owned).collect()));
-        let mut table = Self { titles, lines: lines.collect::<Result<_>>()? };
+        let line = |record: csv::Result<csv::StringRecord>| -> Result<Line> {
+            let record = record?;
+            let number = record.position().map_or(0, csv::Position::line);
+            Ok(Line { number, entries: record.iter().map(str::to_owned).collect() })
+        };
+        let lines: Vec<Line> = reader.records().map(line).collect::<Result<_>>()?;
+        ensure!(
+            !lines.is_empty(),
+            "the table has no line; expected a line of titles with units, then a line per point"
+        );
+        let mut table = Self { titles, lines };
         for (title, value) in wanted {
             let column = table.column(title)?;
-            table.lines.retain(|line| same(&line[column], value));
+            table.lines.retain(|line| same(&line.entries[column], value));
             ensure!(!table.lines.is_empty(), "no line has {value} in the column \"{title}\"");
         }
         Ok(table)
     }
 
     fn column(&self, title: &str) -> Result<usize> {
-        self.titles.iter().position(|t| t == title).with_context(|| {
-            format!("no column \"{title}\"; there are: \"{}\"", self.titles.join("\", \""))
-        })
+        let all = || format!("there are: \"{}\"", self.titles.join("\", \""));
+        if let Some(column) = self.titles.iter().position(|t| t == title) {
+            return Ok(column);
+        }
+        match self.titles.iter().find(|t| quantity(t) == quantity(title)) {
+            Some(other) => {
+                bail!("no column \"{title}\", but \"{other}\": mind the unit; {}", all())
+            }
+            None => bail!("no column \"{title}\"; {}", all()),
+        }
     }
 
-    /// The numbers of a column.
+    /// The numbers of a column, which has its unit in its title.
     ///
     /// # Errors
-    /// When there is no such column, or an entry is no number.
+    /// When there is no such column, its title has no unit, or an entry is no finite number.
     pub fn numbers(&self, title: &str) -> Result<Vec<f64>> {
         let column = self.column(title)?;
-        let number = |line: &Vec<String>| {
-            let text = &line[column];
-            text.parse().with_context(|| format!("\"{title}\": \"{text}\" is not a number"))
+        ensure!(
+            quantity(title) != title,
+            "the column \"{title}\" has no unit; expected a title such as \"{title} [mm]\""
+        );
+        let number = |line: &Line| {
+            let text = &line.entries[column];
+            let number: Option<f64> = text.parse().ok().filter(|n: &f64| n.is_finite());
+            number.with_context(|| {
+                format!("line {}: \"{title}\" is \"{text}\"; expected a finite number", line.number)
+            })
         };
         self.lines.iter().map(number).collect()
+    }
+}
+
+/// A title without its unit, such as `height` of `height [mm]`.
+fn quantity(title: &str) -> &str {
+    match title.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) {
+        Some((quantity, _)) => quantity.trim(),
+        None => title,
     }
 }
 
@@ -91,6 +128,10 @@ mod tests {
         };
         assert!(why(keeping("marker", "right"), "drop [mm]").contains("\"right\""));
         assert!(why(keeping("side", "top"), "drop [mm]").contains("\"marker\""));
-        assert!(why(keeping("marker", "left"), "drop [mm]").contains("\"x\""));
+        let no_number = why(keeping("marker", "left"), "drop [mm]");
+        assert!(no_number.contains("line 4") && no_number.contains("\"x\""), "{no_number}");
+        let unit = why(keeping("marker", "top"), "drop [m]");
+        assert!(unit.contains("but \"drop [mm]\": mind the unit"), "{unit}");
+        assert!(why(keeping("marker", "top"), "marker").contains("no unit"));
     }
 }
