@@ -10,7 +10,7 @@ PYTHON ?= python3
 BIN := target/release
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all bench bench-compare lint docs clean compression gripper worm-segment $(SCENES)
+.PHONY: help setup test test-all bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -22,6 +22,8 @@ beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
+
+validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"

@@ -168,6 +168,38 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/done: build/chamber/pictures/study.png
 
+# Simulations beside measurements on real silicone.
+VALIDATION := build/validation
+
+# Body $(1), suffix of its scene $(2).
+define validate
+$(VALIDATION)/$(1)/$(2)/report.json: pipelines/validation/$(1)/sim.$(2).toml $(VALIDATION)/$(1)/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+
+$(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
+endef
+$(foreach b,membrane beam arm,$(eval $(call validate,$(b),after)))
+$(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
+$(eval $(call validate,beam,datasheet))
+
+$(VALIDATION)/errors.json: pipelines/validation/validation.toml $(wildcard pipelines/validation/measured/*.csv) | setup
+	$(BIN)/solver validate $< -o $(@D)
+
+$(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
+	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,002 008 012) --cut y=0 --color displacement --view 0,12 --edges \
+		--captions "10 mm,40 mm,55 mm" --title "membrane under 14.7 N" -o $@
+
+$(VALIDATION)/pictures/beam.png: $(patsubst %,$(VALIDATION)/beam/%/report.json,before datasheet) | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
+		--captions "before,data sheet" --title "beam with 0.51 N" -o $@
+
+$(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
+	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view front \
+		--title "arm at 10 kPa" -o $@
+
+$(VALIDATION)/done: $(VALIDATION)/errors.json $(patsubst %,$(VALIDATION)/pictures/%.png,membrane beam arm)
+	@touch $@
+
 # The frog without a cascade, for comparison.
 build/frog/paper/vertices/report.json: pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml \
 		build/frog/paper/tagged.msh | setup
@@ -235,5 +267,6 @@ $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
+$(foreach b,membrane beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))
 $(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))

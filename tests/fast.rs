@@ -43,3 +43,5 @@ mod spoiled_folder;
 mod threads;
 #[path = "fast/tidy.rs"]
 mod tidy;
+#[path = "fast/validate.rs"]
+mod validate;

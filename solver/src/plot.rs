@@ -48,6 +48,8 @@ pub enum Style {
     Dotted(u8),
     /// Grey circles of a radius [pixels].
     Circles(u8),
+    /// Grey bars, each between two points in a row.
+    Bars,
 }
 
 /// Points in the order in which they are joined.
@@ -209,6 +211,9 @@ where
             }
             Style::Circles(size) => chart
                 .draw_series(points.clone().map(|p| Circle::new(p, fine(i32::from(size)), grey))),
+            Style::Bars => chart.draw_series(
+                one.points.chunks(2).map(|ends| PathElement::new(ends.to_vec(), grey)),
+            ),
         };
         let drawn = drawn.map_err(plain)?;
         if let Some(label) = &one.label {
@@ -221,6 +226,11 @@ where
                 Style::Circles(size) => {
                     Circle::new((x + fine(12), y), fine(i32::from(size)), grey).into_dyn()
                 }
+                Style::Bars => PathElement::new(
+                    [(x + fine(12), y - fine(6)), (x + fine(12), y + fine(6))],
+                    grey,
+                )
+                .into_dyn(),
             });
         }
         if let Style::Dotted(width) = one.style {

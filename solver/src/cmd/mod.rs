@@ -9,6 +9,7 @@ mod list;
 mod optimize;
 mod plot;
 mod simulate;
+mod validate;
 
 use std::path::PathBuf;
 
@@ -28,6 +29,7 @@ pub enum Verb {
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Import(import::Arguments),
+    Validate(validate::Arguments),
 }
 
 impl Verb {
@@ -46,6 +48,7 @@ impl Verb {
             Self::Compare(arguments) => compare::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Import(arguments) => import::run(arguments),
+            Self::Validate(arguments) => validate::run(arguments),
         }
     }
 }

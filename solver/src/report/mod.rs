@@ -1,6 +1,8 @@
 //! What programs write: measures of a state and their files, the record of a run while it
-//! runs, what is known where there is no equilibrium, and how far runs are apart.
+//! runs, its numbers by their columns, what is known where there is no equilibrium, and how far
+//! runs are apart.
 
+pub mod columns;
 pub mod compare;
 pub mod failure;
 pub mod record;

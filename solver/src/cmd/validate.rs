@@ -1,0 +1,121 @@
+//! `solver validate`: simulations beside measurements.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde_json::json;
+
+use crate::plot::{Axes, Series, Style, draw};
+use crate::report::results;
+use crate::validation::{Comparison, Config, Row};
+
+/// Compare simulations with measured tables
+///
+/// CONFIG names measured tables, the runs that belong to them, and tolerances. Writes to the
+/// output folder errors.md, a table of the errors, errors.json with all points, and the
+/// pictures that CONFIG asks for.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What is compared (TOML)
+    config: PathBuf,
+    /// Folder for the results; made if missing
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let config: Config = program::read_toml(&arguments.config)?;
+    let folder = arguments.config.parent().unwrap_or(Path::new("."));
+    let found = config.compare(folder).with_context(|| arguments.config.display().to_string())?;
+    std::fs::create_dir_all(&arguments.output)
+        .with_context(|| arguments.output.display().to_string())?;
+    let table = table(&found)?;
+    println!("{table}");
+    let path = arguments.output.join("errors.md");
+    mesh::io::write_atomic(&path, |out| out.write_all(table.as_bytes()))?;
+    let report = json!({ "program": concat!("solver ", env!("CARGO_PKG_VERSION")), "rows": found });
+    results::write_json(&arguments.output.join("errors.json"), &report)?;
+    pictures(&config, &found, &arguments.output)
+}
+
+/// The errors in Markdown.
+fn table(found: &[Comparison]) -> Result<String> {
+    let mut text = String::from(
+        "| measured | simulated | points | mean error | rms | largest | tolerance | |\n\
+         |-|-|-|-|-|-|-|-|\n",
+    );
+    for one in found {
+        let percent = |value: f64| format!("{:+.1} %", 100.0 * value);
+        let reached = one.simulated.iter().flatten().count();
+        let verdict = match (one.fitted, one.within) {
+            (true, _) => "fit, no claim",
+            (false, true) => "holds",
+            (false, false) => "missed",
+        };
+        writeln!(
+            text,
+            "| {} | {} | {reached} of {} | {} | {:.1} % | {} | {} to {} | {verdict} |",
+            one.row,
+            one.run,
+            one.measured.len(),
+            percent(one.mean),
+            100.0 * one.rms,
+            percent(one.largest),
+            percent(one.tolerance[0]),
+            percent(one.tolerance[1]),
+        )?;
+    }
+    Ok(text)
+}
+
+/// One picture for each name in `plot`: measured points with their spread, simulated curves in
+/// the colour of their run.
+fn pictures(config: &Config, found: &[Comparison], folder: &Path) -> Result<()> {
+    let mut names: Vec<&String> = config.row.iter().map(|row| &row.plot).collect();
+    names.dedup();
+    for name in names {
+        let rows: Vec<&Row> = config.row.iter().filter(|row| row.plot == *name).collect();
+        let mut runs: Vec<&String> = Vec::new();
+        let mut series = Vec::new();
+        for (i, row) in rows.iter().enumerate() {
+            let of_row: Vec<_> = found.iter().filter(|c| c.row == row.name).collect();
+            let Some(first) = of_row.first() else { continue };
+            series.extend(measured(first, i == 0));
+            for one in of_row {
+                let turn = runs.iter().position(|r| **r == one.run).unwrap_or_else(|| {
+                    runs.push(&one.run);
+                    runs.len() - 1
+                });
+                let label = series.iter().all(|s: &Series| s.label.as_ref() != Some(&one.run));
+                series.push(simulated(one, turn, label));
+            }
+        }
+        let axes = Axes { x: rows[0].x.clone(), y: rows[0].y.join(", "), ..Axes::default() };
+        draw(&folder.join(format!("{name}.svg")), &axes, &series)?;
+    }
+    Ok(())
+}
+
+fn measured(one: &Comparison, label: bool) -> [Series; 2] {
+    let bars = one.measured.iter().flat_map(|p| [(p.x, p.y - p.spread), (p.x, p.y + p.spread)]);
+    [
+        Series {
+            label: label.then(|| "measured".to_owned()),
+            points: one.measured.iter().map(|p| (p.x, p.y)).collect(),
+            style: Style::Circles(4),
+            turn: 0,
+        },
+        Series { label: None, points: bars.collect(), style: Style::Bars, turn: 0 },
+    ]
+}
+
+fn simulated(one: &Comparison, turn: usize, label: bool) -> Series {
+    let both = one.measured.iter().zip(&one.simulated);
+    Series {
+        label: label.then(|| one.run.clone()),
+        points: both.filter_map(|(p, s)| s.map(|s| (p.x, s))).collect(),
+        style: Style::Dotted(2),
+        turn,
+    }
+}

@@ -1,0 +1,137 @@
+//! Measured tables: a line of titles with units, then a line per point, separated by commas.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// A measured table as text, by the titles of its columns.
+pub struct Table {
+    titles: Vec<String>,
+    lines: Vec<Line>,
+}
+
+/// A line of the file: its number, from 1, and its entries.
+struct Line {
+    number: u64,
+    entries: Vec<String>,
+}
+
+impl Table {
+    /// Reads a table, and keeps the lines that have all the entries in `wanted`.
+    ///
+    /// # Errors
+    /// When the file is no table, lacks a column, or no line is left.
+    pub fn read(path: &Path, wanted: &BTreeMap<String, toml::Value>) -> Result<Self> {
+        let text = mesh::io::read_text(path)?;
+        Self::parse(&text, wanted).with_context(|| path.display().to_string())
+    }
+
+    fn parse(text: &str, wanted: &BTreeMap<String, toml::Value>) -> Result<Self> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let titles = reader.headers()?.iter().map(str::to_owned).collect();
+        let line = |record: csv::Result<csv::StringRecord>| -> Result<Line> {
+            let record = record?;
+            let number = record.position().map_or(0, csv::Position::line);
+            Ok(Line { number, entries: record.iter().map(str::to_owned).collect() })
+        };
+        let lines: Vec<Line> = reader.records().map(line).collect::<Result<_>>()?;
+        ensure!(
+            !lines.is_empty(),
+            "the table has no line; expected a line of titles with units, then a line per point"
+        );
+        let mut table = Self { titles, lines };
+        for (title, value) in wanted {
+            let column = table.column(title)?;
+            table.lines.retain(|line| same(&line.entries[column], value));
+            ensure!(!table.lines.is_empty(), "no line has {value} in the column \"{title}\"");
+        }
+        Ok(table)
+    }
+
+    fn column(&self, title: &str) -> Result<usize> {
+        let all = || format!("there are: \"{}\"", self.titles.join("\", \""));
+        if let Some(column) = self.titles.iter().position(|t| t == title) {
+            return Ok(column);
+        }
+        match self.titles.iter().find(|t| quantity(t) == quantity(title)) {
+            Some(other) => {
+                bail!("no column \"{title}\", but \"{other}\": mind the unit; {}", all())
+            }
+            None => bail!("no column \"{title}\"; {}", all()),
+        }
+    }
+
+    /// The numbers of a column, which has its unit in its title.
+    ///
+    /// # Errors
+    /// When there is no such column, its title has no unit, or an entry is no finite number.
+    pub fn numbers(&self, title: &str) -> Result<Vec<f64>> {
+        let column = self.column(title)?;
+        ensure!(
+            quantity(title) != title,
+            "the column \"{title}\" has no unit; expected a title such as \"{title} [mm]\""
+        );
+        let number = |line: &Line| {
+            let text = &line.entries[column];
+            let number: Option<f64> = text.parse().ok().filter(|n: &f64| n.is_finite());
+            number.with_context(|| {
+                format!("line {}: \"{title}\" is \"{text}\"; expected a finite number", line.number)
+            })
+        };
+        self.lines.iter().map(number).collect()
+    }
+}
+
+/// A title without its unit, such as `height` of `height [mm]`.
+fn quantity(title: &str) -> &str {
+    match title.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) {
+        Some((quantity, _)) => quantity.trim(),
+        None => title,
+    }
+}
+
+/// Whether an entry is a text or a number that a configuration gives.
+fn same(entry: &str, value: &toml::Value) -> bool {
+    match value {
+        toml::Value::String(text) => entry == text,
+        toml::Value::Integer(number) => entry.parse() == Ok(*number as f64),
+        toml::Value::Float(number) => entry.parse() == Ok(*number),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DROPS: &str = "load [N], marker, drop [mm]\n0, top, 6.5\n0.5, top, 17\n0.5, left, x\n";
+
+    fn keeping(title: &str, value: impl Into<toml::Value>) -> Result<Table> {
+        Table::parse(DROPS, &BTreeMap::from([(title.to_owned(), value.into())]))
+    }
+
+    #[test]
+    fn lines_are_chosen_by_text_and_by_number() {
+        let top = keeping("marker", "top").expect("lines");
+        assert_eq!(top.numbers("drop [mm]").expect("numbers"), [6.5, 17.0]);
+        let unloaded = keeping("load [N]", 0).expect("lines");
+        assert_eq!(unloaded.numbers("drop [mm]").expect("numbers"), [6.5]);
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let why = |table: Result<Table>, title: &str| {
+            let numbers = table.and_then(|t| t.numbers(title));
+            format!("{:#}", numbers.expect_err("not there"))
+        };
+        assert!(why(keeping("marker", "right"), "drop [mm]").contains("\"right\""));
+        assert!(why(keeping("side", "top"), "drop [mm]").contains("\"marker\""));
+        let no_number = why(keeping("marker", "left"), "drop [mm]");
+        assert!(no_number.contains("line 4") && no_number.contains("\"x\""), "{no_number}");
+        let unit = why(keeping("marker", "top"), "drop [m]");
+        assert!(unit.contains("but \"drop [mm]\": mind the unit"), "{unit}");
+        assert!(why(keeping("marker", "top"), "marker").contains("no unit"));
+    }
+}

@@ -1,0 +1,109 @@
+//! `solver validate` on made-up measurements, whose errors are known, and given what it cannot use.
+
+use tests::workdir::Workdir;
+
+const TITLES: &str = "load [N], height [mm], trial a [Pa], trial b [Pa]\n";
+const POINTS: &str = "\
+1, 10, 90, 110
+1, 20, 380, 420
+2, 10, 190, 210
+";
+
+/// Pressures of h²/mm² Pa in steps of 5 mm: the polynomials between them are exact.
+const STEPS: &str = r#"{"height": 0.005, "pressure": 25.0}
+{"height": 0.01, "pressure": 100.0}
+{"height": 0.015, "pressure": 225.0}
+{"height": 0.025, "pressure": 625.0}
+"#;
+
+const CONFIG: &str = r#"
+[[row]]
+name = "cushion"
+measured = "table.csv"
+where = { "load [N]" = 1 }
+x = "height [mm]"
+y = ["trial a [Pa]", "trial b [Pa]"]
+condition = [{ measured = "height [mm]", simulated = "height*1e3" }]
+simulated = "pressure*1.1"
+tolerance = [-0.05, 0.15]
+plot = "cushion"
+
+[[row.run]]
+name = "ours"
+steps = "steps.jsonl"
+"#;
+
+fn workdir() -> Workdir {
+    let dir = Workdir::new();
+    dir.write("table.csv", &format!("{TITLES}{POINTS}"));
+    dir.write("steps.jsonl", STEPS);
+    dir.write("validation.toml", CONFIG);
+    dir
+}
+
+#[test]
+fn known_errors_are_found() {
+    let dir = workdir();
+    let run = dir.solver("validate validation.toml -o out");
+    run.assert_good();
+    assert_eq!(dir.files("out"), ["cushion.svg", "errors.json", "errors.md"]);
+    assert_eq!(run.stdout.trim_end(), dir.text("out/errors.md").trim_end());
+    assert!(run.stdout.contains("| cushion | ours | 2 of 2 | +10.0 % |"), "{}", run.stdout);
+    let rows = &dir.json("out/errors.json")["rows"];
+    assert_eq!(rows[0]["within"], true);
+    let measured = &rows[0]["measured"][1];
+    assert_eq!([&measured["x"], &measured["y"], &measured["spread"]], [20.0, 400.0, 20.0]);
+    for (i, expected) in [110.0, 440.0].into_iter().enumerate() {
+        let simulated = rows[0]["simulated"][i].as_f64().unwrap();
+        assert!((simulated / expected - 1.0).abs() < 1e-12, "{simulated}");
+    }
+}
+
+#[test]
+fn what_is_outside_of_the_tolerance_or_not_reached_is_missed() {
+    let missed = |file: &str, from: &str, to: &str, words: &str| {
+        let dir = workdir();
+        dir.write(file, &dir.text(file).replace(from, to));
+        let run = dir.solver("validate validation.toml -o out");
+        run.assert_good();
+        assert!(run.stdout.contains(words) && run.stdout.contains("missed"), "{}", run.stdout);
+        assert_eq!(dir.json("out/errors.json")["rows"][0]["within"], false);
+    };
+    missed("validation.toml", "0.15]", "0.05]", "| 2 of 2 |");
+    missed("table.csv", "1, 20,", "1, 30,", "| 1 of 2 |");
+}
+
+/// A file, a change of its text, and what the message must say.
+type Case = (&'static str, &'static str, &'static str, &'static [&'static str]);
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let cases: &[Case] = &[
+        ("table.csv", "height [mm]", "rise [mm]", &["no column \"height [mm]\"", "rise [mm]"]),
+        ("table.csv", "height [mm]", "height [m]", &["but \"height [m]\": mind the unit"]),
+        ("validation.toml", "trial a [Pa]", "trial c [Pa]", &["\"trial c [Pa]\"", "trial b [Pa]"]),
+        ("table.csv", "trial a [Pa]", "trial a", &["trial a [Pa]", "mind the unit"]),
+        ("validation.toml", "table.csv", "tables.csv", &["tables.csv", "No such file"]),
+        ("validation.toml", "steps.jsonl", "step.jsonl", &["step.jsonl", "No such file"]),
+        ("table.csv", "380", "NaN", &["line 3", "trial a [Pa]", "NaN", "finite number"]),
+        ("table.csv", "380", "about 380", &["line 3", "about 380", "finite number"]),
+        ("table.csv", "380,", "", &["line: 3", "4"]),
+        ("table.csv", POINTS, "", &["the table has no line"]),
+        ("table.csv", "1, ", "3, ", &["no line has 1", "load [N]"]),
+        ("table.csv", "90, 110", "-10, 10", &["ordinate is 0", "height [mm] = 10"]),
+        ("steps.jsonl", "height", "rise", &["no \"height\"", "pressure, rise"]),
+        ("steps.jsonl", "225.0}", "225.0", &["steps.jsonl: line 3"]),
+        ("validation.toml", "-0.05, 0.15", "0.15, -0.05", &["tolerance", "smaller number first"]),
+        ("validation.toml", "tolerance", "tolerence", &["unknown field `tolerence`"]),
+        ("validation.toml", CONFIG, "", &["no [[row]]"]),
+    ];
+    for (file, from, to, words) in cases {
+        let dir = workdir();
+        let sound = dir.text(file);
+        assert!(sound.contains(from), "{from:?} is not in {file}");
+        dir.write(file, &sound.replace(from, to));
+        let run = dir.solver("validate validation.toml -o out");
+        run.assert_refused(2, words);
+        assert_eq!(dir.files("out"), [""; 0], "{to}");
+    }
+}
