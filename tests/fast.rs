@@ -39,6 +39,8 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
+#[path = "fast/symmetry.rs"]
+mod symmetry;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

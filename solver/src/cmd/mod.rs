@@ -6,6 +6,7 @@ mod fit;
 mod gradient;
 mod import;
 mod list;
+mod mirror;
 mod optimize;
 mod plot;
 mod simulate;
@@ -28,6 +29,7 @@ pub enum Verb {
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Import(import::Arguments),
+    Mirror(mirror::Arguments),
 }
 
 impl Verb {
@@ -46,6 +48,7 @@ impl Verb {
             Self::Compare(arguments) => compare::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Import(arguments) => import::run(arguments),
+            Self::Mirror(arguments) => mirror::run(arguments),
         }
     }
 }

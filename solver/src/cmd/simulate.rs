@@ -291,7 +291,7 @@ fn header(
             "silicone": silicone,
         })
     });
-    Ok(json!({
+    let mut header = json!({
         "status": "ok",
         "usable": true,
         "program": crate::report::PROGRAM,
@@ -303,7 +303,11 @@ fn header(
         "vertices": scene.body.mesh.vertices.len(),
         "factor_entries": workspace.linear().factor_len(),
         "memory_estimate_mb": workspace.memory().bytes as f64 / f64::from(1 << 20),
-    }))
+    });
+    if !scene.body.planes.is_empty() {
+        header["symmetry"] = results::symmetry(&scene.body);
+    }
+    Ok(header)
 }
 
 /// What is reported of each body: alone where there is one.
