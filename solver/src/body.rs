@@ -159,6 +159,17 @@ impl Body {
         Ok(self)
     }
 
+    /// Says in the log what part of a symmetric body this is, if it is one.
+    pub fn log_share(&self) {
+        let part = match self.planes.len() {
+            0 => return,
+            1 => "a half",
+            2 => "a quarter",
+            _ => "an eighth",
+        };
+        log::info!("{part} of the whole: volumes, energies and forces are those of this part");
+    }
+
     /// Tags of the cut in each plane of symmetry, as [`Self::cut_by`] takes them.
     #[must_use]
     pub fn cuts(&self) -> Vec<Vec<String>> {

@@ -36,6 +36,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let (design, scene) = read(&arguments.design, &[])?;
+    scene.body.log_share();
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;

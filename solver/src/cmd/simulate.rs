@@ -80,6 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.config.degree,
         workspace.memory().describe(memory::available())
     );
+    scene.body.log_share();
     let steps = steps_of(&scene, arguments, done);
     let timed = scene.config.time.is_some();
     let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));

@@ -65,20 +65,22 @@ impl Rim {
     /// Its edges as vertex ids.
     pub fn edges(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         let n = self.vertices.len();
-        let count = if self.is_loop { n } else { n - 1 };
-        (0..count).map(move |i| [self.vertices[i], self.vertices[(i + 1) % n]])
+        (0..self.count()).map(move |i| [self.vertices[i], self.vertices[(i + 1) % n]])
+    }
+
+    /// Number of its edges, and of its vertices where the two ends of an arc are one.
+    fn count(&self) -> usize {
+        if self.is_loop { self.vertices.len() } else { self.vertices.len() - 1 }
     }
 
     /// The apex c of the cap [m].
     #[must_use]
     pub fn apex(&self, x: impl Fn(usize) -> Vec3) -> Vec3 {
-        let n = self.vertices.len();
-        let sum: Vec3 = self.vertices.iter().map(|&v| x(v)).sum();
-        if self.is_loop {
-            return sum / n as f64;
+        let mut sum: Vec3 = self.vertices.iter().map(|&v| x(v)).sum();
+        if let (false, [first, .., last]) = (self.is_loop, &self.vertices[..]) {
+            sum -= 0.5 * (x(*first) + x(*last));
         }
-        let half = 0.5 * (x(self.vertices[0]) + x(self.vertices[n - 1]));
-        let mut apex = (sum - half) / (n - 1) as f64;
+        let mut apex = sum / self.count() as f64;
         self.ends.iter().for_each(|&(axis, level)| apex[axis] = level);
         apex
     }
@@ -91,10 +93,10 @@ impl Rim {
     ) -> impl Iterator<Item = (usize, Vec3)> + '_ {
         let n = self.vertices.len();
         self.ends.iter().for_each(|&(axis, _)| bar[axis] = 0.0);
-        let of = move |i: usize| match self.is_loop {
-            true => scale / n as f64 * bar,
-            false if i == 0 || i == n - 1 => 0.5 * scale / (n - 1) as f64 * bar,
-            false => scale / (n - 1) as f64 * bar,
+        let of = move |i: usize| {
+            let is_end = !self.is_loop && (i == 0 || i == n - 1);
+            let share = if is_end { 0.5 } else { 1.0 };
+            share * (scale / self.count() as f64) * bar
         };
         self.vertices.iter().enumerate().map(move |(i, &v)| (v, of(i)))
     }

@@ -58,7 +58,8 @@ impl Scene {
     }
 
     fn check_across(&self, name: &str, field: &Field, plane: &Plane, body: &Body) -> Result<()> {
-        for t in self.config.moments() {
+        // the full load first, for the message
+        for t in self.config.moments().into_iter().rev() {
             for &v in plane.vertices() {
                 let (p, axis) = (body.mesh.vertices[v], AXES[plane.axis]);
                 let across = field.at(p, t)[plane.axis];
