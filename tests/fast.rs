@@ -39,6 +39,10 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
+#[path = "fast/symmetric_contact.rs"]
+mod symmetric_contact;
+#[path = "fast/symmetry.rs"]
+mod symmetry;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

@@ -18,6 +18,8 @@ pub mod polyfem;
 pub mod published;
 #[path = "support/skip.rs"]
 pub mod skip;
+#[path = "support/symmetric.rs"]
+pub mod symmetric;
 #[path = "support/symmetric_gas.rs"]
 pub mod symmetric_gas;
 #[path = "support/workdir.rs"]

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::{Tags, TetMesh};
 use serde::{Deserialize, Serialize};
+
+use crate::symmetry::{self, Plane};
 
 /// One or several bodies in one mesh, with named parts of their boundary.
 #[derive(Clone)]
@@ -15,7 +17,11 @@ pub struct Body {
     pub tags: Tags,
     /// The bodies, in the order of their tetrahedra and vertices.
     pub parts: Vec<Part>,
-    /// Boundary facets oriented out of the solid.
+    /// Planes of symmetry in which it is cut.
+    pub planes: Vec<Plane>,
+    /// Facets with one tetrahedron, oriented out of the solid.
+    skin: Vec<[usize; 3]>,
+    /// Those of them that are in no plane of symmetry.
     boundary: Vec<[usize; 3]>,
 }
 
@@ -124,11 +130,54 @@ impl Body {
     }
 
     fn with_parts(mesh: TetMesh, tags: Tags, parts: Vec<Part>) -> Self {
-        let boundary = mesh::topology::boundary(&mesh).facets;
-        Self { mesh, tags, parts, boundary }
+        let skin = mesh::topology::boundary(&mesh).facets;
+        Self { mesh, tags, parts, planes: Vec::new(), boundary: skin.clone(), skin }
     }
 
-    /// All boundary facets, oriented out of the solid.
+    /// The body as a part of a symmetric one, cut in the planes of some tags, one list for
+    /// each plane. Vertices of the cuts are moved into their planes.
+    ///
+    /// # Errors
+    /// With numbers when tags are in no plane across an axis, planes are parallel, or the
+    /// body is on both sides of one.
+    pub fn cut_by(mut self, cuts: &[Vec<String>]) -> Result<Self> {
+        for tags in cuts {
+            let mut facets = Vec::new();
+            for tag in tags {
+                let found = self.facets(tag).with_context(|| symmetry::title(tags))?;
+                facets.extend(found);
+            }
+            let plane = Plane::find(&self.mesh, &self.skin, tags, &facets)
+                .with_context(|| symmetry::title(tags))?;
+            for &v in plane.vertices() {
+                self.mesh.vertices[v][plane.axis] = plane.level;
+            }
+            self.boundary.retain(|&facet| !plane.has_facet(facet));
+            self.planes.push(plane);
+        }
+        symmetry::check_orthogonal(&self.planes)?;
+        Ok(self)
+    }
+
+    /// Says in the log what part of a symmetric body this is, if it is one.
+    pub fn log_share(&self) {
+        let part = match self.planes.len() {
+            0 => return,
+            1 => "a half",
+            2 => "a quarter",
+            _ => "an eighth",
+        };
+        log::info!("{part} of the whole: volumes, energies and forces are those of this part");
+    }
+
+    /// Tags of the cut in each plane of symmetry, as [`Self::cut_by`] takes them.
+    #[must_use]
+    pub fn cuts(&self) -> Vec<Vec<String>> {
+        self.planes.iter().map(|plane| plane.tags.clone()).collect()
+    }
+
+    /// All boundary facets, oriented out of the solid; of a part of a symmetric body those
+    /// of the whole, without the cuts.
     #[must_use]
     pub fn boundary(&self) -> &[[usize; 3]] {
         &self.boundary
@@ -161,7 +210,7 @@ impl Body {
             bail!("unknown tag \"{name}\"; the mesh has: {}", all.join(", "));
         };
         let facets: Vec<_> =
-            self.boundary.iter().copied().filter(|&f| self.tags.get(f) == Some(id)).collect();
+            self.skin.iter().copied().filter(|&f| self.tags.get(f) == Some(id)).collect();
         ensure!(!facets.is_empty(), "tag \"{name}\" has no facet on the boundary of the mesh");
         Ok(facets)
     }

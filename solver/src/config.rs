@@ -9,6 +9,7 @@ mod level;
 mod objective;
 mod probe;
 mod superseded;
+mod symmetry;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use objective::ObjectiveConfig;
 pub use probe::ProbeConfig;
+pub use symmetry::SymmetryConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
@@ -56,6 +58,9 @@ pub struct SimConfig {
     /// Tags that cannot move, or move as prescribed.
     #[serde(default)]
     pub fixed: Vec<Fixed>,
+    /// Planes in which the bodies are cut.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub symmetry: Vec<SymmetryConfig>,
     /// Acceleration by gravity [m/s²].
     #[serde(default)]
     pub gravity: Field,

@@ -7,6 +7,7 @@ pub mod parallel; // the one parallel loop
 pub mod memory; // what a factorisation may take
 pub mod math; // small dense and sparse algebra
 pub mod plot; // curves as pictures
+pub mod symmetry; // planes through which a part of a body is mirrored
 pub mod body; // a tagged mesh
 pub mod element; // discretisation
 pub mod material; // constitutive (hyperelastic) laws ψ(F)

@@ -5,6 +5,7 @@ mod chambers;
 mod contact;
 mod objectives;
 mod probes;
+mod symmetry;
 
 pub use objectives::{ObjectiveBuilder, Weighted};
 
@@ -111,6 +112,12 @@ impl Scene {
             }
             last => Body::of_several(meshes.into_iter().chain(last).collect()),
         };
+        let body = body.cut_by(&config.cuts()).with_context(context)?;
+        if let (false, Some(finding)) =
+            (body.planes.is_empty(), mesh::check::check_tets(&body.mesh).first())
+        {
+            bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
+        }
         Ok(Self { path: path.to_path_buf(), config, parts, body, certify: true })
     }
 
@@ -207,7 +214,7 @@ impl Scene {
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
         let new =
             if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
-        new(&self.config.fixed, &self.config.moments(), body, space)
+        new(&self.fixed(body), &self.config.moments(), body, space)
             .with_context(|| self.path.display().to_string())
     }
 
@@ -245,13 +252,14 @@ impl Scene {
         let bodies = bodies.map(|(part, own)| self.body_energies(part, own, space, supports));
         let mut energies = Energies::bodies(bodies.collect::<Result<_>>()?);
         for (name, chamber) in self.chambers(body, space)? {
-            chambers::check_rim(&name, &body.facets(&name)?, supports, space, body)?;
+            chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
             energies = energies.with_chamber(name, chamber);
         }
         if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
             energies.contact = Some(Arc::new(collisions.contact));
             energies.friction = collisions.friction;
         }
+        self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
         self.check_field("gravity", &self.config.gravity, &nodes)?;
         for load in &self.config.body_force {

@@ -6,6 +6,7 @@ mod fit;
 mod gradient;
 mod import;
 mod list;
+mod mirror;
 mod optimize;
 mod plot;
 mod simulate;
@@ -30,6 +31,7 @@ pub enum Verb {
     Plot(plot::Arguments),
     Import(import::Arguments),
     Validate(validate::Arguments),
+    Mirror(mirror::Arguments),
 }
 
 impl Verb {
@@ -49,6 +51,7 @@ impl Verb {
             Self::Plot(arguments) => plot::run(arguments),
             Self::Import(arguments) => import::run(arguments),
             Self::Validate(arguments) => validate::run(arguments),
+            Self::Mirror(arguments) => mirror::run(arguments),
         }
     }
 }

@@ -36,6 +36,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let (design, scene) = read(&arguments.design, &[])?;
+    scene.body.log_share();
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
@@ -199,7 +200,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
     let lines: Vec<Value> = history.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
     let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);
-    Ok(json!({
+    let mut report = json!({
         "usable": true,
         "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
         "stopped": finished.stopped,
@@ -215,5 +216,9 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "gradient_s": sum("gradient_s"),
         "wall_s_of_this_run": start.elapsed().as_secs_f64(),
         "peak_rss_mb": program::peak_rss_mb(),
-    }))
+    });
+    if !finished.body.planes.is_empty() {
+        report["symmetry"] = results::symmetry(&finished.body);
+    }
+    Ok(report)
 }

@@ -80,6 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.config.degree,
         workspace.memory().describe(memory::available())
     );
+    scene.body.log_share();
     let steps = steps_of(&scene, arguments, done);
     let timed = scene.config.time.is_some();
     let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
@@ -291,7 +292,7 @@ fn header(
             "silicone": silicone,
         })
     });
-    Ok(json!({
+    let mut header = json!({
         "status": "ok",
         "usable": true,
         "program": crate::report::PROGRAM,
@@ -303,7 +304,11 @@ fn header(
         "vertices": scene.body.mesh.vertices.len(),
         "factor_entries": workspace.linear().factor_len(),
         "memory_estimate_mb": workspace.memory().bytes as f64 / f64::from(1 << 20),
-    }))
+    });
+    if !scene.body.planes.is_empty() {
+        header["symmetry"] = results::symmetry(&scene.body);
+    }
+    Ok(header)
 }
 
 /// What is reported of each body: alone where there is one.

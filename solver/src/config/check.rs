@@ -28,7 +28,7 @@ impl SimConfig {
             self.quadrature
         );
         ensure!(
-            !self.fixed.is_empty() || self.may_float(),
+            !self.fixed.is_empty() || !self.symmetry.is_empty() || self.may_float(),
             "no [[fixed]] tag: the body would float away; fix one, or give it inertia by [time]"
         );
         self.check_bodies()?;
@@ -58,6 +58,7 @@ impl SimConfig {
                 schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
             }
         }
+        self.check_symmetry()?;
         self.check_probes()?;
         self.check_chambers()
     }

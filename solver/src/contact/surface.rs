@@ -2,12 +2,15 @@
 //! rigid obstacles.
 //!
 //! x_c = W (ΠX + u)        for the bodies, f = Wᵀ f_c
+//! x_c = R W (ΠX + u) + s  for their mirror images, f = Wᵀ R f_c
 //! x_c = X_c + D(X_c, t)   for obstacles
 //!
 //! W   values of the displacement basis at the collision vertices: every
 //!     boundary facet is split into a regular pattern of `split`² triangles. With
 //!     `split` equal to the degree the collision vertices are the nodes of the
 //!     boundary, and W selects them.
+//! R, s  reflection in planes of symmetry: the surface is that of the whole, of which each
+//!     copy has the same share of the energy. Points in a plane are their own image
 //! D   prescribed displacement [m] at the load t
 //!
 //! Contact is exact for the flat triangles, which differ from curved facets by
@@ -20,10 +23,12 @@ use std::collections::BTreeMap;
 
 use mesh::{SurfaceMesh, Vec3};
 
+use super::images::{Image, Images};
 use super::pairs::Features;
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
-use crate::math::tensor::Mat12;
+use crate::math::tensor::{Mat3, Mat12};
+use crate::symmetry::Plane;
 
 /// Displacement [m] of a point of an obstacle, given its rest position [m] and
 /// the load t.
@@ -52,6 +57,10 @@ pub struct BodyForce {
 pub struct Surface {
     /// Rows of W: nodes and weights, empty for vertices of obstacles.
     rows: Vec<Vec<(usize, f64)>>,
+    /// Of which collision vertex each is the image, and how.
+    images: Vec<Image>,
+    /// Share of the bodies in the whole of which the surface is.
+    share: f64,
     body: Vec<usize>,
     movable: Vec<bool>,
     features: Features,
@@ -74,6 +83,23 @@ impl Surface {
         split: usize,
         fixed: &[bool],
     ) -> Self {
+        Self::symmetric(&[], space, (facets, bodies), obstacles, split, fixed)
+    }
+
+    /// The surface of the whole, of whose bodies these facets bound the part that planes of
+    /// symmetry cut; obstacles are whole.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    #[must_use]
+    pub fn symmetric(
+        planes: &[Plane],
+        space: &FunctionSpace,
+        (facets, bodies): (&[[usize; 3]], &[usize]),
+        obstacles: Vec<Obstacle>,
+        split: usize,
+        fixed: &[bool],
+    ) -> Self {
         assert!(split > 0 && facets.len() == bodies.len(), "one body for each facet");
         let mut lattice = Lattice { space, split, ids: BTreeMap::new(), rows: Vec::new() };
         let (mut triangles, mut body) = (Vec::new(), Vec::new());
@@ -81,7 +107,20 @@ impl Surface {
             triangles.extend(lattice.split(facet));
             body.resize(lattice.rows.len(), b);
         }
-        let mut rows = lattice.rows;
+        let corners = lattice.ids.into_iter().map(|(key, id)| {
+            (id, key.into_iter().filter(|corner| corner.1 > 0).map(|corner| corner.0).collect())
+        });
+        let (mut rows, own) = (lattice.rows, triangles.len());
+        let mut images = Images::new(planes, corners.collect());
+        for copy in 1..images.copies() {
+            for t in 0..own {
+                triangles.push(images.mirror(triangles[t], copy));
+            }
+        }
+        let mut images = images.all;
+        let origins: Vec<usize> = images[rows.len()..].iter().map(|image| image.of).collect();
+        rows.extend(origins.iter().map(|&v| rows[v].clone()).collect::<Vec<_>>());
+        body.extend(origins.iter().map(|&v| body[v]).collect::<Vec<_>>());
         let is_free = |row: &Vec<(usize, f64)>| {
             row.iter().any(|&(n, _)| fixed[3 * n..3 * n + 3].contains(&false))
         };
@@ -94,13 +133,22 @@ impl Surface {
             triangles.extend(obstacle.surface.triangles.iter().map(|t| t.map(|v| v + offset)));
         }
         movable.resize(rows.len(), false);
-        Self { rows, body, movable, features: Features::new(&triangles), obstacles }
+        images.extend((images.len()..rows.len()).map(Image::itself));
+        let share = 0.5_f64.powi(planes.len() as i32);
+        Self { rows, images, share, body, movable, features: Features::new(&triangles), obstacles }
     }
 
     /// Vertices, edges and triangles.
     #[must_use]
     pub fn features(&self) -> &Features {
         &self.features
+    }
+
+    /// Share of the bodies in the whole of which the surface is: 1, or a half for each plane of
+    /// symmetry.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.share
     }
 
     /// Number of collision vertices, those of obstacles last.
@@ -138,6 +186,7 @@ impl Surface {
     pub fn rest(&self, space: &FunctionSpace, rest: &[Vec3]) -> Vec<Vec3> {
         let nodes = space.node_positions(rest);
         let mut x = self.interpolate(|n| nodes[n]);
+        x.iter_mut().zip(&self.images).for_each(|(x, image)| *x += image.shift);
         self.for_each_obstacle_vertex(|v, place, _| x[v] = place);
         x
     }
@@ -179,7 +228,8 @@ impl Surface {
 
     /// Adds Wᵀ of vectors on the collision vertices to a nodal field.
     pub fn add_to_nodes(&self, vectors: &[Vec3], out: &mut [f64]) {
-        for (row, vector) in self.rows.iter().zip(vectors) {
+        for ((row, image), vector) in self.rows.iter().zip(&self.images).zip(vectors) {
+            let vector = vector.component_mul(&image.signs);
             for &(node, weight) in row {
                 add_at(out, node, &(weight * vector));
             }
@@ -202,6 +252,8 @@ impl Surface {
                 if block.iter().all(|v| *v == 0.0) {
                     continue;
                 }
+                let [r, s] = [a, b].map(|v| &self.images[v].signs);
+                let block = Mat3::from_fn(|k, l| r[k] * block[(k, l)] * s[l]);
                 for &(row, by_row) in self.row(a) {
                     for &(column, by_column) in self.row(b) {
                         out.add_lower(row, column, &(block * (by_row * by_column)));
@@ -227,7 +279,8 @@ impl Surface {
         couplings
     }
 
-    /// Forces on corners of stencils, summed for each two bodies, in their order.
+    /// Forces on corners of stencils, summed for each two bodies, in their order; those on images
+    /// are mirrored back.
     #[must_use]
     pub fn body_forces(&self, forces: &[([usize; 4], [Vec3; 4])]) -> Vec<BodyForce> {
         let mut on_vertices = BTreeMap::<[usize; 2], BTreeMap<usize, Vec3>>::new();
@@ -237,7 +290,8 @@ impl Surface {
             let sums = on_vertices.entry(key).or_default();
             for (&v, force) in corners.iter().zip(forces).filter(|(v, _)| self.body[**v] == key[0])
             {
-                *sums.entry(v).or_insert_with(Vec3::zeros) += force;
+                let Image { of, signs, .. } = &self.images[v];
+                *sums.entry(*of).or_insert_with(Vec3::zeros) += force.component_mul(signs);
             }
         }
         let total = |(bodies, sums): ([usize; 2], BTreeMap<usize, Vec3>)| BodyForce {
@@ -249,8 +303,11 @@ impl Surface {
     }
 
     fn interpolate(&self, nodal: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
-        let one = |row: &Vec<(usize, f64)>| row.iter().map(|&(n, w)| w * nodal(n)).sum();
-        self.rows.iter().map(one).collect()
+        let one = |(row, image): (&Vec<(usize, f64)>, &Image)| {
+            let own: Vec3 = row.iter().map(|&(n, w)| w * nodal(n)).sum();
+            own.component_mul(&image.signs)
+        };
+        self.rows.iter().zip(&self.images).map(one).collect()
     }
 
     fn for_each_obstacle_vertex(&self, mut f: impl FnMut(usize, Vec3, Option<&Motion>)) {

@@ -49,13 +49,13 @@ impl DesignMap {
             let facets = body.facets(on)?;
             let Some(moves) = level.moves(on) else { continue };
             let spread = design.shape.as_ref().map_or(Spread::default(), |shape| shape.spread);
-            patches.push(Patch::new(&rest, &facets, moves, spread)?);
+            patches.push(Patch::new(&rest, &facets, &body.planes, moves, spread)?);
             moving.extend(facets);
         }
         check_apart(&patches)?;
         let edges = if moving.is_empty() { body.boundary() } else { &moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
-        let extension = if moving.is_empty() { None } else { Some(Extension::new(&body.mesh)?) };
+        let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(scene, chambers, parameters, energies, mean_edge)?;

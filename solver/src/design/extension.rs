@@ -12,16 +12,30 @@
 //! elasticity at three times the unknowns. Linear, factored once, the same for
 //! all three components. Translations are carried exactly, other affine motions
 //! only roughly.
+//!
+//! Where planes of symmetry cut the body, vertices inside a cut are interior: along the plane
+//! they follow as those of the whole body would, of which K has the half; across it they stay.
 
 use std::collections::BTreeMap;
 
-use mesh::{TetMesh, Vec3, topology};
+use mesh::{TetMesh, Vec3};
 
+use crate::body::Body;
 use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric};
 use crate::math::ordering::nested_dissection;
+use crate::symmetry::{self, Plane};
 
 /// Linear map from boundary to interior displacements.
 pub struct Extension {
+    /// Which of the systems belongs to each component.
+    of_component: [usize; 3],
+    /// One for all components, but where planes of symmetry hold some of them.
+    systems: Vec<System>,
+    planes: Vec<Plane>,
+}
+
+/// The equations of a component.
+struct System {
     /// Interior vertex of each unknown, ascending.
     interior: Vec<usize>,
     /// K_ib by unknown: boundary vertices with their entries.
@@ -31,14 +45,50 @@ pub struct Extension {
 }
 
 impl Extension {
-    /// The map of a mesh at its present vertex positions.
+    /// The map of a body at its present vertex positions.
     ///
     /// # Errors
     /// [`NotPositive`] if an element is so flat that K is singular.
-    pub fn new(mesh: &TetMesh) -> Result<Self, NotPositive> {
-        let mut inside = vec![false; mesh.vertices.len()];
-        mesh.tets.iter().flatten().for_each(|&v| inside[v] = true);
-        topology::boundary(mesh).facets.iter().flatten().for_each(|&v| inside[v] = false);
+    pub fn new(body: &Body) -> Result<Self, NotPositive> {
+        let mut inside = vec![false; body.mesh.vertices.len()];
+        body.mesh.tets.iter().flatten().for_each(|&v| inside[v] = true);
+        body.boundary().iter().flatten().for_each(|&v| inside[v] = false);
+        let (mut systems, mut of_component, mut held) = (Vec::new(), [0; 3], Vec::new());
+        for (axis, system) in of_component.iter_mut().enumerate() {
+            let plane = body.planes.iter().find(|plane| plane.axis == axis);
+            *system = held.iter().position(|other| *other == plane).unwrap_or(held.len());
+            if *system == held.len() {
+                let mut inside = inside.clone();
+                let cut = plane.map_or(&[][..], Plane::vertices);
+                cut.iter().for_each(|&v| inside[v] = false);
+                systems.push(System::new(&body.mesh, &inside)?);
+                held.push(plane);
+            }
+        }
+        Ok(Self { of_component, systems, planes: body.planes.clone() })
+    }
+
+    /// Fills in the interior of `displacement`, a list over all vertices whose
+    /// boundary entries are given; none of them leaves a plane of symmetry.
+    pub fn apply(&self, displacement: &mut [Vec3]) {
+        for (k, &system) in self.of_component.iter().enumerate() {
+            self.systems[system].apply(k, displacement);
+        }
+    }
+
+    /// The transpose: moves the cotangents of the interior entries of `bar`, a
+    /// list over all vertices, to the boundary entries and clears them, and those across
+    /// planes of symmetry.
+    pub fn pull_back(&self, bar: &mut [Vec3]) {
+        for (k, &system) in self.of_component.iter().enumerate() {
+            self.systems[system].pull_back(k, bar);
+        }
+        symmetry::project(&self.planes, bar);
+    }
+}
+
+impl System {
+    fn new(mesh: &TetMesh, inside: &[bool]) -> Result<Self, NotPositive> {
         let interior: Vec<usize> = (0..inside.len()).filter(|&v| inside[v]).collect();
         let mut unknown = vec![usize::MAX; inside.len()];
         interior.iter().enumerate().for_each(|(i, &v)| unknown[v] = i);
@@ -69,30 +119,21 @@ impl Extension {
         Ok(Self { interior, coupling, solver })
     }
 
-    /// Fills in the interior of `displacement`, a list over all vertices whose
-    /// boundary entries are given.
-    pub fn apply(&self, displacement: &mut [Vec3]) {
-        let load = |k: usize| -> Vec<f64> {
-            let pull = |row: &Vec<(usize, f64)>| -> f64 {
-                -row.iter().map(|&(w, c)| c * displacement[w][k]).sum::<f64>()
-            };
-            self.coupling.iter().map(pull).collect()
+    /// Fills in component `k` of the unknowns.
+    fn apply(&self, k: usize, displacement: &mut [Vec3]) {
+        let pull = |row: &Vec<(usize, f64)>| -> f64 {
+            -row.iter().map(|&(w, c)| c * displacement[w][k]).sum::<f64>()
         };
-        let components = [load(0), load(1), load(2)].map(|b| self.solve(b));
-        for (i, &v) in self.interior.iter().enumerate() {
-            displacement[v] = Vec3::from_fn(|k, _| components[k][i]);
-        }
+        let solution = self.solve(self.coupling.iter().map(pull).collect());
+        self.interior.iter().zip(solution).for_each(|(&v, d)| displacement[v][k] = d);
     }
 
-    /// The transpose: moves the cotangents of the interior entries of `bar`, a
-    /// list over all vertices, to the boundary entries and clears them.
-    pub fn pull_back(&self, bar: &mut [Vec3]) {
-        let load = |k: usize| self.interior.iter().map(|&v| bar[v][k]).collect();
-        let pulls = [load(0), load(1), load(2)].map(|b| self.solve(b));
-        self.interior.iter().for_each(|&v| bar[v] = Vec3::zeros());
-        for (i, row) in self.coupling.iter().enumerate() {
-            let pull = Vec3::from_fn(|k, _| pulls[k][i]);
-            row.iter().for_each(|&(w, c)| bar[w] -= c * pull);
+    /// The transpose of the same.
+    fn pull_back(&self, k: usize, bar: &mut [Vec3]) {
+        let pulls = self.solve(self.interior.iter().map(|&v| bar[v][k]).collect());
+        self.interior.iter().for_each(|&v| bar[v][k] = 0.0);
+        for (row, pull) in self.coupling.iter().zip(pulls) {
+            row.iter().for_each(|&(w, c)| bar[w][k] -= c * pull);
         }
     }
 
@@ -133,15 +174,21 @@ mod tests {
     use super::*;
     use crate::math::random::Random;
     use crate::testing::cube;
+    use mesh::Tags;
+
+    fn body(mesh: &TetMesh) -> Body {
+        Body::new(mesh.clone(), Tags::default())
+    }
 
     #[test]
     fn translations_are_exact_and_a_strong_squeeze_inverts_nothing() {
         let mesh = cube(5, 0.2);
-        let extension = Extension::new(&mesh).unwrap();
-        assert_eq!(extension.interior.len(), 4 * 4 * 4);
+        let extension = Extension::new(&body(&mesh)).unwrap();
+        let interior = &extension.systems[0].interior;
+        assert_eq!((extension.systems.len(), interior.len()), (1, 4 * 4 * 4));
         let extend = |motion: &dyn Fn(&Vec3) -> Vec3| {
             let mut displacement: Vec<Vec3> = mesh.vertices.iter().map(motion).collect();
-            extension.interior.iter().for_each(|&v| displacement[v] = Vec3::repeat(9.0));
+            interior.iter().for_each(|&v| displacement[v] = Vec3::repeat(9.0));
             extension.apply(&mut displacement);
             displacement
         };
@@ -163,11 +210,12 @@ mod tests {
     #[test]
     fn pull_back_is_the_transpose() {
         let mesh = cube(5, 0.2);
-        let extension = Extension::new(&mesh).unwrap();
+        let extension = Extension::new(&body(&mesh)).unwrap();
+        let interior = &extension.systems[0].interior;
         let mut random = Random::new(41);
         let mut draw = || -> Vec<Vec3> { mesh.vertices.iter().map(|_| random.vector()).collect() };
         let (mut data, bar) = (draw(), draw());
-        extension.interior.iter().for_each(|&v| data[v] = Vec3::zeros());
+        interior.iter().for_each(|&v| data[v] = Vec3::zeros());
         let inner =
             |a: &[Vec3], b: &[Vec3]| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
 
@@ -176,13 +224,13 @@ mod tests {
         extension.pull_back(&mut pulled);
         let (left, right) = (inner(&extended, &bar), inner(&data, &pulled));
         assert!((left - right).abs() < 1e-12 * left.abs().max(1.0), "{left} {right}");
-        assert!(extension.interior.iter().all(|&v| pulled[v] == Vec3::zeros()));
+        assert!(interior.iter().all(|&v| pulled[v] == Vec3::zeros()));
     }
 
     #[test]
     fn a_mesh_without_interior_vertices_is_left_alone() {
         let mesh = cube(1, 0.0);
-        let extension = Extension::new(&mesh).unwrap();
+        let extension = Extension::new(&body(&mesh)).unwrap();
         let mut displacement = mesh.vertices.clone();
         extension.apply(&mut displacement);
         assert_eq!(displacement, mesh.vertices);

@@ -18,14 +18,21 @@
 //! changes of any variable move the surface about equally far. θ = 0 is the
 //! shape as it is. The rim does not move, whatever the variables.
 //!
+//! Where a plane of symmetry across axis k cuts the patch, what lies in the plane is no rim:
+//! it moves along the plane. For component k, w_j is then another weight, which is zero in the
+//! plane, too; a handle in the plane does not move across it.
+//!
 //! Source: Gjoka et al. 2024, equation (17).
 
+use std::sync::Arc;
+
 use mesh::measure::mean_edge;
-use mesh::{Vec3, topology};
+use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::sampling::{TooManyHandles, rim, spread_points};
+use super::sampling::{TooManyHandles, open_rim, spread_points};
 use crate::config::{HandleMotion, Spread};
+use crate::symmetry::Plane;
 
 type Mat3 = nalgebra::Matrix3<f64>;
 
@@ -47,33 +54,58 @@ pub struct Handles {
     vertices: Vec<usize>,
     centers: Vec<Vec3>,
     radii: Vec<f64>,
-    /// Weights by handle, in the order of `vertices`.
-    weights: Vec<Vec<f64>>,
+    /// Weights of each component of the motion by handle, in the order of `vertices`.
+    weights: [Arc<Vec<Vec<f64>>>; 3],
     motion: HandleMotion,
 }
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
-/// `spread`, and computes their weights.
+/// `spread`, and computes their weights. Planes of symmetry may cut the patch.
 ///
 /// # Errors
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
 pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
+    planes: &[Plane],
     count: usize,
     spread: Spread,
 ) -> Result<Handles, HandleError> {
     let (surface, vertices) = topology::submesh(rest, patch);
-    let points = spread_points(&surface, count, spread)?;
-    let weights = bounded_biharmonic(&surface, &rim(&surface), &points)?;
+    let rim = open_rim(&surface, &vertices, planes);
+    let points = spread_points(&surface, &rim, count, spread)?;
+    let along = Arc::new(bounded_biharmonic(&surface, &rim, &points)?);
+    let mut weights = [0, 1, 2].map(|_| Arc::clone(&along));
+    for plane in planes {
+        let in_plane = (0..vertices.len()).filter(|&v| plane.contains(vertices[v]));
+        let mut held: Vec<usize> = in_plane.chain(rim.iter().copied()).collect();
+        held.sort_unstable();
+        held.dedup();
+        weights[plane.axis] = Arc::new(weights_across(&surface, &held, &points)?);
+    }
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
     let radii = centers
         .iter()
-        .zip(&weights)
+        .zip(&*along)
         .map(|(c, w)| radius(&surface.vertices, c, w).max(edge))
         .collect();
     Ok(Handles { vertices, centers, radii, weights, motion: HandleMotion::default() })
+}
+
+/// Weights of the handles for the component across a plane, zero at the `held` vertices in it;
+/// a handle that is one of them does not move across it at all.
+fn weights_across(
+    surface: &SurfaceMesh,
+    held: &[usize],
+    points: &[usize],
+) -> Result<Vec<Vec<f64>>, WeightError> {
+    let is_held = |point: &usize| held.binary_search(point).is_ok();
+    let free: Vec<usize> = points.iter().copied().filter(|p| !is_held(p)).collect();
+    let mut weights = bounded_biharmonic(surface, held, &free)?.into_iter();
+    let none = || vec![0.0; surface.vertices.len()];
+    let one = |p: &usize| if is_held(p) { Some(none()) } else { weights.next() };
+    Ok(points.iter().map(one).map(Option::unwrap_or_default).collect())
 }
 
 /// Root mean square distance to `center`, weighted with w² [m].
@@ -126,7 +158,7 @@ impl Handles {
             let turn = motion.rotation() - Mat3::identity();
             for (i, &v) in self.vertices.iter().enumerate() {
                 let arm = rest[v] - self.centers[j];
-                moved[i] += self.weights[j][i] * (turn * arm + motion.translation);
+                moved[i] += self.weight(j, i).component_mul(&(turn * arm + motion.translation));
             }
         }
         moved
@@ -141,7 +173,7 @@ impl Handles {
             // the derivatives by the six variables need only Σ w v̄ and Σ w v̄ (v − c)ᵀ
             let (mut force, mut moment) = (Vec3::zeros(), Mat3::zeros());
             for (i, &v) in self.vertices.iter().enumerate() {
-                let pull = self.weights[j][i] * bar[i];
+                let pull = self.weight(j, i).component_mul(&bar[i]);
                 force += pull;
                 moment += pull * (rest[v] - self.centers[j]).transpose();
             }
@@ -152,6 +184,11 @@ impl Handles {
             gradient.extend([force.x, force.y, force.z]);
         }
         gradient
+    }
+
+    /// Weights of handle j at vertex i for each component.
+    fn weight(&self, j: usize, i: usize) -> Vec3 {
+        Vec3::from_fn(|k, _| self.weights[k][j][i])
     }
 
     fn motions(&self, theta: &[f64]) -> Vec<Motion> {
@@ -209,6 +246,7 @@ impl Motion {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::design::sampling::rim;
     use crate::math::random::Random;
     use crate::testing::{cap, check_gradient, sphere};
 
@@ -216,7 +254,7 @@ mod tests {
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
         let handles =
-            sample_handles(&surface.vertices, &surface.triangles, 5, Spread::RePick).unwrap();
+            sample_handles(&surface.vertices, &surface.triangles, &[], 5, Spread::RePick).unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -228,7 +266,8 @@ mod tests {
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles = sample_handles(&ball.vertices, &ball.triangles, 1, Spread::RePick).unwrap();
+        let handles =
+            sample_handles(&ball.vertices, &ball.triangles, &[], 1, Spread::RePick).unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -249,7 +288,7 @@ mod tests {
     fn pull_back_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles = sample_handles(x, &surface.triangles, 3, Spread::RePick).unwrap();
+        let handles = sample_handles(x, &surface.triangles, &[], 3, Spread::RePick).unwrap();
         check_pull_back(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);

@@ -3,15 +3,16 @@
 use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
-use super::sampling::rim;
+use super::sampling::open_rim;
 use crate::config::{Moves, Spread};
+use crate::symmetry::Plane;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
 pub enum Patch {
     /// Rigid motions of handles.
     Handles(Handles),
-    /// The displacement of every vertex off the rim.
+    /// The displacement of every vertex off the rim, but none across planes of symmetry.
     Vertices(FreeVertices),
 }
 
@@ -20,28 +21,37 @@ pub enum Patch {
 pub struct FreeVertices {
     /// Vertex ids off the rim, ascending.
     vertices: Vec<usize>,
+    /// Of each variable the index of its vertex and its component.
+    components: Vec<(usize, usize)>,
 }
 
 impl Patch {
-    /// A patch with handles, or with all vertices free.
+    /// A patch with handles, or with all vertices free, of a body that planes of symmetry
+    /// may cut.
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
     pub fn new(
         rest: &[Vec3],
         facets: &[[usize; 3]],
+        planes: &[Plane],
         moves: Moves,
         spread: Spread,
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, count, spread)?;
+            let handles = sample_handles(rest, facets, planes, count, spread)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         let (surface, ids) = topology::submesh(rest, facets);
-        let held = rim(&surface);
+        let held = open_rim(&surface, &ids, planes);
         let free = (0..ids.len()).filter(|v| held.binary_search(v).is_err());
         let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
-        Ok(Self::Vertices(FreeVertices { vertices }))
+        let stays = |v: usize, k: usize| planes.iter().any(|p| p.axis == k && p.contains(v));
+        let of_vertex = |(i, &v): (usize, &usize)| {
+            (0..3).filter(|&k| !stays(v, k)).map(|k| (i, k)).collect::<Vec<_>>()
+        };
+        let components = vertices.iter().enumerate().flat_map(of_vertex).collect();
+        Ok(Self::Vertices(FreeVertices { vertices, components }))
     }
 
     /// Number of design variables.
@@ -49,7 +59,7 @@ impl Patch {
     pub fn variables(&self) -> usize {
         match self {
             Self::Handles(handles) => handles.variables(),
-            Self::Vertices(free) => 3 * free.vertices.len(),
+            Self::Vertices(free) => free.components.len(),
         }
     }
 
@@ -69,8 +79,9 @@ impl Patch {
         match self {
             Self::Handles(handles) => handles.apply(theta, rest),
             Self::Vertices(free) => {
-                let moves = theta.chunks_exact(3).map(Vec3::from_column_slice);
-                free.vertices.iter().zip(moves).map(|(&v, d)| rest[v] + d).collect()
+                let mut moved: Vec<Vec3> = free.vertices.iter().map(|&v| rest[v]).collect();
+                free.components.iter().zip(theta).for_each(|(&(i, k), d)| moved[i][k] += d);
+                moved
             }
         }
     }
@@ -80,7 +91,7 @@ impl Patch {
     pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.pull_back(theta, rest, bar),
-            Self::Vertices(_) => bar.iter().flat_map(|b| [b.x, b.y, b.z]).collect(),
+            Self::Vertices(free) => free.components.iter().map(|&(i, k)| bar[i][k]).collect(),
         }
     }
 }
@@ -89,6 +100,7 @@ impl Patch {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::design::sampling::rim;
     use crate::math::random::Random;
     use crate::testing::{cap, check_gradient};
 
@@ -96,7 +108,8 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(x, &surface.triangles, Moves::Vertices, Spread::RePick).unwrap();
+        let patch =
+            Patch::new(x, &surface.triangles, &[], Moves::Vertices, Spread::RePick).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));

@@ -20,6 +20,7 @@ use mesh::{SurfaceMesh, topology};
 
 use super::Geodesics;
 use crate::config::Spread;
+use crate::symmetry::Plane;
 
 /// Times that every point is placed again, at most.
 const SWEEPS: usize = 5;
@@ -46,21 +47,33 @@ pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
     rim
 }
 
+/// The part of the rim of a patch that is in no plane of symmetry; `ids` are its vertices in
+/// the body.
+#[must_use]
+pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<usize> {
+    let mut edges = topology::boundary_edges(&surface.triangles);
+    edges.retain(|edge| !planes.iter().any(|plane| edge.iter().all(|&v| plane.contains(ids[v]))));
+    let mut rim = edges.concat();
+    rim.sort_unstable();
+    rim.dedup();
+    rim
+}
+
 /// `count` vertices of a surface, none on its rim.
 ///
 /// # Errors
 /// [`TooManyHandles`] if there are not that many.
 pub fn spread_points(
     surface: &SurfaceMesh,
+    rim: &[usize],
     count: usize,
     spread: Spread,
 ) -> Result<Vec<usize>, TooManyHandles> {
-    let rim = rim(surface);
     let available = surface.vertices.len() - rim.len();
     if count > available {
         return Err(TooManyHandles { wanted: count, available });
     }
-    let mut sampling = Sampling::new(surface, &rim);
+    let mut sampling = Sampling::new(surface, rim);
     for i in 0..count {
         let first = if i == 0 && rim.is_empty() { lowest(surface) } else { sampling.farthest() };
         sampling.add(i, first);
@@ -75,7 +88,7 @@ pub fn spread_points(
         }
         Spread::RePick => {}
         Spread::Lloyd => {
-            let cells = Cells::new(surface, &rim);
+            let cells = Cells::new(surface, rim);
             let moves = |_: &usize| sampling.center_all(&cells);
             let _ = (0..SWEEPS).take_while(moves).count();
         }
@@ -246,7 +259,7 @@ mod tests {
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {
         let plane = square(20, 0.0);
-        let points = spread_points(&plane, 1, Spread::RePick).unwrap();
+        let points = spread_points(&plane, &rim(&plane), 1, Spread::RePick).unwrap();
         assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
     }
 
@@ -256,7 +269,7 @@ mod tests {
     fn points_are_spread_evenly_off_the_rim() {
         let surface = cap(4);
         for count in [4, 16, 50] {
-            let points = spread_points(&surface, count, Spread::RePick).unwrap();
+            let points = spread_points(&surface, &rim(&surface), count, Spread::RePick).unwrap();
             let rim = rim(&surface);
             assert!(points.iter().all(|p| !rim.contains(p)));
             let geodesics = Geodesics::new(&surface);
@@ -296,8 +309,11 @@ mod tests {
                 let next = if anywhere { lowest(&surface) } else { greedy.farthest() };
                 greedy.add(i, next);
             }
-            let points = spread_points(&surface, count, Spread::Lloyd).unwrap();
-            assert_eq!(points, spread_points(&surface, count, Spread::Lloyd).unwrap());
+            let points = spread_points(&surface, &rim(&surface), count, Spread::Lloyd).unwrap();
+            assert_eq!(
+                points,
+                spread_points(&surface, &rim(&surface), count, Spread::Lloyd).unwrap()
+            );
             let (before, after) = (spread(&surface, &greedy.points), spread(&surface, &points));
             assert!(after < before, "{after} {before}");
         }
@@ -330,16 +346,19 @@ mod tests {
         let mut two = ball.clone();
         two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
         two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
-        let points = spread_points(&two, 2, Spread::RePick).unwrap();
+        let points = spread_points(&two, &rim(&two), 2, Spread::RePick).unwrap();
         assert!((points[0] < n) != (points[1] < n));
-        assert_eq!(spread_points(&ball, 1, Spread::RePick).unwrap(), vec![lowest(&ball)]);
+        assert_eq!(
+            spread_points(&ball, &rim(&ball), 1, Spread::RePick).unwrap(),
+            vec![lowest(&ball)]
+        );
     }
 
     #[test]
     fn more_points_than_vertices_are_refused() {
         let plane = square(3, 0.0);
-        assert_eq!(spread_points(&plane, 4, Spread::RePick).unwrap().len(), 4);
-        let error = spread_points(&plane, 5, Spread::RePick).unwrap_err();
+        assert_eq!(spread_points(&plane, &rim(&plane), 4, Spread::RePick).unwrap().len(), 4);
+        let error = spread_points(&plane, &rim(&plane), 5, Spread::RePick).unwrap_err();
         assert_eq!(error, TooManyHandles { wanted: 5, available: 4 });
     }
 }

@@ -55,7 +55,8 @@ impl Contact {
     /// The barrier between all features of a surface.
     #[must_use]
     pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
-        let (repulsion, scale) = (barrier.repulsion(), barrier.scale());
+        // each copy of a part has the same share of the energy of the whole
+        let (repulsion, scale) = (barrier.repulsion(), barrier.scale() * surface.share());
         let potential = Potential::new(surface, Partners::All, barrier.form, repulsion, scale);
         Self { potential, neighbours: NeighbourList::default(), certify: false }
     }

@@ -11,6 +11,7 @@ pub mod gas_law;
 mod inertia;
 mod springs;
 mod traction;
+mod rim;
 mod wall;
 
 pub use body_force::BodyForce;
@@ -23,6 +24,7 @@ pub use energies::{
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use inertia::Inertia;
+pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;
 pub use wall::Wall;

@@ -1,27 +1,33 @@
 //! The wall of a chamber, and the volume behind it.
 //!
-//! V(x) = C(x) − ⅓ ∫_Γ x · (g₁ × g₂) dξ      g_α = ∂x/∂ξ_α
+//! V(x) = C(x) − ⅓ ∫_Γ (x − o) · (g₁ × g₂) dξ      g_α = ∂x/∂ξ_α
 //! ∂V/∂x_a = −∫ φ_a (g₁ × g₂) dξ
 //! ∂²V/∂x_a∂x_b = −S_ab,  S_ab = ∫ φ_a (−∂₁φ_b [g₂]ₓ + ∂₂φ_b [g₁]ₓ) dξ
 //!
 //! Facets are oriented out of the solid, so that g₁ × g₂ points into the
-//! chamber. An open wall is closed by caps, one for each loop of its rim: the
-//! cone from the mean of the loop's vertices, of volume C = ⅙ ∮ (x × dx) · c. Its
-//! rim must not move, or only within a plane in which the cap then lies: in both
-//! cases the cap does no work. S is symmetric when Γ is closed or its rim is held
-//! like that.
+//! chamber. An open wall is closed by caps, one for each loop of its [`Rim`]: the
+//! cone from the mean c of the loop's vertices, of volume
+//! C = ⅙ ∮ ((x − o) × dx) · (c − o). Its rim must not move, or only within a plane in which
+//! the cap then lies: in both cases the cap does no work. S is symmetric when Γ is closed
+//! or its rim is held like that: what is not symmetric is ∮ (δ₁x × δ₂x) · dx along the rim.
+//!
+//! A wall that planes of symmetry cut is closed by a piece of each plane. The origin o lies
+//! in all of them, so that these pieces add nothing to V: (x − o) · n = 0 there. They do no
+//! work, as the rim slides in the planes, so no force and no stiffness belongs to them. V is
+//! the volume of the part, without its mirror images. Without planes o = 0.
 //!
 //! Source: Rumpel and Schweizerhof 2003, doi:10.1002/nme.561; Niewiarowski,
 //! Adriaenssens and Pauletti 2020, doi:10.1016/j.cma.2020.113059.
 
 use mesh::Vec3;
-use mesh::topology::boundary_loops;
 
 use super::Iterate;
+use super::rim::{Rim, rims};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, cross_matrix};
 use crate::parallel::map_merge;
+use crate::symmetry::Plane;
 
 /// Nodes of a facet, at most.
 const MOST_NODES: usize = 10;
@@ -30,8 +36,10 @@ const MOST_NODES: usize = 10;
 #[derive(Clone, Debug)]
 pub struct Wall {
     facets: Vec<Vec<usize>>,
-    /// Loops of the rim as vertex ids, in the direction of the facets' edges.
-    rim: Vec<Vec<usize>>,
+    /// What caps close.
+    rims: Vec<Rim>,
+    /// o [m].
+    origin: Vec3,
 }
 
 /// Values of a facet at one quadrature point; the weight includes the ½ of the
@@ -56,16 +64,28 @@ impl Wall {
     /// A wall of boundary facets (vertex ids, oriented out of the solid).
     #[must_use]
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
-        Self {
-            facets: facets.iter().map(|&f| space.facet_nodes(f)).collect(),
-            rim: boundary_loops(facets),
-        }
+        Self::cut_by(&[], space, facets)
     }
 
-    /// Whether the wall encloses the chamber without caps.
+    /// The same of a body that is cut by planes of symmetry.
+    #[must_use]
+    pub fn cut_by(planes: &[Plane], space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
+        let mut origin = Vec3::zeros();
+        planes.iter().for_each(|plane| origin[plane.axis] = plane.level);
+        let facets_of_nodes = facets.iter().map(|&f| space.facet_nodes(f)).collect();
+        Self { facets: facets_of_nodes, rims: rims(facets, planes), origin }
+    }
+
+    /// Whether the wall, with its mirror images, encloses the chamber without caps.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.rim.is_empty()
+        self.rims.is_empty()
+    }
+
+    /// What caps close.
+    #[must_use]
+    pub fn rims(&self) -> &[Rim] {
+        &self.rims
     }
 
     /// Calls `f` with each facet's nodes, their positions and each point.
@@ -96,28 +116,30 @@ impl Wall {
         );
     }
 
-    /// Calls `f` with each edge of the rim, the middle of its loop, and the
-    /// number of vertices of the loop.
+    /// Calls `f` with each edge of each rim and the apex of its cap, from the origin.
     fn for_each_rim_edge(
         &self,
-        x: impl Fn(usize) -> Vec3,
-        mut f: impl FnMut(&[usize], [usize; 2], Vec3),
+        x: impl Fn(usize) -> Vec3 + Copy,
+        mut f: impl FnMut(&Rim, [usize; 2], Vec3),
     ) {
-        for rim in &self.rim {
-            let middle = rim.iter().map(|&v| x(v)).sum::<Vec3>() / rim.len() as f64;
-            for (i, &a) in rim.iter().enumerate() {
-                f(rim, [a, rim[(i + 1) % rim.len()]], middle);
-            }
+        for rim in &self.rims {
+            let apex = rim.apex(x) - self.origin;
+            rim.edges().for_each(|edge| f(rim, edge, apex));
         }
     }
 
-    /// Volume behind the wall and its caps at node positions `x` [m³].
+    /// A point of a facet from the origin, by the positions of its nodes.
+    fn position(&self, x: &[Vec3], p: &Point) -> Vec3 {
+        x.iter().zip(p.values).map(|(x, v)| x * *v).sum::<Vec3>() - self.origin
+    }
+
+    /// Volume behind the wall, its caps and planes of symmetry at node positions `x` [m³].
     #[must_use]
     pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3 + Sync) -> f64 {
         let behind = |nodes: &[usize]| {
             let mut volume = 0.0;
             points(space, nodes, &x, |x, p| {
-                let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
+                let position = self.position(x, p);
                 volume -= p.weight / 3.0 * position.dot(&p.g1.cross(&p.g2));
             });
             volume
@@ -126,7 +148,8 @@ impl Wall {
         self.for_each_facet(behind, |_, part| volume += part);
         self.for_each_rim_edge(&x, |_, [a, b], c| {
             let inside = space.edge_nodes([a, b]);
-            let nodes: Vec<Vec3> = [a].into_iter().chain(inside).chain([b]).map(&x).collect();
+            let edge = [a].into_iter().chain(inside).chain([b]);
+            let nodes: Vec<Vec3> = edge.map(|n| x(n) - self.origin).collect();
             volume += swept(&nodes).dot(&c) / 6.0;
         });
         volume
@@ -166,7 +189,7 @@ impl Wall {
         out: &mut [f64],
     ) {
         self.for_each_point(space, &x, |nodes, x, p| {
-            let position: Vec3 = x.iter().zip(p.values).map(|(x, v)| x * *v).sum();
+            let position = self.position(x, p);
             let (by1, by2) = (p.g2.cross(&position), position.cross(&p.g1));
             let (normal, weight) = (p.g1.cross(&p.g2), -scale * p.weight / 3.0);
             for (b, node) in nodes.iter().enumerate() {
@@ -179,13 +202,13 @@ impl Wall {
         self.for_each_rim_edge(&x, |rim, [a, b], c| {
             let inside = space.edge_nodes([a, b]);
             let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
-            let nodes: Vec<Vec3> = edge.iter().map(|&n| x(n)).collect();
+            let nodes: Vec<Vec3> = edge.iter().map(|&n| x(n) - self.origin).collect();
             for (i, j, k) in swept_terms(nodes.len()) {
                 add_at(out, edge[i], &(sixth * k * nodes[j].cross(&c)));
                 add_at(out, edge[j], &(sixth * k * c.cross(&nodes[i])));
             }
-            let by_middle = sixth / rim.len() as f64 * swept(&nodes);
-            rim.iter().for_each(|&v| add_at(out, v, &by_middle));
+            let by_apex = rim.pull_back_apex(sixth, swept(&nodes));
+            by_apex.for_each(|(v, by)| add_at(out, v, &by));
         });
     }
 

@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use super::kind::{Builder, Kind, MEASURE, Specification, read};
 use super::{Equilibrium, Measure, Objective};
-use crate::element::FunctionSpace;
 use crate::energy::Wall;
 
 pub(super) const KIND: Kind = Kind {
@@ -54,15 +53,12 @@ impl Specification for Keys {
     fn prepare(&self, _: &Path) -> Result<Builder> {
         let Self { on, volume, measure } = self.clone();
         Ok(Box::new(move |name, bodies| {
-            let space = bodies.space;
+            let wall = |facets: &[_]| Wall::cut_by(&bodies.body.planes, bodies.space, facets);
             Ok(Box::new(match on.as_ref().filter(|name| !bodies.is_body(name)) {
-                Some(tag) => {
-                    let facets = bodies.body.facets(tag)?;
-                    Volume::behind(name, space, &facets, measure, volume)
-                }
+                Some(tag) => Volume::behind(name, wall(&bodies.body.facets(tag)?), measure, volume),
                 None => {
-                    let facets = bodies.boundary(on.as_deref())?;
-                    Volume::within(name, space, &facets, measure, volume)
+                    let boundary = wall(&bodies.boundary(on.as_deref())?);
+                    Volume::within(name, boundary, measure, volume)
                 }
             }))
         }))
@@ -80,28 +76,16 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// The chamber behind boundary facets, oriented out of the solid.
+    /// The chamber behind a wall.
     #[must_use]
-    pub fn behind(
-        name: &str,
-        space: &FunctionSpace,
-        facets: &[[usize; 3]],
-        measure: Measure,
-        wanted: Option<f64>,
-    ) -> Self {
-        Self { name: name.to_owned(), wall: Wall::new(space, facets), sign: 1.0, measure, wanted }
+    pub fn behind(name: &str, wall: Wall, measure: Measure, wanted: Option<f64>) -> Self {
+        Self { name: name.to_owned(), wall, sign: 1.0, measure, wanted }
     }
 
-    /// The bodies of which these facets are the whole boundary.
+    /// The bodies of which this is the whole boundary.
     #[must_use]
-    pub fn within(
-        name: &str,
-        space: &FunctionSpace,
-        facets: &[[usize; 3]],
-        measure: Measure,
-        wanted: Option<f64>,
-    ) -> Self {
-        Self { sign: -1.0, ..Self::behind(name, space, facets, measure, wanted) }
+    pub fn within(name: &str, boundary: Wall, measure: Measure, wanted: Option<f64>) -> Self {
+        Self { sign: -1.0, ..Self::behind(name, boundary, measure, wanted) }
     }
 
     fn volume(&self, at: &Equilibrium) -> f64 {
@@ -155,8 +139,8 @@ mod tests {
             for measure in [Measure::Rest, Measure::Deformed] {
                 for wanted in [None, Some(0.3 * scale.powi(3))] {
                     let (all, space) = (&case.facets, &case.space);
-                    case.check(&Volume::within("v", space, all, measure, wanted));
-                    case.check(&Volume::behind("v", space, &open, measure, wanted));
+                    case.check(&Volume::within("v", Wall::new(space, all), measure, wanted));
+                    case.check(&Volume::behind("v", Wall::new(space, &open), measure, wanted));
                 }
             }
         }
@@ -172,7 +156,7 @@ mod tests {
             }
             let value = |measure, wanted| {
                 let (all, space) = (&case.facets, &case.space);
-                Volume::within("v", space, all, measure, wanted).value(&case.at())
+                Volume::within("v", Wall::new(space, all), measure, wanted).value(&case.at())
             };
             assert!((value(Measure::Rest, None) - 1.0).abs() < 1e-13);
             assert!((value(Measure::Deformed, None) - 30.0).abs() < 1e-12);
@@ -180,7 +164,7 @@ mod tests {
             // five sides of it, and the cap that closes them
             let open = case.facets_where(|x| x.z < 0.99);
             let space = &case.space;
-            let behind = Volume::behind("v", space, &open, Measure::Deformed, None);
+            let behind = Volume::behind("v", Wall::new(space, &open), Measure::Deformed, None);
             assert!((behind.value(&case.at()) + 30.0).abs() < 1e-12);
         }
     }

@@ -113,7 +113,7 @@ impl Cascade<'_> {
             // a level without iterations tells what the same mesh does at another fidelity
             let body = match next.iterations {
                 0 => shape,
-                _ => remesh(&shape, level.map().moving()),
+                _ => remesh(&shape, level.map().moving())?,
             };
             let degree = next.degree.unwrap_or(self.scene.config.degree);
             let start = level.carry(&evaluation, &body, degree);
@@ -134,7 +134,8 @@ impl Cascade<'_> {
             let file = mesh::io::read_tets(&path)?;
             Ok((part.name.clone(), file.mesh, file.tags))
         };
-        Ok(Body::join(self.scene.body.parts.iter().map(part).collect::<Result<_>>()?))
+        let bodies = self.scene.body.parts.iter().map(part).collect::<Result<_>>()?;
+        Body::join(bodies).cut_by(&self.scene.config.cuts())
     }
 
     /// Puts a level's mesh and the checkpoint before its first solve on disk.
@@ -451,7 +452,7 @@ pub fn mesh_file(what: &str, body: Option<&str>) -> String {
 
 /// Improves the interior of the bodies that have moving facets; boundary vertices and
 /// tags stay as they are.
-fn remesh(body: &Body, moving: &[[usize; 3]]) -> Body {
+fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
     let mut bodies = body.separate();
     for (part, (_, mesh, _)) in body.parts.iter().zip(&mut bodies) {
         if !moving.iter().any(|facet| part.vertices.contains(&facet[0])) {
@@ -467,5 +468,5 @@ fn remesh(body: &Body, moving: &[[usize; 3]]) -> Body {
             report.after.radius_ratio_p1
         );
     }
-    Body::join(bodies)
+    Body::join(bodies).cut_by(&body.cuts())
 }

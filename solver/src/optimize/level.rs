@@ -410,6 +410,10 @@ impl Level {
         let swept = adjoint::sweep(problem, workspace, on, linearization, partials);
         let mut gradient = swept.map_err(|e| Rejected(e.to_string()))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        for plane in &self.body.planes {
+            // no shape moves them there
+            plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
+        }
         Ok(gradient)
     }
 
@@ -445,7 +449,7 @@ impl Level {
     /// # Errors
     /// With the element, facet or term that is not valid.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
-        validity::check(rest, &self.body.mesh.tets, self.body.boundary(), self.map.moving())
+        validity::check(rest, &self.body, self.map.moving())
             .map_err(|e| Rejected(e.to_string()))?;
         for term in &self.terms {
             let name = term.objective.name();

@@ -10,6 +10,8 @@ use mesh::bvh::self_intersecting_pairs;
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3, facet_key};
 
+use crate::body::Body;
+
 /// Smallest volume of a tetrahedron in units of the mean volume [1].
 const SMALLEST: f64 = 1e-5;
 
@@ -31,6 +33,16 @@ pub enum Invalid {
         /// Its center [m].
         at: Vec3,
     },
+    /// The body crosses a plane of symmetry.
+    #[error("{count} vertices cross the plane of symmetry {plane}, the deepest by {depth:.2e} m")]
+    Crossing {
+        /// Number of vertices.
+        count: usize,
+        /// How far the deepest is behind it [m].
+        depth: f64,
+        /// The plane as an equation.
+        plane: String,
+    },
     /// The boundary intersects itself.
     #[error("{count} pairs of facets intersect, the first at {}", point(.at))]
     Intersecting {
@@ -45,19 +57,33 @@ fn point(p: &Vec3) -> String {
     format!("({:.5}, {:.5}, {:.5}) m", p.x, p.y, p.z)
 }
 
-/// Checks vertex positions `rest` of a mesh with the given tetrahedra and
-/// boundary facets, of which `moving` are those that the design moves.
+/// Checks vertex positions `rest` of a body, of whose boundary facets `moving` are those
+/// that the design moves.
 ///
 /// # Errors
 /// [`Invalid`] with what is wrong and where.
-pub fn check(
-    rest: &[Vec3],
-    tets: &[[usize; 4]],
-    boundary: &[[usize; 3]],
-    moving: &[[usize; 3]],
-) -> Result<(), Invalid> {
-    check_volumes(rest, tets)?;
-    check_intersections(rest, boundary, moving)
+pub fn check(rest: &[Vec3], body: &Body, moving: &[[usize; 3]]) -> Result<(), Invalid> {
+    check_volumes(rest, &body.mesh.tets)?;
+    check_sides(rest, body)?;
+    check_intersections(rest, body.boundary(), moving)
+}
+
+/// What crosses a plane of symmetry runs through its mirror image.
+fn check_sides(rest: &[Vec3], body: &Body) -> Result<(), Invalid> {
+    for plane in &body.planes {
+        let surface: BTreeSet<usize> = body.boundary().iter().flatten().copied().collect();
+        let depths = surface.iter().map(|&v| -plane.height(&rest[v]));
+        let crossing: Vec<f64> = depths.filter(|&depth| depth > plane.tolerance).collect();
+        if !crossing.is_empty() {
+            let depth = crossing.iter().copied().fold(0.0, f64::max);
+            return Err(Invalid::Crossing {
+                count: crossing.len(),
+                depth,
+                plane: plane.equation(),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
@@ -101,10 +127,10 @@ fn check_intersections(
 mod tests {
     use super::*;
     use crate::testing::cube;
-    use mesh::{TetMesh, topology};
+    use mesh::{Tags, TetMesh, topology};
 
     fn run(mesh: &TetMesh, moving: &[[usize; 3]]) -> Result<(), Invalid> {
-        check(&mesh.vertices, &mesh.tets, &topology::boundary(mesh).facets, moving)
+        check(&mesh.vertices, &Body::new(mesh.clone(), Tags::default()), moving)
     }
 
     #[test]

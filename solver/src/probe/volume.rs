@@ -6,6 +6,7 @@ use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
 use super::kind::{Kind, Site, Specification, read};
+use crate::energy::Wall;
 use crate::objective::{Measure, Objective, Volume};
 
 pub(super) const KIND: Kind = Kind {
@@ -25,7 +26,8 @@ struct Keys {
 
 impl Specification for Keys {
     fn build(&self, name: &str, site: &Site) -> Result<Arc<dyn Objective>> {
-        let wall = site.body.facets(&self.on)?;
-        Ok(Arc::new(Volume::behind(name, site.space, &wall, Measure::Deformed, None)))
+        let facets = site.body.facets(&self.on)?;
+        let wall = Wall::cut_by(&site.body.planes, site.space, &facets);
+        Ok(Arc::new(Volume::behind(name, wall, Measure::Deformed, None)))
     }
 }

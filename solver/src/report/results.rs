@@ -19,6 +19,7 @@ use crate::material::Kinematics;
 use crate::math::tensor::Mat3;
 use crate::probe::{Kind, Probe, measure};
 use crate::scene::Scene;
+use crate::symmetry::{AXES, Plane};
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize)]
@@ -241,8 +242,16 @@ pub fn balance(problem: &Problem, state: &Iterate) -> Value {
 /// # Errors
 /// When a file cannot be written.
 pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Result<()> {
-    let nodes: Vec<f64> = space.node_positions(rest).iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-    let shape = [space.node_count(), 3];
+    write_arrays(folder, &space.node_positions(rest), u)
+}
+
+/// The same from the positions of the nodes at rest [m].
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
+    let shape = [nodes.len(), 3];
+    let nodes: Vec<f64> = nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     npy::write_f64(&folder.join("nodes.npy"), &nodes, &shape)?;
     npy::write_f64(&folder.join("displacement.npy"), u, &shape)?;
     Ok(())
@@ -326,6 +335,14 @@ fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64
         table.gradients.iter().zip(&table.weights).map(at_point).sum()
     };
     space.tets().iter().zip(space.element_nodes().chunks_exact(n)).map(one).collect()
+}
+
+/// Planes of symmetry of a body, for `solver mirror`.
+#[must_use]
+pub fn symmetry(body: &Body) -> Value {
+    let one =
+        |plane: &Plane| json!({ "on": plane.tags, "axis": AXES[plane.axis], "level": plane.level });
+    body.planes.iter().map(one).collect()
 }
 
 /// Writes JSON with indentation.

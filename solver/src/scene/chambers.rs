@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use super::Scene;
 use crate::body::Body;
 use crate::element::FunctionSpace;
-use crate::energy::{Chamber, Energies, Multiplier, Wall};
+use crate::energy::{Chamber, Energies, Multiplier, Rim, Wall};
 use crate::supports::Supports;
 
 /// Penalty of a prescribed volume in shear moduli per rest volume.
@@ -29,7 +29,8 @@ impl Scene {
         let (mut chambers, mut prescribed) = (Vec::new(), 0);
         for config in &self.config.chamber {
             let on = &config.on;
-            let wall = Wall::new(space, &body.facets(on).with_context(context)?);
+            let facets = body.facets(on).with_context(context)?;
+            let wall = Wall::cut_by(&body.planes, space, &facets);
             let volume = wall.volume(space, |n| nodes[n]);
             if config.gas.pressure().is_none() && volume <= 0.0 {
                 bail!(
@@ -80,30 +81,29 @@ impl Scene {
 /// all axes, or moves only within a plane.
 pub(super) fn check_rim(
     name: &str,
-    facets: &[[usize; 3]],
+    wall: &Wall,
     supports: &Supports,
     space: &FunctionSpace,
     body: &Body,
 ) -> Result<()> {
-    let rim = mesh::topology::boundary_edges(facets);
     let nodes = |&[a, b]: &[usize; 2]| [a, b].into_iter().chain(space.edge_nodes([a, b]));
     let clamped = |edge: &[usize; 2]| nodes(edge).all(|node| supports.clamps(node));
-    let flat: Vec<usize> = mesh::topology::boundary_loops(facets)
-        .into_iter()
-        .filter(|rim| (0..3).any(|axis| slides(rim, axis, supports, space, body)))
-        .flatten()
-        .collect();
-    let free: Vec<_> =
-        rim.iter().filter(|edge| !clamped(edge) && !flat.contains(&edge[0])).collect();
+    let (mut count, mut free) = (0, Vec::new());
+    for rim in wall.rims() {
+        count += rim.edges().count();
+        if !(0..3).any(|axis| slides(rim, axis, supports, space, body)) {
+            free.extend(rim.edges().filter(|edge| !clamped(edge)));
+        }
+    }
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
         bail!(
-            "[[chamber]] on \"{name}\": {} of the {} edges of its rim are free, the first at \
+            "[[chamber]] on \"{name}\": {} of the {count} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
              rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
-             along that: add the tag around the opening to [[fixed]]",
+             along that: add the tag around the opening to [[fixed]], or to [[symmetry]] if the body \
+             is cut there",
             free.len(),
-            rim.len(),
             p.x,
             p.y,
             p.z
@@ -112,21 +112,15 @@ pub(super) fn check_rim(
     Ok(())
 }
 
-/// Whether a loop of vertices lies in a plane across an axis and all its nodes
-/// stay there.
-fn slides(
-    rim: &[usize],
-    axis: usize,
-    supports: &Supports,
-    space: &FunctionSpace,
-    body: &Body,
-) -> bool {
+/// Whether a rim lies in a plane across an axis and all its nodes stay there.
+fn slides(rim: &Rim, axis: usize, supports: &Supports, space: &FunctionSpace, body: &Body) -> bool {
     let x = &body.mesh.vertices;
-    let level = x[rim[0]][axis];
-    let size = rim.iter().map(|&v| (x[v] - x[rim[0]]).norm()).fold(0.0, f64::max);
-    rim.iter().enumerate().all(|(i, &a)| {
-        let edge = [a, rim[(i + 1) % rim.len()]];
-        let mut nodes = [a].into_iter().chain(space.edge_nodes(edge));
-        (x[a][axis] - level).abs() < FLAT * size && nodes.all(|n| supports.stays(n, axis))
-    })
+    let first = x[rim.vertices[0]];
+    let size = rim.vertices.iter().map(|&v| (x[v] - first).norm()).fold(0.0, f64::max);
+    let flat = rim.vertices.iter().all(|&v| (x[v][axis] - first[axis]).abs() < FLAT * size);
+    let stays = |edge: [usize; 2]| {
+        let mut nodes = edge.into_iter().chain(space.edge_nodes(edge));
+        nodes.all(|n| supports.stays(n, axis))
+    };
+    flat && rim.edges().all(stays)
 }

@@ -38,15 +38,21 @@ impl Scene {
         let mut obstacles = Vec::new();
         for obstacle in &self.config.obstacle {
             let surface = mesh::io::read_surface(&beside(&self.path, &obstacle.surface))?;
+            let (surface, mirrored) = self.complete(surface, obstacle, body)?;
             let moves = obstacle.displacement.0.iter().any(|s| !s.is_zero());
             let displacement = obstacle.displacement.clone();
-            let motion = move |place: Vec3, load: f64| displacement.at(place, load);
+            let motion = move |place: Vec3, load: f64| {
+                let mut motion = displacement.at(place, load);
+                mirrored.iter().for_each(|mirror| mirror.turn(place, &mut motion));
+                motion
+            };
             obstacles.push(Obstacle { surface, motion: moves.then(|| Box::new(motion) as _) });
         }
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let split = config.split.unwrap_or(space.degree());
         let facets = (body.boundary(), &parts[..]);
-        let surface = Arc::new(Surface::new(space, facets, obstacles, split, fixed));
+        let surface =
+            Arc::new(Surface::symmetric(&body.planes, space, facets, obstacles, split, fixed));
         let barrier = Barrier {
             form: config.form,
             activation: config.activation,

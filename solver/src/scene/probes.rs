@@ -18,8 +18,8 @@ impl Scene {
             return Ok(Vec::new());
         }
         let context = || self.path.display().to_string();
-        let (fixed, moments) = (&self.config.fixed, self.config.moments());
-        let supports = Supports::new(fixed, &moments, body, space).with_context(context)?.by_tag();
+        let (fixed, moments) = (self.fixed(body), self.config.moments());
+        let supports = Supports::new(&fixed, &moments, body, space).with_context(context)?.by_tag();
         let site = Site { body, space, supports: &supports };
         let probes = self.config.probe.iter().map(|config| {
             let (name, kind, quantity) =

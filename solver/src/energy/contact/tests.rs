@@ -9,9 +9,11 @@ use crate::energy::TimeStep;
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::sparse::Pattern;
+use crate::symmetry::Plane;
 use crate::testing::{check_gradient, cube, flat, points, square};
 
 mod friction;
+mod symmetry;
 mod weights;
 
 /// Bodies with contact, at a displacement.
@@ -25,6 +27,17 @@ struct Scene {
 
 impl Scene {
     fn new(
+        degree: usize,
+        meshes: &[TetMesh],
+        obstacles: Vec<Obstacle>,
+        barrier: Barrier,
+        skin: impl Fn([Vec3; 3]) -> bool,
+    ) -> Self {
+        Self::cut_by(&[], degree, meshes, obstacles, barrier, skin)
+    }
+
+    fn cut_by(
+        planes: &[Plane],
         degree: usize,
         meshes: &[TetMesh],
         obstacles: Vec<Obstacle>,
@@ -45,7 +58,8 @@ impl Scene {
         let space = FunctionSpace::new(degree, rest.len(), tets);
         let u = vec![0.0; 3 * space.node_count()];
         let fixed = vec![false; u.len()];
-        let surface = Surface::new(&space, (&facets, &bodies), obstacles, degree, &fixed);
+        let on = (&facets[..], &bodies[..]);
+        let surface = Surface::symmetric(planes, &space, on, obstacles, degree, &fixed);
         let contact = Contact::new(Arc::new(surface), barrier);
         Self { space, rest, u, contact, step: None }
     }

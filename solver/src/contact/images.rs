@@ -1,0 +1,82 @@
+//! Mirror images of collision vertices in planes of symmetry.
+//!
+//! With k planes there are 2^k copies of a surface, each a product of reflections; bit p of
+//! its number says whether it is reflected in plane p. A vertex in a plane is its own image
+//! there, so the copies are joined.
+
+use std::collections::BTreeMap;
+
+use mesh::Vec3;
+
+use crate::symmetry::Plane;
+
+/// A collision vertex as the image of another: x ↦ R x + s.
+#[derive(Clone, Debug)]
+pub(super) struct Image {
+    /// Of which vertex.
+    pub of: usize,
+    /// The diagonal of R.
+    pub signs: Vec3,
+    /// s [m].
+    pub shift: Vec3,
+}
+
+impl Image {
+    /// A vertex of which no other is an image.
+    pub fn itself(of: usize) -> Self {
+        Self { of, signs: Vec3::repeat(1.0), shift: Vec3::zeros() }
+    }
+}
+
+/// The images of all vertices.
+pub(super) struct Images<'a> {
+    planes: &'a [Plane],
+    /// Of each vertex the planes that it is in, as bits.
+    within: Vec<usize>,
+    /// Number of each image by the vertex and the copy.
+    ids: BTreeMap<(usize, usize), usize>,
+    /// The vertices themselves, then their images.
+    pub all: Vec<Image>,
+}
+
+impl<'a> Images<'a> {
+    /// The vertices themselves, by the vertices of the mesh that they lie between.
+    pub fn new(planes: &'a [Plane], corners: BTreeMap<usize, Vec<usize>>) -> Self {
+        let of_vertex = |corners: &Vec<usize>| {
+            let is_in = |p: &usize| corners.iter().all(|&v| planes[*p].contains(v));
+            (0..planes.len()).filter(is_in).map(|p| 1 << p).sum()
+        };
+        let within = corners.values().map(of_vertex).collect();
+        let all = (0..corners.len()).map(Image::itself).collect();
+        Self { planes, within, ids: BTreeMap::new(), all }
+    }
+
+    /// Number of copies of the surface, the first of which is the surface itself.
+    pub fn copies(&self) -> usize {
+        1 << self.planes.len()
+    }
+
+    /// A triangle in one of the copies, oriented out of the solid.
+    pub fn mirror(&mut self, triangle: [usize; 3], copy: usize) -> [usize; 3] {
+        let [a, b, c] = triangle.map(|v| self.image(v, copy));
+        if copy.count_ones() % 2 == 0 { [a, b, c] } else { [b, a, c] }
+    }
+
+    fn image(&mut self, of: usize, copy: usize) -> usize {
+        let copy = copy & !self.within[of];
+        if copy == 0 {
+            return of;
+        }
+        let (all, planes) = (&mut self.all, self.planes);
+        *self.ids.entry((of, copy)).or_insert_with(|| {
+            let mut image = Image::itself(of);
+            for plane in planes.iter().enumerate().filter(|(p, _)| copy >> p & 1 == 1).map(|p| p.1)
+            {
+                image.signs[plane.axis] = -1.0;
+                image.shift[plane.axis] = 2.0 * plane.level;
+            }
+            all.push(image);
+            all.len() - 1
+        })
+    }
+}

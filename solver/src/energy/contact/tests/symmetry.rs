@@ -1,0 +1,95 @@
+//! Contact of a part with its mirror image.
+
+use super::*;
+
+/// A block that is cut at x = 0 and one beside it, near the plane: each touches the other,
+/// and the second its image.
+fn part() -> TetMesh {
+    let mut part = cube(2, 0.1);
+    let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
+    let count = part.vertices.len();
+    let other = part.vertices.iter().map(|v| turn * *v + Vec3::new(0.06, 1.07, 0.05));
+    let other: Vec<Vec3> = other.collect();
+    part.vertices.extend(other);
+    part.tets.extend(part.tets.clone().into_iter().map(|t| t.map(|v| v + count)));
+    part
+}
+
+/// A mesh with its mirror image in x = 0, where vertices are shared.
+fn whole(part: &TetMesh) -> TetMesh {
+    let mut vertices = part.vertices.clone();
+    let image = part.vertices.iter().enumerate().map(|(i, v)| {
+        if v.x == 0.0 {
+            return i;
+        }
+        vertices.push(Vec3::new(-v.x, v.y, v.z));
+        vertices.len() - 1
+    });
+    let image: Vec<usize> = image.collect();
+    let mut tets = part.tets.clone();
+    tets.extend(part.tets.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
+    TetMesh { vertices, tets }
+}
+
+fn scene(degree: usize, form: Form) -> Scene {
+    let part = part();
+    let boundary = mesh::topology::boundary(&part).facets;
+    let in_plane = |x: &[Vec3; 3]| x.iter().all(|v| v.x == 0.0);
+    let cut = boundary.iter().copied().filter(|f| in_plane(&f.map(|v| part.vertices[v])));
+    let cut: Vec<[usize; 3]> = cut.collect();
+    let plane = Plane::find(&part, &boundary, &["cut".to_owned()], &cut).expect("a plane");
+    let barrier = barrier(form, 0.15);
+    let mut scene =
+        Scene::cut_by(&[plane], degree, &[part], Vec::new(), barrier, |x| !in_plane(&x));
+    scene.u = Random::new(3).numbers(scene.u.len()).iter().map(|v| 0.004 * v).collect();
+    for (n, x) in scene.space.node_positions(&scene.rest).iter().enumerate() {
+        if x.x == 0.0 {
+            scene.u[3 * n] = 0.0;
+        }
+    }
+    scene
+}
+
+#[test]
+fn a_part_has_its_share_of_the_energy_and_the_forces() {
+    for form in [Form::Convergent, Form::Even, Form::Plain] {
+        let half = scene(1, form);
+        let mesh = whole(&part());
+        let own = half.rest.len();
+        let mut all = Scene::new(1, &[mesh], Vec::new(), barrier(form, 0.15), |_| true);
+        all.u[..3 * own].copy_from_slice(&half.u);
+        let mut image = own;
+        for v in (0..own).filter(|&v| half.rest[v].x != 0.0) {
+            let u = at(&half.u, v);
+            all.u[3 * image..3 * image + 3].copy_from_slice(&[-u.x, u.y, u.z]);
+            image += 1;
+        }
+        let (energy, expected) = (half.contact.value(&half.here()), all.contact.value(&all.here()));
+        assert!((2.0 * energy / expected - 1.0).abs() < 1e-12, "{form:?} {energy} {expected}");
+        let gradient = half.gradient(&half.contact, &half.rest, &half.u);
+        let expected = all.gradient(&all.contact, &all.rest, &all.u);
+        let largest = expected.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let mut across = 0.0_f64;
+        for v in 0..own {
+            let (own, mut whole) = (at(&gradient, v), at(&expected, v));
+            if half.rest[v].x == 0.0 {
+                // the image has the other half
+                whole *= 0.5;
+            } else {
+                across = across.max(own.x.abs());
+            }
+            assert!((own - whole).yz().norm() < 1e-11 * largest, "{form:?} {v} {own} {whole}");
+            let free = half.rest[v].x != 0.0;
+            assert!(!free || (own.x - whole.x).abs() < 1e-11 * largest, "{form:?} {v}");
+        }
+        assert!(across > 1e-3 * largest, "nothing touches its image");
+    }
+}
+
+#[test]
+fn derivatives_belong_to_the_energy_of_a_part() {
+    for (degree, form) in [(1, Form::Convergent), (2, Form::Convergent), (1, Form::Plain)] {
+        let scene = scene(degree, form);
+        scene.check(&scene.contact, 1.0);
+    }
+}

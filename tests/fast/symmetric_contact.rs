@@ -1,0 +1,153 @@
+//! Contact of parts by the program: with an obstacle that crosses the plane against the whole,
+//! and with the mirror image. That energies and forces are those of the whole is tested with
+//! the energy.
+
+use mesh::io::{write_surface, write_tets};
+use mesh::{SurfaceMesh, Vec3};
+use serde_json::Value;
+use tests::symmetric::{difference, nodes};
+use tests::workdir::Workdir;
+use tests::{block, tag};
+
+/// Largest difference of displacements, relative to the largest, set before it was measured.
+const SAME: f64 = 1e-9;
+
+const CUTS: [&str; 2] =
+    ["[[symmetry]]\non = \"foot.cut x\"\n", "[[symmetry]]\non = \"foot.cut y\"\n"];
+
+/// A block of 20 × 20 × 20 mm with a rounded foot above the plane z = 0, as `quarter.msh`,
+/// `half.msh`, which is cut across x, and `whole.msh`.
+fn workdir() -> Workdir {
+    let foot = |p: Vec3| {
+        let rise = 20.0 * (p.x * p.x + 0.7 * p.y * p.y) * (1.0 - p.z / 0.02);
+        Vec3::new(p.x * (1.0 + 5.0 * p.z), p.y, p.z + rise + 5e-4)
+    };
+    let mesh = block([2, 2, 4], 0.005, |_| false, foot);
+    let body =
+        tag(mesh, &[("cut x", &|p| p.x < 1e-9), ("cut y", &|p| p.y < 1e-9), ("skin", &|_| true)]);
+    let dir = Workdir::new();
+    write_tets(&dir.path("quarter.msh"), &body.mesh, &body.tags).unwrap();
+    for (whole, cuts) in [("half", &["cut y"][..]), ("whole", &["cut x", "cut y"])] {
+        let mut mirror = dir.command(&format!("mirror quarter.msh -o {whole}.msh"));
+        cuts.iter().for_each(|cut| {
+            mirror.args(["--on", cut]);
+        });
+        assert!(mirror.status().unwrap().success());
+    }
+    let write = |name: &str, corners: &[[f64; 2]], triangles: Vec<[usize; 3]>| {
+        let vertices = corners.iter().map(|[x, y]| Vec3::new(*x, *y, 0.0)).collect();
+        write_surface(&dir.path(name), &SurfaceMesh { vertices, triangles }).unwrap();
+    };
+    let square = |low: f64| [[low, -0.1], [0.1, -0.1], [0.1, 0.1], [low, 0.1]];
+    let two = || vec![[0, 1, 2], [0, 2, 3]];
+    // its mesh, too, is its own mirror image across x
+    write("triangle.stl", &[[-0.3, -0.2], [0.3, -0.2], [0.0, 0.4]], vec![[0, 1, 2]]);
+    write("half.stl", &[[0.0, -0.2], [0.3, -0.2], [0.0, 0.4]], vec![[0, 1, 2]]);
+    write("square.stl", &square(-0.1), two());
+    write("odd.stl", &square(-0.05), two());
+    dir
+}
+
+/// The block falls on a floor, with inertia and friction.
+fn scene(part: &str, floor: &str, symmetry: &str) -> String {
+    format!(
+        "degree = 1\ngravity = [0, 0, -9.81]\n\n[[body]]\nname = \"foot\"\n\
+         mesh = \"{part}.msh\"\nvelocity = [0, 0, -0.6]\n\
+         material = {{ kind = \"neo-hookean\", young = 1e5, poisson = 0.4, density = 1000 }}\n\
+         [[obstacle]]\nname = \"floor\"\nsurface = \"{floor}.stl\"\n{symmetry}\
+         [contact]\nactivation = 4e-4\nstiffness = 1e5\nfriction = 0.5\n\
+         [time]\nend = 8e-3\nsteps = 8\n"
+    )
+}
+
+fn simulate(dir: &Workdir, name: &str, scene: &str) -> Value {
+    dir.write(&format!("{name}.toml"), scene);
+    dir.solver(&format!("simulate {name}.toml -o {name}")).assert_good();
+    let report = dir.json(&format!("{name}/report.json"));
+    report["steps"].as_array().unwrap().iter().last().unwrap()["collisions"].clone()
+}
+
+/// Upward force between the first two surfaces that touch [N].
+fn force(collisions: &Value) -> f64 {
+    collisions["contact"][0]["force"][2].as_f64().unwrap()
+}
+
+#[test]
+fn parts_fall_as_the_whole() {
+    let dir = workdir();
+    let whole = simulate(&dir, "whole", &scene("whole", "triangle", ""));
+    assert!(force(&whole) > 0.01);
+    // of the floor on one side, the other side is its image
+    for floor in ["triangle", "half"] {
+        let half = simulate(&dir, floor, &scene("half", floor, CUTS[0]));
+        let off = difference(&nodes(&dir, floor), &nodes(&dir, "whole"));
+        println!("{floor}: displacement {off:.1e}, force {} of {}", force(&half), force(&whole));
+        if floor == "triangle" {
+            assert!(off < SAME, "{off}");
+            assert!((2.0 * force(&half) / force(&whole) - 1.0).abs() < 1e-8);
+        } else {
+            // the edge in the plane is one more feature of the floor
+            assert!((2.0 * force(&half) / force(&whole) - 1.0).abs() < 0.3);
+        }
+    }
+    let cuts = CUTS.concat();
+    let quarter = simulate(&dir, "quarter", &scene("quarter", "square", &cuts));
+    assert!((4.0 * force(&quarter) / force(&whole) - 1.0).abs() < 0.3, "{}", force(&quarter));
+}
+
+#[test]
+fn obstacles_that_are_not_symmetric_are_refused() {
+    let dir = workdir();
+    let refuse = |scene: &str, words: &[&str]| {
+        dir.write("sim.toml", scene);
+        dir.solver("simulate sim.toml -o out").assert_refused(2, words);
+    };
+    let cuts = CUTS.concat();
+    let words = ["[[obstacle]] \"floor\"", "both sides", "x = 0.000000 m", "5.000e-2 m off"];
+    refuse(&scene("quarter", "odd", &cuts), &words);
+    let moving = format!("displacement = [0, \"1e-3*t\", 0]\n{}", CUTS[1]);
+    refuse(&scene("quarter", "square", &moving), &["moves by 8.000e-6 m along y", "t = 0.008"]);
+    let thrown = scene("quarter", "square", &cuts).replace("[0, 0, -0.6]", "[0.1, 0, -0.6]");
+    refuse(&thrown, &["velocity of \"foot\" is 0.1 m/s along x", "x = 0.000000 m"]);
+}
+
+/// Half of a U, cut at x = 4 mm, whose arm is 0.6 mm from the plane and pressed towards its
+/// image: it stops there, with the force that is missing at the seat.
+#[test]
+fn an_arm_stops_at_its_mirror_image() {
+    let level = 0.004;
+    let lean = |p: Vec3| {
+        let rise = (p.z - 0.01).max(0.0);
+        let x = p.x * (1.0 + 3.0 * p.y) - 0.47 * rise * (p.x / 0.01).min(1.0);
+        Vec3::new(x + level, p.y, p.z)
+    };
+    let mesh = block([4, 2, 6], 0.005, |c| c[0] < 2 && c[2] > 1, lean);
+    let body = tag(
+        mesh,
+        &[
+            ("cut", &|p| p.x < level + 1e-9),
+            ("seat", &|p| p.z < 1e-9),
+            ("outside", &|p| p.z > 0.01 && p.z < 0.03 - 1e-9 && p.x > level + 0.0115),
+            ("skin", &|_| true),
+        ],
+    );
+    let dir = Workdir::new();
+    write_tets(&dir.path("half.msh"), &body.mesh, &body.tags).unwrap();
+    dir.write(
+        "half.toml",
+        "mesh = \"half.msh\"\n[material]\nkind = \"neo-hookean\"\nyoung = 1e5\npoisson = 0.4\n\
+         [[fixed]]\non = \"seat\"\n[[symmetry]]\non = \"cut\"\n[[traction]]\non = \"outside\"\n\
+         traction = [\"-3e3*t\", 0, 0]\n[contact]\nactivation = 4e-4\nstiffness = 1e5\n\
+         [time]\nend = 1\nsteps = 4\nmethod = \"quasistatic\"\n",
+    );
+    dir.solver("simulate half.toml -o half").assert_good();
+    let report = dir.json("half/report.json");
+    let x = nodes(&dir, "half").into_iter().map(|(x, u)| x.x + u.x).fold(f64::INFINITY, f64::min);
+    assert!(x >= level, "{x}");
+    let pushed = report["steps"][3]["collisions"]["contact"][0]["force"][0].as_f64().unwrap();
+    let sum = |kind: &str| report["force_balance"][kind][0].as_f64().unwrap();
+    println!("its image pushes with {pushed} N, traction with {} N", sum("traction"));
+    assert!(pushed > 0.1 * sum("traction").abs());
+    assert!((pushed - sum("contact")).abs() < 1e-9 * pushed);
+    assert!(report["force_balance"]["out_of_balance"].as_f64().unwrap() < 1e-8 * pushed);
+}
