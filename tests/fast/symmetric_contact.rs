@@ -30,7 +30,7 @@ fn workdir() -> Workdir {
     for (whole, cuts) in [("half", &["cut y"][..]), ("whole", &["cut x", "cut y"])] {
         let mut mirror = dir.command(&format!("mirror quarter.msh -o {whole}.msh"));
         cuts.iter().for_each(|cut| {
-            mirror.args(["--on", cut]);
+            mirror.args(["--on", *cut]);
         });
         assert!(mirror.status().unwrap().success());
     }
@@ -64,7 +64,7 @@ fn simulate(dir: &Workdir, name: &str, scene: &str) -> Value {
     dir.write(&format!("{name}.toml"), scene);
     dir.solver(&format!("simulate {name}.toml -o {name}")).assert_good();
     let report = dir.json(&format!("{name}/report.json"));
-    report["steps"].as_array().unwrap().iter().last().unwrap()["collisions"].clone()
+    report["steps"].as_array().unwrap().last().unwrap()["collisions"].clone()
 }
 
 /// Upward force between the first two surfaces that touch [N].

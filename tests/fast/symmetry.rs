@@ -96,8 +96,8 @@ fn a_mirrored_result_is_that_of_the_whole() {
             .filter(|name| { !name.ends_with(".json") && !name.ends_with(".jsonl") })
             .collect::<Vec<_>>()
     );
-    let volume = |folder: &str| read_vtu(&dir.path(&format!("{folder}/result.vtu"))).unwrap();
-    assert_eq!(volume("mirrored").cell_count(), volume("whole").cell_count());
+    let grid = |folder: &str| read_vtu(&dir.path(&format!("{folder}/result.vtu"))).unwrap();
+    assert_eq!(grid("mirrored").cell_count(), grid("whole").cell_count());
     dir.solver("mirror whole -o out").assert_refused(2, &["report.json", "no [[symmetry]]"]);
     dir.solver("mirror quarter --on cavity -o out").assert_refused(2, &["--on cavity"]);
     dir.solver("mirror quarter -o quarter").assert_refused(2, &["another folder"]);

@@ -154,7 +154,7 @@ impl Scene {
                 off(x)
             );
         }
-        for t in self.config.moments() {
+        for t in self.config.moments().into_iter().rev() {
             let across = config.displacement.at(Vec3::zeros(), t)[plane.axis];
             ensure!(
                 across == 0.0,
