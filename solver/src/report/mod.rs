@@ -3,6 +3,7 @@
 
 pub mod compare;
 pub mod failure;
+pub mod leap;
 pub mod record;
 pub mod results;
 pub mod writer;
