@@ -164,7 +164,7 @@ impl Run<'_> {
         let count = time_steps.end;
         let mut leapt = false;
         for n in time_steps {
-            let before = self.stepper.iterate(self.problem, rest).u.to_vec();
+            let before = timed.then(|| self.stepper.progress.reached().to_vec());
             let mut steps: Vec<LoadStep> = Vec::new();
             let observe = |step: &LoadStep| {
                 log::info!(
@@ -182,8 +182,9 @@ impl Run<'_> {
             if let (Err(unreached), false) = (&outcome, timed) {
                 return Ok(Some(unreached.clone()));
             }
-            let after = self.stepper.iterate(self.problem, rest).u;
-            let leap = if timed && !leapt { leap(&self.scene.body, &before, after) } else { None };
+            let leap = before.filter(|_| !leapt).and_then(|before| {
+                leap(&self.scene.body, &before, self.stepper.progress.reached())
+            });
             if let Some(leap) = leap {
                 log::warn!("{}: time step {}: {leap}", self.scene.path.display(), n + 1);
                 leapt = true;
