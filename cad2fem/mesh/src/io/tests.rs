@@ -134,7 +134,7 @@ fn bad_content_is_named() {
             "ply",
             "ply\nformat ascii 1.0\nelement face 99999999\nproperty list uchar int v\n\
              end_header\n1 0\n",
-            "99999999 of at least 2 bytes announced, the file has 91 bytes",
+            "99999999 of at least 2 bytes announced, the file has 84 bytes",
         ),
         (
             "ply",
