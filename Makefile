@@ -10,7 +10,7 @@ PYTHON ?= python3
 BIN := target/release
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
+.PHONY: help setup test test-all fuzz bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -34,6 +34,10 @@ test: setup  ## all tests that take seconds
 
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
+
+fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together, SEED=1)
+	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \
+		cargo test --release --locked --workspace --test fuzz -- --ignored --nocapture
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)

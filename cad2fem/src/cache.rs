@@ -4,13 +4,15 @@
 //! mesh. An entry is `<key>.msh` and `<key>.sha256`, the fingerprint of the former;
 //! an entry that does not match its fingerprint is replaced.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::{SurfaceMesh, Tags, TetMesh};
 use program::{sha256, sha256_file};
 use serde::Serialize;
+
+use crate::checkout::checkout;
 
 /// Environment variable that names the folder of caches.
 pub const CACHE_VARIABLE: &str = "PUFFER_CACHE";
@@ -22,7 +24,7 @@ pub struct Cache {
 
 impl Cache {
     /// `meshes` in the folder named by [`CACHE_VARIABLE`], else in `.cache` of the
-    /// checkout; `None` outside of one.
+    /// checkout that the program was built in; `None` outside of one.
     #[must_use]
     pub fn open() -> Option<Self> {
         let named = std::env::var_os(CACHE_VARIABLE).map(PathBuf::from);
@@ -58,14 +60,6 @@ impl Cache {
     fn entry(&self, key: &str) -> (PathBuf, PathBuf) {
         (self.folder.join(format!("{key}.msh")), self.folder.join(format!("{key}.sha256")))
     }
-}
-
-/// The nearest folder, in or above the working directory or the program, that holds
-/// this program's sources.
-fn checkout() -> Option<PathBuf> {
-    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
-    let mut places = starts.iter().flatten().flat_map(|start| start.ancestors());
-    places.find(|folder| folder.join("cad2fem/Cargo.toml").is_file()).map(Path::to_path_buf)
 }
 
 /// SHA-256 of the bits of a surface and of everything else that determines a mesh.

@@ -21,6 +21,8 @@ pub struct CadOptions {
     pub numbers: BTreeMap<String, f64>,
     /// Longest edge [m].
     pub edge_length: Option<f64>,
+    /// Whether a `.geo` script may run programs, and read and write files.
+    pub trust: bool,
     /// Longest time gmsh may take.
     pub timeout: Duration,
 }
@@ -34,7 +36,8 @@ pub fn read(path: &Path, options: &CadOptions) -> Result<LabelledSurface> {
     let scale = scale(path, options.unit)?;
     let python = Python::find()?;
     let edge_length = options.edge_length.map(|h| h / scale);
-    let faces = mesh_faces(&python, path, &options.numbers, edge_length, options.timeout)?;
+    let (numbers, trust) = (&options.numbers, options.trust);
+    let faces = mesh_faces(&python, path, numbers, edge_length, trust, options.timeout)?;
     let mut surface = faces.surface;
     for v in &mut surface.vertices {
         *v *= scale;

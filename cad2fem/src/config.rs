@@ -8,6 +8,9 @@ use serde::Deserialize;
 
 use crate::mesher::{MESHERS, Options, Refinement, TetMesher};
 
+/// Most threads of a mesher.
+const MOST_THREADS: usize = 1024;
+
 /// Content of `cad2fem.toml`.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -97,6 +100,11 @@ impl Tetmesh {
             self.stop_energy > 3.0 && self.stop_energy.is_finite(),
             "stop_energy must exceed 3, the energy of a regular tetrahedron, found {}",
             self.stop_energy
+        );
+        ensure!(
+            self.threads <= MOST_THREADS,
+            "threads = {}: expected 0 for all, or up to {MOST_THREADS}",
+            self.threads
         );
         for ball in &self.refine {
             ensure!(

@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use mesh::io::{read_surface, write_atomic, write_surface};
+use anyhow::Result;
+use mesh::io::{read_surface, remove_output, remove_output_folder, write_atomic, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::topology::{boundary_loops, components, submesh};
 use mesh::{SurfaceMesh, check};
@@ -124,10 +124,7 @@ impl LabelledSurface {
     }
 
     fn write_patches(&self, folder: &Path) -> Result<Vec<RegionReport>> {
-        if folder.is_dir() {
-            std::fs::remove_dir_all(folder)
-                .with_context(|| format!("{}: cannot be replaced", folder.display()))?;
-        }
+        remove_output_folder(folder)?;
         let mut reports = Vec::new();
         for (index, name) in self.names.iter().enumerate() {
             let patch = self.patch(Some(index));
@@ -176,11 +173,6 @@ impl Report {
 /// # Errors
 /// If there is one that cannot be removed.
 pub fn remove_stamp(folder: &Path) -> Result<()> {
-    let stamp = folder.join(STAMP);
-    match std::fs::remove_file(&stamp) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(e).with_context(|| format!("{}: cannot be replaced", stamp.display()))
-        }
-        _ => Ok(()),
-    }
+    remove_output(&folder.join(STAMP))?;
+    Ok(())
 }

@@ -3,6 +3,7 @@
 //!
 //! - [`implicit`]: signed-distance primitives, smooth blends, regions
 //! - [`cad`]: gmsh scripts and STEP files
+//! - [`geo`]: what a gmsh script may do
 //! - [`labelled`]: a surface in regions and its files
 //! - [`offset`]: open patch → closed selection volume
 //! - [`tetrahedralize`]: checks around a mesher, and its report
@@ -10,15 +11,18 @@
 //! - [`fragments`]: removes small components that a mesher has cut off
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes kept from earlier runs
+//! - [`checkout`]: where the program was built
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
 //! model file.
 
 pub mod cache;
 pub mod cad;
+pub mod checkout;
 pub mod cmd;
 pub mod config;
 pub mod fragments;
+pub mod geo;
 pub mod implicit;
 pub mod labelled;
 pub mod mesher;

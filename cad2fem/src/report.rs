@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
+use mesh::SurfaceMesh;
 use mesh::check::Finding;
+use mesh::measure::unlikely_size;
 use program::sha256_file;
 use serde::Serialize;
 
@@ -24,6 +26,13 @@ impl Input {
     /// If it cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
         Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)? })
+    }
+}
+
+/// Warns of a surface [m] whose size hints at another unit.
+pub fn remark_on_size(file: &Path, surface: &SurfaceMesh) {
+    if let Some(remark) = unlikely_size(&surface.vertices) {
+        log::warn!("{}: {remark}", file.display());
     }
 }
 

@@ -241,6 +241,79 @@ fn a_mesher_that_crashes_or_hangs_is_reported() {
 }
 
 #[test]
+fn a_signal_ends_the_mesher_and_removes_its_folder() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    fs::create_dir(dir.path("tmp")).unwrap();
+    let answer = "if [ \"$2\" = -c ]; then echo 0.0; exit; fi";
+    let hang = dir.program("hang", &format!("{answer}; echo $$ > ../../mesher; exec sleep 60"));
+    let start = format!(
+        "TMPDIR=$PWD/tmp PUFFER_PYTHON={hang} \"$0\" tetmesh cube.stl -o out.msh --no-cache & p=$!"
+    );
+    let wait = "until [ -s mesher ]; do sleep 0.05; done";
+    let run = dir.run_in_shell(&format!("{start}; {wait}; kill -s TERM $p; wait $p"));
+    run.fails(143, "interrupted by SIGTERM; to continue: the same command");
+    assert_eq!(fs::read_dir(dir.path("tmp")).unwrap().count(), 0, "a folder is left");
+    let mesher = fs::read_to_string(dir.path("mesher")).unwrap();
+    assert!(!std::path::Path::new(&format!("/proc/{}", mesher.trim())).exists(), "it runs on");
+}
+
+#[test]
+fn an_input_is_never_overwritten() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.ply"), &cube(0.5)).unwrap();
+    let before = fs::read(dir.path("cube.ply")).unwrap();
+    dir.run(&["offset", "cube.ply", "-o", "cube.ply"]).fails(2, "give the output another name");
+    dir.run(&["offset", "cube.ply", "-o", "./cube.ply"]).fails(2, "cube.ply: not replaced");
+    assert_eq!(fs::read(dir.path("cube.ply")).unwrap(), before);
+    fs::create_dir(dir.path("patches")).unwrap();
+    dir.write("patches/model.toml", DOME);
+    dir.run(&["model", "patches/model.toml", "-o", "."]).fails(2, "patches/model.toml");
+    assert!(dir.path("patches/model.toml").exists());
+}
+
+#[test]
+fn sizes_that_cannot_be_meant_are_remarked_on() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("large.obj"), &cube(40.0)).unwrap();
+    dir.run(&["info", "large.obj", "--check"]).says("lengths are read as metres");
+    write_surface(&dir.path("small.obj"), &cube(0.04)).unwrap();
+    assert!(!dir.run(&["info", "small.obj"]).stderr.contains("metres"));
+    write_surface(&dir.path("endless.obj"), &cube(1e150)).unwrap();
+    dir.run(&["info", "endless.obj", "--check"]).fails(1, "its volume has no number");
+}
+
+#[test]
+fn settings_are_refused_with_their_file() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    let python = dir.program("python", "exit 1");
+    let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--config", "cad2fem.toml"];
+    for (setting, said) in [
+        ("stop_energy = 2", "stop_energy must exceed 3"),
+        ("mesher = 'netgen'", "known: ftetwild, gmsh"),
+        ("threads = 100000", "up to 1024"),
+        ("edge_length = -1", "between 0 and the diagonal"),
+    ] {
+        dir.write("cad2fem.toml", &format!("[tetmesh]\n{setting}\n"));
+        let run = dir.run_with("PUFFER_PYTHON", &python, &arguments);
+        run.fails(2, "cad2fem.toml: ");
+        run.fails(2, said);
+    }
+}
+
+#[test]
+fn a_python_in_the_working_directory_is_not_run() {
+    let dir = Workdir::new();
+    write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
+    fs::create_dir_all(dir.path(".venv/bin")).unwrap();
+    dir.program(".venv/bin/python", "touch ../executed executed; exit 1");
+    let run = dir.run(&["tetmesh", "cube.stl", "-o", "out.msh", "--no-cache", "--timeout", "1"]);
+    assert!(!run.stderr.contains(&dir.path(".venv").display().to_string()), "{}", run.stderr);
+    assert!(!dir.path("executed").exists());
+}
+
+#[test]
 fn the_models_of_the_pipelines_are_sound() {
     let dir = Workdir::new();
     for (name, regions) in [("beam", 4), ("frog", 6)] {

@@ -104,6 +104,60 @@ fn a_step_file_states_its_own_unit() {
 }
 
 #[test]
+fn scripts_reach_outside_only_with_trust() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let body = "SetFactory('OpenCASCADE'); Box(1) = {0, 0, 0, 30, 20, 10};\n";
+    let reach = |name: &str| format!("SystemCall 'touch {}';\n", dir.path(name).display());
+    let model = |name: &'static str| vec!["model", name, "--unit", "mm", "-o", "model"];
+
+    dir.write("calls.geo", &format!("{body}{}", reach("called")));
+    let refused = run(&model("calls.geo"));
+    refused.fails(2, "calls.geo: line 2: SystemCall runs programs");
+    refused.fails(2, "--trust");
+    assert!(!dir.path("called").exists());
+    run(&[&model("calls.geo")[..], &["--trust"]].concat()).says(&python);
+    assert!(dir.path("called").exists());
+
+    // gmsh skips what an If leaves out without a look at quotes, and begins a line anew in a loop
+    let hidden = reach("hidden");
+    for escape in [
+        format!("If (0)\nE// EndIf {hidden}\nEndIf\n"),
+        format!("For (1:2) /*\n{hidden} */\nEndFor\n"),
+        format!("If (0)\nE\" EndIf {} \"\nEndIf\n", hidden.trim()),
+    ] {
+        dir.write("escapes.geo", &format!("{body}{escape}"));
+        run(&model("escapes.geo")); // whether gmsh likes it or not
+        assert!(!dir.path("hidden").exists(), "{escape}");
+    }
+    // gmsh reads options from a file beside the one that it opens
+    dir.write("box.geo", body);
+    dir.write("box.geo.opt", &reach("options"));
+    run(&model("box.geo")).succeeds();
+    assert!(!dir.path("options").exists());
+    dir.write("broken.geo", &format!("{body}Sphere(1) = {{0,"));
+    run(&model("broken.geo")).fails(2, "'broken.geo', line 2");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_of_files_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let name = std::ffi::OsStr::from_bytes(b"b\xffx.geo");
+    fs::write(
+        dir.path("").join(name),
+        "SetFactory('OpenCASCADE'); Box(1) = {0, 0, 0, 30, 20, 10};",
+    )
+    .unwrap();
+    let line = "exec \"$0\" model b*x.geo --unit mm -o model";
+    dir.run_in_shell(&format!("PUFFER_PYTHON={python} {line}")).succeeds();
+    dir.run_in_shell(&format!("PUFFER_PYTHON={python} {line} --trust")).fails(2, "not UTF-8");
+}
+
+#[test]
 fn a_library_that_gmsh_misses_is_named_with_its_package() {
     let Some(python) = python_with("numpy") else { return };
     let dir = Workdir::new();

@@ -20,9 +20,12 @@ struct Program {
     #[command(flatten)]
     verbosity: Verbosity,
     /// Threads to use; all cores if not given
-    #[arg(long, global = true)]
-    threads: Option<usize>,
+    #[arg(long, global = true, value_parser = clap::value_parser!(u16).range(..=MOST_THREADS))]
+    threads: Option<u16>,
 }
+
+/// Each takes two megabytes for its stack, and the system has an end of threads.
+const MOST_THREADS: i64 = 1024;
 
 /// How long the allocator keeps free memory before it gives it back to the system [ms]:
 /// longer than vectors are away between two uses, as the system clears every page that it
@@ -42,7 +45,7 @@ fn main() -> ExitCode {
     let program = Program::parse();
     program::run("solver", program.verbosity, || {
         if let Some(threads) = program.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+            rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
         }
         program.verb.run()
     })

@@ -6,7 +6,8 @@ use tests::chamber::{self, beyond_any_equilibrium};
 type Case = (&'static str, &'static str, &'static [&'static str]);
 
 /// Files of which none may be there after a refusal.
-const RESULTS: [&str; 4] = ["design.msh", "history.jsonl", "report.json", "result.vtu"];
+const RESULTS: [&str; 5] =
+    ["design.msh", "history.jsonl", "report.json", "result.vtu", "checkpoint.json"];
 
 fn refuse(cases: &[Case]) {
     for (from, to, words) in cases {
@@ -66,11 +67,19 @@ fn no_level_and_no_objective() {
 fn what_the_body_does_not_allow() {
     refuse(&[
         // all walls are 10 mm
-        ("minimum = 2e-3", "minimum = 10.1e-3", &["\"wall\"", "1.000e-2 m thin", "1.010e-2 m"]),
-        ("against = [\"top\"", "against = [\"seat\"", &["objective \"wall\""]),
-        ("on = \"cavity\"", "on = \"hole\"", &["\"hole\"", "seat, cavity, top, skin"]),
-        ("on = \"top\"", "on = \"lid\"", &["\"lid\"", "seat, cavity, top, skin"]),
-        ("handles = 1", "handles = 1000", &["1000 handles", "33 vertices"]),
+        (
+            "minimum = 2e-3",
+            "minimum = 10.1e-3",
+            &["design.toml", "\"wall\"", "1.000e-2 m thin", "1.010e-2 m"],
+        ),
+        ("against = [\"top\"", "against = [\"seat\"", &["design.toml", "objective \"wall\""]),
+        (
+            "on = \"cavity\"",
+            "on = \"hole\"",
+            &["design.toml", "\"hole\"", "seat, cavity, top, skin"],
+        ),
+        ("on = \"top\"", "on = \"lid\"", &["design.toml", "\"lid\"", "seat, cavity, top, skin"]),
+        ("handles = 1", "handles = 1000", &["design.toml", "1000 handles", "33 vertices"]),
     ]);
 }
 

@@ -1,6 +1,6 @@
 //! A simulation through time with contact that is killed ends as one that is not.
 
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use mesh::io::{write_surface, write_tets};
@@ -118,6 +118,31 @@ fn unfinished() -> Workdir {
     child.kill().unwrap();
     assert!(!child.wait().unwrap().success(), "over before it was killed");
     dir
+}
+
+#[test]
+fn signals_end_it_in_order() {
+    let undisturbed = workdir();
+    undisturbed.solver(COMMAND).assert_good();
+    let expected = results(&undisturbed);
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let dir = workdir();
+        let child = dir.command(COMMAND).stderr(Stdio::piped()).spawn().unwrap();
+        while !dir.path("out/checkpoint.json").exists() {
+            std::thread::sleep(Duration::from_micros(300));
+        }
+        let pid = child.id().to_string();
+        let sent = Command::new("kill").args(["-s", signal, &pid]).status().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert!(sent.success(), "over before the signal: {said}");
+        assert_eq!(ended.status.code(), Some(code), "{said}");
+        assert!(said.contains(&format!("interrupted by SIG{signal}; to continue")), "{said}");
+        let files = dir.files("out");
+        assert!(!files.iter().any(|f| f.starts_with('.')), "{files:?}");
+        dir.solver(COMMAND).assert_good();
+        assert_same(&dir, &expected);
+    }
 }
 
 #[test]

@@ -2,7 +2,6 @@
 //!
 //! The tree is parry3d's, behind our types; this is the only file that names it.
 
-use crate::predicates::{corner_sharing_intersect, edge_sharing_intersect, triangles_intersect};
 use crate::{SurfaceMesh, Vec3};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -69,7 +68,7 @@ impl SurfaceBvh {
         let mut hits = Vec::new();
         self.tree.traverse(|node| {
             let (min, max) = (vec3(node.mins()), vec3(node.maxs()));
-            if !ray_meets_box(origin, direction, &min, &max) {
+            if !line_meets_box(origin, direction, f64::INFINITY, &min, &max) {
                 return TraversalAction::Prune;
             }
             if let Some(leaf) = node.leaf_data() {
@@ -102,42 +101,31 @@ pub fn overlapping_pairs(a: &[(Vec3, Vec3)], b: &[(Vec3, Vec3)]) -> Vec<(usize, 
         .collect()
 }
 
-/// All pairs i < j of triangles that meet in more than the vertices and the edge
-/// they share, decided exactly; sorted.
-///
-/// Vertices are shared by index: coincident vertices must have been merged.
-#[must_use]
-pub fn self_intersecting_pairs(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
-    let boxes: Vec<_> =
-        (0..surface.triangles.len()).map(|t| triangle_box(&surface.corners(t))).collect();
-    let tree = tree(&boxes);
-    boxes
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(i, query)| {
-            let candidates = overlaps(&tree, query).into_iter();
-            candidates
-                .filter(move |&j| i < j && pair_intersects(surface, i, j))
-                .map(move |j| (i, j))
-        })
-        .collect()
+/// Boxes that answer which of them a segment meets.
+pub(crate) struct BoxTree {
+    tree: Bvh,
 }
 
-fn pair_intersects(surface: &SurfaceMesh, i: usize, j: usize) -> bool {
-    let (s, t) = (surface.triangles[i], surface.triangles[j]);
-    let at = |v: &usize| &surface.vertices[*v];
-    let common: Vec<usize> = s.into_iter().filter(|v| t.contains(v)).collect();
-    let rest = |triangle: &[usize; 3]| -> Vec<&Vec3> {
-        triangle.iter().filter(|v| !common.contains(v)).map(at).collect()
-    };
-    match (&common[..], &rest(&s)[..], &rest(&t)[..]) {
-        ([], _, _) => triangles_intersect(&surface.corners(i), &surface.corners(j)),
-        ([v], [a, b], [c, d]) => corner_sharing_intersect(at(v), [a, b], [c, d]),
-        ([u, v], [a], [b]) => edge_sharing_intersect(at(u), at(v), a, b),
-        // The same triangle twice.
-        ([_, _, _], _, _) => true,
-        // A vertex repeated within a triangle: degenerate, not intersecting.
-        _ => false,
+impl BoxTree {
+    /// Builds the tree of boxes (min, max) [m].
+    pub(crate) fn new(boxes: &[(Vec3, Vec3)]) -> Self {
+        Self { tree: tree(boxes) }
+    }
+
+    /// Calls `visit` for every box that the segment pq meets, and perhaps for some that it misses
+    /// by rounding.
+    pub(crate) fn each_met(&self, p: &Vec3, q: &Vec3, mut visit: impl FnMut(usize)) {
+        let direction = q - p;
+        self.tree.traverse(|node| {
+            let (min, max) = (vec3(node.mins()), vec3(node.maxs()));
+            if !line_meets_box(p, &direction, 1.0, &min, &max) {
+                return TraversalAction::Prune;
+            }
+            if let Some(leaf) = node.leaf_data() {
+                visit(leaf as usize);
+            }
+            TraversalAction::Continue
+        });
     }
 }
 
@@ -200,9 +188,10 @@ fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> Vec3 {
     a + ab * (vb / total) + ac * (vc / total)
 }
 
-/// Slab test, widened by the rounding of the quotients (Ize 2013).
-fn ray_meets_box(origin: &Vec3, direction: &Vec3, min: &Vec3, max: &Vec3) -> bool {
-    let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+/// Slab test for `origin` + s `direction`, 0 ≤ s ≤ `far`, widened by the rounding of the
+/// quotients (Ize 2013).
+fn line_meets_box(origin: &Vec3, direction: &Vec3, far: f64, min: &Vec3, max: &Vec3) -> bool {
+    let (mut near, mut far) = (0.0_f64, far);
     for k in 0..3 {
         if direction[k] == 0.0 {
             if origin[k] < min[k] || origin[k] > max[k] {
@@ -340,31 +329,5 @@ mod tests {
         }
         assert!(expected.len() > 10);
         assert_eq!(overlapping_pairs(&a, &b), expected);
-    }
-
-    #[test]
-    fn self_intersections_are_found_and_not_invented() {
-        let mut surface = ball();
-        assert_eq!(self_intersecting_pairs(&surface), []);
-        // A spike through the far side, from a vertex of the near side.
-        let spike = (0..surface.vertices.len())
-            .max_by(|&a, &b| surface.vertices[a].z.total_cmp(&surface.vertices[b].z))
-            .unwrap();
-        surface.vertices[spike] = Vec3::new(0.001, 0.002, -0.05);
-        let pairs = self_intersecting_pairs(&surface);
-        assert!(!pairs.is_empty());
-        for (i, j) in pairs {
-            let at_spike = |t: usize| surface.triangles[t].contains(&spike);
-            assert!(at_spike(i) || at_spike(j));
-        }
-    }
-
-    #[test]
-    fn a_folded_or_repeated_triangle_intersects_its_neighbour() {
-        let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(0.75, 0.5, 0.0)];
-        let folded = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [1, 0, 3]] };
-        assert_eq!(self_intersecting_pairs(&folded), [(0, 1)]);
-        let repeated = SurfaceMesh { triangles: vec![[0, 1, 2], [2, 0, 1]], ..folded };
-        assert_eq!(self_intersecting_pairs(&repeated), [(0, 1)]);
     }
 }

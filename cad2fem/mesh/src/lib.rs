@@ -5,6 +5,7 @@
 
 pub mod bvh;
 pub mod check;
+pub mod crossings;
 pub mod improve;
 pub mod inside;
 pub mod io;

@@ -90,6 +90,22 @@ pub fn diagonal(points: &[Vec3]) -> f64 {
     (high - low).norm()
 }
 
+/// Diagonals of bodies that are cast of silicone [m], with a wide margin.
+const LIKELY: std::ops::RangeInclusive<f64> = 1e-4..=5.0;
+
+/// What to say of points [m] that are as far apart as if their unit were another: bodies of
+/// 80 mm become bodies of 80 m.
+#[must_use]
+pub fn unlikely_size(points: &[Vec3]) -> Option<String> {
+    let size = diagonal(points);
+    (size > 0.0 && !LIKELY.contains(&size)).then(|| {
+        format!(
+            "{size:.4} m from corner to corner: lengths are read as metres. Is the unit another? \
+             Then scale the file, or export it in metres"
+        )
+    })
+}
+
 /// Radius ratio 3 r/R of a tetrahedron, r the radius of the inscribed and R of
 /// the circumscribed sphere: 1 if regular, 0 if flat, negative if inverted.
 ///
@@ -223,6 +239,16 @@ mod tests {
 
     /// A few roundings of numbers of order one.
     const ROUNDING: f64 = 1e-14;
+
+    #[test]
+    fn metres_for_millimetres_are_remarked_on() {
+        let points = |size: f64| [Vec3::zeros(), Vec3::new(size, 0.0, 0.0)];
+        assert_eq!(unlikely_size(&points(0.08)), None);
+        assert_eq!(unlikely_size(&[]), None);
+        for (size, said) in [(80.0, "80.0000 m"), (8e-5, "0.0001 m")] {
+            assert!(unlikely_size(&points(size)).is_some_and(|remark| remark.contains(said)));
+        }
+    }
 
     fn regular_tet() -> [Vec3; 4] {
         [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from)

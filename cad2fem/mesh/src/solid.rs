@@ -6,6 +6,8 @@
 //! end to end, and its internal tolerance is 10⁻¹² of the bounding box, so that
 //! metres need no scaling.
 
+use std::panic::{self, AssertUnwindSafe};
+
 use crate::inside::WindingNumber;
 use crate::measure::enclosed_volume;
 use crate::{SurfaceMesh, Vec3};
@@ -23,6 +25,15 @@ pub struct Solid {
 /// Why a surface does not bound a solid.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum SolidError {
+    /// The kernel failed on a level set.
+    #[error(
+        "the kernel finds no surface in a lattice of {edge_length}: the body may be very long for \
+         its width; try another grid"
+    )]
+    NoLevelSet {
+        /// Edge length of the triangles.
+        edge_length: f64,
+    },
     /// The kernel refuses the surface.
     #[error(
         "a surface of {triangles} triangles and {vertices} vertices does not bound a solid: {status}; \
@@ -333,24 +344,45 @@ impl Solid {
     /// Marching tetrahedra on a body-centred cubic lattice with triangle edges of
     /// about `edge_length` [m]; vertices lie within a thousandth of that from the
     /// zero of `f` along their lattice edge. `f` is called from many threads.
-    #[must_use]
+    ///
+    /// # Errors
+    /// If the kernel finds no surface in the lattice, wherever that begins.
     pub fn level_set(
         f: impl Fn(Vec3) -> f64 + Sync,
         bounds: (Vec3, Vec3),
         edge_length: f64,
-    ) -> Self {
+    ) -> Result<Self, SolidError> {
         let positive_inside = |p: KernelVec3| -f(from_kernel(p));
-        let bounds = KernelBox { min: to_kernel(&bounds.0), max: to_kernel(&bounds.1) };
-        let (level, tolerance) = (0.0, 1e-3 * edge_length);
-        let kernel = Manifold::level_set_with_tolerance(
-            positive_inside,
-            bounds,
-            edge_length,
-            level,
-            tolerance,
-        );
-        Self { kernel }
+        // A lattice beside large flat faces overflows a table of the kernel, which then panics
+        // ("table full"); a lattice that begins elsewhere does not.
+        for shift in [0.0, 0.31, 0.57] {
+            let min = to_kernel(&bounds.0.add_scalar(-shift * edge_length));
+            let bounds = KernelBox { min, max: to_kernel(&bounds.1) };
+            let (level, tolerance) = (0.0, 1e-3 * edge_length);
+            let kernel = without_panic(|| {
+                Manifold::level_set_with_tolerance(
+                    positive_inside,
+                    bounds,
+                    edge_length,
+                    level,
+                    tolerance,
+                )
+            });
+            if let Some(kernel) = kernel {
+                return Ok(Self { kernel });
+            }
+        }
+        Err(SolidError::NoLevelSet { edge_length })
     }
+}
+
+/// What `f` returns, unless it panics; then nothing is printed.
+fn without_panic<T>(f: impl FnOnce() -> T) -> Option<T> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let result = panic::catch_unwind(AssertUnwindSafe(f));
+    panic::set_hook(hook);
+    result.ok()
 }
 
 /// Adds every cavity to the first of the shells, given with their volumes, that contains it.

@@ -147,14 +147,15 @@ pub fn boundary_loops(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
     let mut loops = Vec::new();
     for start in starts {
         let mut path = vec![start];
+        let mut place = BTreeMap::from([(start, 0)]);
         while let Some(to) = path.last().and_then(|v| next.get_mut(v)).and_then(Vec::pop) {
-            match path.iter().position(|&v| v == to) {
-                Some(i) => {
-                    loops.push(path.split_off(i));
-                    path.push(to);
-                }
-                None => path.push(to),
+            if let Some(&i) = place.get(&to) {
+                let closed = path.split_off(i);
+                closed.iter().for_each(|v| _ = place.remove(v));
+                loops.push(closed);
             }
+            place.insert(to, path.len());
+            path.push(to);
         }
     }
     loops

@@ -48,7 +48,7 @@ pub fn write_checkpoint<T: Serialize>(path: &Path, program: &str, content: &T) -
 /// # Errors
 /// When the file cannot be read, is none of these, was written by another version, or was altered.
 pub fn read_checkpoint<T: DeserializeOwned>(path: &Path, program: &str) -> Result<T> {
-    let text = mesh::io::read_text(path)?;
+    let text = mesh::io::read_own_text(path)?;
     let broken = || format!("{}: broken checkpoint; {REMEDY}", path.display());
     let read: Read = serde_json::from_str(&text).with_context(broken)?;
     ensure!(

@@ -1,7 +1,7 @@
 //! Log messages on standard error, and exit codes.
 //!
 //! Exit codes: 0 the result is usable; 1 the program ran but its result must not
-//! be used ([`Unusable`]); 2 usage or input error.
+//! be used ([`Unusable`]); 2 usage or input error; 130 and 143 interrupted by SIGINT, SIGTERM.
 
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
@@ -10,6 +10,8 @@ use std::process::ExitCode;
 use clap::{ArgAction, Args};
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use mesh::io::IoError;
+
+use crate::interrupt::end_in_order;
 
 /// How much a program reports on standard error; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -48,6 +50,7 @@ pub fn run(name: &str, verbosity: Verbosity, f: impl FnOnce() -> anyhow::Result<
     if log::set_logger(&StderrLogger).is_ok() {
         log::set_max_level(verbosity.level());
     }
+    end_in_order(name);
     let Err(error) = f() else { return ExitCode::SUCCESS };
     if is_broken_pipe(&error) {
         return ExitCode::SUCCESS;
@@ -73,7 +76,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 
 /// A failure to write to standard error cannot be reported and is ignored.
-fn to_stderr(line: &str) {
+pub(crate) fn to_stderr(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 

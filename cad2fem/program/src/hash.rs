@@ -2,21 +2,29 @@
 
 use std::path::Path;
 
-use mesh::io::{IoError, read_bytes};
+use mesh::io::IoError;
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of some bytes, hexadecimal.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file's content, hexadecimal.
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a file's content, hexadecimal; the file is never in memory as a whole.
 ///
 /// # Errors
 /// If the file cannot be read.
 pub fn sha256_file(path: &Path) -> Result<String, IoError> {
-    Ok(sha256(&read_bytes(path)?))
+    let fail = |cause| IoError::System { path: path.to_owned(), action: "read", cause };
+    let mut file = std::fs::File::open(path).map_err(fail)?;
+    let mut digest = Sha256::new();
+    std::io::copy(&mut file, &mut digest).map_err(fail)?;
+    Ok(hexadecimal(&digest.finalize()))
 }
 
 #[cfg(test)]

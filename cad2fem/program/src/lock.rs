@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use mesh::io::{Unfinished, remove_litter};
 
 /// The file that is locked.
 const NAME: &str = ".lock";
@@ -15,6 +16,7 @@ const NAME: &str = ".lock";
 pub struct FolderLock {
     file: File,
     path: PathBuf,
+    _unfinished: Unfinished,
 }
 
 impl FolderLock {
@@ -29,7 +31,9 @@ impl FolderLock {
         let context = || path.display().to_string();
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(&path).with_context(context)?;
+        let open = || options.open(&path);
+        let (mut file, unfinished) =
+            Unfinished::new(open, |_| path.clone()).with_context(context)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -46,7 +50,8 @@ impl FolderLock {
         }
         file.set_len(0).with_context(context)?;
         writeln!(file, "process {} on {}", std::process::id(), host()).with_context(context)?;
-        Ok(Self { file, path })
+        remove_litter(folder);
+        Ok(Self { file, path, _unfinished: unfinished })
     }
 }
 

@@ -95,6 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn of_surface(args: &Args) -> Result<(Info, Vec<Finding>)> {
     let surface = read_surface(&args.file)?;
+    crate::report::remark_on_size(&args.file, &surface);
     let found = check_surface(&surface);
     let mut info = Info::of(args, &surface, &found);
     info.volume = (info.open_edges == 0).then(|| enclosed_volume(&surface));

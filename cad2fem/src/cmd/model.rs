@@ -9,7 +9,7 @@ use mesh::SurfaceMesh;
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
 use crate::labelled::{LabelledSurface, remove_stamp};
-use crate::report::Input;
+use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
 /// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, `DIR/model.json`, and the same in
@@ -30,6 +30,9 @@ pub struct Args {
     /// .geo: set a number that the script declares with DefineConstant
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_number)]
     numbers: Vec<(String, f64)>,
+    /// CAD: let the script, and `FILE.opt` beside the file, run programs, read and write files
+    #[arg(long)]
+    trust: bool,
     /// CAD: longest edge [m]
     #[arg(long, value_name = "M")]
     edge_length: Option<f64>,
@@ -50,8 +53,11 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn implicit(args: &Args) -> Result<()> {
-    if args.unit.is_some() || !args.numbers.is_empty() || args.edge_length.is_some() {
-        bail!("--unit, --set and --edge-length are for CAD files; a .toml model states its own");
+    let of_cad = args.unit.is_some() || args.edge_length.is_some() || args.trust;
+    if of_cad || !args.numbers.is_empty() {
+        bail!(
+            "--unit, --set, --edge-length and --trust are for CAD files; a .toml model states its own"
+        );
     }
     let file = ModelFile::read(&args.file)?;
     let input = Input::of(&args.file)?;
@@ -87,6 +93,7 @@ fn from_cad(args: &Args) -> Result<()> {
         unit: args.unit,
         numbers: args.numbers.iter().cloned().collect(),
         edge_length: args.edge_length,
+        trust: args.trust,
         timeout: Duration::from_secs(args.timeout),
     };
     let labelled = cad::read(&args.file, &options)?;
@@ -100,6 +107,7 @@ fn finish(
     input: Input,
     start: Instant,
 ) -> Result<()> {
+    remark_on_size(&args.file, &labelled.surface);
     let report =
         labelled.write(folder, input, start).with_context(|| args.file.display().to_string())?;
     report.log();

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
 use crate::mesher::python::Python;
-use crate::report::Input;
+use crate::report::{Input, remark_on_size};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
 
 /// Settings come from --config, then from the flags; what neither says has a default.
@@ -70,12 +70,14 @@ struct Report {
 /// If the input is not a body, or the mesher or the verification of its result fails.
 pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
+    let of_config = || args.config.as_ref().map_or("settings".into(), |p| p.display().to_string());
     let input = Input::of(&args.surface)?;
     let mut surface = read_surface(&args.surface)?;
+    remark_on_size(&args.surface, &surface);
     let request = Request {
         python: Python::find()?,
-        mesher: settings.tet_mesher()?,
-        options: settings.options(diagonal(&surface.vertices))?,
+        mesher: settings.tet_mesher().with_context(of_config)?,
+        options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
         improve_passes: settings.improve_passes,
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),

@@ -40,7 +40,7 @@ impl Fields {
 /// If nothing is left of the body or if it falls into pieces.
 pub fn surface(model: &Model, fields: &Fields) -> Result<SurfaceMesh> {
     let distance = |p: Vec3| fields.solid.at(&p).max(-fields.cavity.at(&p));
-    let mut solid = Solid::level_set(distance, model.bounds(), model.grid);
+    let mut solid = Solid::level_set(distance, model.bounds(), model.grid)?;
     if model.simplify > 0.0 {
         solid = solid.simplify(model.simplify);
     }

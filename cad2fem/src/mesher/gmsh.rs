@@ -10,12 +10,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use mesh::io::read_bytes;
 use mesh::{SurfaceMesh, TetMesh};
 use serde_json::json;
 
 use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
+use crate::geo::without_reach;
 
 /// The mesher.
 pub struct Gmsh;
@@ -65,18 +67,27 @@ pub struct Faces {
 /// Meshes the faces of a CAD file with `numbers` set in a script, and no edge
 /// longer than `edge_length` if given [unit of the result].
 ///
+/// gmsh gets a copy in a folder of its own, of a script what [`without_reach`] leaves: beside a
+/// file `x.step` it would run a script `x.step.opt`. With `trust` it reads the file itself.
+///
 /// # Errors
-/// If gmsh cannot run, or cannot read or mesh the file.
+/// If gmsh cannot run, or cannot read or mesh the file; if it is a script that reaches outside.
 pub fn mesh_faces(
     python: &Python,
     file: &Path,
     numbers: &BTreeMap<String, f64>,
     edge_length: Option<f64>,
+    trust: bool,
     timeout: Duration,
 ) -> Result<Faces> {
     let job = Job::new("gmsh")?;
-    let file = file.canonicalize().with_context(|| file.display().to_string())?;
-    let settings = json!({ "file": file, "numbers": numbers, "edge_length": edge_length });
+    let opened = if trust { named_in_text(file)? } else { copied(&job, file)? };
+    let settings = json!({
+        "file": opened,
+        "shown": file.display().to_string(),
+        "numbers": numbers,
+        "edge_length": edge_length,
+    });
     let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
     job.run(python, script, &settings, timeout)?;
     let names = std::fs::read_to_string(job.file("patches.json"))?;
@@ -89,4 +100,26 @@ pub fn mesh_faces(
         names: serde_json::from_str(&names)?,
         patch: patch.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
     })
+}
+
+/// The absolute path, which has to be text to reach gmsh.
+fn named_in_text(file: &Path) -> Result<String> {
+    let shown = || file.display().to_string();
+    let absolute = file.canonicalize().with_context(shown)?;
+    let text = absolute.to_str().map(str::to_owned);
+    text.with_context(|| format!("{}: its path is not UTF-8; rename it", absolute.display()))
+}
+
+/// Puts the file, a script as [`without_reach`] leaves it, into the folder of the job.
+fn copied(job: &Job, file: &Path) -> Result<String> {
+    let shown = || file.display().to_string();
+    let is_script = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("geo"));
+    let name = if is_script { "model.geo" } else { "model.step" };
+    if is_script {
+        let script = without_reach(&read_bytes(file)?).with_context(shown)?;
+        std::fs::write(job.file(name), script).with_context(|| format!("cannot write {name}"))?;
+    } else {
+        std::fs::copy(file, job.file(name)).with_context(shown)?;
+    }
+    Ok(name.to_owned())
 }

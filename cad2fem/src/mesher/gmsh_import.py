@@ -1,5 +1,6 @@
 # Loads gmsh, or says which Debian packages its shared library needs.
 import json
+import os
 import re
 import sys
 

@@ -2,19 +2,20 @@
 # patch of each triangle) and patches.json (their names).
 arguments = ["cad2fem"]
 for name, value in settings["numbers"].items():
-    if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"]).read()):
-        explain(f"{settings['file']}: there is no number {name} to set")
+    if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"], errors="replace").read()):
+        explain(f"{settings['shown']}: there is no number {name} to set")
     arguments += ["-setnumber", name, repr(value)]
 gmsh.initialize(arguments, readConfigFiles=False)
 gmsh.option.setString("Geometry.OCCTargetUnit", "M")
 if settings["edge_length"] is not None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", settings["edge_length"])
 try:
-    gmsh.open(settings["file"])
+    gmsh.open(os.path.abspath(settings["file"]))
     gmsh.model.occ.synchronize()
     gmsh.model.mesh.generate(2)
 except Exception as error:
-    explain(f"{settings['file']}: gmsh cannot mesh it: {error}")
+    message = str(error).replace(os.path.abspath(settings["file"]), settings["shown"])
+    explain(f"{settings['shown']}: gmsh cannot mesh it: {message}")
 
 
 
@@ -41,7 +42,7 @@ for name, faces in groups:
         names.append(name)
     for face in faces:
         if face in seen:
-            explain(f"{settings['file']}: face {face} is in two physical surfaces")
+            explain(f"{settings['shown']}: face {face} is in two physical surfaces")
         seen.add(face)
         _, triangles = gmsh.model.mesh.getElementsByType(2, face)
         corners.append(triangles.reshape(-1, 3))
@@ -54,7 +55,7 @@ for face in left_over:
     patch += [-1] * len(corners[-1])
 
 if sum(len(c) for c in corners) == 0:
-    explain(f"{settings['file']}: no faces found")
+    explain(f"{settings['shown']}: no faces found")
 tags, points, _ = gmsh.model.mesh.getNodes()
 corners = numpy.concatenate(corners).astype(numpy.int64)
 used = numpy.unique(corners)

@@ -4,14 +4,14 @@
 //! arrays in `.npy` files. What the external program prints goes to a log there, of
 //! which an error shows the end.
 
-use std::path::PathBuf;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::npy;
+use mesh::io::{Unfinished, npy};
 use mesh::{SurfaceMesh, Vec3};
-use program::{Spinner, Unusable};
+use program::{FolderLock, Process, Spinner, Unusable};
 use tempfile::TempDir;
 
 use super::python::Python;
@@ -26,23 +26,49 @@ if sys.platform == 'linux':
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
 ";
 
+/// What the names of the folders begin with.
+const PREFIX: &str = "cad2fem-";
+
+/// A folder that is younger may be about to be locked.
+const SETTLED: Duration = Duration::from_secs(60);
+
+/// Removes the folders of jobs that nobody holds; what cannot be removed stays.
+fn remove_left_behind(parent: &Path) {
+    for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
+        let named = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        let folder = entry.metadata().ok().filter(|found| named && found.is_dir());
+        let age = folder.and_then(|found| found.modified().ok()?.elapsed().ok());
+        if age.is_some_and(|age| age > SETTLED)
+            && let Ok(lock) = FolderLock::new(&entry.path())
+        {
+            let _ = std::fs::remove_dir_all(entry.path());
+            drop(lock);
+        }
+    }
+}
+
 /// A script about to run in a temporary folder of its own.
 pub struct Job {
+    // dropped first, as it lies in the folder
+    _lock: FolderLock,
     folder: TempDir,
     title: &'static str,
+    _unfinished: Unfinished,
 }
 
 impl Job {
-    /// A folder for a job with the name `title`.
+    /// A folder for a job with the name `title`. Those that killed programs left are removed.
     ///
     /// # Errors
     /// If the folder cannot be made.
     pub fn new(title: &'static str) -> Result<Self> {
-        let folder = tempfile::Builder::new()
-            .prefix("cad2fem-")
-            .tempdir()
-            .context("cannot create a temporary folder")?;
-        Ok(Self { folder, title })
+        remove_left_behind(&std::env::temp_dir());
+        let make = || tempfile::Builder::new().prefix(PREFIX).tempdir();
+        let (folder, unfinished) =
+            Unfinished::new(make, |folder: &TempDir| folder.path().to_owned())
+                .context("cannot create a temporary folder")?;
+        let lock = FolderLock::new(folder.path())?;
+        Ok(Self { _lock: lock, folder, title, _unfinished: unfinished })
     }
 
     /// A file of the job.
@@ -69,15 +95,16 @@ impl Job {
         write("settings.json", &settings.to_string())?;
         let log = |name: &str| std::fs::File::create(self.file(name)).context("cannot write logs");
         let start = Instant::now();
-        let mut child = Command::new(&python.path)
+        let mut command = Command::new(&python.path);
+        command
             .args(["-I", "driver.py"]) // no modules from here or the environment
             .current_dir(self.folder.path())
             .stdin(Stdio::null())
             .stdout(log("stdout.log")?)
-            .stderr(log("stderr.log")?)
-            .spawn()
+            .stderr(log("stderr.log")?);
+        let child = Process::spawn(&mut command)
             .with_context(|| format!("cannot run {}", python.path.display()))?;
-        match self.wait(&mut child, start, timeout)? {
+        match self.wait(&child, start, timeout)? {
             Some(status) if status.success() => Ok(()),
             Some(status) => Err(self.failure(status, start.elapsed())),
             None => Err(Unusable(format!(
@@ -93,7 +120,7 @@ impl Job {
     /// Waits for the end, showing the time that has passed; `None` on a timeout.
     fn wait(
         &self,
-        child: &mut Child,
+        child: &Process,
         start: Instant,
         timeout: Duration,
     ) -> Result<Option<ExitStatus>> {
@@ -104,7 +131,6 @@ impl Job {
             }
             if start.elapsed() > timeout {
                 child.kill()?;
-                child.wait()?;
                 return Ok(None);
             }
             spinner.show(start.elapsed());
@@ -167,5 +193,35 @@ impl Job {
         }
         let (rows, _) = values.as_chunks::<N>();
         Ok(rows.to_vec())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::fs::{File, FileTimes};
+    use std::time::SystemTime;
+
+    use super::*;
+
+    #[test]
+    fn folders_of_killed_programs_are_removed() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = |name: &str, age: Duration| {
+            let path = parent.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            let old = FileTimes::new().set_modified(SystemTime::now() - age);
+            File::open(&path).unwrap().set_times(old).unwrap();
+            path
+        };
+        let held = folder("cad2fem-held", Duration::ZERO);
+        let _lock = FolderLock::new(&held).unwrap();
+        let old = FileTimes::new().set_modified(SystemTime::now() - 2 * SETTLED);
+        File::open(&held).unwrap().set_times(old).unwrap();
+        let left = folder("cad2fem-left", 2 * SETTLED);
+        let young = folder("cad2fem-young", Duration::ZERO);
+        let other = folder("other", 2 * SETTLED);
+        remove_left_behind(parent.path());
+        assert!(held.exists() && young.exists() && other.exists() && !left.exists());
     }
 }

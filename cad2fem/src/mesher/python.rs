@@ -5,6 +5,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+use crate::checkout::checkout;
+
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
 
@@ -14,28 +16,18 @@ pub struct Python {
 }
 
 impl Python {
-    /// The interpreter named by [`PYTHON_VARIABLE`], else `.venv/bin/python` in the
-    /// working directory, in the folder of the program, or above one of them.
+    /// The interpreter named by [`PYTHON_VARIABLE`], else `.venv/bin/python` of the checkout that
+    /// the program was built in; says which.
     ///
     /// # Errors
     /// If there is none.
     pub fn find() -> Result<Self> {
-        if let Some(path) = std::env::var_os(PYTHON_VARIABLE).map(PathBuf::from) {
-            if path.is_file() {
-                return Ok(Self { path });
-            }
-            bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display());
-        }
-        let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
-        let places = starts.iter().flatten().flat_map(|start| start.ancestors());
-        let mut candidates = places.map(|folder| folder.join(".venv/bin/python"));
-        let path = candidates.find(|path| path.is_file()).with_context(|| {
-            format!(
-                "no Python with the meshers: {PYTHON_VARIABLE} is not set and there is no \
-                 .venv/bin/python in or above the working directory or the program; \
-                 run `make setup`"
-            )
-        })?;
+        let path = match std::env::var_os(PYTHON_VARIABLE).map(PathBuf::from) {
+            Some(path) if path.is_file() => path,
+            Some(path) => bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display()),
+            None => of_checkout()?,
+        };
+        log::info!("Python of the meshers: {}", path.display());
         Ok(Self { path })
     }
 
@@ -58,4 +50,16 @@ impl Python {
             self.path.display()
         )
     }
+}
+
+fn of_checkout() -> Result<PathBuf> {
+    let remedy = || {
+        format!(
+            "no Python with the meshers: {PYTHON_VARIABLE} is not set, and the program does not \
+             lie in a checkout with a .venv; run `make setup` and the program that it builds, or \
+             set {PYTHON_VARIABLE}"
+        )
+    };
+    let path = checkout().map(|folder| folder.join(".venv/bin/python"));
+    path.filter(|path| path.is_file()).with_context(remedy)
 }

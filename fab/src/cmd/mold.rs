@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use mesh::io::write_surface;
+use anyhow::Result;
+use mesh::io::{remove_output, write_surface};
 use mesh::{SurfaceMesh, Vec3};
 use program::{Progress, Unusable, peak_rss_mb};
 
@@ -162,8 +162,8 @@ fn remove_molds(output: &Path, plan: &plan::report::PlanReport) -> Result<()> {
             let _ = std::fs::remove_dir(folder);
         }
     }
-    remove_file(&output.join(sheet::MARKDOWN))?;
-    remove_file(&output.join(plan::report::FILE))
+    remove_output(&output.join(sheet::MARKDOWN))?;
+    Ok(remove_output(&output.join(plan::report::FILE))?)
 }
 
 /// A mold as it is written.
@@ -251,14 +251,5 @@ fn remove(folder: &Path, report: &MoldReport) -> Result<()> {
     let others = output::files(report);
     let others = others.iter().map(String::as_str);
     let mut all = [FILE].into_iter().chain(report.files()).chain(others);
-    all.try_for_each(|file| remove_file(&folder.join(file)))
-}
-
-fn remove_file(path: &Path) -> Result<()> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(e).with_context(|| format!("{}: cannot remove", path.display()))
-        }
-        _ => Ok(()),
-    }
+    Ok(all.try_for_each(|file| remove_output(&folder.join(file)))?)
 }

@@ -237,7 +237,7 @@ impl MoldReport {
     /// If it cannot be read or is not such a report.
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
-        let text = mesh::io::read_text(&path)?;
+        let text = mesh::io::read_own_text(&path)?;
         let report: Self =
             serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
         report.require_plausible().map_err(|message| IoError::content(&path, message))?;

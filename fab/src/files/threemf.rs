@@ -10,6 +10,7 @@
 //! The crate threemf 0.8 would replace a third of this file, but reads an archive of any
 //! unpacked size, does not check namespaces, and writes coordinates with 64-bit digits.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
@@ -17,7 +18,7 @@ use std::path::Path;
 use mesh::io::{IoError, write_atomic};
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Node, ParsingOptions};
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
@@ -27,8 +28,17 @@ const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 /// Where the model lies in the archive.
 const MODEL: &str = "3D/3dmodel.model";
 
-/// The largest model that is read [bytes]: fifty times that of 500 000 triangles.
-const LARGEST: u64 = 2 << 30;
+/// The largest model that is read [bytes]: ten times that of 500 000 triangles.
+const LARGEST: u64 = 400 << 20;
+
+/// Elements and texts of the XML that are read; a triangle of a part has five with its vertices.
+const MOST_NODES: u32 = 30_000_000;
+
+/// Items and components that are followed; a mold has less than a hundred.
+const MOST_COMPONENTS: usize = 10_000;
+
+/// Triangles of all components: the same mesh may be named again and again.
+const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Compositions of compositions that are followed.
 const DEEPEST: usize = 8;
@@ -194,7 +204,8 @@ fn unpack(file: std::fs::File) -> Result<String, String> {
 }
 
 fn parse(text: &str) -> Result<Vec<Shape>, String> {
-    let document = Document::parse(text).map_err(|e| e.to_string())?;
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
     let model = document.root_element();
     if !model.has_tag_name((CORE, "model")) {
         return Err(format!("the root is <{}>, must be a 3MF <model>", model.tag_name().name()));
@@ -203,39 +214,52 @@ fn parse(text: &str) -> Result<Vec<Shape>, String> {
     if unit != "millimeter" {
         return Err(format!("the unit is {unit}, must be millimeter"));
     }
-    let objects: Vec<Node> =
-        model.descendants().filter(|n| n.has_tag_name((CORE, "object"))).collect();
-    let mut shapes = Vec::new();
+    let objects = model.descendants().filter(|n| n.has_tag_name((CORE, "object")));
+    let objects = objects.filter_map(|n| Some((n.attribute("id")?, n))).collect();
+    let mut build = Build { objects, shapes: Vec::new(), followed: 0, triangles: 0 };
     for item in model.descendants().filter(|n| n.has_tag_name((CORE, "item"))) {
-        follow(item, &Place::at(Vec3::zeros()), &objects, DEEPEST, &mut shapes)?;
+        build.follow(item, &Place::at(Vec3::zeros()), DEEPEST)?;
     }
-    Ok(shapes)
+    Ok(build.shapes)
 }
 
-/// Collects the shapes of the object that an item or component names.
-fn follow(
-    from: Node,
-    place: &Place,
-    objects: &[Node],
-    depth: usize,
-    shapes: &mut Vec<Shape>,
-) -> Result<(), String> {
-    let id = from.attribute("objectid").ok_or("an item or component without objectid")?;
-    let object = objects.iter().find(|o| o.attribute("id") == Some(id));
-    let object = object.ok_or_else(|| format!("object {id} is missing"))?;
-    let place = place.after(&parse_transform(from.attribute("transform"))?);
-    if let Some(mesh) = object.children().find(|n| n.has_tag_name((CORE, "mesh"))) {
-        let name = object.attribute("name").unwrap_or_default().to_owned();
-        let surface = parse_mesh(mesh).map_err(|message| format!("object {id}: {message}"))?;
-        shapes.push(Shape { name, surface, place });
+/// What has been collected of a model.
+struct Build<'a> {
+    objects: BTreeMap<&'a str, Node<'a, 'a>>,
+    shapes: Vec<Shape>,
+    /// Items and components.
+    followed: usize,
+    /// Of all shapes.
+    triangles: usize,
+}
+
+impl Build<'_> {
+    /// Collects the shapes of the object that an item or component names.
+    fn follow(&mut self, from: Node, place: &Place, depth: usize) -> Result<(), String> {
+        self.followed += 1;
+        if self.followed > MOST_COMPONENTS {
+            return Err(format!("more than {MOST_COMPONENTS} items and components"));
+        }
+        let id = from.attribute("objectid").ok_or("an item or component without objectid")?;
+        let object = *self.objects.get(id).ok_or_else(|| format!("object {id} is missing"))?;
+        let place = place.after(&parse_transform(from.attribute("transform"))?);
+        if let Some(mesh) = object.children().find(|n| n.has_tag_name((CORE, "mesh"))) {
+            let name = object.attribute("name").unwrap_or_default().to_owned();
+            let surface = parse_mesh(mesh).map_err(|message| format!("object {id}: {message}"))?;
+            self.triangles += surface.triangles.len();
+            if self.triangles > MOST_TRIANGLES {
+                return Err(format!("more than {MOST_TRIANGLES} triangles in all components"));
+            }
+            self.shapes.push(Shape { name, surface, place });
+        }
+        if depth == 0 {
+            return Err(format!("object {id}: more than {DEEPEST} compositions within each other"));
+        }
+        for component in object.descendants().filter(|n| n.has_tag_name((CORE, "component"))) {
+            self.follow(component, &place, depth - 1)?;
+        }
+        Ok(())
     }
-    if depth == 0 {
-        return Err(format!("object {id}: more than {DEEPEST} compositions within each other"));
-    }
-    for component in object.descendants().filter(|n| n.has_tag_name((CORE, "component"))) {
-        follow(component, &place, objects, depth - 1, shapes)?;
-    }
-    Ok(())
 }
 
 fn parse_transform(text: Option<&str>) -> Result<Place, String> {
@@ -314,6 +338,28 @@ mod tests {
         write(&path, "c", &shapes[1..]).unwrap();
         let back = read(&path).unwrap();
         assert_eq!((back.len(), &back[0].surface), (1, &shapes[1].surface));
+    }
+
+    #[test]
+    fn small_files_of_large_models_are_refused() {
+        // sixty components of sixty components, seven times; and a text of a gigabyte, packed
+        let mut nested = String::new();
+        for id in 1..8 {
+            let component = format!("<component objectid=\"{}\"/>", id - 1);
+            let all = component.repeat(60);
+            nested += &format!("<object id=\"{id}\"><components>{all}</components></object>");
+        }
+        let empty = format!(
+            "<model xmlns=\"{CORE}\"><resources><object id=\"0\"/>{nested}</resources><build>\
+             <item objectid=\"7\"/></build></model>"
+        );
+        assert!(parse(&empty).unwrap_err().contains("more than 10000 items"));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bomb.3mf");
+        std::fs::write(&path, pack(&" ".repeat(LARGEST as usize + 1)).unwrap()).unwrap();
+        assert!(std::fs::metadata(&path).unwrap().len() < 1 << 20);
+        let message = read(&path).unwrap_err().to_string();
+        assert!(message.contains("bomb.3mf") && message.contains("longer than"), "{message}");
     }
 
     #[test]

@@ -141,7 +141,7 @@ impl PlanReport {
     /// If it cannot be read or is not a plan.
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
-        let text = mesh::io::read_text(&path)?;
+        let text = mesh::io::read_own_text(&path)?;
         serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
     }
 

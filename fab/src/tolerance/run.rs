@@ -1,10 +1,12 @@
 //! The program `solver`, run on a body and read back.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
+use program::Process;
 use serde::Deserialize;
 
 /// How to simulate a body.
@@ -50,11 +52,16 @@ impl Solver {
         };
         let mut command = Command::new(&self.program);
         command.arg("simulate").arg(&self.scene).args(["--mesh", &mesh, "-o"]).arg(folder);
-        let output = command.output().with_context(|| {
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let process = Process::spawn(&mut command).with_context(|| {
             format!("{}: cannot be run; give its place with --solver", self.program.display())
         })?;
-        let said = String::from_utf8_lossy(&output.stderr);
-        ensure!(output.status.success(), "solver simulate ended with {}:\n{said}", output.status);
+        let mut said = Vec::new();
+        if let Some(mut stderr) = process.take_stderr() {
+            stderr.read_to_end(&mut said)?;
+        }
+        let (status, said) = (process.wait()?, String::from_utf8_lossy(&said));
+        ensure!(status.success(), "solver simulate ended with {status}:\n{said}");
         read(&folder.join("report.json"))
     }
 }

@@ -82,7 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             (HandlesConfig::Each(handles as usize), VerticesConfig::default());
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
+    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
+        .map_err(|error| super::in_file(error, &arguments.design))?;
     let theta = vec![0.0; level.variables()];
     level.admit(&level.body.mesh.vertices).context("the starting shape")?;
     let start = level.evaluate(&theta, Start::Rest).map_err(|e| {

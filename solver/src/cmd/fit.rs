@@ -99,12 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// A material of an earlier run must not remain beside a fit that failed.
 fn remove(path: &Path) -> Result<()> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(e).with_context(|| path.display().to_string())
-        }
-        _ => Ok(()),
-    }
+    Ok(mesh::io::remove_output(path)?)
 }
 
 fn read(arguments: &Arguments) -> Result<Vec<Test>> {

@@ -35,7 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (design, scene) = read(&arguments.design, &arguments.mesh)?;
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let settings = design.levels()[0].clone();
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)?;
+    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
+        .map_err(|error| super::in_file(error, &arguments.design))?;
     let theta = vec![0.0; level.variables()];
     let at = level
         .evaluate(&theta, Start::Rest)

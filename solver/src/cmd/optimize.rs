@@ -52,7 +52,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         folder: folder.clone(),
         inputs,
     };
-    let finished = cascade.run()?;
+    let finished = cascade.run().map_err(|error| {
+        // the first error is the one that counts
+        let _ = forget_start(folder);
+        super::in_file(error, &arguments.design)
+    })?;
     write(folder, &scene, &finished)?;
     let report = report(folder, &finished, start)?;
     results::write_json(&folder.join("report.json"), &report)?;
@@ -92,7 +96,7 @@ fn failed(folder: &Path) -> Result<bool> {
     if !path.exists() {
         return Ok(false);
     }
-    let report: Value = serde_json::from_str(&mesh::io::read_text(&path)?)
+    let report: Value = serde_json::from_str(&mesh::io::read_own_text(&path)?)
         .with_context(|| path.display().to_string())?;
     Ok(report["usable"] == json!(false))
 }
@@ -101,6 +105,21 @@ fn failed(folder: &Path) -> Result<bool> {
 fn forget_failure(folder: &Path) -> Result<()> {
     if failed(folder)? {
         remove(folder, &["report.json", failure::STATE])?;
+    }
+    Ok(())
+}
+
+/// Removes what a run without a first evaluation cannot be continued from.
+fn forget_start(folder: &Path) -> Result<()> {
+    if Checkpoint::read(folder)?.is_none_or(|c| c.history > 0) {
+        return Ok(());
+    }
+    remove(folder, &["checkpoint.json", "history.jsonl"])?;
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.starts_with("level-") && name.ends_with(".msh") {
+            remove(folder, &[&name])?;
+        }
     }
     Ok(())
 }
@@ -127,10 +146,7 @@ fn forget(folder: &Path) -> Result<()> {
 
 fn remove(folder: &Path, names: &[&str]) -> Result<()> {
     for name in names {
-        let path = folder.join(name);
-        if path.exists() {
-            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
-        }
+        mesh::io::remove_output(&folder.join(name))?;
     }
     Ok(())
 }
@@ -196,7 +212,7 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
 }
 
 fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
-    let history = mesh::io::read_text(&folder.join("history.jsonl"))?;
+    let history = mesh::io::read_own_text(&folder.join("history.jsonl"))?;
     let lines: Vec<Value> = history.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
     let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);

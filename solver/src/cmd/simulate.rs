@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
 use program::{FolderLock, Unusable};
@@ -16,6 +16,7 @@ use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace, about
 use crate::memory;
 use crate::probe::Probe;
 use crate::report::failure::{self, Diagnosis};
+use crate::report::leap::leap;
 use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
 use crate::report::results;
 use crate::report::writer::{Finished, Writer, write_beside};
@@ -162,7 +163,9 @@ impl Run<'_> {
         let rest = &self.scene.body.mesh.vertices;
         let timed = self.scene.config.time.is_some();
         let count = time_steps.end;
+        let mut leapt = false;
         for n in time_steps {
+            let before = timed.then(|| self.stepper.progress.reached().to_vec());
             let mut steps: Vec<LoadStep> = Vec::new();
             let observe = |step: &LoadStep| {
                 log::info!(
@@ -179,6 +182,13 @@ impl Run<'_> {
             let outcome = self.stepper.advance(self.problem, workspace, rest, end, observe);
             if let (Err(unreached), false) = (&outcome, timed) {
                 return Ok(Some(unreached.clone()));
+            }
+            let leap = before.filter(|_| !leapt).and_then(|before| {
+                leap(&self.scene.body, &before, self.stepper.progress.reached())
+            });
+            if let Some(leap) = leap {
+                log::warn!("{}: time step {}: {leap}", self.scene.path.display(), n + 1);
+                leapt = true;
             }
             let ended = steps.last().is_some_and(|step| step.ends_time_step);
             let reported =
@@ -266,7 +276,7 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
             || (done == 0 && unless_kept.contains(&name))
             || (step && !kept.iter().any(|k| k == name))
         {
-            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
+            mesh::io::remove_output(&path)?;
         }
     }
     Ok(())

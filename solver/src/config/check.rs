@@ -6,6 +6,9 @@ use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 use crate::element::HIGHEST_DEGREE;
 use crate::schedule::{Schedule, is_free_name};
 
+/// Most time steps of a scene or a level.
+pub(super) const MOST_STEPS: usize = 1_000_000;
+
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
 const MOMENTS: usize = 8;
@@ -194,7 +197,11 @@ impl TimeConfig {
                     end > 0.0 && end.is_finite(),
                     "[time]: end = {end} s: must be finite and positive"
                 );
-                ensure!(steps > 0, "[time]: steps = 0: must be positive");
+                ensure!(
+                    (1..=MOST_STEPS).contains(&steps),
+                    "[time]: steps = {steps}: expected 1 to {MOST_STEPS}, as every step has a line \
+                     of the report"
+                );
             }
             (None, None, Some(at)) => {
                 let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();

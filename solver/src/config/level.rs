@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::{Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
+use super::check::MOST_STEPS;
 use crate::body::Names;
 
 /// A level of the cascade, or several where its handles grow.
@@ -190,7 +191,10 @@ impl LevelConfig {
             ensure!(on.contains(tag), "{title}: vertices of \"{tag}\": {}", expected(on));
         }
         if let Some(LevelTime { steps, end }) = self.time {
-            ensure!(steps > 0, "{title}: time: steps = 0: expected 1 or more");
+            ensure!(
+                (1..=MOST_STEPS).contains(&steps),
+                "{title}: time: steps = {steps}: expected 1 to {MOST_STEPS}"
+            );
             ensure!(
                 end.is_none_or(|end| end.is_finite() && end > 0.0),
                 "{title}: time: end = {} s: must be positive",

@@ -4,7 +4,7 @@
 //! nothing of what keeps steps free of contact: a mistake there shows here.
 
 use mesh::predicates::{orient3d, segment_intersects_triangle};
-use mesh::{SurfaceMesh, Vec3, bvh};
+use mesh::{SurfaceMesh, Vec3, crossings};
 
 /// Two triangles that have more in common than their common vertices and edge.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -32,7 +32,7 @@ pub fn certify(
 ) -> Result<(), Intersection> {
     let surface = SurfaceMesh { vertices: x.to_vec(), triangles: triangles.to_vec() };
     let moves = |t: usize| triangles[t].iter().any(|&v| movable(v));
-    let mut found = bvh::self_intersecting_pairs(&surface).into_iter();
+    let mut found = crossings::self_intersecting_pairs(&surface).into_iter();
     match found.find(|&(i, j)| moves(i) || moves(j)) {
         Some((i, j)) => Err(Intersection { triangles: [i, j], place: place(&surface, i, j) }),
         None => Ok(()),

@@ -46,7 +46,7 @@ impl History {
     /// When there are fewer or others, or the file cannot be read or written.
     pub fn truncate(&self, lines: usize, sha256: &str) -> Result<()> {
         let path = &self.path;
-        let text = if path.exists() { mesh::io::read_text(path)? } else { String::new() };
+        let text = if path.exists() { mesh::io::read_own_text(path)? } else { String::new() };
         let found = text.lines().count();
         ensure!(
             found >= lines,

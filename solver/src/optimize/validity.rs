@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use mesh::bvh::self_intersecting_pairs;
+use mesh::crossings::self_intersecting_pairs;
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3, facet_key};
 

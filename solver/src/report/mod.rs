@@ -5,6 +5,7 @@
 pub mod columns;
 pub mod compare;
 pub mod failure;
+pub mod leap;
 pub mod mirror;
 pub mod record;
 pub mod results;

@@ -115,7 +115,7 @@ impl<'a> Recorder<'a> {
         let mut lines = Vec::new();
         if let Some(done) = done {
             let path = folder.join(STEPS);
-            let text = mesh::io::read_text(&path)?;
+            let text = mesh::io::read_own_text(&path)?;
             for line in text.lines().take(done.steps) {
                 let line = serde_json::from_str(line);
                 lines.push(

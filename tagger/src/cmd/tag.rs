@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
 use mesh::{io, measure};
 
@@ -46,7 +46,8 @@ pub fn run(args: &Args) -> Result<()> {
         sources.surface = Some(io::read_surface(&folder.join(surface))?);
     }
     info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
-    let assignment = assign::assign(&config, &facets, sources)?;
+    let assignment = assign::assign(&config, &facets, sources)
+        .with_context(|| args.config.display().to_string())?;
     report(&config, &assignment, &facets);
     super::write_tagged(&args.output, &mesh, &assignment.tags(&config, &facets))
 }

@@ -2,6 +2,7 @@
 
 use super::{Finding, at};
 use crate::SurfaceMesh;
+use crate::measure::diagonal;
 
 pub const NAME: &str = "finite";
 
@@ -18,6 +19,10 @@ pub fn find(surface: &SurfaceMesh) -> Vec<Finding> {
         let place = at(&surface.vertices[v]);
         let count = infinite.len();
         add(count, format!("{count} vertices are not finite, first vertex {v} at {place}"));
+    }
+    let size = diagonal(&surface.vertices);
+    if infinite.is_empty() && !size.powi(3).is_finite() {
+        add(1, format!("the surface is {size:.1e} m across: its volume has no number"));
     }
     let lost = |t: &usize| surface.triangles[*t].iter().any(|&v| v >= n);
     let lost: Vec<usize> = (0..surface.triangles.len()).filter(lost).collect();

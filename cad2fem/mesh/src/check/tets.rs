@@ -1,7 +1,7 @@
 //! Rules for tetrahedral meshes.
 
 use super::{Finding, at};
-use crate::measure::tet_volume;
+use crate::measure::{diagonal, tet_volume};
 use crate::topology::TET_FACETS;
 use crate::{TetMesh, facet_key};
 
@@ -20,6 +20,11 @@ pub fn check_tets(mesh: &TetMesh) -> Vec<Finding> {
 fn finite(mesh: &TetMesh) -> Option<Finding> {
     let bad = |v: &usize| mesh.vertices[*v].iter().any(|x| !x.is_finite());
     let bad: Vec<usize> = (0..mesh.vertices.len()).filter(bad).collect();
+    let size = diagonal(&mesh.vertices);
+    if bad.is_empty() && !size.powi(3).is_finite() {
+        let message = format!("the mesh is {size:.1e} m across: its volume has no number");
+        return Some(Finding { rule: "finite", message, count: 1 });
+    }
     let (&v, count) = (bad.first()?, bad.len());
     let place = at(&mesh.vertices[v]);
     let message = format!("{count} vertices are not finite, first vertex {v} at {place}");

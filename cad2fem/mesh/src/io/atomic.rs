@@ -5,6 +5,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::IoError;
+use super::inputs::{note_written, refuse_input};
+use super::unfinished::{PREFIX, Unfinished, remove_forgotten};
 
 /// Writes a file so that `path` holds either its old content or all of the new:
 /// a temporary file beside it is filled, flushed to the disk and renamed. If
@@ -13,12 +15,13 @@ use super::IoError;
 /// `/dev/stdout` cannot be replaced and are written to directly.
 ///
 /// # Errors
-/// If a directory or file cannot be created, or `fill` or the disk fails.
+/// If `path` was read as an input of this process, a directory or file cannot be created, or `fill` or the disk fails.
 pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
     let fail = |action| move |cause| IoError::system(path, action, cause);
+    refuse_input(path)?;
     if is_device(path) {
         let device = OpenOptions::new().write(true).open(path).map_err(fail("open"))?;
         let mut out = BufWriter::new(device);
@@ -29,17 +32,20 @@ pub fn write_atomic(
         _ => Path::new("."),
     };
     std::fs::create_dir_all(folder).map_err(fail("create its folder"))?;
+    remove_forgotten(folder);
     let mut builder = tempfile::Builder::new();
     // Private by default; a result file gets the usual mode of a new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary =
-        builder.prefix(".incomplete-").tempfile_in(folder).map_err(fail("create a file beside"))?;
+    let make = || builder.prefix(PREFIX).tempfile_in(folder);
+    let (temporary, _unfinished) = Unfinished::new(make, |file| file.path().to_owned())
+        .map_err(fail("create a file beside"))?;
     let mut out = BufWriter::with_capacity(1 << 16, temporary);
     fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"))?;
     let temporary = out.into_inner().map_err(|e| fail("write")(e.into_error()))?;
     temporary.as_file().sync_all().map_err(fail("flush to disk"))?;
     temporary.persist(path).map_err(|e| fail("rename the finished file")(e.error))?;
+    note_written(path);
     Ok(())
 }
 

@@ -6,6 +6,7 @@
 
 mod atomic;
 mod bytes;
+mod inputs;
 pub mod msh;
 pub mod npy;
 mod obj;
@@ -13,15 +14,18 @@ mod ply;
 mod stl;
 mod tags;
 mod text;
+mod unfinished;
 pub mod vtu;
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomic;
+pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, write_tets};
 pub use tags::{read_tags, write_tags};
-pub use text::read_text;
+pub use text::{read_own_text, read_text};
+pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
 
 use crate::SurfaceMesh;
 
@@ -162,12 +166,37 @@ fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
     ))
 }
 
-/// Reads a file.
+/// The largest file that is read as a whole [bytes]; a mesh of 20 million tetrahedra has a quarter.
+const LARGEST: u64 = 4 << 30;
+
+/// Reads an input of the program, which is then never overwritten by it.
 ///
 /// # Errors
-/// If the file cannot be read.
+/// If the file cannot be read or has more than 4 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    std::fs::read(path).map_err(|cause| IoError::system(path, "read", cause))
+    let bytes = read_own_bytes(path)?;
+    inputs::note_read(path);
+    Ok(bytes)
+}
+
+/// Reads a file that the program itself wrote, in an earlier run perhaps, and may write again.
+fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    let fail = |cause| IoError::system(path, "read", cause);
+    let too_large = |size: String| {
+        IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
+    };
+    let file = std::fs::File::open(path).map_err(fail)?;
+    let announced = file.metadata().map_err(fail)?.len();
+    if announced > LARGEST {
+        return Err(too_large(announced.to_string()));
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(announced as usize).map_err(|_| {
+        IoError::content(path, format!("its {announced} bytes do not fit into memory"))
+    })?;
+    // devices and pipes announce nothing
+    let read = file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if read as u64 > LARGEST { Err(too_large(format!("more than {LARGEST}"))) } else { Ok(bytes) }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::{SurfaceMesh, Vec3};
 /// Faces with more than three corners become fans from their first corner.
 pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
     let text = std::str::from_utf8(bytes).map_err(|e| format!("not a text file: {e}"))?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text); // a byte-order mark
     let mut surface = SurfaceMesh::default();
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();

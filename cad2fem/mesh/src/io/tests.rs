@@ -127,6 +127,17 @@ fn bad_content_is_named() {
         ("ply", "ply\n", "header"),
         (
             "ply",
+            "ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\nend_header\n",
+            "\"vertex\", 999999999999 announced, has no properties",
+        ),
+        (
+            "ply",
+            "ply\nformat ascii 1.0\nelement face 99999999\nproperty list uchar int v\n\
+             end_header\n1 0\n",
+            "99999999 of at least 2 bytes announced, the file has 84 bytes",
+        ),
+        (
+            "ply",
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
             "empty",
         ),
@@ -143,6 +154,8 @@ fn polygons_and_relative_indices_are_understood() {
         b"# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\ng s\nf -4/1 2//1 3/1/1 4\n";
     let square = parse(format("obj"), text).expect("a square");
     assert_eq!(square.triangles, [[0, 1, 2], [0, 2, 3]]);
+    let marked = [b"\xef\xbb\xbf", &text[11..]].concat();
+    assert_eq!(parse(format("obj"), &marked), Ok(square.clone()));
     let text = b"ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\n\
         property float y\nproperty double z\nproperty uchar red\nelement face 1\n\
         property list uchar uint vertex_index\nend_header\n\

@@ -14,6 +14,7 @@ use std::path::Path;
 
 use self::source::Source;
 use super::{IoError, Parsed, read_bytes};
+use crate::measure::unlikely_size;
 use crate::{Tags, TetMesh};
 
 pub use write::write_tets;
@@ -47,6 +48,9 @@ pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
     let (file, notes) = parse(&bytes).and_then(assemble::assemble).map_err(fail)?;
     for note in notes {
         log::warn!("{}: {note}", path.display());
+    }
+    if let Some(remark) = unlikely_size(&file.mesh.vertices) {
+        log::warn!("{}: {remark}", path.display());
     }
     Ok(file)
 }

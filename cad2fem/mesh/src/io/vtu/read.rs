@@ -84,9 +84,12 @@ impl<'a> Array<'a> {
 
     fn field(&self, count: usize) -> Parsed<Field> {
         let values = self.floats();
-        if values.len() != count * self.components {
+        if count.checked_mul(self.components) != Some(values.len()) {
             let (label, n, parts) = (&self.label, values.len(), self.components);
             return Err(format!("array {label:?} has {n} values, not {count} × {parts}"));
+        }
+        if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+            return Err(format!("array {:?} is {} at index {i}", self.label, values[i]));
         }
         let (name, unit) = (self.label.clone(), self.unit.clone());
         Ok(Field { name, unit, components: self.components, values })
@@ -100,7 +103,11 @@ fn assemble(arrays: &[Array], points: usize, cells: usize) -> Parsed<Grid> {
             .find(|a| a.group == group && a.label == label)
             .ok_or_else(|| format!("there is no array {label:?} in {group}"))
     };
-    let positions = find("Points", "Points")?.field(points)?.values;
+    let positions = find("Points", "Points")?.field(points)?;
+    if positions.components != 3 {
+        return Err(format!("points have {} components, not 3", positions.components));
+    }
+    let positions = positions.values;
     let types = find("Cells", "types")?.data;
     let cell_type = match types.first() {
         None => CellType::Tet4,
@@ -117,7 +124,7 @@ fn assemble(arrays: &[Array], points: usize, cells: usize) -> Parsed<Grid> {
         .map(|i| usize::try_from(i).ok().filter(|&i| i < points))
         .collect::<Option<_>>()
         .ok_or_else(|| format!("cells refer to points outside 0..{points}"))?;
-    if connectivity.len() != cells * cell_type.nodes() || types.len() != cells {
+    if cells.checked_mul(cell_type.nodes()) != Some(connectivity.len()) || types.len() != cells {
         return Err(format!(
             "{} cell nodes and {} types for {cells} cells of {} nodes",
             connectivity.len(),

@@ -73,6 +73,24 @@ fn a_truncated_file_is_an_error_wherever_its_data_end() {
 }
 
 #[test]
+fn counts_and_numbers_that_cannot_be_are_refused() {
+    let (_folder, path) = written(&grid(CellType::Tet4));
+    let bytes = std::fs::read(&path).expect("readable");
+    let replaced = |from: &[u8], to: &[u8]| {
+        let at = bytes.windows(from.len()).position(|w| w == from).expect("it is there");
+        [&bytes[..at], to, &bytes[at + from.len()..]].concat()
+    };
+    // 2^61 + 1 times 8 components is 8 in 64 bits
+    let many = replaced(b"NumberOfPoints=\"", b"NumberOfPoints=\"2305843009213693953\" x=\"");
+    let flat = replaced(b"Name=\"Points\" NumberOfComponents=\"3\"", b"Name=\"Points\"");
+    let first = grid(CellType::Tet4).points[1].x;
+    let nan = replaced(&first.to_le_bytes(), &f64::NAN.to_le_bytes());
+    for damaged in [many, flat, nan] {
+        assert!(read::parse(&damaged).is_err());
+    }
+}
+
+#[test]
 fn what_does_not_fit_is_not_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("a.vtu");

@@ -1,0 +1,73 @@
+//! Programs that ours runs, and that end with it.
+
+use std::io;
+use std::process::{Child, ChildStderr, Command, ExitStatus};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+/// A program that runs until it ends, is killed, or ours is interrupted.
+pub struct Process(Arc<Mutex<Child>>);
+
+static RUNNING: Mutex<Vec<Weak<Mutex<Child>>>> = Mutex::new(Vec::new());
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Process {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// When it cannot be run.
+    pub fn spawn(command: &mut Command) -> io::Result<Self> {
+        let mut running = lock(&RUNNING); // an interruption waits until it is known
+        let child = Arc::new(Mutex::new(command.spawn()?));
+        running.retain(|other| other.strong_count() > 0);
+        running.push(Arc::downgrade(&child));
+        Ok(Self(child))
+    }
+
+    /// Its standard error, if that is a pipe; once.
+    #[must_use]
+    pub fn take_stderr(&self) -> Option<ChildStderr> {
+        lock(&self.0).stderr.take()
+    }
+
+    /// How it ended, if it has.
+    ///
+    /// # Errors
+    /// When the system does not say.
+    pub fn try_wait(&self) -> io::Result<Option<ExitStatus>> {
+        lock(&self.0).try_wait()
+    }
+
+    /// Waits for its end.
+    ///
+    /// # Errors
+    /// When the system does not say how it ended.
+    pub fn wait(&self) -> io::Result<ExitStatus> {
+        lock(&self.0).wait()
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// When it cannot be ended.
+    pub fn kill(&self) -> io::Result<()> {
+        let mut child = lock(&self.0);
+        child.kill()?;
+        child.wait().map(drop)
+    }
+}
+
+/// Ends all that run. While the result is held none is started.
+pub fn kill_all() -> impl Sized {
+    let running = lock(&RUNNING);
+    for child in running.iter().filter_map(Weak::upgrade) {
+        // a child that is gone already is as good; one that is waited for is about to be gone
+        if let Ok(mut child) = child.try_lock() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+    running
+}
