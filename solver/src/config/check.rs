@@ -59,6 +59,9 @@ impl SimConfig {
             }
         }
         self.check_probes()?;
+        if let Some(uncertainty) = &self.uncertainty {
+            uncertainty.check(self).context("[uncertainty]")?;
+        }
         self.check_chambers()
     }
 
