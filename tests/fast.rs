@@ -9,6 +9,8 @@ mod compare;
 mod contact_failures;
 #[path = "fast/energies.rs"]
 mod energies;
+#[path = "fast/error_bars.rs"]
+mod error_bars;
 #[path = "fast/failures.rs"]
 mod failures;
 #[path = "fast/import.rs"]

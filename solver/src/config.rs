@@ -10,6 +10,7 @@ mod objective;
 mod probe;
 mod superseded;
 mod symmetry;
+mod uncertainty;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,7 @@ use crate::schedule::{Field, axes};
 use crate::silicone;
 pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
+pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
@@ -78,6 +80,9 @@ pub struct SimConfig {
     /// Numbers that are measured at every reported step.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probe: Vec<ProbeConfig>,
+    /// How far numbers may be off: reports have error bars of the probes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyConfig>,
     /// Numbers that expressions may name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,

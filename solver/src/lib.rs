@@ -25,6 +25,7 @@ pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod design; // design variables to rest shape and loads, with transposed derivative
+pub mod uncertainty; // what probes change by if numbers are off
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod validation; // simulations beside measurements
 pub mod polyfem; // scenes of PolyFEM to scenes of ours

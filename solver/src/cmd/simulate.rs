@@ -12,7 +12,9 @@ use program::{FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
-use crate::forward::{LoadStep, Problem, TimeStepper, Unreached, Workspace, about, predicted_time};
+use crate::forward::{
+    LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
+};
 use crate::memory;
 use crate::probe::Probe;
 use crate::report::failure::{self, Diagnosis};
@@ -22,6 +24,7 @@ use crate::report::results;
 use crate::report::writer::{Finished, Writer, write_beside};
 use crate::scene::Scene;
 use crate::stretch::Stretches;
+use crate::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
 ///
@@ -98,7 +101,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, &workspace, arguments)?;
-    let mut run = Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper };
+    let states = all_states(&scene, &stepper, done);
+    let mut run =
+        Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper, states };
     let checkpoint = |run: &Run, steps: usize| Checkpoint {
         inputs: inputs.clone(),
         steps,
@@ -135,12 +140,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let grid = results::grid_with_forces(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     run.fill(&mut report, &end, &recorder)?;
+    run.add_error_bars(&mut report);
     report["equilibrium_s"] = json!(equilibrium_s);
     report["timings"]["predicted_s"] = json!(predicted_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)
 }
+
+/// Memory for all states, where error bars need them; others lie on disk [B].
+const STATE_MEMORY: f64 = 4e9;
 
 /// A run of a scene.
 struct Run<'a> {
@@ -149,6 +158,8 @@ struct Run<'a> {
     probes: &'a [Probe],
     workspace: Workspace,
     stepper: TimeStepper,
+    /// All states, where error bars need them.
+    states: Option<Trajectory>,
 }
 
 impl Run<'_> {
@@ -190,6 +201,9 @@ impl Run<'_> {
                 log::warn!("{}: time step {}: {leap}", self.scene.path.display(), n + 1);
                 leapt = true;
             }
+            if let (Some(states), Ok(_)) = (&mut self.states, &outcome) {
+                states.push(end, self.stepper.progress.integrator.last().clone());
+            }
             let ended = steps.last().is_some_and(|step| step.ends_time_step);
             let reported =
                 if timed { steps.len() - usize::from(ended)..steps.len() } else { 0..steps.len() };
@@ -203,6 +217,22 @@ impl Run<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Error bars of the probes, into the report and in words.
+    fn add_error_bars(&mut self, report: &mut Value) {
+        let (Some(config), Some(states)) = (&self.scene.config.uncertainty, &self.states) else {
+            return;
+        };
+        let solver = (self.problem, &mut self.workspace);
+        match uncertainty::error_bars(self.scene, config, solver, self.probes, states) {
+            Ok(bars) => {
+                log::info!("error bars, to first order:");
+                uncertainty::in_words(&bars).iter().for_each(|line| log::info!("{line}"));
+                report["error_bars"] = json!(bars);
+            }
+            Err(why) => log::warn!("no error bars: {why:#}"),
+        }
     }
 
     /// Reports the state at the end.
@@ -235,6 +265,16 @@ impl Run<'_> {
         report["timings"] = json!(self.workspace.timings);
         Ok(())
     }
+}
+
+/// Where to keep all states of a run of which error bars are wanted.
+fn all_states(scene: &Scene, stepper: &TimeStepper, done: usize) -> Option<Trajectory> {
+    scene.config.uncertainty.as_ref()?;
+    if done > 0 {
+        log::warn!("no error bars: they need all states, and this run continues; see --restart");
+        return None;
+    }
+    Some(Trajectory::begin(&stepper.progress.integrator, STATE_MEMORY))
 }
 
 /// Time steps that are to be made, of which a static scene has one.

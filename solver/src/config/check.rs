@@ -63,6 +63,9 @@ impl SimConfig {
         }
         self.check_symmetry()?;
         self.check_probes()?;
+        if let Some(uncertainty) = &self.uncertainty {
+            uncertainty.check(self).context("[uncertainty]")?;
+        }
         self.check_chambers()
     }
 

@@ -1,0 +1,242 @@
+//! Error bars: what probes change by if numbers of the scene are off.
+//!
+//! To first order, δq = (∂q/∂p) δp for each number p on its own. One sweep of the adjoint per
+//! probe q gives its derivatives by all p, for the run as it is:
+//!
+//! modulus    all parameters of all laws that are stresses, by one factor      [1]
+//! wall       the boundary, or the part with a tag, outward by a distance      [m]
+//! pressure   pressure or fill of all chambers, or of one, by a difference     [Pa]
+//! density    of all bodies, by one factor                                     [1]
+//! friction   its coefficient, by a factor                                     [1]
+//!
+//! The bars of the numbers that a scene states, taken as independent, together make √Σ δq².
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, anyhow};
+use mesh::Vec3;
+use serde::Serialize;
+
+use crate::adjoint::{self, Gradient};
+use crate::config::{Modulus, UncertaintyConfig, is_pressure};
+use crate::design::{Extension, shifts};
+use crate::energy::{Iterate, ParameterId};
+use crate::forward::{Problem, Trajectory, Workspace, solve_multipliers};
+use crate::objective::Equilibrium;
+use crate::probe::Probe;
+use crate::scene::Scene;
+
+/// What a probe changes by.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorBars {
+    /// As the probe is.
+    pub value: f64,
+    /// Of the value and of all changes.
+    pub unit: &'static str,
+    /// Root of the sum of squares of the bars that are not part of another.
+    pub together: f64,
+    /// One by one.
+    pub bars: Vec<ErrorBar>,
+}
+
+/// What one number does to a probe.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorBar {
+    /// `modulus`, `wall`, `pressure`, `density` or `friction`.
+    pub of: &'static str,
+    /// Tag of the wall or of the chamber, where it is of that alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Unit of the number.
+    pub per: &'static str,
+    /// ∂q/∂p.
+    pub derivative: f64,
+    /// How far the number is off, downward and upward.
+    pub off: [f64; 2],
+    /// What the probe changes by at these, to first order.
+    pub change: [f64; 2],
+}
+
+impl ErrorBar {
+    fn new(of: &'static str, per: &'static str, derivative: f64, off: [f64; 2]) -> Self {
+        Self { of, on: None, per, derivative, off, change: off.map(|off| derivative * off) }
+    }
+
+    /// The larger of the two changes, without sign.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.change[0].abs().max(self.change[1].abs())
+    }
+}
+
+/// Moves of the rest vertices per distance: of the whole boundary, then tag by tag.
+struct Walls {
+    extension: Extension,
+    shifts: Vec<(Option<String>, BTreeMap<usize, Vec3>)>,
+}
+
+impl Walls {
+    fn new(scene: &Scene) -> Result<Self> {
+        let (body, x) = (&scene.body, &scene.body.mesh.vertices);
+        let extension = Extension::new(body)
+            .map_err(|_| anyhow!("[uncertainty] wall: an element of the mesh is too flat"))?;
+        let mut walls = vec![(None, shifts(x, body.boundary()))];
+        for tag in body.used_tags() {
+            walls.push((Some(tag.clone()), shifts(x, &body.facets(tag)?)));
+        }
+        Ok(Self { extension, shifts: walls })
+    }
+
+    /// The derivative by each, from that by the rest vertices.
+    fn derivatives(&self, by_rest: &[f64]) -> Vec<(Option<String>, f64)> {
+        let mut bar: Vec<Vec3> = by_rest.chunks_exact(3).map(Vec3::from_column_slice).collect();
+        self.extension.pull_back(&mut bar);
+        let along = |moves: &BTreeMap<usize, Vec3>| moves.iter().map(|(&v, d)| bar[v].dot(d)).sum();
+        self.shifts.iter().map(|(tag, moves)| (tag.clone(), along(moves))).collect()
+    }
+}
+
+/// Error bars of all probes at the end of a run, by their names.
+///
+/// # Errors
+/// When the adjoint system has no accurate solution.
+pub fn error_bars(
+    scene: &Scene,
+    config: &UncertaintyConfig,
+    (problem, workspace): (&Problem, &mut Workspace),
+    probes: &[Probe],
+    run: &Trajectory,
+) -> Result<BTreeMap<String, ErrorBars>> {
+    let walls = config.wall.map(|off| Ok::<_, anyhow::Error>((Walls::new(scene)?, off)));
+    let walls = walls.transpose()?;
+    let (rest, last) = (&scene.body.mesh.vertices[..], run.steps());
+    let (state, step) = (run.state(last), run.step(problem, rest, last));
+    let at = problem.iterate(rest, &state.u, run.times[last]);
+    let at = Iterate { step: Some(&step), ..at };
+    let multipliers = solve_multipliers(problem, workspace, &at);
+    let at = Iterate { multipliers: &multipliers, ..at };
+    let contact = problem.energies.contact_forces(&at);
+    let reaction = problem.gradient(&at).0;
+    let linearization = workspace.linearize(problem, &at);
+    let (space, u, load) = (at.space, at.u, at.load);
+    let here = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
+    let mut found = BTreeMap::new();
+    for probe in probes {
+        let q = &probe.quantity;
+        let partials = |_: &_, n: usize, out: &mut adjoint::Partials| {
+            if n == last {
+                q.add_du(&here, 1.0, &mut out.by_u);
+                q.add_dcontact(&here, 1.0, &mut out.by_contact);
+                q.add_dreaction(&here, 1.0, &mut out.by_reaction);
+            }
+        };
+        let on = (rest, run);
+        let mut swept = adjoint::sweep(problem, workspace, on, Some(&linearization), partials)
+            .map_err(|e| anyhow!("error bars of the probe \"{}\": {e}", probe.name))?;
+        q.add_drest(&here, 1.0, &mut swept.rest);
+        let mut bars = numbers(scene, config, problem, &swept);
+        if let Some((walls, off)) = &walls {
+            let bar = |(on, derivative)| ErrorBar {
+                on,
+                ..ErrorBar::new("wall", "m", derivative, [-off, *off])
+            };
+            bars.extend(walls.derivatives(&swept.rest).into_iter().map(bar));
+        }
+        let whole = bars.iter().filter(|bar| bar.on.is_none());
+        let together = whole.map(|bar| bar.size().powi(2)).sum::<f64>().sqrt();
+        let (value, unit) = (q.value(&here), probe.kind.unit);
+        found.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
+    }
+    Ok(found)
+}
+
+/// Those of the numbers that are no positions.
+fn numbers(
+    scene: &Scene,
+    config: &UncertaintyConfig,
+    problem: &Problem,
+    swept: &Gradient,
+) -> Vec<ErrorBar> {
+    let parts = 0..scene.parts.len();
+    let total = |id| swept.parameters.total(id);
+    let both = |off: f64| [-off, off];
+    let mut bars = Vec::new();
+    if let Some(modulus) = &config.modulus {
+        let by_stresses = |part: usize| -> f64 {
+            let material = &scene.parts[part].material;
+            let by = total(ParameterId::Material(part));
+            let pairs =
+                material.law.named(&material.values).into_iter().zip(material.law.named(&by));
+            let stresses = pairs.filter(|((parameter, _), _)| parameter.unit == "Pa");
+            stresses.flat_map(|((_, p), (_, by))| p.into_iter().zip(by)).map(|(p, by)| p * by).sum()
+        };
+        let off = match modulus {
+            Modulus::Part(part) => both(*part),
+            Modulus::Sources(_) => range_of_sources(scene),
+        };
+        bars.push(ErrorBar::new("modulus", "1", parts.clone().map(by_stresses).sum(), off));
+    }
+    if let Some(off) = config.pressure {
+        let chambers =
+            problem.energies.chambers().filter(|(_, c)| is_pressure(c.chamber.gas.key()));
+        let steps = 0..swept.parameters.steps();
+        let by = |id| steps.clone().map(|step| swept.parameters.chamber(step, id)).sum::<f64>();
+        let each: Vec<(String, f64)> = chambers.map(|(id, c)| (c.name.clone(), by(id))).collect();
+        let all = each.iter().map(|(_, by)| by).sum();
+        bars.push(ErrorBar::new("pressure", "Pa", all, both(off)));
+        let several = each.len() > 1;
+        let bar =
+            |(on, by)| ErrorBar { on: Some(on), ..ErrorBar::new("pressure", "Pa", by, both(off)) };
+        bars.extend(each.into_iter().filter(|_| several).map(bar));
+    }
+    if let Some(off) = config.density {
+        let by = |part: usize| -> f64 {
+            let density = scene.parts[part].material.density.unwrap_or(0.0);
+            total(ParameterId::Density(part)).iter().map(|by| by * density).sum()
+        };
+        bars.push(ErrorBar::new("density", "1", parts.map(by).sum(), both(off)));
+    }
+    if let (Some(off), Some(contact)) = (config.friction, &scene.config.contact) {
+        let by: f64 = total(ParameterId::Friction).iter().sum();
+        bars.push(ErrorBar::new("friction", "1", by * contact.friction, both(off)));
+    }
+    bars
+}
+
+/// From the least to the largest shear modulus of all sources, over that of the scene, less 1;
+/// the widest of several silicones.
+fn range_of_sources(scene: &Scene) -> [f64; 2] {
+    let mut off = [0.0_f64; 2];
+    for named in scene.parts.iter().filter_map(|part| part.config.material.silicone()) {
+        let [low, high] = named.silicone.entry.shear_moduli();
+        let own = named.fit.entry.shear_modulus;
+        off = [off[0].min(low / own - 1.0), off[1].max(high / own - 1.0)];
+    }
+    off
+}
+
+/// The bars in lines of text, the largest first, for each probe.
+#[must_use]
+pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (name, ErrorBars { value, unit, together, bars }) in bars {
+        lines.push(format!("{name} {value:.3e} {unit}, together ± {together:.1e} {unit}"));
+        let mut sorted: Vec<&ErrorBar> = bars.iter().collect();
+        sorted.sort_by(|a, b| b.size().total_cmp(&a.size()));
+        for bar in sorted {
+            let on = bar.on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
+            let (factor, shown) = match bar.per {
+                "1" => (100.0, "%"),
+                "m" => (1e3, "mm"),
+                other => (1.0, other),
+            };
+            let [low, high] = bar.off.map(|off| factor * off);
+            let [down, up] = bar.change;
+            let of = bar.of;
+            lines.push(format!(
+                "  {of}{on} {low:+.2}, {high:+.2} {shown}: {down:+.1e}, {up:+.1e} {unit}"
+            ));
+        }
+    }
+    lines
+}
