@@ -151,7 +151,7 @@ fn bars_are_derivatives_times_what_the_numbers_are_off() {
         assert!(
             (number(&found["value"]) / number(&report["probes"][name]["value"]) - 1.0).abs() < 1e-9
         );
-        let mut sum = 0.0;
+        let mut sum = 0.0_f64;
         for bar in found["bars"].as_array().unwrap() {
             let change = number(&bar["derivative"]) * number(&bar["off"][1]);
             assert!((change - number(&bar["change"][1])).abs() <= 1e-12 * change.abs());
