@@ -59,7 +59,7 @@ impl<'a> Images<'a> {
     /// A triangle in one of the copies, oriented out of the solid.
     pub fn mirror(&mut self, triangle: [usize; 3], copy: usize) -> [usize; 3] {
         let [a, b, c] = triangle.map(|v| self.image(v, copy));
-        if copy.count_ones() % 2 == 0 { [a, b, c] } else { [b, a, c] }
+        if copy.count_ones().is_multiple_of(2) { [a, b, c] } else { [b, a, c] }
     }
 
     fn image(&mut self, of: usize, copy: usize) -> usize {

@@ -58,11 +58,10 @@ fn a_part_has_its_share_of_the_energy_and_the_forces() {
         let own = half.rest.len();
         let mut all = Scene::new(1, &[mesh], Vec::new(), barrier(form, 0.15), |_| true);
         all.u[..3 * own].copy_from_slice(&half.u);
-        let mut image = own;
-        for v in (0..own).filter(|&v| half.rest[v].x != 0.0) {
+        let with_image = (0..own).filter(|&v| half.rest[v].x != 0.0);
+        for (image, v) in (own..).zip(with_image) {
             let u = at(&half.u, v);
             all.u[3 * image..3 * image + 3].copy_from_slice(&[-u.x, u.y, u.z]);
-            image += 1;
         }
         let (energy, expected) = (half.contact.value(&half.here()), all.contact.value(&all.here()));
         assert!((2.0 * energy / expected - 1.0).abs() < 1e-12, "{form:?} {energy} {expected}");
