@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use solver::validation::{Comparison, Config};
+use solver::validation::{Comparison, Config, Point};
 use tests::workdir::repository;
 
 use crate::make;
@@ -30,15 +30,20 @@ fn the_beam_droops_as_measured() {
     }
 }
 
+/// Height up to which the membrane is simulated [mm]: beyond it folds at the clamp.
+const REACHED: f64 = 55.0;
 /// Largest difference of the membrane from theory: README.md of the pipeline gives the reasons.
 const THEORY: f64 = 0.03;
 
 #[test]
 #[ignore = "simulates a membrane for minutes: runs in make test-all"]
 fn the_membrane_follows_membrane_theory() {
-    for (row, force) in after("membrane").iter().zip([14.715, 39.24]) {
-        let mut found = (row.simulated[0].unwrap(), 1.5 + 0.047 * (force - 14.715));
-        for (point, simulated) in row.measured.iter().zip(&row.simulated) {
+    let rows = after("membrane");
+    assert_eq!(rows.len(), 1);
+    for row in rows {
+        let (force, mut found) = (14.715, (row.simulated[0].unwrap(), 1.5));
+        let reached = |&(point, _): &(&Point, _)| point.x <= REACHED;
+        for (point, simulated) in row.measured.iter().zip(&row.simulated).filter(reached) {
             found = equilibrium(force, 1e-3 * point.x, found);
             let error = simulated.unwrap() / found.0 - 1.0;
             eprintln!("{}: {} mm: theory {:.0} Pa, {error:+.4}", row.row, point.x, found.0);

@@ -31,16 +31,19 @@ pub fn self_intersecting_pairs(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
 pub fn some_self_intersecting_pairs(surface: &SurfaceMesh, most: usize) -> Vec<(usize, usize)> {
     let edges = Edges::new(surface);
     let mut pairs = edges.folded(surface, most);
+    pairs.par_sort_unstable();
+    pairs.dedup();
     let trees = Trees::new(surface);
     let (mut begin, mut batch) = (0, FIRST_BATCH);
     while begin < edges.starts.len() && pairs.len() < most {
         let end = (begin + batch).min(edges.starts.len());
         let found = (begin..end).into_par_iter();
         pairs.par_extend(found.flat_map_iter(|e| edges.pairs_at(e, surface, &trees)));
+        // several edges find the same pair
+        pairs.par_sort_unstable();
+        pairs.dedup();
         (begin, batch) = (end, 2 * batch);
     }
-    pairs.par_sort_unstable();
-    pairs.dedup();
     pairs
 }
 

@@ -1,6 +1,7 @@
 //! `solver validate`: simulations beside measurements.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -31,7 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| arguments.output.display().to_string())?;
     let table = table(&found)?;
-    println!("{table}");
+    writeln!(std::io::stdout().lock(), "{table}")?;
     let path = arguments.output.join("errors.md");
     mesh::io::write_atomic(&path, |out| out.write_all(table.as_bytes()))?;
     let report = json!({ "program": concat!("solver ", env!("CARGO_PKG_VERSION")), "rows": found });
