@@ -109,12 +109,13 @@ fn taylor(time: &str) {
     let mut measured = 0;
     for (i, bar) in bars.iter().enumerate() {
         let (of, on) = (bar["of"].as_str().unwrap(), bar["on"].as_str());
-        let step = bar["off"][1].as_f64().unwrap();
-        let runs = [1.0, 0.5].map(|part| simulate(&changed(&path, of, on, part * step)));
+        let off = bar["off"][1].as_f64().unwrap();
+        let steps = [off / 8.0, off / 16.0];
+        let runs = steps.map(|by| simulate(&changed(&path, of, on, by)));
         for (probe, value) in &nominal {
             let derivative = found[probe]["bars"][i]["derivative"].as_f64().unwrap();
-            let [whole, half] = [(&runs[0], step), (&runs[1], 0.5 * step)]
-                .map(|(run, by)| (run[probe] - value - by * derivative).abs());
+            let [whole, half] =
+                [0, 1].map(|i| (runs[i][probe] - value - steps[i] * derivative).abs());
             let slope = (whole / half).log2();
             // what is within rounding has no slope, such as a force that is linear in the number
             let rounding = 1e-10 * value.abs();
@@ -122,7 +123,7 @@ fn taylor(time: &str) {
             assert!(
                 (slope - 2.0).abs() < 0.1 || whole < rounding,
                 "{probe} by {of} {on:?}: slope {slope:.3}, remainders {whole:e} and {half:e} of {:e}",
-                step * derivative
+                steps[0] * derivative
             );
         }
     }

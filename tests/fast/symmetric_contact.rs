@@ -81,7 +81,6 @@ fn parts_fall_as_the_whole() {
     for floor in ["triangle", "half"] {
         let half = simulate(&dir, floor, &scene("half", floor, CUTS[0]));
         let off = difference(&nodes(&dir, floor), &nodes(&dir, "whole"));
-        println!("{floor}: displacement {off:.1e}, force {} of {}", force(&half), force(&whole));
         if floor == "triangle" {
             assert!(off < SAME, "{off}");
             assert!((2.0 * force(&half) / force(&whole) - 1.0).abs() < 1e-8);
@@ -146,7 +145,6 @@ fn an_arm_stops_at_its_mirror_image() {
     assert!(x >= level, "{x}");
     let pushed = report["steps"][3]["collisions"]["contact"][0]["force"][0].as_f64().unwrap();
     let sum = |kind: &str| report["force_balance"][kind][0].as_f64().unwrap();
-    println!("its image pushes with {pushed} N, traction with {} N", sum("traction"));
     assert!(pushed > 0.1 * sum("traction").abs());
     assert!((pushed - sum("contact")).abs() < 1e-9 * pushed);
     assert!(report["force_balance"]["out_of_balance"].as_f64().unwrap() < 1e-8 * pushed);

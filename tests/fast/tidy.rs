@@ -175,22 +175,31 @@ fn stages_meet_only_in_files() {
     for (package, allowed) in stages.iter().map(|s| (*s, &shared[..])).chain(below) {
         let path = repository().join(package).join("Cargo.toml");
         let manifest: toml::Table = fs::read_to_string(&path).unwrap().parse().unwrap();
-        let mut names = BTreeSet::new();
-        for (section, table) in &manifest {
-            assert!(section != "target", "{package}: look into [target] tables, too");
-            if section.ends_with("dependencies") {
-                for (key, value) in table.as_table().unwrap() {
-                    let renamed = value.get("package").and_then(|v| v.as_str());
-                    names.insert(renamed.unwrap_or(key).to_owned());
-                }
-            }
-        }
+        let names = dependencies(&manifest);
         assert!(names.contains("serde") || names.contains("clap"), "{package}: {names:?}");
         for ours in stages.iter().chain(&shared).chain(&["tests"]) {
             let uses = names.contains(*ours);
             assert!(!uses || allowed.contains(ours), "{package} depends on {ours}");
         }
     }
+}
+
+/// Names of all packages in the tables of dependencies, those of single systems among them.
+fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for (section, table) in manifest {
+        let Some(table) = table.as_table() else { continue };
+        if section == "target" {
+            names
+                .extend(table.values().flat_map(|system| dependencies(system.as_table().unwrap())));
+        } else if section.ends_with("dependencies") {
+            for (key, value) in table {
+                let renamed = value.get("package").and_then(|v| v.as_str());
+                names.insert(renamed.unwrap_or(key).to_owned());
+            }
+        }
+    }
+    names
 }
 
 #[test]

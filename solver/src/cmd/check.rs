@@ -85,7 +85,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
         .map_err(|error| super::in_file(error, &arguments.design))?;
     let theta = vec![0.0; level.variables()];
-    level.admit(&level.body.mesh.vertices).context("the starting shape")?;
+    level
+        .admit(&level.body.mesh.vertices)
+        .context("the starting shape")
+        .map_err(|error| super::in_file(error, &arguments.design))?;
     let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;

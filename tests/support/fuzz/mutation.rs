@@ -51,7 +51,7 @@ pub fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
             2 => bytes.truncate(pick(bytes.len() + 1)),
             3 => drop(bytes.drain(range(bytes.len(), &mut pick))),
             4 => insert(&mut bytes, other, &mut pick),
-            5 | 6 | 7 => replace_word(&mut bytes, other, &mut pick),
+            5..=7 => replace_word(&mut bytes, other, &mut pick),
             8 => repeat_line(&mut bytes, &mut pick),
             _ => remove_line(&mut bytes, &mut pick),
         }
