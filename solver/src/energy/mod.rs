@@ -115,7 +115,8 @@ pub enum Hessian {
     /// The second derivative.
     Exact,
     /// With the elastic tangent of each quadrature point, and the second
-    /// derivative of each contact, made positive semidefinite.
+    /// derivative of each contact, made positive semidefinite, and without that of the
+    /// volume of chambers: positive semidefinite, but for rounding.
     Projected,
 }
 

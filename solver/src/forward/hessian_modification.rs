@@ -1,15 +1,18 @@
 //! Hessian modification: descent directions −H̃⁻¹g of Newton's method. H̃ is the exact
 //! Hessian if it is positive definite, which conjugate gradients decide where a few pivots
-//! in single precision are not positive; where that gives none, elastic tangents and contacts are projected to be
-//! positive semidefinite, and where that is not enough, a multiple of the identity is
-//! added (a shift).
+//! in single precision are not positive. Where it is not, H̃ is made of parts that are
+//! positive semidefinite: elastic tangents and contacts are projected, and the stiffness of
+//! pressures on turning walls is left out. Where rounding makes even that indefinite, a
+//! multiple of the identity is added (a shift).
 //!
 //! What was measured (beam P2 at 50 kPa, gripper P1 at 60 kPa, frog P2 at 55 kPa,
-//! from rest; Newton iterations / factorisations): points projected 13/9, 35/32,
-//! 22/15; whole elements projected 15/10, 37/33, 22/15; projected and shifted at
-//! once 15/8, 36/33; the exact Hessian shifted 16/10, 43/63; staying on the
-//! projected Hessian for five more iterations 22/17 on the beam. No run left the last
-//! modification without a step, so there is no gradient descent below it.
+//! from rest; Newton iterations / factorisations), with the stiffness of pressures kept:
+//! points projected 13/9, 35/32, 22/15; whole elements projected 15/10, 37/33, 22/15;
+//! projected and shifted at once 15/8, 36/33; the exact Hessian shifted 16/10, 43/63. No
+//! run left the last modification without a step, so there is no gradient descent below it.
+//! Without that stiffness no shift is needed (frog 15/14 before, 13/13 then). Tried in
+//! vain: principal submatrices of the exact Hessian on each element, in double precision;
+//! the worm's Hessian is indefinite six times, and on no element.
 
 use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
@@ -25,7 +28,8 @@ pub enum Modification {
     Near,
     /// The exact Hessian, factored.
     Exact,
-    /// Projected elastic tangents.
+    /// Elastic tangents and contacts projected, by conjugate gradients with an earlier
+    /// factor or factored.
     Projected,
     /// The same with a multiple of the identity added.
     Shifted,
@@ -85,6 +89,12 @@ fn projected(
     forcing: f64,
 ) -> Option<(Modification, Vec<f64>)> {
     let matrix = workspace.hessian(problem, at, Hessian::Projected);
+    if from < Modification::Shifted
+        && let Some(direction) = near(workspace, &matrix, &force, forcing).solved()
+    {
+        workspace.recycle(matrix);
+        return Some((Modification::Projected, direction));
+    }
     if from < Modification::Shifted && factor(workspace, matrix.clone()) {
         return Some((Modification::Projected, solve(workspace, force, forcing)));
     }
@@ -102,10 +112,7 @@ fn exact(
 ) -> Option<(Modification, Vec<f64>)> {
     let hessian = workspace.hessian(problem, at, Hessian::Exact);
     if from == Modification::Near {
-        let clock = Clock::start();
-        let near = workspace.linear().solve_near(&hessian, force, forcing);
-        workspace.timings.solve += clock.elapsed();
-        match near {
+        match near(workspace, &hessian, force, forcing) {
             Outcome::Solved(direction) => {
                 workspace.recycle(hessian);
                 return Some((Modification::Near, direction));
@@ -132,6 +139,14 @@ fn exact(
             Some((Modification::Exact, direction))
         }
     }
+}
+
+/// Conjugate gradients with an earlier factor.
+fn near(workspace: &mut Workspace, matrix: &Symmetric, force: &[f64], forcing: f64) -> Outcome {
+    let clock = Clock::start();
+    let outcome = workspace.linear().solve_near(matrix, force, forcing);
+    workspace.timings.solve += clock.elapsed();
+    outcome
 }
 
 /// Factors a Hessian, of which a few pivots need not be positive, and solves with it.
