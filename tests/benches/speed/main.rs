@@ -9,6 +9,7 @@
 mod cases;
 mod contact;
 mod dense;
+mod finger;
 mod history;
 mod kernels;
 mod motion;
@@ -105,9 +106,9 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     if !now.solves.is_empty() {
         text += &format!("\n{}", solves::parts(&now.solves));
     }
-    let timings = now.solves.iter().map(|s| (&s.body[..], &s.timings));
-    let timings: Vec<_> =
-        timings.chain(moving.iter().map(|(row, timings)| (&row.body[..], timings))).collect();
+    let timings = now.solves.iter().map(|s| (s.body.clone(), &s.timings));
+    let steps = moving.iter().map(|(row, timings)| (format!("{} {}", row.what, row.body), timings));
+    let timings: Vec<_> = timings.chain(steps).collect();
     if !timings.is_empty() {
         text += &format!("\n{}", solves::busy_cores(timings.into_iter()));
     }

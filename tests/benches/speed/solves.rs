@@ -179,7 +179,7 @@ pub fn parts(solves: &[Solve]) -> String {
 
 /// The cores that were busy in the tasks of some runs, by name, with their share of the
 /// time; tasks below 3 % are left out.
-pub fn busy_cores<'a>(runs: impl Iterator<Item = (&'a str, &'a Timings)>) -> String {
+pub fn busy_cores<'a>(runs: impl Iterator<Item = (String, &'a Timings)>) -> String {
     let mut text = String::from("cores busy (share of the time)\n");
     for (name, timings) in runs {
         let total = timings.total();
