@@ -63,7 +63,7 @@ fn rod() -> SurfaceMesh {
     let [x, z, radius] = ROD;
     let point = |i: usize| {
         let angle = std::f64::consts::TAU * (i / 2) as f64 / ROUND as f64;
-        let y = if i % 2 == 0 { -0.01 } else { 0.03 };
+        let y = if i.is_multiple_of(2) { -0.01 } else { 0.03 };
         Vec3::new(x + radius * angle.cos(), y, z + radius * angle.sin())
     };
     let n = 2 * ROUND;
