@@ -15,11 +15,12 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, anyhow};
 use mesh::Vec3;
+use mesh::offset::shifts;
 use serde::Serialize;
 
 use crate::adjoint::{self, Gradient};
 use crate::config::{Modulus, UncertaintyConfig, is_pressure};
-use crate::design::{Extension, shifts};
+use crate::design::Extension;
 use crate::energy::{Iterate, ParameterId};
 use crate::forward::{Problem, Trajectory, Workspace, solve_multipliers};
 use crate::objective::Equilibrium;

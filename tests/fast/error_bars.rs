@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use mesh::Vec3;
-use solver::design::{Extension, shifts};
+use mesh::offset::shifts;
+use solver::design::Extension;
 use solver::forward::TimeStepper;
 use solver::probe::measure;
 use solver::scene::Scene;

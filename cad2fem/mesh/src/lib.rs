@@ -10,6 +10,7 @@ pub mod improve;
 pub mod inside;
 pub mod io;
 pub mod measure;
+pub mod offset;
 pub mod predicates;
 pub mod solid;
 pub mod topology;

@@ -1,19 +1,13 @@
 //! A body whose boundary is moved along its normals.
 //!
-//! A vertex moves by the d that shifts the planes of its facets by the distance t as well
-//! as possible, the least Σ w (n·d − t)² over the facets with unit normals n and angles w
-//! at the vertex (a quadric error as in Garland and Heckbert 1997): t along the normal
-//! where the boundary is smooth, and more at an edge, whose both sides move by t. What is
-//! inside follows harmonically on the graph of edges.
+//! Its vertices move as [`mesh::offset`] says: along the normal where the boundary is smooth,
+//! and further at an edge, whose both sides move by the distance. What is inside follows
+//! harmonically on the graph of edges.
 
 use std::collections::BTreeMap;
 
+use mesh::offset::shifts;
 use mesh::{TetMesh, Vec3, measure, topology};
-use nalgebra::{Matrix3, SymmetricEigen};
-
-/// Directions in which the normals vary less than this part of the most are not moved in:
-/// normals within 20° count as one.
-const FLAT: f64 = 0.03;
 
 /// Sweeps over the inside, at most, and the change at which they end, in parts of t.
 const SWEEPS: usize = 2000;
@@ -38,7 +32,7 @@ pub struct OffsetError {
 /// [`OffsetError`] if a tetrahedron would not have positive volume.
 pub fn offset(mesh: &TetMesh, distance: f64) -> Result<TetMesh, OffsetError> {
     let facets = topology::boundary(mesh).facets;
-    let mut moves: BTreeMap<usize, Vec3> = shifts(mesh, &facets);
+    let mut moves = shifts(&mesh.vertices, &facets);
     moves.values_mut().for_each(|d| *d *= distance);
     let inside = follow(mesh, &moves, SETTLED * distance.abs());
     let vertices = mesh.vertices.iter().zip(&inside).map(|(p, d)| p + d).collect();
@@ -57,36 +51,6 @@ pub fn offset(mesh: &TetMesh, distance: f64) -> Result<TetMesh, OffsetError> {
         });
     }
     Ok(moved)
-}
-
-/// The move of every boundary vertex for t = 1.
-fn shifts(mesh: &TetMesh, facets: &[[usize; 3]]) -> BTreeMap<usize, Vec3> {
-    let mut quadrics: BTreeMap<usize, (Matrix3<f64>, Vec3)> = BTreeMap::new();
-    for facet in facets {
-        let corners = facet.map(|v| mesh.vertices[v]);
-        let normal = measure::triangle_normal(corners[0], corners[1], corners[2]);
-        for k in 0..3 {
-            let [a, b] = [1, 2].map(|i| corners[(k + i) % 3] - corners[k]);
-            let angle = a.angle(&b);
-            let (matrix, right) = quadrics.entry(facet[k]).or_default();
-            *matrix += normal * normal.transpose() * angle;
-            *right += normal * angle;
-        }
-    }
-    quadrics.into_iter().map(|(v, (matrix, right))| (v, least(matrix, &right))).collect()
-}
-
-/// The shortest d with the least error: the pseudo-inverse.
-fn least(matrix: Matrix3<f64>, right: &Vec3) -> Vec3 {
-    let SymmetricEigen { eigenvalues, eigenvectors } = matrix.symmetric_eigen();
-    let largest = eigenvalues.max();
-    (0..3)
-        .filter(|&k| eigenvalues[k] > FLAT * largest)
-        .map(|k| {
-            let axis = eigenvectors.column(k).into_owned();
-            axis * (axis.dot(right) / eigenvalues[k])
-        })
-        .sum()
 }
 
 /// Moves of all vertices: given ones, and the mean of the neighbours everywhere else.

@@ -38,6 +38,8 @@ pub struct Solve {
     pub factor_len: usize,
     /// Operations of one factorisation.
     pub factor_flops: f64,
+    /// Operations of supernodes that must follow one another.
+    pub chain_flops: f64,
     /// Largest resident set of the whole solve [MiB].
     pub peak_mb: f64,
     /// Gradient and Hessian once more, at the equilibrium [s].
@@ -93,6 +95,7 @@ pub fn child(name: &str) -> Result<()> {
         timings,
         factor_len: workspace.linear().factor_len(),
         factor_flops: workspace.linear().factor_flops(),
+        chain_flops: workspace.linear().chain_flops(),
         peak_mb,
         assembly_once_s,
         factor_once_s,
@@ -142,7 +145,7 @@ fn once(name: &str, threads: Option<usize>) -> Result<Option<Solve>> {
 /// The parts of the solves as a table.
 pub fn parts(solves: &[Solve]) -> String {
     let mut text = format!(
-        "{:<12}{:>8}{:>7}{:>8}{:>10}{:>8}{:>8}{:>7}{:>7}{:>8}{:>10}{:>8}\n",
+        "{:<12}{:>8}{:>7}{:>8}{:>10}{:>8}{:>8}{:>7}{:>7}{:>8}{:>10}{:>8}{:>8}\n",
         "static solve",
         "dofs",
         "Newton",
@@ -154,12 +157,13 @@ pub fn parts(solves: &[Solve]) -> String {
         "rest",
         "peak MB",
         "entries M",
-        "GFlop"
+        "GFlop",
+        "chain %"
     );
     for s in solves {
         let t = &s.timings;
         text += &format!(
-            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}\n",
+            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}{:>8.0}\n",
             s.body,
             s.dofs,
             s.newton_iterations,
@@ -172,6 +176,7 @@ pub fn parts(solves: &[Solve]) -> String {
             s.peak_mb,
             1e-6 * s.factor_len as f64,
             1e-9 * s.factor_flops,
+            100.0 * s.chain_flops / s.factor_flops,
         );
     }
     text

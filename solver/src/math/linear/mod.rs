@@ -185,6 +185,12 @@ impl SparseSolver {
         self.fronts.flops()
     }
 
+    /// Of these, the operations of supernodes that must follow one another.
+    #[must_use]
+    pub fn chain_flops(&self) -> f64 {
+        self.fronts.chain_flops()
+    }
+
     /// Memory that a factorisation in single precision takes at most [B].
     #[must_use]
     pub fn factor_bytes(&self) -> usize {

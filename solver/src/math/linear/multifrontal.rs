@@ -181,6 +181,20 @@ impl Fronts {
         self.roots.iter().map(|&r| self.supernodes[r].work).sum()
     }
 
+    /// Operations of the supernodes on the costliest way from a leaf to a root. They follow one
+    /// another: subtrees on any number of threads take at least their time, and only threads
+    /// within a front make it shorter.
+    #[must_use]
+    pub fn chain_flops(&self) -> f64 {
+        let mut chains: Vec<f64> = Vec::with_capacity(self.supernodes.len());
+        for s in &self.supernodes {
+            let below: f64 = s.children.iter().map(|&c| self.supernodes[c].work).sum();
+            let longest = s.children.iter().map(|&c| chains[c]).fold(0.0, f64::max);
+            chains.push(s.work - below + longest);
+        }
+        chains.into_iter().fold(0.0, f64::max)
+    }
+
     /// The pivots of a factor in the order of elimination.
     pub fn pivots<T: Scalar>(&self, factor: &[T]) -> impl Iterator<Item = T> {
         self.supernodes.iter().flat_map(|s| {

@@ -21,6 +21,8 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let (start, rows, values) = laplacian(n, 0.0);
     let order: Vec<usize> = (0..n).rev().collect();
     let mut solver = SparseSolver::new(start, rows, &order);
+    // each unknown has one neighbour among those that follow it
+    assert!((solver.chain_flops() / solver.factor_flops() - 1.0).abs() < 1e-12);
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
 
     assert!(solver.smallest_pivot().is_none());
@@ -76,6 +78,9 @@ fn many_threads_give_the_bits_of_one() {
     let mut solver = SparseSolver::new(start, rows, &order);
     // enough for several tasks
     assert!(solver.factor_flops() > 2e8, "{:e}", solver.factor_flops());
+    // of the halves beside the last separator, and of theirs, one each is on the chain
+    let chain = solver.chain_flops() / solver.factor_flops();
+    assert!(chain > 0.1 && chain < 0.9, "{chain}");
     let b: Vec<f64> = (0..m * m * m).map(|i| (0.1 * i as f64).sin()).collect();
     for precision in [Precision::Single, Precision::Double] {
         let mut solutions = [1, 2, 5].map(|threads| {
