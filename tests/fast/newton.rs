@@ -4,7 +4,7 @@ use mesh::Vec3;
 use solver::energy::{BodyForce, Energies};
 use solver::forward::{Failure, Newton, SoftestMode};
 use solver::material::{Kinematics, Material, MooneyRivlin};
-use solver::math::linear::{Precision, SparseSolver, Symmetric};
+use solver::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
 use solver::math::tensor::{Mat3, Mat9};
 use tests::block;
 use tests::equilibrium::{Equilibrium, SILICONE};
@@ -128,7 +128,7 @@ fn the_smallest_pivot_is_that_of_a_dense_factor() {
         start.push(rows.len());
     }
     let order: Vec<usize> = (0..n).collect();
-    let mut solver = SparseSolver::new(start, rows, &order);
+    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
     assert!(solver.smallest_pivot().is_none());
     solver.factor_positive(Symmetric::sparse(values), Precision::Double).unwrap();
     // Gaussian elimination without exchanges

@@ -28,7 +28,7 @@ use mesh::SurfaceMesh;
 use rayon::prelude::*;
 
 use super::laplacian::{Rows, cotangent_laplacian};
-use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric};
+use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric, one_by_one};
 use crate::math::ordering::nested_dissection;
 
 /// Violation of a bound that counts as rounding [1].
@@ -151,7 +151,8 @@ impl Problem {
         };
         let adjacency: Vec<Vec<usize>> = self.free.iter().map(neighbours).collect();
         let (start, rows, values) = self.triangle(|row, column| row >= column);
-        let mut solver = SparseSolver::new(start, rows, &nested_dissection(&adjacency));
+        let mut solver =
+            SparseSolver::new(start, rows, &one_by_one(&nested_dissection(&adjacency)));
         solver.factor_positive(Symmetric::sparse(values), Precision::Double)?;
         let solve = |ones: &Vec<usize>| {
             let mut w: Vec<f64> = self.linear_term(ones).iter().map(|q| -q).collect();

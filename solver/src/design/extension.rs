@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use mesh::{TetMesh, Vec3};
 
 use crate::body::Body;
-use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric};
+use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric, one_by_one};
 use crate::math::ordering::nested_dissection;
 use crate::symmetry::{self, Plane};
 
@@ -114,7 +114,8 @@ impl System {
             }
             start.push(entries.len());
         }
-        let mut solver = SparseSolver::new(start, entries, &nested_dissection(&adjacency));
+        let mut solver =
+            SparseSolver::new(start, entries, &one_by_one(&nested_dissection(&adjacency)));
         solver.factor_positive(Symmetric::sparse(values), Precision::Double)?;
         Ok(Self { interior, coupling, solver })
     }

@@ -6,6 +6,8 @@
 //! the nodes: a node whose vertices are not all in the separator is on the side of the
 //! others, and so are all nodes that share an element with it.
 
+use std::ops::Range;
+
 use mesh::topology::{tet_edges, vertex_neighbours};
 
 use crate::element::FunctionSpace;
@@ -30,8 +32,8 @@ pub(super) fn symbolic(
             (pattern, free)
         },
     );
-    let order = order_of_unknowns(&nodes, &free, fixed);
-    let linear = SparseSolver::new(column_start, rows, &order);
+    let groups = groups_of_unknowns(&nodes, &free, space.node_count());
+    let linear = SparseSolver::new(column_start, rows, &groups);
     (pattern, free, linear)
 }
 
@@ -59,14 +61,17 @@ fn node_order(space: &FunctionSpace, couplings: &[[usize; 2]]) -> Vec<usize> {
     order
 }
 
-/// The unknowns in the order of their nodes.
-fn order_of_unknowns(nodes: &[usize], free: &FreeTriangle, fixed: &[bool]) -> Vec<usize> {
-    let mut unknown_of = vec![None; fixed.len()];
+/// The unknowns of each node that has any, in the order of the nodes.
+fn groups_of_unknowns(
+    nodes: &[usize],
+    free: &FreeTriangle,
+    node_count: usize,
+) -> Vec<Range<usize>> {
+    let mut groups = vec![0..0; node_count];
     for (i, &dof) in free.dof.iter().enumerate() {
-        unknown_of[dof] = Some(i);
+        let group = &mut groups[dof / 3];
+        *group = if group.start == group.end { i..i + 1 } else { group.start..i + 1 };
     }
-    nodes
-        .iter()
-        .flat_map(|node| (3 * node..3 * node + 3).filter_map(|dof| unknown_of[dof]))
-        .collect()
+    let groups = nodes.iter().map(|&node| groups[node].clone());
+    groups.filter(|group| group.start < group.end).collect()
 }

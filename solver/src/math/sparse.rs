@@ -36,16 +36,19 @@ struct Scatter {
 
 impl Scatter {
     /// Of elements by the targets of their pairs, for a number of blocks.
-    fn new(targets: impl Iterator<Item = u32>, pairs: usize, blocks: usize) -> Self {
-        let targets: Vec<u32> = targets.collect();
+    fn new(targets: &[u32], pairs: usize, blocks: usize) -> Self {
         let part_len = part_len(blocks);
         let part = |target: u32| (target >> 1) as usize / part_len;
-        let mut scatter = Self { start: vec![0], pair: Vec::new(), target: Vec::new() };
-        for group in targets.chunks(GROUP * pairs) {
+        let sort = |group: &[u32]| {
             let mut lists: [Vec<u32>; PARTS] = Default::default();
             for (i, &target) in group.iter().enumerate() {
                 lists[part(target)].push(u32::try_from(i).expect("< 2^32 pairs"));
             }
+            lists
+        };
+        let sorted: Vec<_> = targets.par_chunks(GROUP * pairs).map(sort).collect();
+        let mut scatter = Self { start: vec![0], pair: Vec::new(), target: Vec::new() };
+        for (group, lists) in targets.chunks(GROUP * pairs).zip(sorted) {
             for list in lists {
                 scatter.target.extend(list.iter().map(|&i| group[i as usize]));
                 scatter.pair.extend(list);
@@ -117,14 +120,21 @@ impl Pattern {
             let offset = rows[range.clone()].binary_search(&row).expect("an element couples them");
             u32::try_from(2 * (range.start + offset)).expect("< 2^31 blocks")
         };
-        let targets = elements.chunks_exact(nodes_per_element).flat_map(|element| {
+        let targets_of = |element: &[usize], targets: &mut [u32]| {
             let pairs = (0..nodes_per_element).flat_map(|a| (0..=a).map(move |b| (a, b)));
-            pairs.map(move |(a, b)| {
+            for (target, (a, b)) in targets.iter_mut().zip(pairs) {
                 let (row, column) = (element[a].max(element[b]), element[a].min(element[b]));
-                find(row, column) + u32::from(element[a] < element[b])
-            })
-        });
-        let scatter = Scatter::new(targets, pair_count(nodes_per_element), rows.len());
+                *target = find(row, column) + u32::from(element[a] < element[b]);
+            }
+        };
+        let pairs = pair_count(nodes_per_element);
+        let mut targets = vec![0; elements.len() / nodes_per_element * pairs];
+        elements
+            .par_chunks_exact(nodes_per_element)
+            .zip(targets.par_chunks_exact_mut(pairs))
+            .with_min_len(GROUP)
+            .for_each(|(element, targets)| targets_of(element, targets));
+        let scatter = Scatter::new(&targets, pairs, rows.len());
         Self { nodes_per_element, node_count, column_start, rows, scatter }
     }
 

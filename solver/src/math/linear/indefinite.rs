@@ -8,9 +8,11 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::matrix::Triangle;
+use super::symbolic::factor_structure;
 
 /// The numbers of a factor.
 pub struct Indefinite {
+    symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
     subdiagonal: Vec<f64>,
     forward: Vec<usize>,
@@ -18,20 +20,24 @@ pub struct Indefinite {
 }
 
 impl Indefinite {
-    /// Factors the matrix with the given lower triangle.
-    pub fn new(symbolic: &SymbolicCholesky<usize>, pattern: &Triangle, lower: &[f64]) -> Self {
+    /// Factors the matrix with the given lower triangle; `order[i]` is the unknown at
+    /// position i.
+    pub fn new(pattern: &Triangle, order: &[usize], lower: &[f64]) -> Self {
         let n = pattern.size();
+        let rows: Vec<usize> = pattern.rows.iter().map(|&row| row as usize).collect();
+        let symbolic = factor_structure(&pattern.column_start, &rows, order, 1);
         let mut factor = Self {
             values: vec![0.0; symbolic.len_val()],
             subdiagonal: vec![0.0; n],
             forward: vec![0; n],
             inverse: vec![0; n],
+            symbolic,
         };
-        let rows: Vec<usize> = pattern.rows.iter().map(|&row| row as usize).collect();
         let matrix = SymbolicSparseColMatRef::new_checked(n, n, &pattern.column_start, None, &rows);
-        let scratch = symbolic
+        let scratch = factor
+            .symbolic
             .factorize_numeric_intranode_lblt_scratch::<f64>(Par::rayon(0), Spec::default());
-        symbolic.factorize_numeric_intranode_lblt(
+        factor.symbolic.factorize_numeric_intranode_lblt(
             &mut factor.values,
             &mut factor.subdiagonal,
             &mut factor.forward,
@@ -46,11 +52,11 @@ impl Indefinite {
     }
 
     /// x ← A⁻¹ x.
-    pub fn apply_inverse(&self, symbolic: &SymbolicCholesky<usize>, x: &mut [f64]) {
+    pub fn apply_inverse(&self, x: &mut [f64]) {
         let n = x.len();
         let permutation = PermRef::new_checked(&self.forward, &self.inverse, n);
-        let scratch = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        IntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, permutation)
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        IntranodeLbltRef::new(&self.symbolic, &self.values, &self.subdiagonal, permutation)
             .solve_in_place_with_conj(
                 Conj::No,
                 MatMut::from_column_major_slice_mut(x, n, 1),

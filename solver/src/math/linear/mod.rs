@@ -20,18 +20,13 @@ mod multifrontal;
 mod product;
 mod replacing;
 mod substitution;
+mod symbolic;
 #[cfg(test)]
 mod tests;
 mod trapezoid;
 
-use faer::Side;
-use faer::perm::PermRef;
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use rayon::prelude::*;
 
@@ -44,6 +39,8 @@ use matrix::Triangle;
 pub use matrix::{Symmetric, dot, norm};
 use multifrontal::{BadPivots, Fronts, narrow};
 pub use product::product_speed;
+pub use symbolic::one_by_one;
+use symbolic::{Symbolic, symbolic};
 
 /// The matrix has a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -106,7 +103,6 @@ pub struct SparseSolver {
     pattern: Triangle,
     /// The unknown at each position of the factor.
     order: Vec<usize>,
-    symbolic: SymbolicCholesky<usize>,
     fronts: Fronts,
     /// Memory of updates in single precision.
     pool: Pool<f32>,
@@ -119,40 +115,22 @@ pub struct SparseSolver {
 }
 
 impl SparseSolver {
-    /// Symbolic factorisation of a lower triangle in compressed columns.
-    /// `order[i]` is the unknown eliminated at position i, up to changes that
-    /// leave the fill alone.
+    /// Symbolic factorisation of a lower triangle in compressed columns. The unknowns are
+    /// eliminated group by group in the given order, up to changes that leave the fill alone;
+    /// those of a group are coupled with each other and with the same others.
     ///
     /// # Panics
-    /// When `order` is not a permutation of the unknowns or memory runs out.
+    /// When the groups are not all unknowns, each once, when unknowns of a group have different
+    /// neighbours, or when memory runs out.
     #[must_use]
-    pub fn new(column_start: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Self {
-        let n = column_start.len() - 1;
-        let order = elimination::postordered(&column_start, &rows, order);
-        let mut position = vec![0; n];
-        for (i, &unknown) in order.iter().enumerate() {
-            position[unknown] = i;
-        }
-        let symbolic = factorize_symbolic_cholesky(
-            SymbolicSparseColMatRef::new_checked(n, n, &column_start, None, &rows),
-            Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(&order, &position, n)),
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..CholeskySymbolicParams::default()
-            },
-        )
-        .expect("memory for the symbolic factorisation");
+    pub fn new(column_start: Vec<usize>, rows: Vec<usize>, groups: &[Range<usize>]) -> Self {
+        let Symbolic { order, supernodes } = symbolic(&column_start, &rows, groups);
         let rows = rows.into_iter().map(narrow).collect();
         let pattern = Triangle { column_start, rows };
-        let fronts = match symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(s) => Fronts::new(s, &pattern, &position),
-            // forced out by the threshold, unless there are no unknowns
-            SymbolicCholeskyRaw::Simplicial(_) => Fronts::default(),
-        };
+        let fronts = Fronts::new(supernodes, &pattern, &order);
         let matrix = Symmetric::sparse(Vec::new());
         let (pool, memory, factor) = (Pool::default(), Vec::new(), Factor::None);
-        Self { pattern, order, symbolic, fronts, pool, memory, factor, matrix, capacitance: None }
+        Self { pattern, order, fronts, pool, memory, factor, matrix, capacitance: None }
     }
 
     /// Number of unknowns.
@@ -176,7 +154,7 @@ impl SparseSolver {
     /// Number of stored entries of the factor.
     #[must_use]
     pub fn factor_len(&self) -> usize {
-        self.symbolic.len_val()
+        self.fronts.factor_len()
     }
 
     /// Floating-point operations of a factorisation.
@@ -301,7 +279,7 @@ impl SparseSolver {
     pub fn factor_indefinite(&mut self, matrix: Symmetric) {
         self.begin(matrix);
         self.memory = Vec::new();
-        let factor = Indefinite::new(&self.symbolic, &self.pattern, &self.matrix.lower);
+        let factor = Indefinite::new(&self.pattern, &self.order, &self.matrix.lower);
         self.factor = Factor::Indefinite(factor);
         self.set_capacitance();
     }
@@ -426,7 +404,7 @@ impl SparseSolver {
                 self.fronts.solve(values, &mut y);
                 self.order.iter().zip(y).for_each(|(&i, y)| x[i] = y);
             }
-            Factor::Indefinite(factor) => factor.apply_inverse(&self.symbolic, x),
+            Factor::Indefinite(factor) => factor.apply_inverse(x),
             Factor::None => panic!("solve needs a factorisation"),
         }
     }

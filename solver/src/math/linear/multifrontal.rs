@@ -18,7 +18,6 @@ use faer::linalg::cholesky::llt::factor::{
 };
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::traits::RealField;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
@@ -119,34 +118,35 @@ struct Update<T> {
 }
 
 impl Fronts {
-    /// The tree of a symbolic factor whose columns are in postorder, for a lower
-    /// triangle in compressed columns; `position` is that of each unknown in the
-    /// factor.
+    /// The tree of supernodes, given by their columns and the rows below, for a lower triangle
+    /// in compressed columns with the unknown `order[i]` at position i.
     ///
     /// # Panics
     /// When A or a front has 2³² entries, or the columns are not in postorder.
     #[must_use]
     pub fn new(
-        symbolic: &SymbolicSupernodalCholesky<usize>,
+        structure: Vec<(Range<usize>, Vec<usize>)>,
         pattern: &Triangle,
-        position: &[usize],
+        order: &[usize],
     ) -> Self {
-        let count = symbolic.n_supernodes();
-        let mut of_column = vec![0; symbolic.ncols()];
+        let count = structure.len();
+        let mut of_column = vec![0; order.len()];
         let mut supernodes: Vec<Supernode> = Vec::with_capacity(count);
-        for s in 0..count {
-            let columns = symbolic.supernode_begin()[s]..symbolic.supernode_end()[s];
+        let mut stored = 0;
+        for (s, (columns, pattern)) in structure.into_iter().enumerate() {
             of_column[columns.clone()].fill(s);
+            let end = stored + columns.len() * (columns.len() + pattern.len());
             supernodes.push(Supernode {
                 columns,
-                pattern: symbolic.supernode(s).pattern().to_vec(),
+                pattern,
                 places: Vec::new(),
                 children: Vec::new(),
                 first: s,
-                values: symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1],
+                values: stored..end,
                 entries: 0..0,
                 work: 0.0,
             });
+            stored = end;
         }
         let mut roots = Vec::new();
         for s in 0..count {
@@ -171,8 +171,14 @@ impl Fronts {
             }
         }
         place_updates(&mut supernodes);
-        let entries = place_entries(&mut supernodes, &of_column, pattern, position);
+        let entries = place_entries(&mut supernodes, &of_column, pattern, order);
         Self { supernodes, roots, entries }
+    }
+
+    /// Number of stored entries of a factor.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.supernodes.last().map_or(0, |s| s.values.end)
     }
 
     /// Floating-point operations of a factorisation.
@@ -267,13 +273,15 @@ fn place_entries(
     supernodes: &mut [Supernode],
     of_column: &[usize],
     pattern: &Triangle,
-    position: &[usize],
+    order: &[usize],
 ) -> Vec<(u32, u32)> {
     let Triangle { column_start, rows } = pattern;
-    let n = position.len();
+    let n = order.len();
+    let mut position = vec![0; n];
+    order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = i);
     let pairs = || {
         (0..n).flat_map(|c| {
-            let at = position[c];
+            let (position, at) = (&position, position[c]);
             let one = move |k: usize| {
                 let row = position[rows[k] as usize];
                 (k, row.max(at), row.min(at))

@@ -20,7 +20,7 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let n = 300;
     let (start, rows, values) = laplacian(n, 0.0);
     let order: Vec<usize> = (0..n).rev().collect();
-    let mut solver = SparseSolver::new(start, rows, &order);
+    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
     // each unknown has one neighbour among those that follow it
     assert!((solver.chain_flops() / solver.factor_flops() - 1.0).abs() < 1e-12);
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
@@ -75,7 +75,7 @@ fn many_threads_give_the_bits_of_one() {
         start.push(rows.len());
     }
     let order = crate::math::ordering::nested_dissection(&adjacency);
-    let mut solver = SparseSolver::new(start, rows, &order);
+    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
     // enough for several tasks
     assert!(solver.factor_flops() > 2e8, "{:e}", solver.factor_flops());
     // of the halves beside the last separator, and of theirs, one each is on the chain
@@ -117,7 +117,7 @@ fn dense_columns_enter_without_being_assembled() {
             assembled += *scale * &u * u.transpose();
         }
         let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
-        let mut solver = SparseSolver::new(start, rows, &order);
+        let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
         let matrix = Symmetric { lower, updates: updates.clone() };
         if solver.factor_positive(matrix.clone(), Precision::Single).is_err() {
             solver.factor_indefinite(matrix);
@@ -136,7 +136,7 @@ fn a_factor_is_sharpened_once() {
     let order: Vec<usize> = (0..n).rev().collect();
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
     let (start, rows, values) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, rows, &order);
+    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
     assert!(!solver.sharpen());
     solver.factor_positive(Symmetric::sparse(values), Precision::Single).expect("positive");
     let unrefined =
@@ -155,7 +155,7 @@ fn double_precision_decides_where_single_cannot() {
     let order: Vec<usize> = (0..n).rev().collect();
     for (left, positive) in [(1e-9, true), (-1e-9, false), (-1e-2, false)] {
         let (start, rows, values) = laplacian(n, left - smallest);
-        let mut solver = SparseSolver::new(start, rows, &order);
+        let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
         let done = solver.factor_positive(Symmetric::sparse(values), Precision::Single);
         assert_eq!(done.is_ok(), positive, "{left}");
     }
