@@ -95,7 +95,7 @@ enum Factor {
     None,
     Single(Vec<f32>),
     Double(Vec<f64>),
-    Indefinite(Indefinite),
+    Indefinite(Box<Indefinite>),
 }
 
 /// A factorisation that is set up once per sparsity pattern.
@@ -280,7 +280,7 @@ impl SparseSolver {
         self.begin(matrix);
         self.memory = Vec::new();
         let factor = Indefinite::new(&self.pattern, &self.order, &self.matrix.lower);
-        self.factor = Factor::Indefinite(factor);
+        self.factor = Factor::Indefinite(Box::new(factor));
         self.set_capacitance();
     }
 
