@@ -5,6 +5,7 @@ use mesh::{SurfaceMesh, TetMesh, Vec3};
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
+use crate::symmetry::Plane;
 
 /// The square [0, 1]² in the plane z = 0, n cells per side; interior vertices
 /// are moved by up to `jitter` of a cell.
@@ -137,5 +138,38 @@ pub fn cube(n: usize, jitter: f64) -> TetMesh {
             tets.push(tet);
         }
     }
+    TetMesh { vertices, tets }
+}
+
+/// A block that is cut at x = 0 and one beside it, near the plane: each comes close to the
+/// other, and the second to its image.
+pub fn half() -> (TetMesh, Plane) {
+    let mut part = cube(2, 0.1);
+    let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
+    let count = part.vertices.len();
+    let other = part.vertices.iter().map(|v| turn * *v + Vec3::new(0.06, 1.07, 0.05));
+    let other: Vec<Vec3> = other.collect();
+    part.vertices.extend(other);
+    part.tets.extend(part.tets.clone().into_iter().map(|t| t.map(|v| v + count)));
+    let boundary = mesh::topology::boundary(&part).facets;
+    let in_plane = |f: &&[usize; 3]| f.iter().all(|&v| part.vertices[v].x == 0.0);
+    let cut: Vec<[usize; 3]> = boundary.iter().filter(in_plane).copied().collect();
+    let plane = Plane::find(&part, &boundary, &["cut".to_owned()], &cut).expect("a plane");
+    (part, plane)
+}
+
+/// A mesh with its mirror image in x = 0, where vertices are shared.
+pub fn whole(part: &TetMesh) -> TetMesh {
+    let mut vertices = part.vertices.clone();
+    let image = part.vertices.iter().enumerate().map(|(i, v)| {
+        if v.x == 0.0 {
+            return i;
+        }
+        vertices.push(Vec3::new(-v.x, v.y, v.z));
+        vertices.len() - 1
+    });
+    let image: Vec<usize> = image.collect();
+    let mut tets = part.tets.clone();
+    tets.extend(part.tets.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
     TetMesh { vertices, tets }
 }

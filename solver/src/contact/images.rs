@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use mesh::Vec3;
+use mesh::{Vec3, facet_key};
 
 use crate::symmetry::Plane;
 
@@ -26,6 +26,60 @@ impl Image {
     pub fn itself(of: usize) -> Self {
         Self { of, signs: Vec3::repeat(1.0), shift: Vec3::zeros() }
     }
+}
+
+/// The vertices of a body, then their images in planes of symmetry.
+pub struct Mirrored {
+    images: Vec<Image>,
+    share: f64,
+}
+
+impl Mirrored {
+    /// The vertices up to the last of some sets of facets, and these sets with their images.
+    #[must_use]
+    pub fn new(planes: &[Plane], sets: &[Vec<[usize; 3]>]) -> (Self, Vec<Vec<[usize; 3]>>) {
+        let count = sets.iter().flatten().flatten().max().map_or(0, |last| last + 1);
+        let mut images = Images::new(planes, (0..count).map(|v| (v, vec![v])).collect());
+        let mut whole = |set: &Vec<[usize; 3]>| -> Vec<[usize; 3]> {
+            let mut facets = set.clone();
+            for copy in 1..images.copies() {
+                let mirrored = set.iter().map(|&facet| (facet, images.mirror(facet, copy)));
+                // a facet in a plane is its own image
+                let moved = mirrored.filter(|&(own, image)| facet_key(own) != facet_key(image));
+                facets.extend(moved.map(|(_, image)| image));
+            }
+            facets
+        };
+        let sets = sets.iter().map(&mut whole).collect();
+        (Self { images: images.all, share: share(planes) }, sets)
+    }
+
+    /// Share of the body in the whole: 1, or a half for each plane.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Positions of all from those of the body's vertices [m].
+    #[must_use]
+    pub fn positions(&self, x: &[Vec3]) -> Vec<Vec3> {
+        self.images.iter().map(|i| x[i.of].component_mul(&i.signs) + i.shift).collect()
+    }
+
+    /// Adds the transpose of the derivative of [`Self::positions`] times `bar`, both three
+    /// components per vertex.
+    pub fn add_to_vertices(&self, bar: &[f64], out: &mut [f64]) {
+        for (image, bar) in self.images.iter().zip(bar.chunks_exact(3)) {
+            for k in 0..3 {
+                out[3 * image.of + k] += image.signs[k] * bar[k];
+            }
+        }
+    }
+}
+
+/// Share of a body that planes of symmetry cut in the whole.
+pub(super) fn share(planes: &[Plane]) -> f64 {
+    0.5_f64.powi(planes.len() as i32)
 }
 
 /// The images of all vertices.

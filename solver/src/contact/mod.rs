@@ -13,7 +13,7 @@ pub mod box_tree; // which boxes overlap
 pub mod candidates; // broad phase: what may come close in a step
 pub mod ccd; // continuous collision detection: how far it may move
 pub mod rest_potential; // of one shape
-mod images; // in planes of symmetry
+pub mod images; // in planes of symmetry
 pub mod surface; // what collides
 pub mod stencil; // what one pair adds
 pub mod weights; // areas

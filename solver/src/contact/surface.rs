@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 
 use mesh::{SurfaceMesh, Vec3};
 
-use super::images::{Image, Images};
+use super::images::{Image, Images, share};
 use super::pairs::Features;
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
@@ -134,8 +134,8 @@ impl Surface {
         }
         movable.resize(rows.len(), false);
         images.extend((images.len()..rows.len()).map(Image::itself));
-        let share = 0.5_f64.powi(planes.len() as i32);
-        Self { rows, images, share, body, movable, features: Features::new(&triangles), obstacles }
+        let (share, features) = (share(planes), Features::new(&triangles));
+        Self { rows, images, share, body, movable, features, obstacles }
     }
 
     /// Vertices, edges and triangles.

@@ -13,6 +13,9 @@
 //! already passed through each other are not detected here, see
 //! [`validity`](crate::optimize::validity).
 //!
+//! Where planes of symmetry cut the body, the surface is that of the whole, and J is the
+//! body's share of it.
+//!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, applied to the rest shape.
 
 use std::path::Path;
@@ -25,8 +28,10 @@ use super::kind::{Builder, Kind, Specification, positive, read};
 use super::{Equilibrium, Objective};
 use crate::contact::candidates::close_within;
 use crate::contact::density::{Density, Repulsion};
+use crate::contact::images::Mirrored;
 use crate::contact::pairs::{Features, Pair};
 use crate::contact::rest_potential;
+use crate::symmetry::Plane;
 
 pub(super) const KIND: Kind = Kind {
     key: "clearance",
@@ -52,7 +57,12 @@ impl Specification for Keys {
     fn prepare(&self, _: &Path) -> Result<Builder> {
         let activation = self.activation;
         Ok(Box::new(move |name, bodies| {
-            Ok(Box::new(Clearance::new(name, bodies.body.boundary(), activation)))
+            Ok(Box::new(Clearance::new(
+                name,
+                &bodies.body.planes,
+                bodies.body.boundary(),
+                activation,
+            )))
         }))
     }
 }
@@ -60,6 +70,7 @@ impl Specification for Keys {
 /// Barrier between parts of one surface.
 pub struct Clearance {
     name: String,
+    whole: Mirrored,
     surface: Features,
     repulsion: Repulsion,
 }
@@ -68,24 +79,30 @@ impl Clearance {
     /// The term of a set of facets, usually the whole boundary, that acts below
     /// `activation` [m].
     #[must_use]
-    pub fn new(name: &str, facets: &[[usize; 3]], activation: f64) -> Self {
+    pub fn new(name: &str, planes: &[Plane], facets: &[[usize; 3]], activation: f64) -> Self {
         let repulsion = Repulsion { density: Density::Log, minimum: 0.0, activation };
-        Self { name: name.to_owned(), surface: Features::new(facets), repulsion }
+        let (whole, sets) = Mirrored::new(planes, &[facets.to_vec()]);
+        Self { name: name.to_owned(), whole, surface: Features::new(&sets[0]), repulsion }
     }
 
     /// J at rest positions; infinite where two features touch.
     #[must_use]
     pub fn value_at(&self, rest: &[Vec3]) -> f64 {
-        rest_potential::value(&self.pairs(rest), rest, &self.repulsion)
+        let x = self.whole.positions(rest);
+        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.repulsion)
     }
 
     /// Adds `weight` ∂J/∂X, three components per vertex; J must be finite.
     pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        rest_potential::add_gradient(&self.pairs(rest), rest, &self.repulsion, weight, out);
+        let x = self.whole.positions(rest);
+        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
+        rest_potential::add_gradient(&self.pairs(&x), &x, &self.repulsion, weight, &mut by_x);
+        self.whole.add_to_vertices(&by_x, out);
     }
 
-    fn pairs(&self, rest: &[Vec3]) -> Vec<Pair> {
-        close_within(&self.surface, rest, self.repulsion.range())
+    /// Pairs at positions of the whole.
+    fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
+        close_within(&self.surface, x, self.repulsion.range())
     }
 }
 
@@ -95,10 +112,11 @@ impl Objective for Clearance {
     }
 
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        let pairs = self.pairs(rest);
-        let touches = |p: &&Pair| self.repulsion.is_violated(p.closest(&p.gather(rest)).d2);
+        let x = self.whole.positions(rest);
+        let pairs = self.pairs(&x);
+        let touches = |p: &&Pair| self.repulsion.is_violated(p.closest(&p.gather(&x)).d2);
         let Some(first) = pairs.iter().find(touches) else { return Ok(()) };
-        let p = rest[first.corners()[0]];
+        let p = x[first.corners()[0]];
         Err(format!(
             "{} pairs of the rest surface touch, the first at ({:.5}, {:.5}, {:.5}) m",
             pairs.iter().filter(touches).count(),
@@ -138,7 +156,7 @@ mod tests {
     #[test]
     fn gradient_belongs_to_the_value() {
         let (x, facets) = hairpin();
-        let term = Clearance::new("clearance", &facets, 0.12);
+        let term = Clearance::new("clearance", &[], &facets, 0.12);
         let mut gradient = vec![0.0; 3 * x.len()];
         term.add_gradient_at(&x, 5.0, &mut gradient);
         let value = |y: &[f64]| 5.0 * term.value_at(&points(y));
@@ -148,7 +166,7 @@ mod tests {
     #[test]
     fn a_flat_sheet_costs_nothing_and_touching_is_infinite() {
         let sheet = square(6, 0.0);
-        let term = Clearance::new("clearance", &sheet.triangles, 0.05);
+        let term = Clearance::new("clearance", &[], &sheet.triangles, 0.05);
         assert!(term.value_at(&sheet.vertices) == 0.0);
         let mut folded = sheet.vertices;
         let (first, last) = (0, folded.len() - 1);

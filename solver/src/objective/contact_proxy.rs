@@ -16,6 +16,9 @@
 //!
 //! ∂J/∂x = 2 (∂²B/∂x²) f      ∂J/∂X = 2 fᵀ ∂²B/∂x∂X
 //!
+//! Where planes of symmetry cut the body, the parts are those of the whole, and J is the
+//! body's share of it.
+//!
 //! Source: Gjoka et al. 2024, equation (13), in the form of the published scenes:
 //! the square of the sum at a node, not the sum of the squares over pairs.
 
@@ -34,6 +37,7 @@ use crate::contact::density::{Density, Repulsion};
 use crate::contact::potential::{Contacts, Partners, Potential};
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
+use crate::symmetry::Plane;
 
 pub(super) const KIND: Kind = Kind {
     key: "contact-proxy",
@@ -76,7 +80,9 @@ impl Specification for Keys {
         let Self { on, density, activation } = self.clone();
         Ok(Box::new(move |name, bodies| {
             let parts = bodies.each(&on)?;
-            Ok(Box::new(ContactProxy::new(name, bodies.space, &parts, density, activation)?))
+            let (planes, repulsion) =
+                (&bodies.body.planes, Repulsion { density, minimum: 0.0, activation });
+            Ok(Box::new(ContactProxy::new(name, planes, bodies.space, &parts, repulsion)?))
         }))
     }
 }
@@ -103,17 +109,16 @@ pub struct ContactProxy {
 }
 
 impl ContactProxy {
-    /// The term between different ones of several sets of boundary facets, with
-    /// d̂ = `activation` [m].
+    /// The term between different ones of several sets of boundary facets.
     ///
     /// # Errors
     /// [`PartsTouch`] if a vertex belongs to two sets.
     pub fn new(
         name: &str,
+        planes: &[Plane],
         space: &FunctionSpace,
         parts: &[Vec<[usize; 3]>],
-        density: Density,
-        activation: f64,
+        repulsion: Repulsion,
     ) -> Result<Self, PartsTouch> {
         let mut owner = vec![usize::MAX; space.vertex_count()];
         for (part, facets) in parts.iter().enumerate() {
@@ -128,13 +133,18 @@ impl ContactProxy {
             parts.iter().enumerate().flat_map(|(i, p)| vec![i; p.len()]).collect();
         let free = vec![false; 3 * space.node_count()];
         // with as many parts per edge as the degree, collision vertices are nodes
-        let surface =
-            Surface::new(space, (&parts.concat(), &bodies), Vec::new(), space.degree(), &free);
-        let repulsion = Repulsion { density, minimum: 0.0, activation };
+        let (facets, split) = (parts.concat(), space.degree());
+        let none = Vec::new();
+        let surface = Surface::symmetric(planes, space, (&facets, &bodies), none, split, &free);
         let (surface, partners) = (Arc::new(surface), Partners::OtherBodies);
-        let scale = activation.powi(-3);
+        let scale = repulsion.activation.powi(-3);
         let potential = Potential::new(surface, partners, Form::Convergent, repulsion, scale);
         Ok(Self { name: name.to_owned(), potential })
+    }
+
+    /// Share of the body in the whole.
+    fn share(&self) -> f64 {
+        self.potential.surface().share()
     }
 
     /// None where parts touch.
@@ -164,18 +174,18 @@ impl Objective for ContactProxy {
 
     fn value(&self, at: &Equilibrium) -> f64 {
         let Some(contacts) = self.contacts(at) else { return f64::INFINITY };
-        contacts.gradient().iter().map(Vec3::norm_squared).sum()
+        self.share() * contacts.gradient().iter().map(Vec3::norm_squared).sum::<f64>()
     }
 
     fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
         let Some(contacts) = self.contacts(at) else { return };
-        let by_x = contacts.hessian_times(&by_forces(&contacts, weight));
+        let by_x = contacts.hessian_times(&by_forces(&contacts, weight * self.share()));
         self.potential.surface().add_to_nodes(&by_x, out);
     }
 
     fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
         let Some(contacts) = self.contacts(at) else { return };
-        let by_rest = contacts.shape_vjp(&by_forces(&contacts, weight));
+        let by_rest = contacts.shape_vjp(&by_forces(&contacts, weight * self.share()));
         self.potential.surface().add_to_rest(at.space, &by_rest, out);
     }
 }
@@ -210,6 +220,16 @@ mod tests {
         [at(1.0), at(1.0 + gap)]
     }
 
+    fn proxy(
+        case: &Case,
+        parts: &[Vec<[usize; 3]>],
+        density: Density,
+        activation: f64,
+    ) -> Result<ContactProxy, PartsTouch> {
+        let repulsion = Repulsion { density, minimum: 0.0, activation };
+        ContactProxy::new("c", &[], &case.space, parts, repulsion)
+    }
+
     const DENSITIES: [Density; 2] = [Density::Log, Density::Quadratic];
 
     /// With the cubes in line, edges are parallel up to a little noise.
@@ -225,8 +245,7 @@ mod tests {
                 case.u.iter_mut().for_each(|u| *u *= noise / 0.05);
                 for density in DENSITIES {
                     let activation = range * scale;
-                    let term =
-                        ContactProxy::new("c", &case.space, &parts, density, activation).unwrap();
+                    let term = proxy(&case, &parts, density, activation).unwrap();
                     let contacts = term.contacts(&case.at()).unwrap();
                     let terms = contacts.terms();
                     let mollified =
@@ -268,7 +287,7 @@ mod tests {
             (Density::Quadratic, 2.0 * (d2 - range * range)),
             (Density::Log, log_barrier(d2, range * range)[1]),
         ] {
-            let term = ContactProxy::new("c", &case.space, &parts, density, range).unwrap();
+            let term = proxy(&case, &parts, density, range).unwrap();
             // a third of the area of the triangle, which is 8, and barycentric
             // coordinates ½, ¼, ¼ of the vertex below
             let force = 0.25 * (8.0 / 3.0) * slope * 2.0 * d2.sqrt() / range.powi(3);
@@ -283,7 +302,7 @@ mod tests {
         let mut case = Case::of(&cubes(0.1, 0.0), 2, 1.0);
         case.u.fill(0.0);
         let parts = faces(&case, 0.1);
-        let new = |parts: &[_], d| ContactProxy::new("c", &case.space, parts, Density::Log, d);
+        let new = |parts: &[_], d| proxy(&case, parts, Density::Log, d);
         assert!(new(&parts, 0.09).unwrap().value(&case.at()) == 0.0);
         let near = new(&parts, 0.11).unwrap();
         assert!(near.value(&case.at()) > 0.0);

@@ -1,5 +1,7 @@
 //! Taylor tests of objectives at random states.
 
+mod symmetry;
+
 use mesh::Vec3;
 
 use super::{Equilibrium, Objective};

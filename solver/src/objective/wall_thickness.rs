@@ -20,9 +20,13 @@
 //! whatever the shape. An open chamber is therefore compared with the outer skin
 //! only, and the seat that holds its rim belongs to neither side.
 //!
+//! Where planes of symmetry cut the body, the parts are those of the whole, and J is the
+//! body's share of it.
+//!
 //! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
 //! the rest shape.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
@@ -34,9 +38,11 @@ use super::{Equilibrium, Measure, Objective};
 use crate::body::Names;
 use crate::contact::candidates::{close_between, closest_between};
 use crate::contact::density::{Density, Repulsion};
+use crate::contact::images::Mirrored;
 use crate::contact::pairs::{Features, Pair};
 use crate::contact::rest_potential;
 use crate::element::at;
+use crate::symmetry::Plane;
 
 pub(super) const KIND: Kind = Kind {
     key: "wall-thickness",
@@ -92,12 +98,12 @@ impl Specification for Keys {
         let limits = Repulsion { density, minimum: minimum.unwrap_or(0.0), activation };
         let others = Names::Several(against);
         Ok(Box::new(move |name, bodies| {
-            Ok(Box::new(if others.all().is_empty() {
-                WallThickness::among(name, &bodies.each(&on)?, limits, measure)?
+            let parts = if others.all().is_empty() {
+                bodies.each(&on)?
             } else {
-                let outer = bodies.facets(&others)?;
-                WallThickness::between(name, &bodies.facets(&on)?, &outer, limits, measure)?
-            }))
+                vec![bodies.facets(&on)?, bodies.facets(&others)?]
+            };
+            Ok(Box::new(WallThickness::new(name, &bodies.body.planes, &parts, limits, measure)?))
         }))
     }
 }
@@ -121,59 +127,56 @@ pub struct WallThickness {
     /// How thin walls may be: β with d₀ and d̂.
     limits: Repulsion,
     measure: Measure,
+    whole: Mirrored,
     /// Parts, each with what it is compared with.
     sides: Vec<[Features; 2]>,
 }
 
 impl WallThickness {
-    /// The term between two sets of facets.
-    ///
-    /// # Errors
-    /// [`SidesTouch`] if a vertex belongs to both sets.
-    pub fn between(
-        name: &str,
-        inner: &[[usize; 3]],
-        outer: &[[usize; 3]],
-        limits: Repulsion,
-        measure: Measure,
-    ) -> Result<Self, SidesTouch> {
-        let sides = vec![apart(inner, outer)?];
-        Ok(Self { name: name.to_owned(), limits, measure, sides })
-    }
-
     /// The term between each two of several sets of facets.
     ///
     /// # Errors
     /// [`SidesTouch`] if a vertex belongs to two sets.
-    pub fn among(
+    pub fn new(
         name: &str,
+        planes: &[Plane],
         parts: &[Vec<[usize; 3]>],
         limits: Repulsion,
         measure: Measure,
     ) -> Result<Self, SidesTouch> {
-        let later = |i: usize| parts[i + 1..].concat();
-        let sides = (0..parts.len().saturating_sub(1)).map(|i| apart(&parts[i], &later(i)));
-        let sides = sides.collect::<Result<_, _>>()?;
-        Ok(Self { name: name.to_owned(), limits, measure, sides })
+        let (whole, mirrored) = Mirrored::new(planes, parts);
+        let mut sides = Vec::new();
+        for i in 1..parts.len() {
+            check_apart(&parts[i - 1], &parts[i..].concat())?;
+            sides.push([mirrored[i - 1].as_slice(), &mirrored[i..].concat()].map(Features::new));
+        }
+        Ok(Self { name: name.to_owned(), limits, measure, whole, sides })
     }
 
     /// J at positions of the vertices.
     #[must_use]
     pub fn value_at(&self, x: &[Vec3]) -> f64 {
-        rest_potential::value(&self.pairs(x), x, &self.limits)
+        let x = self.whole.positions(x);
+        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)
     }
 
     /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
     pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
-        rest_potential::add_gradient(&self.pairs(x), x, &self.limits, weight, out);
+        let x = self.whole.positions(x);
+        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
+        rest_potential::add_gradient(&self.pairs(&x), &x, &self.limits, weight, &mut by_x);
+        self.whole.add_to_vertices(&by_x, out);
     }
 
     /// Smallest distance between two parts [m]; infinite if there are none.
     #[must_use]
     pub fn min_distance(&self, x: &[Vec3]) -> f64 {
-        self.sides.iter().map(|sides| min_distance(sides, x)).fold(f64::INFINITY, f64::min)
+        let x = self.whole.positions(x);
+        let least = |sides| closest_between(sides, &x).map_or(f64::INFINITY, |c| c.1.d2.sqrt());
+        self.sides.iter().map(least).fold(f64::INFINITY, f64::min)
     }
 
+    /// Pairs at positions of the whole.
     fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
         let between = |[a, b]: &[Features; 2]| close_between(a, b, x, self.limits.range());
         self.sides.iter().flat_map(between).collect()
@@ -196,19 +199,12 @@ impl WallThickness {
     }
 }
 
-/// The features of two sets of facets without a common vertex.
-fn apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<[Features; 2], SidesTouch> {
-    let (inner, outer) = (Features::new(inner), Features::new(outer));
-    let on_both = |v: &&usize| outer.vertices.binary_search(v).is_ok();
-    let shared: Vec<usize> = inner.vertices.iter().filter(on_both).copied().collect();
-    match shared.first() {
-        Some(&first) => Err(SidesTouch { count: shared.len(), first }),
-        None => Ok([inner, outer]),
-    }
-}
-
-fn min_distance(sides: &[Features; 2], x: &[Vec3]) -> f64 {
-    closest_between(sides, x).map_or(f64::INFINITY, |(_, closest)| closest.d2.sqrt())
+/// Refuses two sets of facets with a common vertex.
+fn check_apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<(), SidesTouch> {
+    let [inner, outer] = [inner, outer].map(|s| s.iter().flatten().collect::<BTreeSet<_>>());
+    let mut shared = inner.intersection(&outer);
+    let count = shared.clone().count();
+    shared.next().map_or(Ok(()), |&&first| Err(SidesTouch { count, first }))
 }
 
 impl Objective for WallThickness {
@@ -272,7 +268,8 @@ mod tests {
         outer: &[[usize; 3]],
         limits: Repulsion,
     ) -> Result<WallThickness, SidesTouch> {
-        WallThickness::between("wall", inner, outer, limits, Measure::Rest)
+        let parts = [inner.to_vec(), outer.to_vec()];
+        WallThickness::new("wall", &[], &parts, limits, Measure::Rest)
     }
 
     #[test]
@@ -341,13 +338,12 @@ mod tests {
         for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
             let case = Case::cube(degree, scale);
             let side = |z: f64| case.facets_where(|x| (x.z - z).abs() < 1e-9);
-            let (inner, outer) = (side(0.0), side(1.0));
+            let sides = [side(0.0), side(1.0)];
             for (density, minimum) in [(Density::Quadratic, 0.0), (Density::Log, 0.8)] {
                 let limits =
                     Repulsion { density, minimum: minimum * scale, activation: 1.3 * scale };
                 for measure in [Measure::Rest, Measure::Deformed] {
-                    let (a, b) = (&inner, &outer);
-                    case.check(&WallThickness::between("w", a, b, limits, measure).unwrap());
+                    case.check(&WallThickness::new("w", &[], &sides, limits, measure).unwrap());
                 }
             }
         }
@@ -362,7 +358,7 @@ mod tests {
         all.extend(x.iter().map(|v| v + 0.12 * Vec3::z()));
         let value = |wall: Result<WallThickness, _>| wall.unwrap().value_at(&all);
         let parts = [inner.clone(), outer.clone(), third.clone()];
-        let among = value(WallThickness::among("w", &parts, QUADRATIC, Measure::Rest));
+        let among = value(WallThickness::new("w", &[], &parts, QUADRATIC, Measure::Rest));
         let pairs = [(&inner, &outer), (&inner, &third), (&outer, &third)];
         let sum: f64 = pairs.map(|(a, b)| value(rest(a, b, QUADRATIC))).iter().sum();
         assert!(among > 0.0 && (among - sum).abs() < 1e-12 * sum);

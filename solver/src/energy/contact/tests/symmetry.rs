@@ -1,43 +1,11 @@
 //! Contact of a part with its mirror image.
 
 use super::*;
-
-/// A block that is cut at x = 0 and one beside it, near the plane: each touches the other,
-/// and the second its image.
-fn part() -> TetMesh {
-    let mut part = cube(2, 0.1);
-    let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
-    let count = part.vertices.len();
-    let other = part.vertices.iter().map(|v| turn * *v + Vec3::new(0.06, 1.07, 0.05));
-    let other: Vec<Vec3> = other.collect();
-    part.vertices.extend(other);
-    part.tets.extend(part.tets.clone().into_iter().map(|t| t.map(|v| v + count)));
-    part
-}
-
-/// A mesh with its mirror image in x = 0, where vertices are shared.
-fn whole(part: &TetMesh) -> TetMesh {
-    let mut vertices = part.vertices.clone();
-    let image = part.vertices.iter().enumerate().map(|(i, v)| {
-        if v.x == 0.0 {
-            return i;
-        }
-        vertices.push(Vec3::new(-v.x, v.y, v.z));
-        vertices.len() - 1
-    });
-    let image: Vec<usize> = image.collect();
-    let mut tets = part.tets.clone();
-    tets.extend(part.tets.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
-    TetMesh { vertices, tets }
-}
+use crate::testing::{self, whole};
 
 fn scene(degree: usize, form: Form) -> Scene {
-    let part = part();
-    let boundary = mesh::topology::boundary(&part).facets;
+    let (part, plane) = testing::half();
     let in_plane = |x: &[Vec3; 3]| x.iter().all(|v| v.x == 0.0);
-    let cut = boundary.iter().copied().filter(|f| in_plane(&f.map(|v| part.vertices[v])));
-    let cut: Vec<[usize; 3]> = cut.collect();
-    let plane = Plane::find(&part, &boundary, &["cut".to_owned()], &cut).expect("a plane");
     let barrier = barrier(form, 0.15);
     let mut scene =
         Scene::cut_by(&[plane], degree, &[part], Vec::new(), barrier, |x| !in_plane(&x));
@@ -54,7 +22,7 @@ fn scene(degree: usize, form: Form) -> Scene {
 fn a_part_has_its_share_of_the_energy_and_the_forces() {
     for form in [Form::Convergent, Form::Even, Form::Plain] {
         let half = scene(1, form);
-        let mesh = whole(&part());
+        let mesh = whole(&testing::half().0);
         let own = half.rest.len();
         let mut all = Scene::new(1, &[mesh], Vec::new(), barrier(form, 0.15), |_| true);
         all.u[..3 * own].copy_from_slice(&half.u);
