@@ -1,10 +1,10 @@
 //! Contact of a part with its mirror image.
 
 use super::*;
-use crate::testing::{self, whole};
+use crate::testing::{half, whole};
 
 fn scene(degree: usize, form: Form) -> Scene {
-    let (part, plane) = testing::half();
+    let (part, plane) = half();
     let in_plane = |x: &[Vec3; 3]| x.iter().all(|v| v.x == 0.0);
     let barrier = barrier(form, 0.15);
     let mut scene =
@@ -21,32 +21,32 @@ fn scene(degree: usize, form: Form) -> Scene {
 #[test]
 fn a_part_has_its_share_of_the_energy_and_the_forces() {
     for form in [Form::Convergent, Form::Even, Form::Plain] {
-        let half = scene(1, form);
-        let mesh = whole(&testing::half().0);
-        let own = half.rest.len();
+        let part = scene(1, form);
+        let mesh = whole(&half().0);
+        let own = part.rest.len();
         let mut all = Scene::new(1, &[mesh], Vec::new(), barrier(form, 0.15), |_| true);
-        all.u[..3 * own].copy_from_slice(&half.u);
-        let with_image = (0..own).filter(|&v| half.rest[v].x != 0.0);
+        all.u[..3 * own].copy_from_slice(&part.u);
+        let with_image = (0..own).filter(|&v| part.rest[v].x != 0.0);
         for (image, v) in (own..).zip(with_image) {
-            let u = at(&half.u, v);
+            let u = at(&part.u, v);
             all.u[3 * image..3 * image + 3].copy_from_slice(&[-u.x, u.y, u.z]);
         }
-        let (energy, expected) = (half.contact.value(&half.here()), all.contact.value(&all.here()));
+        let (energy, expected) = (part.contact.value(&part.here()), all.contact.value(&all.here()));
         assert!((2.0 * energy / expected - 1.0).abs() < 1e-12, "{form:?} {energy} {expected}");
-        let gradient = half.gradient(&half.contact, &half.rest, &half.u);
+        let gradient = part.gradient(&part.contact, &part.rest, &part.u);
         let expected = all.gradient(&all.contact, &all.rest, &all.u);
         let largest = expected.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let mut across = 0.0_f64;
         for v in 0..own {
             let (own, mut whole) = (at(&gradient, v), at(&expected, v));
-            if half.rest[v].x == 0.0 {
+            if part.rest[v].x == 0.0 {
                 // the image has the other half
                 whole *= 0.5;
             } else {
                 across = across.max(own.x.abs());
             }
             assert!((own - whole).yz().norm() < 1e-11 * largest, "{form:?} {v} {own} {whole}");
-            let free = half.rest[v].x != 0.0;
+            let free = part.rest[v].x != 0.0;
             assert!(!free || (own.x - whole.x).abs() < 1e-11 * largest, "{form:?} {v}");
         }
         assert!(across > 1e-3 * largest, "nothing touches its image");
