@@ -73,7 +73,12 @@ fn sources() -> Vec<PathBuf> {
         "fab/src",
     ];
     let all = folders.iter().flat_map(|folder| files(&top.join(folder), "rs"));
-    all.filter(|path| !path.ends_with("tests.rs")).collect()
+    all.filter(|path| !is_test(path)).collect()
+}
+
+/// Whether a file holds nothing but unit tests: `tests.rs`, or one in a folder `tests`.
+fn is_test(path: &Path) -> bool {
+    path.ends_with("tests.rs") || path.parent().is_some_and(|folder| folder.ends_with("tests"))
 }
 
 /// Modules of the crate that a file uses: `crate::name`, `crate::{a, b::c}`.
@@ -151,7 +156,7 @@ fn uses_only_those_before(package: &str) {
             vec![source.join(module).with_extension("rs")]
         };
         // unit tests in a file of their own may use what is made for tests
-        for path in paths.iter().filter(|p| !p.ends_with("tests.rs")) {
+        for path in paths.iter().filter(|path| !is_test(path)) {
             for name in used(&code(path)) {
                 if !declared[..=level].contains(&name.as_str()) {
                     wrong.push(format!("{} uses {name}", path.display()));
