@@ -13,19 +13,16 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, anyhow};
-use mesh::Vec3;
-use mesh::offset::shifts;
+use anyhow::Result;
 use serde::Serialize;
 
-use crate::adjoint::{self, Gradient};
-use crate::config::{Modulus, UncertaintyConfig, is_pressure};
-use crate::design::Extension;
-use crate::energy::{Iterate, ParameterId};
-use crate::forward::{Problem, Trajectory, Workspace, solve_multipliers};
-use crate::objective::Equilibrium;
+use crate::adjoint::Gradient;
+use crate::config::{Modulus, UncertaintyConfig};
+use crate::energy::ParameterId;
+use crate::forward::{Problem, Trajectory, Workspace};
 use crate::probe::Probe;
 use crate::scene::Scene;
+use crate::sensitivity::{Walls, by_density, by_modulus, by_pressures, sensitivities};
 
 /// What a probe changes by.
 #[derive(Clone, Debug, Serialize)]
@@ -70,33 +67,6 @@ impl ErrorBar {
     }
 }
 
-/// Moves of the rest vertices per distance: of the whole boundary, then tag by tag.
-struct Walls {
-    extension: Extension,
-    shifts: Vec<(Option<String>, BTreeMap<usize, Vec3>)>,
-}
-
-impl Walls {
-    fn new(scene: &Scene) -> Result<Self> {
-        let (body, x) = (&scene.body, &scene.body.mesh.vertices);
-        let extension = Extension::new(body)
-            .map_err(|_| anyhow!("[uncertainty] wall: an element of the mesh is too flat"))?;
-        let mut walls = vec![(None, shifts(x, body.boundary()))];
-        for tag in body.used_tags() {
-            walls.push((Some(tag.clone()), shifts(x, &body.facets(tag)?)));
-        }
-        Ok(Self { extension, shifts: walls })
-    }
-
-    /// The derivative by each, from that by the rest vertices.
-    fn derivatives(&self, by_rest: &[f64]) -> Vec<(Option<String>, f64)> {
-        let mut bar: Vec<Vec3> = by_rest.chunks_exact(3).map(Vec3::from_column_slice).collect();
-        self.extension.pull_back(&mut bar);
-        let along = |moves: &BTreeMap<usize, Vec3>| moves.iter().map(|(&v, d)| bar[v].dot(d)).sum();
-        self.shifts.iter().map(|(tag, moves)| (tag.clone(), along(moves))).collect()
-    }
-}
-
 /// Error bars of all probes at the end of a run, by their names.
 ///
 /// # Errors
@@ -110,31 +80,10 @@ pub fn error_bars(
 ) -> Result<BTreeMap<String, ErrorBars>> {
     let walls = config.wall.map(|off| Ok::<_, anyhow::Error>((Walls::new(scene)?, off)));
     let walls = walls.transpose()?;
-    let (rest, last) = (&scene.body.mesh.vertices[..], run.steps());
-    let (state, step) = (run.state(last), run.step(problem, rest, last));
-    let at = problem.iterate(rest, &state.u, run.times[last]);
-    let at = Iterate { step: Some(&step), ..at };
-    let multipliers = solve_multipliers(problem, workspace, &at);
-    let at = Iterate { multipliers: &multipliers, ..at };
-    let contact = problem.energies.contact_forces(&at);
-    let reaction = problem.gradient(&at).0;
-    let linearization = workspace.linearize(problem, &at);
-    let (space, u, load) = (at.space, at.u, at.load);
-    let here = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
-    let mut found = BTreeMap::new();
-    for probe in probes {
-        let q = &probe.quantity;
-        let partials = |_: &_, n: usize, out: &mut adjoint::Partials| {
-            if n == last {
-                q.add_du(&here, 1.0, &mut out.by_u);
-                q.add_dcontact(&here, 1.0, &mut out.by_contact);
-                q.add_dreaction(&here, 1.0, &mut out.by_reaction);
-            }
-        };
-        let on = (rest, run);
-        let mut swept = adjoint::sweep(problem, workspace, on, Some(&linearization), partials)
-            .map_err(|e| anyhow!("error bars of the probe \"{}\": {e}", probe.name))?;
-        q.add_drest(&here, 1.0, &mut swept.rest);
+    let all: Vec<&Probe> = probes.iter().collect();
+    let found = sensitivities(scene, (problem, workspace), (&all, run, run.steps()))?;
+    let mut bars_of = BTreeMap::new();
+    for (probe, (value, swept)) in probes.iter().zip(found) {
         let mut bars = numbers(scene, config, problem, &swept);
         if let Some((walls, off)) = &walls {
             let bar = |(on, derivative)| ErrorBar {
@@ -145,10 +94,10 @@ pub fn error_bars(
         }
         let whole = bars.iter().filter(|bar| bar.on.is_none());
         let together = whole.map(|bar| bar.size().powi(2)).sum::<f64>().sqrt();
-        let (value, unit) = (q.value(&here), probe.kind.unit);
-        found.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
+        let unit = probe.kind.unit;
+        bars_of.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
     }
-    Ok(found)
+    Ok(bars_of)
 }
 
 /// Those of the numbers that are no positions.
@@ -158,31 +107,17 @@ fn numbers(
     problem: &Problem,
     swept: &Gradient,
 ) -> Vec<ErrorBar> {
-    let parts = 0..scene.parts.len();
-    let total = |id| swept.parameters.total(id);
     let both = |off: f64| [-off, off];
     let mut bars = Vec::new();
     if let Some(modulus) = &config.modulus {
-        let by_stresses = |part: usize| -> f64 {
-            let material = &scene.parts[part].material;
-            let by = total(ParameterId::Material(part));
-            let pairs =
-                material.law.named(&material.values).into_iter().zip(material.law.named(&by));
-            let stresses = pairs.filter(|((parameter, _), _)| parameter.unit == "Pa");
-            stresses.flat_map(|((_, p), (_, by))| p.into_iter().zip(by)).map(|(p, by)| p * by).sum()
-        };
         let off = match modulus {
             Modulus::Part(part) => both(*part),
             Modulus::Sources(_) => range_of_sources(scene),
         };
-        bars.push(ErrorBar::new("modulus", "1", parts.clone().map(by_stresses).sum(), off));
+        bars.push(ErrorBar::new("modulus", "1", by_modulus(scene, swept), off));
     }
     if let Some(off) = config.pressure {
-        let chambers =
-            problem.energies.chambers().filter(|(_, c)| is_pressure(c.chamber.gas.key()));
-        let steps = 0..swept.parameters.steps();
-        let by = |id| steps.clone().map(|step| swept.parameters.chamber(step, id)).sum::<f64>();
-        let each: Vec<(String, f64)> = chambers.map(|(id, c)| (c.name.clone(), by(id))).collect();
+        let each = by_pressures(problem, swept);
         let all = each.iter().map(|(_, by)| by).sum();
         bars.push(ErrorBar::new("pressure", "Pa", all, both(off)));
         let several = each.len() > 1;
@@ -191,14 +126,10 @@ fn numbers(
         bars.extend(each.into_iter().filter(|_| several).map(bar));
     }
     if let Some(off) = config.density {
-        let by = |part: usize| -> f64 {
-            let density = scene.parts[part].material.density.unwrap_or(0.0);
-            total(ParameterId::Density(part)).iter().map(|by| by * density).sum()
-        };
-        bars.push(ErrorBar::new("density", "1", parts.map(by).sum(), both(off)));
+        bars.push(ErrorBar::new("density", "1", by_density(scene, swept), both(off)));
     }
     if let (Some(off), Some(contact)) = (config.friction, &scene.config.contact) {
-        let by: f64 = total(ParameterId::Friction).iter().sum();
+        let by: f64 = swept.parameters.total(ParameterId::Friction).iter().sum();
         bars.push(ErrorBar::new("friction", "1", by * contact.friction, both(off)));
     }
     bars
