@@ -3,6 +3,8 @@
 
 #[path = "fast/bad_design.rs"]
 mod bad_design;
+#[path = "fast/calibrate.rs"]
+mod calibrate;
 #[path = "fast/compare.rs"]
 mod compare;
 #[path = "fast/contact_failures.rs"]

@@ -25,9 +25,11 @@ pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom
 pub mod scene; // config and files to objects
 pub mod design; // design variables to rest shape and loads, with transposed derivative
+pub mod sensitivity; // derivatives of probes by numbers of a scene
 pub mod uncertainty; // what probes change by if numbers are off
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod validation; // simulations beside measurements
+pub mod calibration; // numbers of scenes from measurements on a device
 pub mod polyfem; // scenes of PolyFEM to scenes of ours
 pub mod optimize; // outer loop: quasi-Newton steps to a better shape
 pub mod cmd; // the verbs of the program, one per file

@@ -1,5 +1,6 @@
 //! The verbs of `solver`.
 
+mod calibrate;
 mod check;
 mod compare;
 mod fit;
@@ -30,6 +31,7 @@ pub enum Verb {
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Import(import::Arguments),
+    Calibrate(calibrate::Arguments),
     Validate(validate::Arguments),
     Mirror(mirror::Arguments),
 }
@@ -50,6 +52,7 @@ impl Verb {
             Self::Compare(arguments) => compare::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Import(arguments) => import::run(arguments),
+            Self::Calibrate(arguments) => calibrate::run(arguments),
             Self::Validate(arguments) => validate::run(arguments),
             Self::Mirror(arguments) => mirror::run(arguments),
         }

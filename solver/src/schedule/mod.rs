@@ -96,6 +96,27 @@ impl Schedule {
         }
     }
 
+    /// Adds a constant to what is written; `parameters` are those of an expression.
+    ///
+    /// # Errors
+    /// [`Malformed`] with a name that has no value.
+    pub fn add(
+        &mut self,
+        constant: f64,
+        parameters: &BTreeMap<String, f64>,
+    ) -> Result<(), Malformed> {
+        match &mut self.written {
+            Written::Number(value) => *value += constant,
+            Written::Expression(expression) => {
+                let text = format!("({}) + ({constant:e})", expression.text());
+                *expression = Arc::new(Expression::parse_unbound(&text)?);
+                self.bind(parameters)?;
+            }
+            Written::Table(table) => Arc::make_mut(table).add(constant),
+        }
+        Ok(())
+    }
+
     /// Whether a parameter occurs in it.
     #[must_use]
     pub fn uses(&self, parameter: &str) -> bool {

@@ -49,6 +49,11 @@ impl Table {
         Ok(Self { t, value })
     }
 
+    /// Adds a constant to all values.
+    pub fn add(&mut self, constant: f64) {
+        self.value.iter_mut().for_each(|value| *value += constant);
+    }
+
     /// First and last time [s].
     #[must_use]
     pub fn range(&self) -> (f64, f64) {

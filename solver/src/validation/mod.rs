@@ -1,6 +1,6 @@
 //! Simulations beside measurements: the simulated value of each measured point, and its error.
 
-mod table;
+pub mod table;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -92,6 +92,12 @@ fn quantity(title: &str) -> &str {
     }
 }
 
+/// The unit in a title, such as `mm` of `height [mm]`.
+#[must_use]
+pub fn unit(title: &str) -> Option<&str> {
+    title.strip_suffix(']')?.rsplit_once('[').map(|(_, unit)| unit.trim())
+}
+
 /// Whether an entry is a text or a number that a configuration gives.
 fn same(entry: &str, value: &toml::Value) -> bool {
     match value {

@@ -1,0 +1,198 @@
+//! Weighted least squares by the Levenberg–Marquardt method.
+//!
+//! min χ²(p) = Σ_i r_i²,   r_i = (simulated_i(p) − measured_i) / σ_i
+//! (JᵀJ + λ diag JᵀJ) δ = −Jᵀ r,   λ → 0 as steps succeed
+//! C = (JᵀJ)⁻¹ max(1, χ²/ν)
+//!
+//! σ_i   standard uncertainty of measurement i
+//! C     covariance of the p; ν = measurements less numbers, and the factor counts scatter beyond
+//!       the σ_i (Birge 1932, doi:10.1103/PhysRev.40.207)
+//!
+//! Source: Marquardt 1963, doi:10.1137/0111030.
+
+use anyhow::Result;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Iterations, at most.
+const ITERATIONS: usize = 50;
+/// A step is the last if it is this part of the standard errors of all numbers, or less.
+const SETTLED: f64 = 1e-6;
+/// λ of the first step, and the one at which shorter steps are given up.
+const DAMPING: [f64; 2] = [1e-3, 1e9];
+/// Smallest eigenvalue of JᵀJ with a diagonal of ones at which numbers count as determined.
+const DETERMINED: f64 = 1e-9;
+
+/// Residuals r and their derivatives J by the numbers.
+#[derive(Clone, Debug)]
+pub struct Residuals {
+    /// r.
+    pub r: DVector<f64>,
+    /// J.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Residuals {
+    /// χ².
+    #[must_use]
+    pub fn chi2(&self) -> f64 {
+        self.r.norm_squared()
+    }
+
+    fn normal(&self) -> DMatrix<f64> {
+        self.jacobian.tr_mul(&self.jacobian)
+    }
+}
+
+/// Numbers at the minimum.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// p.
+    pub numbers: Vec<f64>,
+    /// There.
+    pub residuals: Residuals,
+    /// C.
+    pub covariance: DMatrix<f64>,
+    /// Steps that were taken.
+    pub iterations: usize,
+}
+
+/// Why there is no minimum.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Failure {
+    /// The model has no value at the start.
+    #[error("the model cannot be evaluated at the start")]
+    Start,
+    /// Some combination of these numbers changes no residual.
+    #[error("the measurements do not determine some of the numbers")]
+    Undetermined(Vec<usize>),
+    /// χ² still falls after the last iteration, or its derivatives do not belong to it.
+    #[error("no minimum after {0} iterations")]
+    Unsettled(usize),
+}
+
+/// The minimum from a start. `model` gives none where it cannot be evaluated, and `observe`
+/// sees each iteration's numbers and residuals.
+///
+/// # Errors
+/// Of the model; [`Failure`] within.
+pub fn minimise(
+    start: &[f64],
+    mut model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,
+    mut observe: impl FnMut(usize, &[f64], &Residuals),
+) -> Result<Result<Minimum, Failure>> {
+    let Some(mut here) = model(start)? else { return Ok(Err(Failure::Start)) };
+    let (mut p, mut damping) = (start.to_vec(), DAMPING[0]);
+    for iterations in 0..=ITERATIONS {
+        observe(iterations, &p, &here);
+        let free = undetermined(&here.normal());
+        if !free.is_empty() {
+            return Ok(Err(Failure::Undetermined(free)));
+        }
+        let inverse = here.normal().try_inverse().expect("regular, as its eigenvalues say");
+        let whole = -(&inverse * here.jacobian.tr_mul(&here.r));
+        let settled = |k: usize| whole[k].abs() <= SETTLED * inverse[(k, k)].sqrt();
+        if (0..p.len()).all(settled) {
+            let over = here.r.len().saturating_sub(p.len());
+            let scatter = if over > 0 { (here.chi2() / over as f64).max(1.0) } else { 1.0 };
+            let covariance = inverse * scatter;
+            return Ok(Ok(Minimum { numbers: p, residuals: here, covariance, iterations }));
+        }
+        loop {
+            let step = damped(&here, damping);
+            let trial: Vec<f64> = p.iter().zip(step.iter()).map(|(p, d)| p + d).collect();
+            match model(&trial)?.filter(|there| there.chi2() < here.chi2()) {
+                Some(there) => {
+                    (p, here, damping) = (trial, there, 0.1 * damping);
+                    break;
+                }
+                None if damping > DAMPING[1] => return Ok(Err(Failure::Unsettled(iterations))),
+                None => damping *= 10.0,
+            }
+        }
+    }
+    Ok(Err(Failure::Unsettled(ITERATIONS)))
+}
+
+/// δ.
+fn damped(here: &Residuals, damping: f64) -> DVector<f64> {
+    let mut normal = here.normal();
+    for k in 0..normal.nrows() {
+        normal[(k, k)] *= 1.0 + damping;
+    }
+    let cholesky = normal.cholesky().expect("positive definite, as it is regular");
+    -cholesky.solve(&here.jacobian.tr_mul(&here.r))
+}
+
+/// The numbers of which some combination changes nothing.
+fn undetermined(normal: &DMatrix<f64>) -> Vec<usize> {
+    let n = normal.nrows();
+    let without: Vec<usize> = (0..n).filter(|&k| normal[(k, k)] == 0.0).collect();
+    if !without.is_empty() {
+        return without;
+    }
+    let scaled =
+        DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (normal[(i, i)] * normal[(j, j)]).sqrt());
+    let SymmetricEigen { eigenvalues, eigenvectors } = scaled.symmetric_eigen();
+    let least = eigenvalues.imin();
+    if eigenvalues[least] > DETERMINED {
+        return Vec::new();
+    }
+    (0..n).filter(|&k| eigenvectors[(k, least)].abs() > 0.1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y = a exp(b x) at some x, with σ = 0.1.
+    fn exponential(p: &[f64], y: &[f64]) -> Residuals {
+        let x = |i: usize| 0.2 * i as f64;
+        let of = |i: usize| (p[0] * (p[1] * x(i)).exp() - y[i]) / 0.1;
+        let by = |i: usize, k: usize| {
+            let e = (p[1] * x(i)).exp() / 0.1;
+            if k == 0 { e } else { p[0] * x(i) * e }
+        };
+        let r = DVector::from_fn(y.len(), |i, _| of(i));
+        Residuals { r, jacobian: DMatrix::from_fn(y.len(), 2, by) }
+    }
+
+    fn fit(y: &[f64]) -> Minimum {
+        let model = |p: &[f64]| Ok((p[1] < 3.0).then(|| exponential(p, y)));
+        minimise(&[1.0, 0.0], model, |_, _, _| ()).expect("a model").expect("a minimum")
+    }
+
+    #[test]
+    fn a_known_curve_is_found_again() {
+        let y: Vec<f64> = (0..8).map(|i| 2.5 * (-0.7 * 0.2 * f64::from(i)).exp()).collect();
+        let found = fit(&y);
+        assert!((found.numbers[0] - 2.5).abs() < 1e-7 && (found.numbers[1] + 0.7).abs() < 1e-7);
+        assert!(found.residuals.chi2() < 1e-10);
+    }
+
+    /// A mean of n values has the standard error σ/√n, and s/√n where they scatter by s > σ.
+    #[test]
+    fn standard_errors_are_those_of_a_mean() {
+        for (spread, expected) in [(0.5, 1.0 / 3.0), (4.0, 4.0 * (9.0_f64 / 8.0).sqrt() / 3.0)] {
+            // −1, 0, 1 times √(3/2): variance 1 about the mean
+            let y = |i: usize| 7.0 + spread * 1.5_f64.sqrt() * ((i % 3) as f64 - 1.0);
+            let model = |p: &[f64]| {
+                let r = DVector::from_fn(9, |i, _| p[0] - y(i));
+                Ok(Some(Residuals { r, jacobian: DMatrix::from_element(9, 1, 1.0) }))
+            };
+            let found = minimise(&[0.0], model, |_, _, _| ()).expect("ok").expect("a minimum");
+            assert!((found.numbers[0] - 7.0).abs() < 1e-6);
+            assert!((found.covariance[(0, 0)].sqrt() / expected - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn numbers_that_count_together_only_are_named() {
+        let model = |p: &[f64]| {
+            let r = DVector::from_fn(4, |i, _| p[0] + p[1] + p[2] * i as f64);
+            let by = |i: usize, k: usize| if k == 2 { i as f64 } else { 1.0 };
+            Ok(Some(Residuals { r, jacobian: DMatrix::from_fn(4, 3, by) }))
+        };
+        let found = minimise(&[1.0; 3], model, |_, _, _| ()).expect("ok");
+        assert_eq!(found.err(), Some(Failure::Undetermined(vec![0, 1])));
+    }
+}

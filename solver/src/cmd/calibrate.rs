@@ -1,0 +1,267 @@
+//! `solver calibrate`: numbers of scenes from measurements.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use program::Unusable;
+use serde_json::{Value, json};
+
+use crate::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
+use crate::calibration::{Calibration, Experiment, Number};
+use crate::plot::{Axes, Series, Style, draw};
+use crate::report::results;
+
+/// Find numbers of your scenes from measurements on your own device
+///
+/// CONFIG names scenes, measured tables of their probes with standard uncertainties, and the
+/// numbers that are sought: factors on modulus and density, offsets of pressures and walls, or
+/// parameters of a law. Writes to the output folder calibration.json, with standard errors,
+/// correlations and what each experiment tells; residuals.svg; and, where the material was
+/// sought, material.toml, to be pasted into a scene.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What is sought, and from what (TOML)
+    config: PathBuf,
+    /// Folder for the results; made if missing
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let calibration = Calibration::read(&arguments.config)?;
+    let start: Vec<f64> = calibration.start.iter().map(|(_, value)| *value).collect();
+    let mut before = Vec::new();
+    let observe = |iteration: usize, values: &[f64], residuals: &Residuals| {
+        if iteration == 0 {
+            before = residuals.r.as_slice().to_vec();
+        }
+        let named = calibration.numbers.iter().zip(values);
+        let named: Vec<_> = named.map(|(n, v)| format!("{} {v:.5e}", n.title())).collect();
+        log::info!("iteration {iteration}  χ² {:.4e}  {}", residuals.chi2(), named.join("  "));
+    };
+    let found = minimise(&start, |values| calibration.residuals(values), observe)?;
+    let found = found.map_err(|failure| {
+        Unusable(format!("{}: {}", arguments.config.display(), why(&calibration, &failure)))
+    })?;
+    let points = points(&calibration, &found, &before);
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let text = table(&calibration, &found)?;
+    write!(std::io::stdout().lock(), "{text}")?;
+    let report = report(&calibration, &found, &points);
+    results::write_json(&folder.join("calibration.json"), &report)?;
+    picture(&calibration, &found, &folder.join("residuals.svg"))?;
+    let path = folder.join("material.toml");
+    if calibration.numbers.iter().any(Number::is_of_material) {
+        let material = material(&calibration, &found, &text)?;
+        mesh::io::write_atomic(&path, |out| out.write_all(material.as_bytes()))?;
+    } else {
+        // one of an earlier run must not remain beside a calibration of something else
+        mesh::io::remove_output(&path)?;
+    }
+    Ok(())
+}
+
+fn why(calibration: &Calibration, failure: &Failure) -> String {
+    match failure {
+        Failure::Start => {
+            "a scene has no equilibrium with its numbers as they are; mend it first by solver \
+             simulate"
+                .to_owned()
+        }
+        Failure::Undetermined(numbers) => {
+            let names: Vec<_> = numbers.iter().map(|&k| calibration.numbers[k].title()).collect();
+            let count: usize = calibration.experiments.iter().map(|e| e.points.len()).sum();
+            format!(
+                "{count} measurements do not determine {}: changes of {} leave all of them as \
+                 they are; measure something that tells them apart, or seek fewer",
+                names.join(" and "),
+                if names.len() > 1 { "these numbers together" } else { "this number" }
+            )
+        }
+        Failure::Unsettled(_) => format!("{failure}"),
+    }
+}
+
+fn standard_error(found: &Minimum, k: usize) -> f64 {
+    found.covariance[(k, k)].sqrt()
+}
+
+/// The part of what is known of each number that each experiment tells, all others known.
+fn shares(calibration: &Calibration, found: &Minimum, k: usize) -> Vec<f64> {
+    let column = found.residuals.jacobian.column(k);
+    let mut first = 0;
+    let of = |e: &Experiment| {
+        let rows = column.rows(first, e.points.len());
+        first += e.points.len();
+        rows.norm_squared() / column.norm_squared()
+    };
+    calibration.experiments.iter().map(of).collect()
+}
+
+fn degrees_of_freedom(found: &Minimum) -> usize {
+    found.residuals.r.len().saturating_sub(found.numbers.len())
+}
+
+/// The numbers in lines of text.
+fn table(calibration: &Calibration, found: &Minimum) -> Result<String> {
+    let mut text = String::new();
+    let over = degrees_of_freedom(found);
+    let chi2 = found.residuals.chi2();
+    writeln!(
+        text,
+        "measurements: {}, numbers: {}, iterations: {}, χ² {chi2:.3} for {over} degrees of freedom",
+        found.residuals.r.len(),
+        found.numbers.len(),
+        found.iterations
+    )?;
+    if over > 0 && chi2 > 4.0 * over as f64 {
+        writeln!(
+            text,
+            "the measurements are {:.1} standard uncertainties (rms) off the model: it lacks \
+             something, or they are less certain than stated; look at residuals.svg",
+            (chi2 / over as f64).sqrt()
+        )?;
+    }
+    for (k, number) in calibration.numbers.iter().enumerate() {
+        let (unit, start) = calibration.start[k];
+        let shares = shares(calibration, found, k).into_iter().zip(&calibration.experiments);
+        let shares: Vec<_> =
+            shares.map(|(s, e)| format!("{} {:.0} %", e.config.name, 100.0 * s)).collect();
+        writeln!(
+            text,
+            "{} ({}): {:.6} ± {:.2e}{}, was {start}; from {}",
+            number.title(),
+            number.meaning(),
+            found.numbers[k],
+            standard_error(found, k),
+            if unit == "1" { String::new() } else { format!(" {unit}") },
+            shares.join(", ")
+        )?;
+    }
+    for i in 0..found.numbers.len() {
+        for j in 0..i {
+            let c = correlation(found, i, j);
+            if c.abs() > 0.9 {
+                let [a, b] = [i, j].map(|k| calibration.numbers[k].title());
+                writeln!(text, "{b} and {a} are hardly told apart: correlation {c:+.3}")?;
+            }
+        }
+    }
+    Ok(text)
+}
+
+fn correlation(found: &Minimum, i: usize, j: usize) -> f64 {
+    found.covariance[(i, j)] / (standard_error(found, i) * standard_error(found, j))
+}
+
+/// Measured and simulated points of each experiment, in the units of its column.
+fn points(calibration: &Calibration, found: &Minimum, before: &[f64]) -> Vec<Value> {
+    let mut i = 0;
+    let mut of = |e: &Experiment| {
+        let points: Vec<Value> = e
+            .points
+            .iter()
+            .map(|point| {
+                let simulated = |r: f64| point.measured / e.unit.1 + r * e.config.uncertainty;
+                let (r, before) = (found.residuals.r[i], simulated(before[i]));
+                i += 1;
+                json!({
+                    "t": point.t,
+                    "measured": point.measured / e.unit.1,
+                    "before": before,
+                    "after": simulated(r),
+                    "residual": r,
+                })
+            })
+            .collect();
+        json!({
+            "name": e.config.name,
+            "probe": e.config.probe,
+            "columns": e.config.columns,
+            "uncertainty": e.config.uncertainty,
+            "points": points,
+        })
+    };
+    calibration.experiments.iter().map(&mut of).collect()
+}
+
+fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value {
+    let one = |k: usize| {
+        let number = &calibration.numbers[k];
+        let names = calibration.experiments.iter().map(|e| e.config.name.clone());
+        let shares: serde_json::Map<_, _> =
+            names.zip(shares(calibration, found, k).into_iter().map(Value::from)).collect();
+        json!({
+            "name": number.title(),
+            "meaning": number.meaning(),
+            "unit": calibration.start[k].0,
+            "start": calibration.start[k].1,
+            "value": found.numbers[k],
+            "standard_error": standard_error(found, k),
+            "shares": shares,
+        })
+    };
+    let count = found.numbers.len();
+    let row = |i: usize| (0..count).map(|j| correlation(found, i, j)).collect::<Vec<f64>>();
+    json!({
+        "program": crate::report::PROGRAM,
+        "numbers": (0..count).map(one).collect::<Vec<_>>(),
+        "correlations": (0..count).map(row).collect::<Vec<_>>(),
+        "chi2": found.residuals.chi2(),
+        "degrees_of_freedom": degrees_of_freedom(found),
+        "iterations": found.iterations,
+        "experiments": points,
+    })
+}
+
+/// Residuals over their standard uncertainties, experiment by experiment.
+fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()> {
+    let mut i = 0;
+    let mut series = Vec::new();
+    for (turn, e) in calibration.experiments.iter().enumerate() {
+        let residuals = found.residuals.r.as_slice()[i..i + e.points.len()].iter();
+        i += e.points.len();
+        let points = e.points.iter().map(|p| p.t).zip(residuals.copied()).collect();
+        let (label, style) = (Some(e.config.name.clone()), Style::Dotted(1));
+        series.push(Series { label, points, style, turn });
+    }
+    let y = "(simulated − measured) / standard uncertainty".to_owned();
+    draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
+}
+
+/// The tables [material] of the scenes' bodies with what was found.
+fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
+    let mut scene = calibration.scenes[0].clone();
+    for (number, &value) in calibration.numbers.iter().zip(&found.numbers) {
+        if number.is_of_material() || number.of == "density" {
+            number.apply(&mut scene, None, value)?;
+        }
+    }
+    let mut text = String::from("# From solver calibrate:\n");
+    provenance.lines().try_for_each(|line| writeln!(text, "# {line}"))?;
+    for experiment in &calibration.experiments {
+        let own = &experiment.config;
+        let (columns, file) = (own.columns.join(", "), own.measured.display());
+        writeln!(text, "# {}: {columns} of {file}, probe {}", own.name, own.probe)?;
+    }
+    for part in &scene.parts {
+        if scene.parts.len() > 1 {
+            writeln!(text, "# body \"{}\"", part.config.name)?;
+        }
+        let material = &part.material;
+        let mut keys = toml::Table::new();
+        keys.insert("kind".to_owned(), material.law.key.into());
+        keys.extend(material.law.table(&material.values));
+        if let Some(density) = material.density {
+            keys.insert("density".to_owned(), density.into());
+        }
+        if let Some(range) = material.stretch_range {
+            keys.insert("stretch_range".to_owned(), range.to_vec().into());
+        }
+        writeln!(text, "[material]\n{keys}")?;
+    }
+    Ok(text)
+}

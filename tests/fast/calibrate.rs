@@ -1,0 +1,203 @@
+//! Numbers of scenes from measurements: made-up truths, derivatives, and bad input.
+
+use std::fmt::Write as _;
+
+use serde_json::Value;
+use solver::calibration::Calibration;
+use tests::chamber;
+use tests::workdir::Workdir;
+
+const TIME: &str = r#"
+gravity = [0, 0, -9.81]
+
+[[probe]]
+name = "top"
+kind = "displacement"
+on = "top"
+axis = [0, 0, 1]
+
+[[probe]]
+name = "air"
+kind = "volume"
+on = "cavity"
+
+[time]
+end = 1
+steps = 4
+method = "quasistatic"
+
+[solver]
+relative_tolerance = 1e-13
+absolute_tolerance = 1e-12
+"#;
+
+/// The scene under a name, with its stresses times a factor, and with its pressure.
+fn scene(dir: &Workdir, name: &str, factor: f64, pressure: &str) {
+    let (keys, tables) = TIME.split_once("\n\n").unwrap();
+    let (mesh, rest) = chamber::SIM.split_once("degree = 2").unwrap();
+    let mut rest = rest.replace("pressure = 8e3", &format!("pressure = \"{pressure}\""));
+    for (old, number) in [("c1 = 55e3", 55e3), ("c2 = 5e3", 5e3), ("c3 = 1.7e3", 1.7e3)] {
+        rest = rest.replace(old, &format!("{} = {:e}", &old[..2], factor * number));
+    }
+    rest = rest.replace("d1 = 1e6", &format!("d1 = {:e}\ndensity = 1070", factor * 1e6));
+    dir.write(name, &format!("{mesh}degree = 1\n{keys}\n{rest}\n{tables}"));
+}
+
+/// What the probes of a scene give, as measured tables.
+fn measure(dir: &Workdir, scene: &str) {
+    dir.solver(&format!("simulate {scene} -o truth")).assert_good();
+    let report = dir.json("truth/report.json");
+    let (mut top, mut air) = ("t [s], height [mm]\n".to_owned(), "volume [ml], side\n".to_owned());
+    for step in report["steps"].as_array().unwrap() {
+        let probe = |name: &str| step["probes"][name].as_f64().unwrap();
+        writeln!(top, "{}, {:e}", step["t"], 1e3 * probe("top")).unwrap();
+        writeln!(air, "{:e}, left", 1e6 * probe("air")).unwrap();
+    }
+    let last = air.lines().last().unwrap().to_owned();
+    dir.write("top.csv", &top);
+    dir.write("air.csv", &format!("volume [ml], side\n1e3, right\n{last}\n"));
+}
+
+const EXPERIMENTS: &str = r#"
+[[experiment]]
+name = "camera"
+scene = "sim.toml"
+probe = "top"
+measured = "top.csv"
+time = "t [s]"
+columns = ["height [mm]"]
+uncertainty = 0.02
+
+[[experiment]]
+name = "syringe"
+scene = "sim.toml"
+probe = "air"
+measured = "air.csv"
+where = { side = "left" }
+columns = ["volume [ml]"]
+uncertainty = 0.05
+"#;
+
+fn numbers(all: &[&str]) -> String {
+    all.iter().map(|keys| format!("[[number]]\n{keys}\n\n")).collect::<String>() + EXPERIMENTS
+}
+
+fn workdir() -> Workdir {
+    let dir = chamber::workdir();
+    scene(&dir, "sim.toml", 1.0, "8e3*t");
+    dir
+}
+
+fn value(report: &Value, k: usize) -> f64 {
+    report["numbers"][k]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn a_made_up_truth_is_found_again() {
+    let dir = workdir();
+    scene(&dir, "real.toml", 1.25, "8e3*t + 300");
+    measure(&dir, "real.toml");
+    let sought = ["of = \"modulus\"", "of = \"pressure\"\non = \"cavity\""];
+    dir.write("calibrate.toml", &numbers(&sought));
+    let said = dir.solver("calibrate calibrate.toml -o out");
+    said.assert_good();
+    let report = dir.json("out/calibration.json");
+    assert!((value(&report, 0) / 1.25 - 1.0).abs() < 1e-6, "{report}");
+    assert!((value(&report, 1) / 300.0 - 1.0).abs() < 1e-5, "{report}");
+    assert!(report["chi2"].as_f64().unwrap() < 1e-8);
+    let shares = report["numbers"][0]["shares"].as_object().unwrap();
+    assert!((shares.values().map(|s| s.as_f64().unwrap()).sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!(said.stdout.contains("measurements: 5, numbers: 2"), "{}", said.stdout);
+    assert!(dir.path("out/residuals.svg").exists());
+    let material: toml::Table = dir.text("out/material.toml").parse().unwrap();
+    let c1 = material["material"]["c1"].as_float().unwrap();
+    assert!((c1 / (1.25 * 55e3) - 1.0).abs() < 1e-6);
+}
+
+/// The remainder of each derivative falls with the square of the change, away from the start.
+#[test]
+fn derivatives_belong_to_the_simulations() {
+    let dir = workdir();
+    measure(&dir, "sim.toml");
+    for (sought, values, steps) in [
+        (
+            [
+                "of = \"modulus\"",
+                "of = \"density\"",
+                "of = \"pressure\"",
+                "of = \"wall\"\non = \"cavity\"",
+            ],
+            [1.1, 0.9, 200.0, 5e-5],
+            [2e-2, 2e-1, 100.0, 2e-5],
+        ),
+        (
+            ["of = \"c1\"", "of = \"d1\"", "of = \"density\"", "of = \"wall\""],
+            [60e3, 9e5, 1.3, -5e-5],
+            [2e3, 1e5, 2e-1, 2e-5],
+        ),
+    ] {
+        dir.write("calibrate.toml", &numbers(&sought));
+        let calibration = Calibration::read(&dir.path("calibrate.toml")).unwrap();
+        let (nominal, by) = calibration.model(&values).unwrap().unwrap();
+        for k in 0..values.len() {
+            let remainder = |part: f64| {
+                let mut moved = values;
+                moved[k] += part * steps[k];
+                let (there, _) = calibration.model(&moved).unwrap().unwrap();
+                (there - &nominal - part * steps[k] * by.column(k)).norm()
+            };
+            let (whole, half) = (remainder(1.0), remainder(0.5));
+            let slope = (whole / half).log2();
+            let rounding = 1e-9 * nominal.norm();
+            assert!(whole > 0.0 && by.column(k).norm() > 0.0, "{}", sought[k]);
+            assert!((slope - 2.0).abs() < 0.1 || whole < rounding, "{}: {slope}", sought[k]);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_calibrated_is_refused() {
+    let dir = workdir();
+    measure(&dir, "sim.toml");
+    let all = |sought: &[&str]| numbers(sought);
+    let modulus = || all(&["of = \"modulus\""]);
+    for (text, why) in [
+        (all(&[]), "no [[number]]"),
+        ("[[number]]\nof = \"modulus\"\n".to_owned(), "no [[experiment]]"),
+        (all(&["of = \"mu\""]), "mooney-rivlin: c1, c2, c3, d1"),
+        (all(&["of = \"modulus\"", "of = \"c1\""]), "not told apart"),
+        (all(&["of = \"wall\"\non = \"left\""]), "wall of left: no scene has it"),
+        (all(&["of = \"modulus\"\non = \"cavity\""]), "on is for pressure and wall"),
+        (all(&["of = \"wall\"", "of = \"wall\""]), "given twice"),
+        (modulus().replace("\"top\"", "\"tip\""), "no [[probe]] of this name; there are: top, air"),
+        (modulus().replace("height [mm]", "height [cm]"), "mind the unit"),
+        (modulus().replace("[\"volume [ml]\"]", "[\"side\"]"), "no unit"),
+        (modulus().replace("0.05", "0"), "expected a positive number"),
+        (modulus().replace("[\"volume [ml]\"]", "[]"), "name a column or more"),
+        (modulus().replace("time = \"t [s]\"", "time = 0.3"), "measured at t = 0.3 s"),
+        (modulus().replace("probe = \"top\"", "probe = \"air\""), "is in mm, the probe in m³"),
+    ] {
+        dir.write("calibrate.toml", &text);
+        let said = dir.solver("calibrate calibrate.toml -o out");
+        said.assert_refused(2, &[why, "calibrate.toml"]);
+        assert!(!dir.path("out").exists());
+    }
+    dir.write("calibrate.toml", &modulus());
+    dir.write("top.csv", "t [s], height [mm]\n0.3, 1\n");
+    let said = dir.solver("calibrate calibrate.toml -o out");
+    said.assert_refused(2, &["t = 0.3 s", "0.25, 0.5, 0.75, 1 s"]);
+}
+
+/// Two measurements at one state do not tell three numbers apart.
+#[test]
+fn too_few_measurements_name_what_they_leave_open() {
+    let dir = workdir();
+    measure(&dir, "sim.toml");
+    let text = numbers(&["of = \"modulus\"", "of = \"pressure\"", "of = \"density\""]);
+    dir.write("calibrate.toml", &text.replace("time = \"t [s]\"\n", ""));
+    let top = dir.text("top.csv");
+    let lines: Vec<&str> = top.lines().collect();
+    dir.write("top.csv", &format!("{}\n{}\n", lines[0], lines[4]));
+    let said = dir.solver("calibrate calibrate.toml -o out");
+    said.assert_refused(1, &["2 measurements do not determine", "modulus and pressure"]);
+}
