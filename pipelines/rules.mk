@@ -185,6 +185,10 @@ $(eval $(call validate,beam,datasheet))
 $(VALIDATION)/errors.json: pipelines/validation/validation.toml $(wildcard pipelines/validation/measured/*.csv) | setup
 	$(BIN)/solver validate $< -o $(@D)
 
+$(VALIDATION)/calibration/calibration.json: pipelines/validation/beam/calibrate.toml pipelines/validation/beam/sim.datasheet.toml \
+		pipelines/validation/measured/dragon-skin-10-beam.csv $(VALIDATION)/beam/tagged.msh | setup
+	$(BIN)/solver calibrate $< -o $(@D)
+
 $(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
 	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,002 008 012) --cut y=0 --color displacement --view 0,12 --edges \
 		--captions "10 mm,40 mm,55 mm" --title "membrane under 14.7 N" -o $@
@@ -197,7 +201,7 @@ $(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
 	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view front \
 		--title "arm at 10 kPa" -o $@
 
-$(VALIDATION)/done: $(VALIDATION)/errors.json $(patsubst %,$(VALIDATION)/pictures/%.png,membrane beam arm)
+$(VALIDATION)/done: $(VALIDATION)/errors.json $(VALIDATION)/calibration/calibration.json $(patsubst %,$(VALIDATION)/pictures/%.png,membrane beam arm)
 	@touch $@
 
 # The frog without a cascade, for comparison.

@@ -103,7 +103,7 @@ fn a_made_up_truth_is_found_again() {
     said.assert_good();
     let report = dir.json("out/calibration.json");
     assert!((value(&report, 0) / 1.25 - 1.0).abs() < 1e-6, "{report}");
-    assert!((value(&report, 1) / 300.0 - 1.0).abs() < 1e-5, "{report}");
+    assert!((value(&report, 1) / 300.0 - 1.0).abs() < 1e-6, "{report}");
     assert!(report["chi2"].as_f64().unwrap() < 1e-8);
     let shares = report["numbers"][0]["shares"].as_object().unwrap();
     assert!((shares.values().map(|s| s.as_f64().unwrap()).sum::<f64>() - 1.0).abs() < 1e-12);
