@@ -38,8 +38,10 @@ pub struct Solve {
     pub factor_len: usize,
     /// Operations of one factorisation.
     pub factor_flops: f64,
-    /// Operations of supernodes that must follow one another.
-    pub chain_flops: f64,
+    /// Operations of supernodes that must follow one another; none in histories from before
+    /// it was measured.
+    #[serde(default)]
+    pub chain_flops: Option<f64>,
     /// Largest resident set of the whole solve [MiB].
     pub peak_mb: f64,
     /// Gradient and Hessian once more, at the equilibrium [s].
@@ -95,7 +97,7 @@ pub fn child(name: &str) -> Result<()> {
         timings,
         factor_len: workspace.linear().factor_len(),
         factor_flops: workspace.linear().factor_flops(),
-        chain_flops: workspace.linear().chain_flops(),
+        chain_flops: Some(workspace.linear().chain_flops()),
         peak_mb,
         assembly_once_s,
         factor_once_s,
@@ -163,7 +165,7 @@ pub fn parts(solves: &[Solve]) -> String {
     for s in solves {
         let t = &s.timings;
         text += &format!(
-            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}{:>8.0}\n",
+            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}{:>8}\n",
             s.body,
             s.dofs,
             s.newton_iterations,
@@ -176,7 +178,8 @@ pub fn parts(solves: &[Solve]) -> String {
             s.peak_mb,
             1e-6 * s.factor_len as f64,
             1e-9 * s.factor_flops,
-            100.0 * s.chain_flops / s.factor_flops,
+            s.chain_flops
+                .map_or_else(|| "-".to_owned(), |c| format!("{:.0}", 100.0 * c / s.factor_flops)),
         );
     }
     text
