@@ -44,17 +44,19 @@ fn workdir() -> Workdir {
 }
 
 /// What must be the same, byte for byte.
-fn results(dir: &Workdir) -> (Vec<u8>, String) {
-    (std::fs::read(dir.path("out/displacement.npy")).unwrap(), dir.text("out/steps.jsonl"))
+fn results(dir: &Workdir) -> (Vec<u8>, String, u64) {
+    let factor = dir.json("out/report.json")["factor_entries"].as_u64().unwrap();
+    (std::fs::read(dir.path("out/displacement.npy")).unwrap(), dir.text("out/steps.jsonl"), factor)
 }
 
-fn assert_same(dir: &Workdir, (displacement, lines): &(Vec<u8>, String)) {
+fn assert_same(dir: &Workdir, (displacement, lines, factor): &(Vec<u8>, String, u64)) {
     let found = results(dir);
     for (i, (line, expected)) in found.1.lines().zip(lines.lines()).enumerate() {
         assert_eq!(line, expected, "step {}", i + 1);
     }
     assert_eq!(found.1.lines().count(), STEPS);
     assert!(found.0 == *displacement, "displacement.npy differs");
+    assert_eq!(found.2, *factor, "entries of the factor");
     let files = dir.files("out");
     assert!(!files.contains(&"checkpoint.json".to_owned()), "{files:?}");
     assert_eq!(files.iter().filter(|f| f.starts_with("step_")).count(), STEPS, "{files:?}");

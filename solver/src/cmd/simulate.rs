@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         workspace.timings = checkpoint.timings;
         stepper.progress = checkpoint.progress;
     }
-    let mut report = header(&scene, &problem, &workspace, arguments)?;
+    let mut report = header(&scene, &problem, arguments)?;
     let states = all_states(&scene, &stepper, done);
     let mut run =
         Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper, states };
@@ -119,6 +119,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     run.workspace.timings.output += waited;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
     report["steps"] = json!(recorder.lines);
+    // at the end, as contact adds entries
+    let workspace = &run.workspace;
+    report["factor_entries"] = json!(workspace.linear().factor_len());
+    report["memory_estimate_mb"] = json!(workspace.memory().bytes as f64 / f64::from(1 << 20));
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {
         let solver = (&problem, &mut run.workspace);
@@ -322,12 +326,7 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     Ok(())
 }
 
-fn header(
-    scene: &Scene,
-    problem: &Problem,
-    workspace: &Workspace,
-    arguments: &Arguments,
-) -> Result<Value> {
+fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Value> {
     let file = |path: &Path| -> Result<Value> {
         Ok(json!({ "path": path, "sha256": program::sha256_file(path)? }))
     };
@@ -352,8 +351,6 @@ fn header(
         "dofs": problem.dofs(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
-        "factor_entries": workspace.linear().factor_len(),
-        "memory_estimate_mb": workspace.memory().bytes as f64 / f64::from(1 << 20),
     });
     if !scene.body.planes.is_empty() {
         header["symmetry"] = results::symmetry(&scene.body);
