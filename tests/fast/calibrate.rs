@@ -7,20 +7,9 @@ use solver::calibration::Calibration;
 use tests::chamber;
 use tests::workdir::Workdir;
 
+const GRAVITY: &str = "gravity = [0, 0, -9.81]";
+
 const TIME: &str = r#"
-gravity = [0, 0, -9.81]
-
-[[probe]]
-name = "top"
-kind = "displacement"
-on = "top"
-axis = [0, 0, 1]
-
-[[probe]]
-name = "air"
-kind = "volume"
-on = "cavity"
-
 [time]
 end = 1
 steps = 4
@@ -33,14 +22,13 @@ absolute_tolerance = 1e-12
 
 /// The scene under a name, with its stresses times a factor, and with its pressure.
 fn scene(dir: &Workdir, name: &str, factor: f64, pressure: &str) {
-    let (keys, tables) = TIME.split_once("\n\n").unwrap();
     let (mesh, rest) = chamber::SIM.split_once("degree = 2").unwrap();
     let mut rest = rest.replace("pressure = 8e3", &format!("pressure = \"{pressure}\""));
     for (old, number) in [("c1 = 55e3", 55e3), ("c2 = 5e3", 5e3), ("c3 = 1.7e3", 1.7e3)] {
         rest = rest.replace(old, &format!("{} = {:e}", &old[..2], factor * number));
     }
     rest = rest.replace("d1 = 1e6", &format!("d1 = {:e}\ndensity = 1070", factor * 1e6));
-    dir.write(name, &format!("{mesh}degree = 1\n{keys}\n{rest}\n{tables}"));
+    dir.write(name, &format!("{mesh}degree = 1\n{GRAVITY}\n{rest}\n{}\n{TIME}", chamber::PROBES));
 }
 
 /// What the probes of a scene give, as measured tables.
@@ -169,6 +157,7 @@ fn what_cannot_be_calibrated_is_refused() {
         (all(&["of = \"wall\"\non = \"left\""]), "wall of left: no scene has it"),
         (all(&["of = \"modulus\"\non = \"cavity\""]), "on is for pressure and wall"),
         (all(&["of = \"wall\"", "of = \"wall\""]), "given twice"),
+        (modulus().replace("syringe", "camera"), "[[experiment]] \"camera\" is given twice"),
         (modulus().replace("\"top\"", "\"tip\""), "no [[probe]] of this name; there are: top, air"),
         (modulus().replace("height [mm]", "height [cm]"), "mind the unit"),
         (modulus().replace("[\"volume [ml]\"]", "[\"side\"]"), "no unit"),

@@ -17,17 +17,6 @@ gravity = [0, 0, -9.81]
 degree = 1
 
 [[probe]]
-name = "top"
-kind = "displacement"
-on = "top"
-axis = [0, 0, 1]
-
-[[probe]]
-name = "air"
-kind = "volume"
-on = "cavity"
-
-[[probe]]
 name = "held"
 kind = "reaction"
 on = "seat"
@@ -50,7 +39,8 @@ fn workdir(time: &str) -> Workdir {
     let tables = tables.replace("d1 = 1e6", "d1 = 1e6\ndensity = 1070");
     let (keys, probes) = MORE.split_once("\n\n").unwrap();
     let tight = "[solver]\nrelative_tolerance = 1e-13\nabsolute_tolerance = 1e-12\n";
-    dir.write("sim.toml", &format!("{mesh}{keys}\n{tables}\n{probes}\n{time}{tight}"));
+    let common = chamber::PROBES;
+    dir.write("sim.toml", &format!("{mesh}{keys}\n{tables}\n{common}\n{probes}\n{time}{tight}"));
     dir
 }
 

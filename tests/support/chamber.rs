@@ -34,6 +34,20 @@ on = "cavity"
 pressure = 8e3
 "#;
 
+/// How far its top rises, and the volume of its chamber.
+pub const PROBES: &str = r#"
+[[probe]]
+name = "top"
+kind = "displacement"
+on = "top"
+axis = [0, 0, 1]
+
+[[probe]]
+name = "air"
+kind = "volume"
+on = "cavity"
+"#;
+
 /// The top should bulge up to a plane above it; all kinds of terms take part.
 pub const DESIGN: &str = r#"
 scene = "sim.toml"

@@ -133,6 +133,8 @@ impl Calibration {
                 paths.push(scene);
             }
             let title = format!("[[experiment]] \"{}\"", own.name);
+            let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
+            ensure!(!twice, "{}: {title} is given twice; expected names that differ", context());
             let experiment = Experiment::read(own, path, index, &scenes[index]);
             experiments.push(experiment.with_context(|| title).with_context(context)?);
         }
@@ -167,9 +169,12 @@ impl Calibration {
                     return Ok(None);
                 }
             }
-            let own: Vec<(usize, &Experiment)> =
-                starts.iter().copied().zip(&self.experiments).collect();
-            let own: Vec<_> = own.into_iter().filter(|(_, e)| e.scene == index).collect();
+            let own: Vec<(usize, &Experiment)> = starts
+                .iter()
+                .copied()
+                .zip(&self.experiments)
+                .filter(|(_, e)| e.scene == index)
+                .collect();
             let Some(rows) = simulate(&scene, &own, &self.numbers, walls, values)? else {
                 return Ok(None);
             };
@@ -181,7 +186,8 @@ impl Calibration {
         Ok(Some((simulated, by)))
     }
 
-    /// [`Self::model`] less the measurements, over their standard uncertainties.
+    /// [`Self::model`] less the measurements, over their standard uncertainties; none also
+    /// where a probe is not finite.
     ///
     /// # Errors
     /// As [`Self::model`].
@@ -191,6 +197,9 @@ impl Calibration {
         for (i, (measured, uncertainty)) in self.measurements().enumerate() {
             r[i] = (r[i] - measured) / uncertainty;
             jacobian.row_mut(i).scale_mut(1.0 / uncertainty);
+        }
+        if !r.iter().chain(jacobian.iter()).all(|value| value.is_finite()) {
+            return Ok(None);
         }
         Ok(Some(Residuals { r, jacobian }))
     }
