@@ -35,6 +35,8 @@ mod reference;
 mod resume;
 #[path = "fast/resume_in_time.rs"]
 mod resume_in_time;
+#[path = "fast/scenarios.rs"]
+mod scenarios;
 #[path = "fast/solver_bad_input.rs"]
 mod solver_bad_input;
 #[path = "fast/solver_cli.rs"]

@@ -8,6 +8,7 @@ mod design;
 mod level;
 mod objective;
 mod probe;
+mod scenario;
 mod superseded;
 mod symmetry;
 mod uncertainty;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use objective::ObjectiveConfig;
 pub use probe::ProbeConfig;
+pub use scenario::{RobustConfig, SPREAD, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;

@@ -34,6 +34,17 @@ pub struct TooLarge {
     pub available: usize,
 }
 
+impl std::iter::Sum for Need {
+    fn sum<I: Iterator<Item = Self>>(needs: I) -> Self {
+        let none = Self { unknowns: 0, factor_entries: 0, bytes: 0 };
+        needs.fold(none, |a, b| Self {
+            unknowns: a.unknowns + b.unknowns,
+            factor_entries: a.factor_entries + b.factor_entries,
+            bytes: a.bytes + b.bytes,
+        })
+    }
+}
+
 impl Need {
     /// Whether this fits into `available` bytes, if that is known.
     ///

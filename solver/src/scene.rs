@@ -1,6 +1,7 @@
 //! From config and files to objects: the only place where names become
 //! meshes, energies and objectives.
 
+mod changes;
 mod chambers;
 mod contact;
 mod objectives;

@@ -13,6 +13,7 @@ use mesh::Vec3;
 use mesh::offset::shifts;
 
 use crate::adjoint::{self, Gradient};
+use crate::body::Body;
 use crate::config::is_pressure;
 use crate::design::Extension;
 use crate::energy::{Iterate, ParameterId};
@@ -29,12 +30,12 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// Of the bodies of a scene.
+    /// Of a body, or of several.
     ///
     /// # Errors
     /// When an element is so flat that the interior cannot follow.
-    pub fn new(scene: &Scene) -> Result<Self> {
-        let (body, x) = (&scene.body, &scene.body.mesh.vertices);
+    pub fn new(body: &Body) -> Result<Self> {
+        let x = &body.mesh.vertices;
         let extension = Extension::new(body)
             .map_err(|_| anyhow!("to move walls: an element of the mesh is too flat"))?;
         let mut walls = vec![(None, shifts(x, body.boundary()))];

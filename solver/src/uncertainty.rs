@@ -78,7 +78,7 @@ pub fn error_bars(
     probes: &[Probe],
     run: &Trajectory,
 ) -> Result<BTreeMap<String, ErrorBars>> {
-    let walls = config.wall.map(|off| Ok::<_, anyhow::Error>((Walls::new(scene)?, off)));
+    let walls = config.wall.map(|off| Ok::<_, anyhow::Error>((Walls::new(&scene.body)?, off)));
     let walls = walls.transpose()?;
     let all: Vec<&Probe> = probes.iter().collect();
     let found = sensitivities(scene, (problem, workspace), (&all, run, run.steps()))?;

@@ -63,6 +63,12 @@ fn killed(dir: &Workdir, mut now: impl FnMut() -> bool) -> bool {
     }
 }
 
+/// Kills the program when its history has so many lines; false when it was finished before.
+pub fn killed_when_at(dir: &Workdir, lines: usize) -> bool {
+    let path = dir.path("out/history.jsonl");
+    killed(dir, || std::fs::read_to_string(&path).is_ok_and(|text| text.lines().count() >= lines))
+}
+
 /// Kills the program whenever it has written a checkpoint, until it finishes,
 /// and returns how often that was.
 fn kill_after_every_checkpoint(dir: &Workdir) -> usize {

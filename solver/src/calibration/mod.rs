@@ -141,7 +141,7 @@ impl Calibration {
         let numbers = config.number;
         let start = starts(&numbers, &scenes).with_context(context)?;
         let moves = numbers.iter().any(|number| number.of == "wall");
-        let walls = scenes.iter().map(|scene| moves.then(|| Walls::new(scene)).transpose());
+        let walls = scenes.iter().map(|scene| moves.then(|| Walls::new(&scene.body)).transpose());
         let walls = walls.collect::<Result<_>>()?;
         Ok(Self { numbers, start, experiments, scenes, walls })
     }

@@ -132,32 +132,9 @@ impl Number {
     /// When the scene does not admit the value.
     pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         match self.of.as_str() {
-            "modulus" => {
-                for part in &mut scene.parts {
-                    let law = part.material.law;
-                    let mut values = Vec::new();
-                    for (parameter, own) in law.named(&part.material.values) {
-                        let factor = if parameter.unit == "Pa" { value } else { 1.0 };
-                        values.extend(own.into_iter().map(|v| factor * v));
-                    }
-                    law.check(&values)?;
-                    part.material.values = values;
-                }
-            }
-            "density" => {
-                ensure!(value > 0.0, "a density must be positive");
-                for part in &mut scene.parts {
-                    part.material.density = part.material.density.map(|density| density * value);
-                }
-            }
-            "pressure" => {
-                let known = scene.config.parameters.clone();
-                for chamber in &mut scene.config.chamber {
-                    if self.is_on(&chamber.on) && is_pressure(chamber.gas.key()) {
-                        chamber.gas.schedule_mut().add(value, &known)?;
-                    }
-                }
-            }
+            "modulus" => scene.scale_stresses(value)?,
+            "density" => scene.scale_density(value)?,
+            "pressure" => scene.add_pressure(self.on.as_deref(), value)?,
             "wall" => {
                 let moves = walls.and_then(|walls| walls.moves(self.on.as_deref()));
                 let vertices = scene.body.mesh.vertices.iter_mut();

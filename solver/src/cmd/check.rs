@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
-            .map(|(name, swept)| (name.as_str(), parameter.gradient(&scene, &level, swept)))
+            .map(|(name, swept)| (name.as_str(), parameter.gradient(&level, swept)))
             .collect();
         let count = parameter.count(&scene, &level);
         let mut case = Case { perturbed: &perturbed, level: &mut level, start: &start, parameter };
@@ -134,14 +134,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn sweeps(
     level: &mut Level,
     start: &Evaluation,
-) -> Result<BTreeMap<String, crate::adjoint::Gradient>> {
-    let names = level.term_names();
+) -> Result<BTreeMap<String, Vec<crate::adjoint::Gradient>>> {
     let mut swept = BTreeMap::new();
-    for name in &names {
-        let terms: Vec<usize> = (0..names.len()).filter(|&i| names[i] == *name).collect();
-        if !swept.contains_key(name) {
-            let gradient = level.sweep(start, &terms)?;
-            swept.insert(name.clone(), gradient);
+    for name in level.term_names() {
+        if !swept.contains_key(&name) {
+            let gradients = level.sweep(start, Some(&name))?;
+            swept.insert(name, gradients);
         }
     }
     Ok(swept)

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::optimize::read;
 use crate::element::FunctionSpace;
+use crate::math::linear::sum;
 use crate::optimize::{Level, Parameter, Start};
 use crate::report::results;
 use crate::scene::ObjectiveBuilder;
@@ -41,9 +42,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let at = level
         .evaluate(&theta, Start::Rest)
         .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
-    let terms: Vec<usize> = (0..level.term_names().len()).collect();
-    let swept = level.sweep(&at, &terms)?;
-    let on_boundary = level.map().on_boundary(&swept.rest);
+    let swept = level.sweep(&at, None)?;
+    let by_rest = sum(swept.iter().map(|by| &by.rest));
+    let on_boundary = level.map().on_boundary(&by_rest);
     let field = |name: &str, values: Vec<f64>| vtu::Field {
         name: name.to_owned(),
         unit: "1/m".to_owned(),
@@ -54,13 +55,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let space = FunctionSpace::new(1, mesh.vertices.len(), mesh.tets.clone());
     let mut grid = results::grid(&space, &mesh.vertices, &vec![0.0; 3 * mesh.vertices.len()]);
     grid.point_fields =
-        vec![field("gradient", on_boundary), field("gradient_of_each_vertex", swept.rest.clone())];
+        vec![field("gradient", on_boundary), field("gradient_of_each_vertex", by_rest)];
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
     let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level)
         .iter()
-        .map(|p| (p.name(&scene), json!(p.gradient(&scene, &level, &swept))))
+        .map(|p| (p.name(&scene), json!(p.gradient(&level, &swept))))
         .collect();
     let report = json!({
         "program": crate::report::PROGRAM,

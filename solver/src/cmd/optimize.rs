@@ -195,7 +195,7 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     let number = |list: &[f64]| toml::Value::from(list.to_vec());
     let one = |(on, values): (String, Vec<f64>)| {
         let mut curve = toml::Table::new();
-        curve.insert("t".to_owned(), number(&finished.last.1.run.times));
+        curve.insert("t".to_owned(), number(&finished.last.1.runs[0].states.times));
         curve.insert("value".to_owned(), number(&values));
         let mut table = toml::Table::new();
         table.insert("on".to_owned(), on.into());
@@ -233,6 +233,10 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "wall_s_of_this_run": start.elapsed().as_secs_f64(),
         "peak_rss_mb": program::peak_rss_mb(),
     });
+    if last["scenarios"].is_object() {
+        report["scenarios_before"] = first["scenarios"].clone();
+        report["scenarios_after"] = last["scenarios"].clone();
+    }
     if !finished.body.planes.is_empty() {
         report["symmetry"] = results::symmetry(&finished.body);
     }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::{ChamberDesign, LevelConfig, ObjectiveConfig, superseded};
+use super::{
+    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, scenario, superseded,
+};
 use crate::body::Names;
 
 /// A design problem: the design variables of a scene and the objective function.
@@ -23,6 +25,12 @@ pub struct DesignConfig {
     /// Numbers in the scene's `[parameters]` that may change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameter: Vec<ParameterDesign>,
+    /// Cases that the design must be good in; the scene alone without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenario: Vec<ScenarioConfig>,
+    /// How their objectives become one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustConfig>,
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
@@ -154,6 +162,15 @@ impl DesignConfig {
         levels
     }
 
+    /// The scenarios; the scene as it is where there are none.
+    #[must_use]
+    pub fn scenarios(&self) -> Vec<ScenarioConfig> {
+        if self.scenario.is_empty() {
+            return vec![ScenarioConfig::default()];
+        }
+        self.scenario.clone()
+    }
+
     /// The settings of a level in place of the design's.
     #[must_use]
     pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
@@ -186,11 +203,13 @@ impl DesignConfig {
             }
             _ => {}
         }
+        let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+        let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
+        scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
         if let Some(shape) = &self.shape {
             let on = shape.on.all();
             ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
-            let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         for level in self.levels() {

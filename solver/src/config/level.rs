@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::check::MOST_STEPS;
@@ -201,18 +201,7 @@ impl LevelConfig {
                 end.unwrap_or(f64::NAN)
             );
         }
-        for (name, factor) in &self.weights {
-            ensure!(
-                objectives.contains(&name.as_str()),
-                "{title}: weights: there is no objective \"{name}\"; there are {}",
-                objectives.join(", ")
-            );
-            ensure!(
-                factor.is_finite() && *factor >= 0.0,
-                "{title}: weights: {name} = {factor}: expected a factor of 0 or more"
-            );
-        }
-        Ok(())
+        check_weights(&self.weights, objectives).context(title)
     }
 
     /// What moves, for the log: "20 handles on left, vertices of skin".
@@ -291,6 +280,22 @@ impl Growing {
     }
 }
 
+/// Checks factors on the weights of objectives with these names.
+pub(super) fn check_weights(weights: &BTreeMap<String, f64>, objectives: &[&str]) -> Result<()> {
+    for (name, factor) in weights {
+        ensure!(
+            objectives.contains(&name.as_str()),
+            "weights: there is no objective \"{name}\"; there are {}",
+            objectives.join(", ")
+        );
+        ensure!(
+            factor.is_finite() && *factor >= 0.0,
+            "weights: {name} = {factor}: expected a factor of 0 or more"
+        );
+    }
+    Ok(())
+}
+
 fn expected(on: &[String]) -> String {
     format!("no tag of [shape] on; expected some of {}", on.join(", "))
 }
@@ -306,7 +311,7 @@ mod tests {
 
     fn problem(text: &str) -> String {
         let on = ["left", "skin"].map(str::to_owned);
-        level(text).check(&on, &["grip", "smooth"]).unwrap_err().to_string()
+        format!("{:#}", level(text).check(&on, &["grip", "smooth"]).unwrap_err())
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! X(θ) = X₀ + 𝓔 (patches(θ) − X₀ on the moving surface), with 𝓔 the extension into
 //! the interior, so that the gradient is that of what is simulated. The variables of
-//! the patches come first, one after the other, then those of the loads; all are metres.
+//! the patches come first, one after the other, then those of the loads, which each scenario
+//! applies itself; all are metres.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,6 @@ use super::{Extension, Patch};
 use crate::body::Body;
 use crate::config::{DesignConfig, Interior, LevelConfig, Spread};
 use crate::element::at;
-use crate::energy::{Energies, ParameterGradients};
 use crate::scene::Scene;
 
 /// The map of one level.
@@ -41,7 +41,6 @@ impl DesignMap {
         design: &DesignConfig,
         level: &LevelConfig,
         body: &Body,
-        energies: &Energies,
     ) -> Result<Self> {
         let rest = body.mesh.vertices.clone();
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
@@ -58,7 +57,7 @@ impl DesignMap {
         let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
         let (chambers, parameters) = (&design.chamber, &design.parameter);
-        let loads = LoadMap::new(scene, chambers, parameters, energies, mean_edge)?;
+        let loads = LoadMap::new(scene, chambers, parameters, mean_edge)?;
         Ok(Self { rest, patches, extension, interior, loads, moving, mean_edge })
     }
 
@@ -136,24 +135,25 @@ impl DesignMap {
     /// Variables of the loads in mean edges, which mean the same in every level [1].
     #[must_use]
     pub fn loads(&self, theta: &[f64]) -> Vec<f64> {
-        theta[self.shape_variables()..].iter().map(|own| own / self.mean_edge).collect()
+        self.load_variables(theta).iter().map(|own| own / self.mean_edge).collect()
     }
 
-    /// Gives the chambers the loads of θ.
-    pub fn set_loads(&self, theta: &[f64], energies: &mut Energies) {
-        self.loads.apply(&theta[self.shape_variables()..], energies);
+    /// Of θ the variables of the loads [m].
+    #[must_use]
+    pub fn load_variables<'a>(&self, theta: &'a [f64]) -> &'a [f64] {
+        &theta[self.shape_variables()..]
     }
 
     /// Tag and pressures P_0, …, P_N of each designed pressure [Pa].
     #[must_use]
     pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
-        self.loads.pressures(&theta[self.shape_variables()..])
+        self.loads.pressures(self.load_variables(theta))
     }
 
     /// Designed parameters of the scene by name.
     #[must_use]
     pub fn parameters(&self, theta: &[f64]) -> BTreeMap<String, f64> {
-        self.loads.numbers(&theta[self.shape_variables()..])
+        self.loads.numbers(self.load_variables(theta))
     }
 
     /// Largest motion of a vertex from θ = a to θ = b [m].
@@ -176,14 +176,9 @@ impl DesignMap {
         loads.fold(largest, f64::max)
     }
 
-    /// dJ/dθ from dJ/dX, three components per vertex, and dJ/dp.
+    /// dJ by the variables of the shape from dJ/dX, three components per vertex.
     #[must_use]
-    pub fn pull_back(
-        &self,
-        theta: &[f64],
-        by_rest: &[f64],
-        by_parameters: &ParameterGradients,
-    ) -> Vec<f64> {
+    pub fn pull_back(&self, theta: &[f64], by_rest: &[f64]) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
         if let (Some(extension), Interior::Extended) = (&self.extension, self.interior) {
@@ -193,8 +188,6 @@ impl DesignMap {
             let on_patch: Vec<Vec3> = patch.vertices().iter().map(|&v| bar[v]).collect();
             gradient.extend(patch.pull_back(own, &self.rest, &on_patch));
         }
-        let of_loads = &theta[self.shape_variables()..];
-        gradient.extend(self.loads.pull_back(of_loads, by_parameters));
         gradient
     }
 

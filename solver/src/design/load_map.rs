@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use anyhow::{Result, bail, ensure};
 
 use super::{PressureCurve, Scalar};
-use crate::config::{ChamberDesign, ParameterDesign};
-use crate::energy::{ChamberId, Energies, GasLaw, Isobaric, NamedChamber, ParameterGradients};
+use crate::config::{ChamberConfig, ChamberDesign, ParameterDesign};
+use crate::energy::{ChamberId, Energies, GasLaw, Isobaric, ParameterGradients};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
@@ -45,8 +45,8 @@ struct Number {
 }
 
 impl LoadMap {
-    /// The map to the chambers of a body whose moving surface has edges of about `edge`
-    /// [m].
+    /// The map to the chambers of a scene, with a body whose moving surface has edges of about
+    /// `edge` [m].
     ///
     /// # Errors
     /// When the scene has no such pressure or parameter, or one outside its bounds.
@@ -54,7 +54,6 @@ impl LoadMap {
         scene: &Scene,
         pressures: &[ChamberDesign],
         parameters: &[ParameterDesign],
-        energies: &Energies,
         edge: f64,
     ) -> Result<Self> {
         let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
@@ -69,13 +68,13 @@ impl LoadMap {
             return Ok(map);
         }
         for design in pressures {
-            map.add_curve(design, energies, edge)?;
+            map.add_curve(design, scene, edge)?;
         }
         for design in parameters {
             map.add_number(design, scene, edge)?;
         }
-        for (id, NamedChamber { name: on, chamber }) in energies.chambers() {
-            let schedule = chamber.gas.schedule();
+        for (i, ChamberConfig { on, gas }) in scene.config.chamber.iter().enumerate() {
+            let (id, schedule) = (ChamberId::of(i), gas.schedule());
             if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
                 continue;
             }
@@ -83,23 +82,24 @@ impl LoadMap {
                 map.curves.iter().all(|c| c.chamber != id),
                 "[[chamber]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
             );
-            map.named.push((id, chamber.gas.clone()));
+            map.named.push((id, gas.clone()));
         }
         Ok(map)
     }
 
-    fn add_curve(&mut self, design: &ChamberDesign, energies: &Energies, edge: f64) -> Result<()> {
+    fn add_curve(&mut self, design: &ChamberDesign, scene: &Scene, edge: f64) -> Result<()> {
         let on = design.on.clone();
-        let Some((id, NamedChamber { chamber, .. })) =
-            energies.chambers().find(|(_, found)| found.name == on)
+        let mut chambers = scene.config.chamber.iter().enumerate();
+        let Some((i, ChamberConfig { gas, .. })) = chambers.find(|(_, found)| found.on == on)
         else {
             bail!("[[chamber]] on \"{on}\": the scene has no [[chamber]] there");
         };
-        let Some(pressure) = chamber.gas.pressure() else {
+        let id = ChamberId::of(i);
+        let Some(pressure) = gas.pressure() else {
             bail!(
                 "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; expected \
                  pressure",
-                chamber.gas.key()
+                gas.key()
             );
         };
         ensure!(

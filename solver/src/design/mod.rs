@@ -18,6 +18,7 @@ pub use design_map::DesignMap;
 pub use extension::Extension;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
+pub use load_map::LoadMap;
 pub use patch::{FreeVertices, Patch};
 pub use pressure_curve::PressureCurve;
 pub use scalar::Scalar;

@@ -55,6 +55,14 @@ pub struct NamedChamber {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChamberId(usize);
 
+impl ChamberId {
+    /// That of a chamber by its place among all.
+    #[must_use]
+    pub fn of(place: usize) -> Self {
+        Self(place)
+    }
+}
+
 /// Which term of the energy one is; bodies by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {

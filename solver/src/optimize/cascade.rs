@@ -12,9 +12,9 @@ use program::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
-use super::history::History;
+use super::history::{History, scenarios};
 use super::trial_step::{projected_norm, trial_step};
-use super::{Evaluation, Lbfgs, Level, Rejected, Start};
+use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
 use crate::body::{Body, Part};
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
@@ -182,8 +182,9 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables())?;
-            let run = checkpoint.read_run(&self.folder, level.steps(), level.dofs())?;
-            let evaluation = level.recall(&checkpoint.theta, run)?;
+            let rows = level.scenarios().len() * level.steps();
+            let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
+            let evaluation = level.recall(&checkpoint.theta, runs)?;
             level.linearize(&checkpoint.theta, &evaluation);
             return Ok(evaluation);
         }
@@ -218,7 +219,7 @@ impl Cascade<'_> {
     /// The error of a level whose body has no usable state. Where there is no
     /// equilibrium, report.json and the last good state say more.
     fn no_start(&self, level: &mut Level, index: usize, rejected: &Rejected) -> anyhow::Error {
-        let Some(diagnosis) = level.diagnose(self.scene) else {
+        let Some(diagnosis) = level.diagnose() else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
         let mut report = diagnosis.report.clone();
@@ -233,7 +234,12 @@ impl Cascade<'_> {
     }
 
     /// The evaluation next to a start that was carried over; none without one.
-    fn solve_near(&self, level: &mut Level, theta: &[f64], start: &[f64]) -> Option<Evaluation> {
+    fn solve_near(
+        &self,
+        level: &mut Level,
+        theta: &[f64],
+        start: &[Vec<f64>],
+    ) -> Option<Evaluation> {
         if start.is_empty() || level.is_transient() {
             return None;
         }
@@ -272,7 +278,7 @@ impl Cascade<'_> {
         let mut reason = String::new();
         for trials in 1..=HALVINGS {
             let theta = at(alpha);
-            let start = ahead(&current.run.last(), predicted.as_deref(), alpha);
+            let start = ahead(current, predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
             let outcome = lower(level, &theta, (current, &start), wanted);
@@ -348,7 +354,8 @@ impl Cascade<'_> {
         checkpoint.spend(step.forward_s + step.gradient_s);
         checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
         let gradient_norm = norm(&step.gradient);
-        let line = json!({
+        let moved = level.mean_displacements(evaluation)?;
+        let mut line = json!({
             "level": checkpoint.level + 1,
             "handles": settings.handles,
             "variables": level.variables(),
@@ -365,8 +372,11 @@ impl Cascade<'_> {
             "dofs": level.dofs(),
             "time_steps": level.steps(),
             "parameters": level.map().parameters(&step.theta),
-            "mean_displacement": level.mean_displacements(evaluation)?,
+            "mean_displacement": moved[0],
         });
+        if !self.design.scenario.is_empty() {
+            line["scenarios"] = scenarios(level, evaluation, moved);
+        }
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
              motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s{}",
@@ -388,7 +398,7 @@ impl Cascade<'_> {
             checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
         }
         checkpoint.objective = evaluation.objective;
-        let Evaluation { run, terms, .. } = step.evaluation;
+        let Evaluation { runs, terms, .. } = step.evaluation;
         checkpoint.terms = terms;
         checkpoint.theta = step.theta;
         checkpoint.start.clear();
@@ -397,7 +407,7 @@ impl Cascade<'_> {
         // next start removes
         self.history().append(&line)?;
         checkpoint.lines = self.history().sha256()?;
-        checkpoint.write_with_run(&self.folder, &run)
+        checkpoint.write_with_runs(&self.folder, &runs)
     }
 
     /// Time for the iterations that are left, if they take as long as in this level.
@@ -418,7 +428,7 @@ impl Cascade<'_> {
 fn lower(
     level: &mut Level,
     theta: &[f64],
-    (current, predicted): (&Evaluation, &[f64]),
+    (current, predicted): (&Evaluation, &[Vec<f64>]),
     wanted: f64,
 ) -> Result<Evaluation, Rejected> {
     let evaluation = level.evaluate(theta, level.near(current, predicted))?;
@@ -439,9 +449,16 @@ fn variables(level: &Level, settings: &LevelConfig) -> String {
     }
 }
 
-/// u + t du, or u without a prediction.
-fn ahead(u: &[f64], du: Option<&[f64]>, t: f64) -> Vec<f64> {
-    du.map_or_else(|| u.to_vec(), |du| u.iter().zip(du).map(|(u, d)| u + t * d).collect())
+/// u + t du of each scenario, or u without a prediction.
+fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>, t: f64) -> Vec<Vec<f64>> {
+    let one = |(i, run): (usize, &Run)| {
+        let u = run.states.last().into_owned();
+        match predicted {
+            None => u,
+            Some(all) => u.iter().zip(&all[i]).map(|(u, d)| u + t * d).collect(),
+        }
+    };
+    at.runs.iter().enumerate().map(one).collect()
 }
 
 /// Name of a mesh file, of one body of several if it has a name.

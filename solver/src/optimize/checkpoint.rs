@@ -8,9 +8,8 @@ use anyhow::{Context, Result, ensure};
 use mesh::io::npy;
 use serde::{Deserialize, Serialize};
 
-use super::Lbfgs;
 use super::progress::LevelProgress;
-use crate::forward::Trajectory;
+use super::{Lbfgs, Run};
 
 /// The state after an accepted iteration. Numbers are written so that they are
 /// read back bit for bit.
@@ -24,9 +23,9 @@ pub struct Checkpoint {
     pub iteration: usize,
     /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
-    /// Before the level's first solve a displacement near its equilibrium [m], or
-    /// none.
-    pub start: Vec<f64>,
+    /// Before the level's first solve displacements near the equilibria of all scenarios [m],
+    /// or none.
+    pub start: Vec<Vec<f64>>,
     /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
     /// first.
     pub loads: Vec<f64>,
@@ -89,7 +88,7 @@ impl Checkpoint {
     #[must_use]
     pub fn next_level(
         self,
-        (start, loads): (Vec<f64>, Vec<f64>),
+        (start, loads): (Vec<Vec<f64>>, Vec<f64>),
         stopped_before: Vec<(usize, String)>,
         lbfgs: Lbfgs,
     ) -> Self {
@@ -149,33 +148,36 @@ impl Checkpoint {
         folder.join(format!("run-{}-{}.npy", self.level + 1, self.iteration))
     }
 
-    /// Displacements at the ends of the time steps of the accepted run [m].
+    /// Displacements at the ends of the time steps of the accepted runs, one scenario after
+    /// the other [m].
     ///
     /// # Errors
-    /// When they cannot be read or are not those of a run with `steps` steps and
-    /// `dofs` degrees of freedom.
-    pub fn read_run(&self, folder: &Path, steps: usize, dofs: usize) -> Result<npy::Rows> {
+    /// When they cannot be read or are not those of as many time steps with as many degrees
+    /// of freedom.
+    pub fn read_runs(&self, folder: &Path, shape: [usize; 2]) -> Result<npy::Rows> {
         let path = self.run_path(folder);
         self.check_file(&path)?;
         let rows = npy::read_rows(&path)?;
         ensure!(
-            rows.shape == [steps, dofs],
-            "{}: an array of shape {:?}, expected {:?}; begin anew: --restart",
+            rows.shape == shape,
+            "{}: an array of shape {:?}, expected {shape:?}; begin anew: --restart",
             path.display(),
-            rows.shape,
-            [steps, dofs]
+            rows.shape
         );
         Ok(rows)
     }
 
-    /// Writes the checkpoint of a folder with the run that it belongs to, and then
-    /// removes the run of the one before.
+    /// Writes the checkpoint of a folder with the runs that it belongs to, and then
+    /// removes those of the one before.
     ///
     /// # Errors
     /// When it cannot be written; the one before then still stands.
-    pub fn write_with_run(&mut self, folder: &Path, run: &Trajectory) -> Result<()> {
+    pub fn write_with_runs(&mut self, folder: &Path, runs: &[Run]) -> Result<()> {
         let path = self.run_path(folder);
-        npy::write_rows(&path, [run.steps(), run.last().len()], run.displacements())?;
+        let steps = runs.iter().map(|run| run.states.steps()).sum();
+        let dofs = runs.first().map_or(0, |run| run.states.last().len());
+        let displacements = runs.iter().flat_map(|run| run.states.displacements());
+        npy::write_rows(&path, [steps, dofs], displacements)?;
         self.files.retain(|name, _| !is_run(name));
         self.add_file(&path)?;
         self.write(folder)?;

@@ -1,10 +1,13 @@
 //! One line per accepted iteration, in `history.jsonl`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use serde_json::Value;
+use serde_json::{Value, json};
+
+use super::{Evaluation, Level, Run, Scenario};
 
 /// The file in a folder.
 pub struct History {
@@ -64,4 +67,22 @@ impl History {
         }
         Ok(())
     }
+}
+
+/// What each scenario comes to, for the history.
+pub(super) fn scenarios(
+    level: &Level,
+    at: &Evaluation,
+    moved: Vec<BTreeMap<String, f64>>,
+) -> Value {
+    let one = |((scenario, run), moved): ((&Scenario, &Run), BTreeMap<String, f64>)| {
+        let of = json!({
+            "objective": run.objective,
+            "terms": run.terms,
+            "newton_iterations": run.newton_iterations,
+            "mean_displacement": moved,
+        });
+        (scenario.config.name.clone(), of)
+    };
+    level.scenarios().iter().zip(&at.runs).zip(moved).map(one).collect()
 }

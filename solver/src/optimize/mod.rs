@@ -10,6 +10,8 @@ mod level;
 mod parameter;
 mod progress;
 mod rest_path;
+mod robust;
+mod scenario;
 mod trial_step;
 pub mod validity;
 
@@ -17,5 +19,6 @@ pub use cascade::{Cascade, Finished, mesh_file};
 pub use checkpoint::Checkpoint;
 pub use lbfgs::Lbfgs;
 pub use lbfgsb::projected_gradient_norm;
-pub use level::{Evaluation, Level, Rejected, Start};
+pub use level::{Evaluation, Level, Start};
 pub use parameter::{Parameter, Perturbed};
+pub use scenario::{Rejected, Run, Scenario};

@@ -3,10 +3,11 @@
 
 use anyhow::Result;
 
-use super::{Evaluation, Level, Rejected};
+use super::{Evaluation, Level, Rejected, Scenario};
 use crate::adjoint::Gradient;
 use crate::config::{DesignConfig, LevelConfig, VerticesConfig};
 use crate::energy::ParameterId;
+use crate::math::linear::sum;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// A group of numbers.
@@ -75,40 +76,41 @@ impl Parameter {
         }
     }
 
-    /// dJ by its numbers, from the sweep at θ = 0.
+    /// dJ by its numbers, from the sweeps of all scenarios at θ = 0.
     #[must_use]
-    pub fn gradient(&self, scene: &Scene, level: &Level, swept: &Gradient) -> Vec<f64> {
+    pub fn gradient(&self, level: &Level, swept: &[Gradient]) -> Vec<f64> {
         let shape = level.map().shape_variables();
-        let zero = || vec![0.0; level.variables()];
+        let by_variables = || level.pull_back(&vec![0.0; level.variables()], swept);
+        let relative = |of: fn(&Scenario, usize) -> Vec<f64>, part: usize, id: ParameterId| {
+            let one = |(scenario, by): (&Scenario, &Gradient)| -> Vec<f64> {
+                let by = by.parameters.total(id);
+                by.iter().zip(of(scenario, part)).map(|(by, value)| by * value).collect()
+            };
+            sum(level.scenarios().iter().zip(swept).map(one))
+        };
         match self {
-            Self::Shape => {
-                let mut all = level.map().pull_back(&zero(), &swept.rest, &swept.parameters);
-                all.truncate(shape);
-                all
-            }
-            Self::Loads => {
-                level.map().pull_back(&zero(), &swept.rest, &swept.parameters)[shape..].to_vec()
-            }
+            Self::Shape => by_variables()[..shape].to_vec(),
+            Self::Loads => by_variables()[shape..].to_vec(),
             Self::Material(part) => {
-                let by = swept.parameters.total(ParameterId::Material(*part));
-                by.iter().zip(&scene.parts[*part].material.values).map(|(g, p)| g * p).collect()
+                let values =
+                    |s: &Scenario, part: usize| s.scene.parts[part].material.values.clone();
+                relative(values, *part, ParameterId::Material(*part))
             }
             Self::Density(part) => {
-                let density = scene.parts[*part].material.density.unwrap_or(0.0);
-                relative(swept.parameters.total(ParameterId::Density(*part)), density)
+                let density = |s: &Scenario, part: usize| {
+                    vec![s.scene.parts[part].material.density.unwrap_or(0.0)]
+                };
+                relative(density, *part, ParameterId::Density(*part))
             }
             Self::Friction => {
-                let mu = scene.config.contact.as_ref().map_or(0.0, |c| c.friction);
-                relative(swept.parameters.total(ParameterId::Friction), mu)
+                let friction = |s: &Scenario, _: usize| {
+                    vec![s.scene.config.contact.as_ref().map_or(0.0, |c| c.friction)]
+                };
+                relative(friction, 0, ParameterId::Friction)
             }
-            Self::Velocity(part) => level.by_velocity(*part, &swept.start.v).to_vec(),
+            Self::Velocity(part) => level.by_velocity(*part, swept),
         }
     }
-}
-
-/// dJ by the relative change of numbers that are all `value`.
-fn relative(by: Vec<f64>, value: f64) -> Vec<f64> {
-    by.into_iter().map(|by| by * value).collect()
 }
 
 /// Evaluates a design problem with changed parameters.
@@ -137,7 +139,8 @@ impl Perturbed<'_> {
         by: &[f64],
     ) -> Result<Evaluation> {
         let mut theta = vec![0.0; level.variables()];
-        let last = start.run.last();
+        let last: Vec<Vec<f64>> =
+            start.runs.iter().map(|run| run.states.last().into_owned()).collect();
         let near = level.near(start, &last);
         let changed = match parameter {
             Parameter::Shape => {

@@ -88,6 +88,17 @@ pub fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()
 }
 
+/// Σ of vectors of one length; of none an empty one.
+#[must_use]
+pub fn sum<V: AsRef<[f64]>>(vectors: impl IntoIterator<Item = V>) -> Vec<f64> {
+    let mut vectors = vectors.into_iter();
+    let mut total = vectors.next().map_or_else(Vec::new, |first| first.as_ref().to_vec());
+    for vector in vectors {
+        total.iter_mut().zip(vector.as_ref()).for_each(|(sum, by)| *sum += by);
+    }
+    total
+}
+
 /// Scalar product. Summed up by pieces of constant length, so that it has the same bits
 /// for any number of threads.
 #[must_use]

@@ -36,7 +36,7 @@ use conjugate_gradients::{Gradients, Stop, conjugate_gradients};
 use indefinite::Indefinite;
 use matrix::Triangle;
 
-pub use matrix::{Symmetric, dot, norm};
+pub use matrix::{Symmetric, dot, norm, sum};
 use multifrontal::{BadPivots, Fronts, narrow};
 pub use product::product_speed;
 pub use symbolic::one_by_one;

@@ -1,0 +1,485 @@
+//! One scenario of a level: rest shape and loads → run through time → objective, and the
+//! derivatives of that by all that the run depends on.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use anyhow::Result;
+use mesh::Vec3;
+
+use super::validity;
+use crate::adjoint::{self, Gradient};
+use crate::body::Body;
+use crate::config::{DesignConfig, LevelConfig, ScenarioConfig};
+use crate::design::LoadMap;
+use crate::element::{FunctionSpace, interpolate};
+use crate::energy::Iterate;
+use crate::forward::{
+    Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
+    Unreached, Workspace, follow, solve_from, solve_multipliers,
+};
+use crate::objective::{Equilibrium, Objective};
+use crate::report::failure::Diagnosis;
+use crate::report::results::displacements;
+use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
+use crate::sensitivity::Walls;
+
+/// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
+/// took 2 to 8; what takes more is better reached by a shorter step.
+const NEARBY: usize = 12;
+/// The same in a load step of a run next to another, where bodies hit each other: simulated
+/// from rest, the worm took at most 22, the gripper 11.
+const NEARBY_IN_TIME: usize = 30;
+/// Smallest load step of such a run, as a fraction of a time step.
+const NEARBY_INCREMENT: f64 = 0.25;
+
+/// A shape that was not accepted, and why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Rejected(pub String);
+
+/// A run and its objective.
+#[derive(Clone)]
+pub struct Run {
+    /// Rest vertex positions, with walls that are off [m].
+    pub rest: Vec<Vec3>,
+    /// All states.
+    pub states: Arc<Trajectory>,
+    /// Σ of the terms.
+    pub objective: f64,
+    /// Weighted value of each term, by the user's name.
+    pub terms: BTreeMap<String, f64>,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+}
+
+/// Where a run is looked for.
+#[derive(Clone, Copy)]
+pub enum Near<'a> {
+    /// From rest.
+    Rest,
+    /// Of a scene without time the one equilibrium, next to a displacement [m]: keeps a
+    /// search on one branch of equilibria, and is several times cheaper.
+    Displacement(&'a [f64]),
+    /// From rest through time, next to the states of another run.
+    Run(&'a Arc<Trajectory>),
+}
+
+/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
+/// them.
+struct Forces {
+    /// Of contact and friction.
+    contact: Vec<f64>,
+    /// Of supports.
+    reaction: Vec<f64>,
+}
+
+/// A scene with its changes, on a fixed mesh topology.
+pub struct Scenario {
+    /// As the design has it.
+    pub config: ScenarioConfig,
+    /// With its changes, but for walls.
+    pub scene: Scene,
+    /// How far vertices are off, where walls are [m].
+    offset: Option<Vec<Vec3>>,
+    loads: LoadMap,
+    problem: Problem,
+    workspace: Workspace,
+    /// Where it was linearised last.
+    linearization: Option<Linearization>,
+    stepping: Stepping,
+    /// The state at t = 0 and the time integration.
+    start: Integrator,
+    /// Ends of the time steps [s].
+    times: Vec<f64>,
+    /// Memory for the states of a run [B].
+    state_memory: f64,
+    /// Whether the scene goes through time; else it is one equilibrium.
+    transient: bool,
+    terms: Vec<Weighted>,
+    /// Why the last solve from rest failed, if it did.
+    unreached: Option<Unreached>,
+}
+
+impl Scenario {
+    /// Sets up a scenario of a level on a body, whose moving surface has edges of about `edge`
+    /// [m]. Walls that are off move along the normals of this body.
+    ///
+    /// # Errors
+    /// When the scene or the body does not have what it needs.
+    pub fn new(
+        config: &ScenarioConfig,
+        (scene, body, edge): (&Scene, &Body, f64),
+        objectives: &ObjectiveBuilder,
+        design: &DesignConfig,
+        level: &LevelConfig,
+    ) -> Result<Self> {
+        let scene = scene.under(config)?;
+        let (problem, workspace) = scene.problem(body)?;
+        let mut terms = objectives.build(&scene, body, &problem.space)?;
+        for term in &mut terms {
+            let name = term.objective.name();
+            let factor = |of: &BTreeMap<String, f64>| of.get(name).copied().unwrap_or(1.0);
+            term.weight *= factor(&level.weights) * factor(&config.weights);
+        }
+        let (chambers, parameters) = (&design.chamber, &design.parameter);
+        let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
+        Ok(Self {
+            offset: offset(config, body)?,
+            loads,
+            stepping: scene.stepping(),
+            start: scene.integrator(body, &problem),
+            times: scene.times(),
+            state_memory: design.optimizer.state_memory / design.scenarios().len() as f64,
+            transient: scene.config.time.is_some(),
+            terms,
+            unreached: None,
+            linearization: None,
+            config: config.clone(),
+            scene,
+            problem,
+            workspace,
+        })
+    }
+
+    /// The discrete problem.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// What solving it needs.
+    #[must_use]
+    pub fn workspace(&self) -> &Workspace {
+        &self.workspace
+    }
+
+    /// Whether the scene goes through time.
+    #[must_use]
+    pub fn is_transient(&self) -> bool {
+        self.transient
+    }
+
+    /// Number of time steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Names of the terms, in the order of the design file.
+    pub fn term_names(&self) -> impl Iterator<Item = &str> {
+        self.terms.iter().map(|term| term.objective.name())
+    }
+
+    /// What messages begin with.
+    fn reject(&self, why: impl ToString) -> Rejected {
+        match self.config.title() {
+            title if title.is_empty() => Rejected(why.to_string()),
+            title => Rejected(format!("{title}: {}", why.to_string())),
+        }
+    }
+
+    /// Rest vertices with walls that are off, from those of the design [m].
+    fn rest(&self, designed: &[Vec3]) -> Vec<Vec3> {
+        match &self.offset {
+            None => designed.to_vec(),
+            Some(offset) => designed.iter().zip(offset).map(|(x, d)| x + d).collect(),
+        }
+    }
+
+    /// Whether a rest shape of a body is valid, of which the design moves these facets, and
+    /// every term admits it; cheap beside the equilibrium.
+    ///
+    /// # Errors
+    /// With the element, facet or term that is not valid.
+    pub fn admit(
+        &self,
+        designed: &[Vec3],
+        (body, moving): (&Body, &[[usize; 3]]),
+    ) -> Result<(), Rejected> {
+        let rest = self.rest(designed);
+        // where walls are off, all of them move
+        let moving = self.offset.as_ref().map_or(moving, |_| body.boundary());
+        validity::check(&rest, body, moving).map_err(|e| self.reject(e))?;
+        for term in &self.terms {
+            let name = term.objective.name();
+            let admitted = term.objective.admit(&rest);
+            admitted.map_err(|e| self.reject(format!("\"{name}\": {e}")))?;
+        }
+        Ok(())
+    }
+
+    /// The run on a designed rest shape, with these variables of the loads.
+    ///
+    /// # Errors
+    /// [`Rejected`] when there is no equilibrium.
+    pub fn run(&mut self, loads: &[f64], designed: &[Vec3], near: Near) -> Result<Run, Rejected> {
+        let rest = self.rest(designed);
+        self.loads.apply(loads, &mut self.problem.energies);
+        let (states, newton_iterations) = match near {
+            Near::Displacement(u) => self.solve_next_to(&rest, u)?,
+            Near::Run(guide) => self.solve(&rest, Some(Arc::clone(guide)))?,
+            Near::Rest => self.solve(&rest, None)?,
+        };
+        Ok(self.evaluated(rest, states, newton_iterations))
+    }
+
+    /// A run as it was, from its displacements at the ends of time steps [m].
+    ///
+    /// # Errors
+    /// When one of them cannot be read.
+    pub fn recall<E>(
+        &mut self,
+        loads: &[f64],
+        designed: &[Vec3],
+        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+    ) -> Result<Run, E> {
+        self.loads.apply(loads, &mut self.problem.energies);
+        let mut states = Trajectory::begin(&self.start, self.state_memory);
+        for (&end, u) in self.times.iter().zip(displacements) {
+            states.push_displacement(end, &u?);
+        }
+        Ok(self.evaluated(self.rest(designed), states, 0))
+    }
+
+    fn evaluated(&mut self, rest: Vec<Vec3>, states: Trajectory, newton_iterations: usize) -> Run {
+        let (terms, states) = (self.terms_of(&rest, &states), Arc::new(states));
+        let objective = terms.values().sum();
+        Run { rest, states, objective, terms, newton_iterations }
+    }
+
+    /// All states from rest.
+    fn solve(
+        &mut self,
+        rest: &[Vec3],
+        guide: Option<Arc<Trajectory>>,
+    ) -> Result<(Trajectory, usize), Rejected> {
+        let mut stepping = self.stepping;
+        if guide.is_some() {
+            stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
+            stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
+        }
+        let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
+        let mut states = Trajectory::begin(&self.start, self.state_memory);
+        for &end in &self.times {
+            let workspace = &mut self.workspace;
+            let outcome = stepper.advance(&self.problem, workspace, rest, end, |_| ());
+            if let Err(unreached) = outcome {
+                let rejected = self.reject(&unreached);
+                self.unreached = Some(unreached);
+                return Err(rejected);
+            }
+            states.push(end, stepper.progress.integrator.last().clone());
+        }
+        Ok((states, stepper.progress.newton_iterations))
+    }
+
+    /// The one equilibrium next to a displacement.
+    fn solve_next_to(&mut self, rest: &[Vec3], u: &[f64]) -> Result<(Trajectory, usize), Rejected> {
+        let load = self.times[0];
+        let step = Arc::new(self.one_step(u).step(&self.problem, rest, 1));
+        let at = Iterate { step: Some(&step), ..self.problem.iterate(rest, u, load) };
+        let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+        let start = Configuration { rest, load, step: Some(&step), u: u.to_vec(), multipliers };
+        let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
+        let solution = solve_from(&self.problem, &mut self.workspace, &start, &newton)
+            .map_err(|e| self.reject(e))?;
+        Ok((self.one_step(&solution.u), solution.newton_iterations))
+    }
+
+    /// The run to a displacement in one step.
+    fn one_step(&self, u: &[f64]) -> Trajectory {
+        let mut run = Trajectory::begin(&self.start, self.state_memory);
+        run.push_displacement(self.times[0], u);
+        run
+    }
+
+    /// Weighted terms over a run, by the user's names.
+    fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
+        let mut terms = BTreeMap::new();
+        for n in 0..=run.steps() {
+            let Forces { contact, reaction } = self.forces(rest, run, n);
+            let (state, load) = (run.state(n), run.times[n]);
+            let (space, u) = (&*self.problem.space, &state.u[..]);
+            let at = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
+            for term in &self.terms {
+                let value = match term.weight * term.factors[n] {
+                    0.0 => 0.0,
+                    factor => factor * term.objective.value(&at),
+                };
+                *terms.entry(term.objective.name().to_owned()).or_insert(0.0) += value;
+            }
+        }
+        terms
+    }
+
+    /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
+    fn forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Forces {
+        let looks = |uses: fn(&dyn Objective) -> bool| {
+            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
+        };
+        let (uses_contact, uses_reaction) =
+            (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
+        let none = |wanted: bool| if wanted { vec![0.0; self.problem.dofs()] } else { Vec::new() };
+        let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
+        if n == 0 || !uses_contact && !uses_reaction {
+            return forces;
+        }
+        let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
+        let at = self.problem.iterate(rest, &state.u, run.times[n]);
+        let at = Iterate { step: Some(&step), ..at };
+        if uses_contact {
+            forces.contact = self.problem.energies.contact_forces(&at);
+        }
+        if uses_reaction {
+            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+            let at = Iterate { multipliers: &multipliers, ..at };
+            forces.reaction = self.problem.gradient(&at).0;
+        }
+        forces
+    }
+
+    /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
+    #[must_use]
+    pub fn by_velocity(&self, body: &Body, part: usize, by_nodes: &[f64]) -> [f64; 3] {
+        let mut sum = Vec3::zeros();
+        for node in nodes_of(body, part, &self.problem.space) {
+            for k in (0..3).filter(|k| !self.problem.dirichlet.fixed()[3 * node + k]) {
+                sum[k] += by_nodes[3 * node + k];
+            }
+        }
+        sum.into()
+    }
+
+    /// Explains why a body has no equilibrium, after [`Self::run`] has sought it from rest in
+    /// vain.
+    pub fn diagnose(&mut self, body: &Body) -> Option<Diagnosis> {
+        let unreached = self.unreached.take()?;
+        let mut body = body.clone();
+        body.mesh.vertices = self.rest(&body.mesh.vertices);
+        let solver = (&self.problem, &mut self.workspace);
+        Some(Diagnosis::new(&self.scene, &body, solver, &unreached))
+    }
+
+    /// Makes ready for [`Self::sweep`], [`Self::predict`] and runs at or next to a run of a
+    /// scene without time. What follows depends on that run alone, not on how it was reached:
+    /// an interrupted search continues with the same bits.
+    pub fn linearize(&mut self, loads: &[f64], run: &Run) {
+        self.loads.apply(loads, &mut self.problem.energies);
+        self.linearization = None;
+        if self.transient {
+            return;
+        }
+        let (rest, states) = (&run.rest, &run.states);
+        let (step, u) = (states.step(&self.problem, rest, 1), states.last());
+        let here = Iterate { step: Some(&step), ..self.problem.iterate(rest, &u, 1.0) };
+        let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &here);
+        let here = Iterate { multipliers: &multipliers, ..here };
+        self.linearization = Some(self.workspace.linearize(&self.problem, &here));
+    }
+
+    /// First-order change of the equilibrium of a run, where it is linearised, with the rest
+    /// vertices moving so [m]. None where the equilibrium is not stable, or of a run through
+    /// time.
+    pub fn predict(&mut self, run: &Run, motion: &[Vec3]) -> Option<Vec<f64>> {
+        let linearization = self.linearization.as_ref()?;
+        follow(&self.problem, &mut self.workspace, linearization, &run.rest, motion)
+    }
+
+    /// The last displacement of a run on another mesh of the same designed shape, by elements
+    /// of another degree.
+    #[must_use]
+    pub fn carry(&self, run: &Run, designed: &[Vec3], body: &Body, degree: usize) -> Vec<f64> {
+        let space = &*self.problem.space;
+        let vertices = &body.mesh.vertices;
+        let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
+        interpolate((space, designed, &run.states.last()), (&other, vertices))
+    }
+
+    /// dJ of some of the terms, times a factor, by all that a run depends on. Where it is
+    /// linearised at the run, that saves a factorisation.
+    ///
+    /// # Errors
+    /// When the adjoint system has no accurate solution.
+    pub fn sweep(
+        &mut self,
+        (run, body): (&Run, &Body),
+        (of, factor): (Option<&str>, f64),
+    ) -> Result<Gradient, Rejected> {
+        let (rest, states) = (&run.rest[..], &*run.states);
+        let forces: Vec<Forces> =
+            (0..=states.steps()).map(|n| self.forces(rest, states, n)).collect();
+        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.objective.name());
+        let mut by_rest = vec![0.0; 3 * rest.len()];
+        let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
+            let (state, load) = (states.state(n), states.times[n]);
+            let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
+            let here = Equilibrium { space, rest, u, load, contact, reaction };
+            for term in self.terms.iter().filter(wanted) {
+                let factor = factor * term.weight * term.factors[n];
+                if factor != 0.0 {
+                    term.objective.add_du(&here, factor, &mut out.by_u);
+                    term.objective.add_dcontact(&here, factor, &mut out.by_contact);
+                    term.objective.add_dreaction(&here, factor, &mut out.by_reaction);
+                    term.objective.add_drest(&here, factor, &mut by_rest);
+                }
+            }
+        };
+        let (problem, workspace) = (&self.problem, &mut self.workspace);
+        let linearization = self.linearization.as_ref();
+        let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
+        let mut gradient = swept.map_err(|e| self.reject(e))?;
+        gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        for plane in &body.planes {
+            // no shape moves them there
+            plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
+        }
+        Ok(gradient)
+    }
+
+    /// dJ by the variables of the loads, which have these values.
+    #[must_use]
+    pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
+        self.loads.pull_back(loads, &gradient.parameters)
+    }
+
+    /// Mean displacement of each tag over its rest area [m].
+    ///
+    /// # Errors
+    /// When a tag has no facets.
+    pub fn mean_displacements(&self, run: &Run, body: &Body) -> Result<BTreeMap<String, f64>> {
+        let mut body = body.clone();
+        body.mesh.vertices.clone_from(&run.rest);
+        let one = |name: &String| {
+            let facets = body.facets(name)?;
+            let report = displacements(&body, &self.problem.space, &facets, &run.states.last());
+            Ok((name.clone(), report.mean_displacement))
+        };
+        body.used_tags().map(one).collect()
+    }
+
+    /// The solution's grid for ParaView.
+    #[must_use]
+    pub fn grid(&self, run: &Run) -> mesh::io::vtu::Grid {
+        crate::report::results::grid(&self.problem.space, &run.rest, &run.states.last())
+    }
+}
+
+/// How far the vertices of a body are off, where walls are [m].
+fn offset(config: &ScenarioConfig, body: &Body) -> Result<Option<Vec<Vec3>>> {
+    let off = config.walls();
+    if off.is_empty() {
+        return Ok(None);
+    }
+    let walls = Walls::new(body)?;
+    let mut offset = vec![Vec3::zeros(); body.mesh.vertices.len()];
+    for (tag, distance) in off {
+        let Some(moves) = walls.moves(tag) else {
+            let known: Vec<&str> = body.used_tags().map(String::as_str).collect();
+            let tag = tag.unwrap_or_default();
+            anyhow::bail!("wall: no tag \"{tag}\"; expected some of: {}", known.join(", "));
+        };
+        offset.iter_mut().zip(moves).for_each(|(sum, d)| *sum += distance * d);
+    }
+    Ok(Some(offset))
+}
