@@ -10,7 +10,7 @@ PYTHON ?= python3
 BIN := target/release
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -38,6 +38,11 @@ test-all: setup beam  ## also those that take minutes
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together, SEED=1)
 	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \
 		cargo test --release --locked --workspace --test fuzz -- --ignored --nocapture
+
+torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600, SEED=1, CASE=17: that one alone)
+	TORTURE_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),300) TORTURE_SEED=$(or $(SEED),1) \
+		$(if $(CASE),TORTURE_CASE=$(CASE)) \
+		cargo test --release --locked --workspace --test torture -- --ignored --nocapture
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)

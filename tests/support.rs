@@ -6,6 +6,8 @@ pub mod bar;
 pub mod chamber;
 #[path = "support/equilibrium.rs"]
 pub mod equilibrium;
+#[path = "support/fall.rs"]
+pub mod fall;
 #[path = "support/fuzz/mod.rs"]
 pub mod fuzz;
 #[path = "support/judges.rs"]

@@ -3,45 +3,13 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use mesh::io::{write_surface, write_tets};
+use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
 use solver::math::random::Random;
+use tests::fall::{STEPS, workdir};
 use tests::workdir::Workdir;
-use tests::{block, tag};
 
 const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
-const STEPS: usize = 16;
-
-/// A block falls onto a floor, and another, which is held above, is moved onto it; they slide.
-/// The state before last, lagged contacts, the couplings of contact, and the work of the support
-/// all matter.
-fn workdir() -> Workdir {
-    let dir = Workdir::new();
-    let top = |p: Vec3| p.z > 12e-3 - 1e-9;
-    let block = block([1, 1, 1], 12e-3, |_| false, |p| p);
-    let block = tag(block, &[("top", &top), ("skin", &|_| true)]);
-    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
-    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    let floor = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] };
-    write_surface(&dir.path("floor.stl"), &floor).unwrap();
-    let material = "{ kind = \"neo-hookean\", young = 3e4, poisson = 0.4, density = 1000.0 }";
-    dir.write(
-        "sim.toml",
-        &format!(
-            "degree = 1\ngravity = [0, 0, -9.8]\n\
-             [[body]]\nname = \"low\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 3e-4]\n\
-             velocity = [0.3, 0, 0]\nmaterial = {material}\n\
-             [[body]]\nname = \"high\"\nmesh = \"block.msh\"\ntranslate = [3e-3, 2e-3, 13e-3]\n\
-             velocity = [0, 0.1, -0.2]\nmaterial = {material}\n\
-             [[fixed]]\non = \"high.top\"\ndisplacement = [0, \"0.1*t\", \"-0.05*t\"]\n\
-             [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
-             [contact]\nactivation = 2e-4\nstiffness = 3e4\nfriction = 0.4\n\
-             [time]\nmethod = \"bdf2\"\nend = 0.032\nsteps = {STEPS}\n"
-        ),
-    );
-    dir
-}
 
 /// What must be the same, byte for byte.
 fn results(dir: &Workdir) -> (Vec<u8>, String, u64) {

@@ -122,7 +122,13 @@ impl Workdir {
     /// `solver` with arguments separated by blanks, to be run in the folder.
     #[must_use]
     pub fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(program("solver"));
+        self.command_of("solver", arguments)
+    }
+
+    /// A program of the workspace with arguments separated by blanks, to be run in the folder.
+    #[must_use]
+    pub fn command_of(&self, name: &str, arguments: &str) -> Command {
+        let mut command = Command::new(program(name));
         command.args(arguments.split_whitespace()).current_dir(self.folder.path());
         command
     }

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use mesh::SurfaceMesh;
+use mesh::io::remove_litter;
+use program::FolderLock;
 
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
@@ -108,6 +110,8 @@ fn finish(
     start: Instant,
 ) -> Result<()> {
     remark_on_size(&args.file, &labelled.surface);
+    let _lock = FolderLock::new(folder)?;
+    remove_litter(&folder.join("patches"));
     let report =
         labelled.write(folder, input, start).with_context(|| args.file.display().to_string())?;
     report.log();

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Result;
-use mesh::io::{remove_output, write_surface};
+use mesh::io::{remove_litter, remove_output, write_surface};
 use mesh::{SurfaceMesh, Vec3};
-use program::{Progress, Unusable, peak_rss_mb};
+use program::{FolderLock, Progress, Unusable, peak_rss_mb};
 
 use super::{Planned, Task};
 use crate::body::boundary::Boundary;
@@ -49,6 +49,8 @@ pub fn run(args: &Args) -> Result<()> {
     let task = &args.task;
     let Planned { config, boundary, collars, plan, report: planned, progress } = task.plan()?;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
+    let _lock = FolderLock::new(&task.output)?;
+    planned.molds.iter().for_each(|entry| remove_litter(&folder(entry)));
     let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
     let mut molds = Vec::new();
     for casting in &plan.castings {
