@@ -143,6 +143,26 @@ fn parts_that_do_not_touch_are_refused_at_once() {
     assert!(!dir.path("out").exists());
 }
 
+/// Loads that hardly exceed rounding, on a body a hundred times as large, too: they are in
+/// balance, or the report says how near.
+#[test]
+fn tiny_loads_of_gas_have_an_equilibrium() {
+    let dir = chamber::workdir();
+    let mut body = chamber::chamber();
+    body.mesh.vertices.iter_mut().for_each(|x| *x *= 100.0);
+    write_tets(&dir.path("large.msh"), &body.mesh, &body.tags).unwrap();
+    let gas =
+        |fill: f64, ambient: f64| format!("fill = {fill:e}\nambient = {ambient:e}\nexponent = 1.4");
+    for load in [gas(1e-9, 101_325.0), gas(1e-3, 1e7), "volume_change = 1e-18".to_owned()] {
+        for mesh in ["body.msh", "large.msh"] {
+            let scene = dir.text("p1.toml").replace("body.msh", mesh);
+            dir.write("sim.toml", &scene.replace("pressure = 8e3", &load));
+            dir.solver("simulate sim.toml -o out").assert_good();
+            assert_eq!(dir.json("out/report.json")["usable"], true, "{load}, {mesh}");
+        }
+    }
+}
+
 /// A tolerance below rounding: the result is as good as numbers allow, and says
 /// that it is not what was asked for.
 #[test]

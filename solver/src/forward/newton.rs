@@ -8,8 +8,8 @@
 //! doi:10.1137/0719025).
 //!
 //! **The end at the rounding floor.** More iterations cannot help when the predicted
-//! decrease of the energy is below [`NEGLIGIBLE`] of it, and in addition there is no
-//! step, the residual has not halved for [`FLAT`] iterations, or no iteration is left.
+//! decrease of the energy is below [`NEGLIGIBLE`] of it, and in addition the residual has not
+//! halved for [`FLAT`] iterations or no iteration is left; or when there is no step at all.
 //! The best state is then accepted if its residual is at most
 //! [`Workspace::rounding_floor`], and [`Converged::floor`] is that floor; else the
 //! result is [`Failure::Stagnated`]. The floor is
@@ -225,7 +225,15 @@ impl Newton {
                 return self.stagnated(problem, workspace, at, now, iterations);
             }
             let Some(accepted) = step else {
-                return Err(Failure::Stalled { iterations, residual, wanted });
+                // energies that cancel each other have more rounding than their sum shows
+                let best = &flat.best;
+                return match self.stagnated(problem, workspace, at, best, iterations) {
+                    Ok(converged) => {
+                        *now = flat.best;
+                        Ok(converged)
+                    }
+                    Err(_) => Err(Failure::Stalled { iterations, residual, wanted }),
+                };
             };
             *now = reached(problem, workspace, at, accepted);
         }
