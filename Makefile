@@ -8,9 +8,10 @@ SHELL := /bin/bash
 
 PYTHON ?= python3
 BIN := target/release
+DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bench bench-compare lint docs clean compression gripper worm-segment validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bench bench-compare lint audit docs clean compression gripper worm-segment validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -54,6 +55,12 @@ lint:  ## what CI asks of the sources: format, clippy, documentation
 	cargo fmt --check
 	cargo clippy --release --locked --workspace --all-targets -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --release --locked --workspace --no-deps --quiet
+
+audit: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
+audit:  ## licences, sources, advisories and duplicates of all crates (AUDIT="licenses bans sources": without the network)
+	@cargo deny --version 2> /dev/null | grep --quiet "$(DENY)" || \
+		cargo install --locked --version $(DENY) --root .cargo-tools cargo-deny
+	cargo deny --locked check $(AUDIT)
 
 docs:  ## documentation of the libraries, in target/doc
 	cargo doc --release --locked --workspace --no-deps

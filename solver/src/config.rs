@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use objective::ObjectiveConfig;
 pub use probe::ProbeConfig;
-pub use scenario::{RobustConfig, SPREAD, ScenarioConfig, WallConfig};
+pub use scenario::{EXCESS, RobustConfig, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;

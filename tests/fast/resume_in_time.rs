@@ -4,7 +4,6 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use mesh::io::write_surface;
-use mesh::{SurfaceMesh, Vec3};
 use solver::math::random::Random;
 use tests::fall::{STEPS, workdir};
 use tests::workdir::Workdir;

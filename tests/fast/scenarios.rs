@@ -103,6 +103,11 @@ fn scenarios_are_scenes_with_numbers_changed() {
     let total = |name: &str| line["scenarios"][name]["objective"].as_f64().unwrap();
     let mean = (2.0 * total("as drawn") + total("thin") + total("soft") + total("less")) / 5.0;
     assert!((line["objective"].as_f64().unwrap() / mean - 1.0).abs() < 1e-12);
+    let moved = ["as drawn", "thin", "soft", "less"]
+        .map(|name| line["scenarios"][name]["mean_displacement"]["top"].as_f64().unwrap());
+    let (low, high) = moved.iter().fold((f64::MAX, 0.0_f64), |(l, h), &m| (m.min(l), m.max(h)));
+    let spread = line["spread"]["top"].as_f64().unwrap();
+    assert!((spread - (high - low) / moved[0]).abs() < 1e-12 && spread > 0.1, "{spread}");
     let report = dir.json("out/report.json");
     assert_eq!(report["scenarios_before"], line["scenarios"]);
     assert!(report["objective_after"].as_f64() < report["objective_before"].as_f64());
@@ -115,7 +120,7 @@ fn gradients_are_exact() {
         let dir = workdir(robust);
         let run = dir.solver("check design.toml");
         run.assert_good();
-        let tested = run.stdout.contains("\"spread\" by shape");
+        let tested = run.stdout.contains("\"excess\" by shape");
         assert_eq!(tested, !robust.is_empty(), "{}", run.stdout);
         assert!(run.stdout.contains("\"top\" by material"), "{}", run.stdout);
     }

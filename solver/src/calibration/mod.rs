@@ -140,7 +140,7 @@ impl Calibration {
         }
         let numbers = config.number;
         let start = starts(&numbers, &scenes).with_context(context)?;
-        let moves = numbers.iter().any(|number| number.of == "wall");
+        let moves = numbers.iter().any(|number| matches!(number, Number::Wall(_)));
         let walls = scenes.iter().map(|scene| moves.then(|| Walls::new(&scene.body)).transpose());
         let walls = walls.collect::<Result<_>>()?;
         Ok(Self { numbers, start, experiments, scenes, walls })
@@ -215,9 +215,8 @@ impl Calibration {
 
 /// Unit and value of each number, which all scenes that have it must share.
 fn starts(numbers: &[Number], scenes: &[Scene]) -> Result<Vec<(&'static str, f64)>> {
-    let of_law = |number: &Number| number.is_of_material() && number.of != "modulus";
-    if let (true, Some(number)) =
-        (numbers.iter().any(|n| n.of == "modulus"), numbers.iter().find(|n| of_law(n)))
+    let of_law = |number: &&Number| matches!(number, Number::Law { .. });
+    if let (true, Some(number)) = (numbers.contains(&Number::Modulus), numbers.iter().find(of_law))
     {
         bail!(
             "modulus and {}: a factor on all stresses and a stress are not told apart; expected \

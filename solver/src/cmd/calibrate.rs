@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::write_json(&folder.join("calibration.json"), &report)?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
     let path = folder.join("material.toml");
-    if calibration.numbers.iter().any(Number::is_of_material) {
+    if calibration.numbers.iter().any(is_of_material) {
         let material = material(&calibration, &found, &text)?;
         mesh::io::write_atomic(&path, |out| out.write_all(material.as_bytes()))?;
     } else {
@@ -236,7 +236,7 @@ fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()
 fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
     let mut scene = calibration.scenes[0].clone();
     for (number, &value) in calibration.numbers.iter().zip(&found.numbers) {
-        if number.is_of_material() || number.of == "density" {
+        if is_of_material(number) || *number == Number::Density {
             number.apply(&mut scene, None, value)?;
         }
     }
@@ -264,4 +264,9 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         writeln!(text, "[material]\n{keys}")?;
     }
     Ok(text)
+}
+
+/// Whether a number changes a law.
+fn is_of_material(number: &Number) -> bool {
+    matches!(number, Number::Modulus | Number::Law { .. })
 }

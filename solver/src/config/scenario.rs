@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::level::check_weights;
 
 /// Name of the term that the objectives of scenarios are more than their mean by.
-pub const SPREAD: &str = "spread";
+pub const EXCESS: &str = "excess";
 
 /// A case that the design is simulated in. What is left out is as the scene has it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -155,8 +155,8 @@ pub(super) fn check(
         scenarios.len()
     );
     ensure!(
-        !objectives.contains(&SPREAD),
-        "[[objective]] \"{SPREAD}\" beside [robust], whose term has this name; expected another"
+        !objectives.contains(&EXCESS),
+        "[[objective]] \"{EXCESS}\" beside [robust], whose term has this name; expected another"
     );
     ensure!(
         deviations.is_some() != worst.is_some(),

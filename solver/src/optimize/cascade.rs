@@ -12,7 +12,7 @@ use program::Unusable;
 use serde_json::json;
 
 use super::checkpoint::Checkpoint;
-use super::history::{History, scenarios};
+use super::history::{History, add_scenarios};
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
 use crate::body::{Body, Part};
@@ -375,7 +375,7 @@ impl Cascade<'_> {
             "mean_displacement": moved[0],
         });
         if !self.design.scenario.is_empty() {
-            line["scenarios"] = scenarios(level, evaluation, moved);
+            add_scenarios(&mut line, (level, evaluation), &moved);
         }
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \

@@ -69,13 +69,14 @@ impl History {
     }
 }
 
-/// What each scenario comes to, for the history.
-pub(super) fn scenarios(
-    level: &Level,
-    at: &Evaluation,
-    moved: Vec<BTreeMap<String, f64>>,
-) -> Value {
-    let one = |((scenario, run), moved): ((&Scenario, &Run), BTreeMap<String, f64>)| {
+/// Adds to a line what each scenario comes to, with the mean displacements of tags [m], and their
+/// spread: the largest less the smallest, over that of the first scenario [1].
+pub(super) fn add_scenarios(
+    line: &mut Value,
+    (level, at): (&Level, &Evaluation),
+    moved: &[BTreeMap<String, f64>],
+) {
+    let one = |((scenario, run), moved): ((&Scenario, &Run), &BTreeMap<String, f64>)| {
         let of = json!({
             "objective": run.objective,
             "terms": run.terms,
@@ -84,5 +85,11 @@ pub(super) fn scenarios(
         });
         (scenario.config.name.clone(), of)
     };
-    level.scenarios().iter().zip(&at.runs).zip(moved).map(one).collect()
+    line["scenarios"] = level.scenarios().iter().zip(&at.runs).zip(moved).map(one).collect();
+    let spread = |(tag, first): (&String, &f64)| {
+        let all = || moved.iter().map(|of_tags| of_tags[tag]);
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        (*first > 0.0).then(|| (tag.clone(), json!((high - low) / first)))
+    };
+    line["spread"] = moved[0].iter().filter_map(spread).collect();
 }

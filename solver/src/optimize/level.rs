@@ -13,7 +13,7 @@ use super::robust::Robust;
 use super::scenario::{Near, Rejected, Run, Scenario};
 use crate::adjoint::Gradient;
 use crate::body::Body;
-use crate::config::{DesignConfig, LevelConfig, SPREAD};
+use crate::config::{DesignConfig, EXCESS, LevelConfig};
 use crate::design::DesignMap;
 use crate::math::linear::sum;
 use crate::memory::{self, Need};
@@ -29,7 +29,7 @@ pub struct Evaluation {
     pub runs: Vec<Run>,
     /// What is minimised, the sum of the terms.
     pub objective: f64,
-    /// Mean over the scenarios of each weighted term, by the user's name, and [`SPREAD`], where
+    /// Mean over the scenarios of each weighted term, by the user's name, and [`EXCESS`], where
     /// the objective is not the mean.
     pub terms: BTreeMap<String, f64>,
     /// Newton iterations of all runs.
@@ -139,11 +139,11 @@ impl Level {
         self.first().steps()
     }
 
-    /// Names of the terms, in the order of the design file, and of [`SPREAD`], if there is one.
+    /// Names of the terms, in the order of the design file, and of [`EXCESS`], if there is one.
     #[must_use]
     pub fn term_names(&self) -> Vec<String> {
-        let spread = (!self.robust.is_mean()).then_some(SPREAD);
-        self.first().term_names().chain(spread).map(str::to_owned).collect()
+        let excess = (!self.robust.is_mean()).then_some(EXCESS);
+        self.first().term_names().chain(excess).map(str::to_owned).collect()
     }
 
     /// Does the same for all scenarios, at the same time; the first error counts.
@@ -200,7 +200,7 @@ impl Level {
             }
         }
         if !self.robust.is_mean() {
-            terms.insert(SPREAD.to_owned(), objective - self.robust.mean(&objectives));
+            terms.insert(EXCESS.to_owned(), objective - self.robust.mean(&objectives));
         }
         let newton_iterations = runs.iter().map(|run| run.newton_iterations).sum();
         Evaluation { rest, runs, objective, terms, newton_iterations, forward_s: 0.0 }
@@ -271,7 +271,7 @@ impl Level {
         self.each(|i, scenario| {
             let wanted = match of {
                 None => (None, by[i]),
-                Some(SPREAD) => (None, by[i] - means[i]),
+                Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
             scenario.sweep((&at.runs[i], &body), wanted)
