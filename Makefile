@@ -11,7 +11,7 @@ BIN := target/release
 DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bench bench-compare lint audit docs clean compression gripper worm-segment validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -23,6 +23,8 @@ beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
+
+robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 

@@ -235,9 +235,8 @@ impl Level {
     /// where an equilibrium is not stable, or of a run through time.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<Vec<f64>>> {
         let shape = self.map.shape(theta);
-        let motion: Vec<Vec3> = shape.iter().zip(&at.rest).map(|(a, b)| a - b).collect();
         let pairs = self.scenarios.par_iter_mut().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.predict(run, &motion)).collect()
+        pairs.map(|(scenario, run)| scenario.predict(run, &shape)).collect()
     }
 
     /// The last displacements of an evaluation on another mesh of the same shape, by elements
@@ -274,7 +273,7 @@ impl Level {
                 Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
-            scenario.sweep((&at.runs[i], &body), wanted)
+            scenario.sweep((&at.runs[i], &at.rest, &body), wanted)
         })
     }
 

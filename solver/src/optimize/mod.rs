@@ -7,6 +7,7 @@ mod history;
 mod lbfgs;
 mod lbfgsb;
 mod level;
+mod offset;
 mod parameter;
 mod progress;
 mod rest_path;

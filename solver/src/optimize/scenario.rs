@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use mesh::Vec3;
 
+use super::offset::Offset;
 use super::validity;
 use crate::adjoint::{self, Gradient};
 use crate::body::Body;
@@ -22,7 +23,6 @@ use crate::objective::{Equilibrium, Objective};
 use crate::report::failure::Diagnosis;
 use crate::report::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
-use crate::sensitivity::Walls;
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
@@ -80,8 +80,7 @@ pub struct Scenario {
     pub config: ScenarioConfig,
     /// With its changes, but for walls.
     pub scene: Scene,
-    /// How far vertices are off, where walls are [m].
-    offset: Option<Vec<Vec3>>,
+    offset: Option<Offset>,
     loads: LoadMap,
     problem: Problem,
     workspace: Workspace,
@@ -103,7 +102,7 @@ pub struct Scenario {
 
 impl Scenario {
     /// Sets up a scenario of a level on a body, whose moving surface has edges of about `edge`
-    /// [m]. Walls that are off move along the normals of this body.
+    /// [m].
     ///
     /// # Errors
     /// When the scene or the body does not have what it needs.
@@ -125,7 +124,7 @@ impl Scenario {
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
         Ok(Self {
-            offset: offset(config, body)?,
+            offset: Offset::new(config, body)?,
             loads,
             stepping: scene.stepping(),
             start: scene.integrator(body, &problem),
@@ -183,7 +182,7 @@ impl Scenario {
     fn rest(&self, designed: &[Vec3]) -> Vec<Vec3> {
         match &self.offset {
             None => designed.to_vec(),
-            Some(offset) => designed.iter().zip(offset).map(|(x, d)| x + d).collect(),
+            Some(offset) => offset.apply(designed),
         }
     }
 
@@ -378,12 +377,13 @@ impl Scenario {
         self.linearization = Some(self.workspace.linearize(&self.problem, &here));
     }
 
-    /// First-order change of the equilibrium of a run, where it is linearised, with the rest
-    /// vertices moving so [m]. None where the equilibrium is not stable, or of a run through
-    /// time.
-    pub fn predict(&mut self, run: &Run, motion: &[Vec3]) -> Option<Vec<f64>> {
+    /// First-order change of the equilibrium of a run, where it is linearised, to another
+    /// designed shape. None where the equilibrium is not stable, or of a run through time.
+    pub fn predict(&mut self, run: &Run, designed: &[Vec3]) -> Option<Vec<f64>> {
+        let rest = self.rest(designed);
+        let motion: Vec<Vec3> = rest.iter().zip(&run.rest).map(|(a, b)| a - b).collect();
         let linearization = self.linearization.as_ref()?;
-        follow(&self.problem, &mut self.workspace, linearization, &run.rest, motion)
+        follow(&self.problem, &mut self.workspace, linearization, &run.rest, &motion)
     }
 
     /// The last displacement of a run on another mesh of the same designed shape, by elements
@@ -396,14 +396,14 @@ impl Scenario {
         interpolate((space, designed, &run.states.last()), (&other, vertices))
     }
 
-    /// dJ of some of the terms, times a factor, by all that a run depends on. Where it is
-    /// linearised at the run, that saves a factorisation.
+    /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
+    /// shape among it. Where it is linearised at the run, that saves a factorisation.
     ///
     /// # Errors
     /// When the adjoint system has no accurate solution.
     pub fn sweep(
         &mut self,
-        (run, body): (&Run, &Body),
+        (run, designed, body): (&Run, &[Vec3], &Body),
         (of, factor): (Option<&str>, f64),
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
@@ -430,6 +430,9 @@ impl Scenario {
         let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        if let Some(offset) = &self.offset {
+            offset.add_vjp(designed, &mut gradient.rest);
+        }
         for plane in &body.planes {
             // no shape moves them there
             plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
@@ -463,23 +466,4 @@ impl Scenario {
     pub fn grid(&self, run: &Run) -> mesh::io::vtu::Grid {
         crate::report::results::grid(&self.problem.space, &run.rest, &run.states.last())
     }
-}
-
-/// How far the vertices of a body are off, where walls are [m].
-fn offset(config: &ScenarioConfig, body: &Body) -> Result<Option<Vec<Vec3>>> {
-    let off = config.walls();
-    if off.is_empty() {
-        return Ok(None);
-    }
-    let walls = Walls::new(body)?;
-    let mut offset = vec![Vec3::zeros(); body.mesh.vertices.len()];
-    for (tag, distance) in off {
-        let Some(moves) = walls.moves(tag) else {
-            let known: Vec<&str> = body.used_tags().map(String::as_str).collect();
-            let tag = tag.unwrap_or_default();
-            anyhow::bail!("wall: no tag \"{tag}\"; expected some of: {}", known.join(", "));
-        };
-        offset.iter_mut().zip(moves).for_each(|(sum, d)| *sum += distance * d);
-    }
-    Ok(Some(offset))
 }
