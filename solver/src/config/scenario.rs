@@ -87,13 +87,10 @@ impl Default for ScenarioConfig {
 }
 
 impl ScenarioConfig {
-    /// What messages call it; nothing where a design has no scenarios.
+    /// What messages call it; none where a design has no scenarios.
     #[must_use]
-    pub fn title(&self) -> String {
-        if self.name.is_empty() {
-            return String::new();
-        }
-        format!("scenario \"{}\"", self.name)
+    pub fn title(&self) -> Option<String> {
+        (!self.name.is_empty()).then(|| format!("scenario \"{}\"", self.name))
     }
 
     /// How far each wall is off: the tag, or none for all, and the distance [m].

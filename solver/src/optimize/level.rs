@@ -86,13 +86,13 @@ impl Level {
         let configs = design.scenarios();
         let scenarios = configs.iter().map(|config| {
             let scenario = Scenario::new(config, on, objectives, design, level);
-            scenario.with_context(|| config.title())
+            scenario.map_err(|error| match config.title() {
+                None => error,
+                Some(title) => error.context(title),
+            })
         });
         let scenarios: Vec<Scenario> = scenarios.collect::<Result<_>>()?;
-        let need: Need = scenarios.iter().map(|s| s.workspace().memory()).sum();
-        need.check(memory::available()).with_context(|| {
-            format!("{} scenarios, whose factors are kept at the same time", scenarios.len())
-        })?;
+        check_memory(&scenarios)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         Ok(Self { body, map, path, robust: Robust::new(&configs, design.robust), scenarios })
@@ -330,4 +330,11 @@ impl Level {
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
         self.first().grid(&at.runs[0])
     }
+}
+
+/// Each has been checked alone; the factors of all are kept at the same time.
+fn check_memory(scenarios: &[Scenario]) -> Result<()> {
+    let need: Need = scenarios.iter().map(|s| s.workspace().memory()).sum();
+    let count = scenarios.len();
+    need.check(memory::available()).with_context(|| format!("{count} scenarios at the same time"))
 }

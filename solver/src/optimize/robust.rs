@@ -140,7 +140,7 @@ mod tests {
         // within τ ln 4 of the largest
         for (config, smoothing) in MEASURES[2..].iter().zip([0.3, 1e-3]) {
             let below = 3.0 - robust(*config).value(&objectives);
-            assert!((0.0..=smoothing * 4.0_f64.ln()).contains(&below), "{below}");
+            assert!((0.0..smoothing * 4.0_f64.ln() + 1e-12).contains(&below), "{below}");
         }
         for config in MEASURES {
             assert!((robust(config).value(&[2.5; 3]) - 2.5).abs() < 1e-14);
@@ -150,7 +150,9 @@ mod tests {
     #[test]
     fn derivatives_are_exact_and_sum_to_one() {
         let objectives = [1.3, 1.0, 0.9];
-        for config in &MEASURES[..3] {
+        // the mean is linear: a Taylor test says nothing of it
+        assert_eq!(robust(MEASURES[0]).derivatives(&objectives), [0.25, 0.5, 0.25]);
+        for config in &MEASURES[1..3] {
             let measure = robust(*config);
             let by = measure.derivatives(&objectives);
             check_gradient(&objectives, &by, 1e-2, |j| measure.value(j));

@@ -173,8 +173,8 @@ impl Scenario {
     /// What messages begin with.
     fn reject(&self, why: impl ToString) -> Rejected {
         match self.config.title() {
-            title if title.is_empty() => Rejected(why.to_string()),
-            title => Rejected(format!("{title}: {}", why.to_string())),
+            None => Rejected(why.to_string()),
+            Some(title) => Rejected(format!("{title}: {}", why.to_string())),
         }
     }
 
@@ -200,7 +200,8 @@ impl Scenario {
         // where walls are off, all of them move
         let moving = self.offset.as_ref().map_or(moving, |_| body.boundary());
         validity::check(&rest, body, moving).map_err(|e| self.reject(e))?;
-        for term in &self.terms {
+        // a term without weight is none
+        for term in self.terms.iter().filter(|term| term.weight != 0.0) {
             let name = term.objective.name();
             let admitted = term.objective.admit(&rest);
             admitted.map_err(|e| self.reject(format!("\"{name}\": {e}")))?;
