@@ -1,6 +1,6 @@
 //! `solver check`: the Taylor test on the user's own design problem.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -135,14 +135,9 @@ fn sweeps(
     level: &mut Level,
     start: &Evaluation,
 ) -> Result<BTreeMap<String, Vec<crate::adjoint::Gradient>>> {
-    let mut swept = BTreeMap::new();
-    for name in level.term_names() {
-        if !swept.contains_key(&name) {
-            let gradients = level.sweep(start, Some(&name))?;
-            swept.insert(name, gradients);
-        }
-    }
-    Ok(swept)
+    let names: BTreeSet<String> = level.term_names().into_iter().collect();
+    let sweep = |name: String| Ok((name.clone(), level.sweep(start, Some(&name))?));
+    names.into_iter().map(sweep).collect()
 }
 
 fn sum(gradients: &BTreeMap<&str, Vec<f64>>, count: usize) -> Vec<f64> {
