@@ -11,7 +11,7 @@ BIN := target/release
 DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -46,6 +46,10 @@ torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600,
 	TORTURE_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),300) TORTURE_SEED=$(or $(SEED),1) \
 		$(if $(CASE),TORTURE_CASE=$(CASE)) \
 		cargo test --release --locked --workspace --test torture -- --ignored --nocapture
+
+bodies: setup  ## random bodies from model to verified mold, with their statistic (COUNT=200, SEED=0)
+	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
+		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)

@@ -2,6 +2,8 @@
 
 #[path = "support/bar.rs"]
 pub mod bar;
+#[path = "support/bodies.rs"]
+pub mod bodies;
 #[path = "support/chamber.rs"]
 pub mod chamber;
 #[path = "support/equilibrium.rs"]

@@ -30,4 +30,15 @@ impl Unit {
             Self::Inch => 25.4e-3,
         }
     }
+
+    /// Its sign, as in "0.8 mm".
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::M => "m",
+            Self::Cm => "cm",
+            Self::Mm => "mm",
+            Self::Inch => "inch",
+        }
+    }
 }

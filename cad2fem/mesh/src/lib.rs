@@ -12,9 +12,12 @@ pub mod io;
 pub mod measure;
 pub mod offset;
 pub mod predicates;
+pub mod rounding;
 pub mod solid;
 pub mod topology;
+pub mod walls;
 
+mod needles;
 mod surface;
 mod tags;
 mod tet;

@@ -187,6 +187,14 @@ impl Solid {
         Self { kernel: self.kernel.transform(&map) }
     }
 
+    /// The solid with every vertex of its boundary moved by `f`, which moves none by more
+    /// than a small part of the edges at it.
+    #[must_use]
+    pub fn warp(&self, f: impl Fn(Vec3) -> Vec3) -> Self {
+        let kernel = self.kernel.warp(|p: &mut KernelVec3| *p = to_kernel(&f(from_kernel(*p))));
+        Self { kernel }
+    }
+
     /// Volume [m³].
     #[must_use]
     pub fn volume(&self) -> f64 {
@@ -342,8 +350,9 @@ impl Solid {
     /// box where it reaches beyond: f is negative inside, as a signed distance is.
     ///
     /// Marching tetrahedra on a body-centred cubic lattice with triangle edges of
-    /// about `edge_length` [m]; vertices lie within a thousandth of that from the
-    /// zero of `f` along their lattice edge. `f` is called from many threads.
+    /// about `edge_length` [m]; vertices lie within 10⁻⁸ of that from the zero of
+    /// `f` along their lattice edge, so that planar faces of `f` are planar.
+    /// `f` is called from many threads.
     ///
     /// # Errors
     /// If the kernel finds no surface in the lattice, wherever that begins.
@@ -358,7 +367,7 @@ impl Solid {
         for shift in [0.0, 0.31, 0.57] {
             let min = to_kernel(&bounds.0.add_scalar(-shift * edge_length));
             let bounds = KernelBox { min, max: to_kernel(&bounds.1) };
-            let (level, tolerance) = (0.0, 1e-3 * edge_length);
+            let (level, tolerance) = (0.0, 1e-8 * edge_length);
             let kernel = without_panic(|| {
                 Manifold::level_set_with_tolerance(
                     positive_inside,

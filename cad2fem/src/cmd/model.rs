@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use mesh::SurfaceMesh;
 use mesh::io::remove_litter;
 use program::FolderLock;
 
@@ -77,15 +76,9 @@ fn implicit(args: &Args) -> Result<()> {
 fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()> {
     let start = Instant::now();
     let fields = Fields::new(model, args.fine);
-    let surface = surface(model, &fields).with_context(|| args.file.display().to_string())?;
-    let region = assign(model, &fields, &surface);
-    let scale = model.unit.metres();
-    let vertices = surface.vertices.iter().map(|v| v * scale).collect();
-    let labelled = LabelledSurface {
-        surface: SurfaceMesh { vertices, triangles: surface.triangles },
-        names: model.region_names(),
-        region,
-    };
+    let skin = surface(model, &fields).with_context(|| args.file.display().to_string())?;
+    let region = assign(model, &fields, &skin);
+    let labelled = LabelledSurface { surface: skin.surface, names: model.region_names(), region };
     finish(args, &labelled, folder, input.clone(), start)
 }
 

@@ -11,7 +11,8 @@ use program::{parse_toml, read_checked};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::shape::{Bounds, Shape};
+pub use super::shape::Bounds;
+use super::shape::Shape;
 use crate::units::Unit;
 
 /// Most cells of the sampling lattice, 2 samples each.
@@ -146,7 +147,11 @@ impl ModelFile {
         read_checked(path, Self::parse)
     }
 
-    fn parse(text: &str) -> Result<Self> {
+    /// Reads and checks the text of a model file.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(text: &str) -> Result<Self> {
         let model: Model = parse_toml(text)?;
         let mut table: Table = parse_toml(text)?;
         table.remove("variant");
@@ -244,17 +249,22 @@ impl Model {
         for cut in &self.cut {
             ensure!(Vec3::from(cut.normal).norm() > 0.0, "cut {:?}: the normal is zero", cut.name);
         }
-        let (min, max) = self.bounds();
-        let cells = (max - min).product() / self.grid.powi(3);
-        ensure!(
-            cells <= MAX_CELLS,
-            "grid {} makes {cells:.1e} cells in the box of the body; more than {MAX_CELLS:.0e} take \
-             minutes and gigabytes: choose a coarser grid",
-            self.grid
-        );
+        self.require_cells(self.grid)?;
         self.region.iter().try_for_each(|region| {
             self.check_region(region).with_context(|| format!("region {:?}", region.name))
         })
+    }
+
+    /// Refuses a grid that would take very long.
+    pub(super) fn require_cells(&self, grid: f64) -> Result<()> {
+        let (min, max) = self.bounds();
+        let cells = (max - min).product() / grid.powi(3);
+        ensure!(
+            cells <= MAX_CELLS,
+            "grid {grid} makes {cells:.1e} cells in the box of the body; more than {MAX_CELLS:.0e} \
+             take minutes and gigabytes: choose a coarser grid"
+        );
+        Ok(())
     }
 
     fn check_region(&self, region: &Region) -> Result<()> {
@@ -296,7 +306,17 @@ impl Model {
     /// A box around the body, with room for blends and for a grid cell [unit].
     #[must_use]
     pub fn bounds(&self) -> Bounds {
-        let bodies = self.solid.iter().filter(|p| p.is_body());
+        self.bounds_of(&self.solid)
+    }
+
+    /// The same around what is taken out of the body; `None` if nothing is.
+    #[must_use]
+    pub fn cavity_bounds(&self) -> Option<Bounds> {
+        (!self.cavity.is_empty()).then(|| self.bounds_of(&self.cavity))
+    }
+
+    fn bounds_of(&self, primitives: &[Primitive]) -> Bounds {
+        let bodies = primitives.iter().filter(|p| p.is_body());
         let boxes = bodies.flat_map(|p| {
             let images = [Some(&p.shape).cloned(), p.mirror.then(|| p.shape.mirrored())];
             // A smooth union adds at most a quarter of its blend width.

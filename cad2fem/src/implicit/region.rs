@@ -1,29 +1,27 @@
 //! Which region a triangle belongs to.
 
-use mesh::{SurfaceMesh, Vec3};
+use mesh::Vec3;
 
-use super::model::{Cut, Model, Region};
-use super::{Cuboid, Fields};
+use super::model::{Model, Region};
+use super::{Cuboid, Fields, Part, Skin};
 
 /// What the conditions of a region look at.
 struct Site {
     centroid: Vec3,
-    /// On the wall of the cavity, on no cut.
-    cavity: bool,
-    /// Index of the cut whose face it is on.
-    cut: Option<usize>,
+    /// What it is a part of.
+    part: Part,
     /// Index of the nearest body, on the outside.
     body: Option<usize>,
 }
 
-/// For each triangle of a model's surface [unit of the file] the first region that
-/// takes it, as an index into [`Model::region_names`]; `None` if no region does.
+/// For each triangle of a model's surface the first region that takes it, as an index into
+/// [`Model::region_names`]; `None` if no region does.
 #[must_use]
-pub fn assign(model: &Model, fields: &Fields, surface: &SurfaceMesh) -> Vec<Option<usize>> {
+pub fn assign(model: &Model, fields: &Fields, skin: &Skin) -> Vec<Option<usize>> {
     let names = model.region_names();
-    (0..surface.triangles.len())
+    (0..skin.surface.triangles.len())
         .map(|t| {
-            let site = Site::of(model, fields, surface, t);
+            let site = Site::of(model, fields, skin, t);
             let region = model.region.iter().find(|r| r.takes(model, &site))?;
             names.iter().position(|n| *n == region.name)
         })
@@ -31,32 +29,22 @@ pub fn assign(model: &Model, fields: &Fields, surface: &SurfaceMesh) -> Vec<Opti
 }
 
 impl Site {
-    fn of(model: &Model, fields: &Fields, surface: &SurfaceMesh, t: usize) -> Self {
-        let centroid = surface.centroid(t);
-        let cut = model.cut.iter().position(|c| c.holds(&surface.corners(t), model.grid * 1e-6));
-        let (to_solid, to_cavity) = (fields.solid.at(&centroid), fields.cavity.at(&centroid));
-        let cavity = cut.is_none() && to_cavity.abs() < to_solid.abs();
-        let outside = cut.is_none() && !cavity;
-        let body = outside.then(|| fields.solid.nearest(&centroid)).flatten();
-        Self { centroid, cavity, cut, body }
-    }
-}
-
-impl Cut {
-    /// Whether all corners lie on the plane.
-    fn holds(&self, corners: &[Vec3; 3], tolerance: f64) -> bool {
-        let normal = Vec3::from(self.normal).normalize();
-        corners.iter().all(|p| (normal.dot(p) - self.offset).abs() <= tolerance)
+    fn of(model: &Model, fields: &Fields, skin: &Skin, t: usize) -> Self {
+        let centroid = skin.surface.centroid(t) / model.unit.metres();
+        let part = skin.part[t];
+        let body = (part == Part::Outside).then(|| fields.solid.nearest(&centroid)).flatten();
+        Self { centroid, part, body }
     }
 }
 
 impl Region {
     fn takes(&self, model: &Model, site: &Site) -> bool {
-        let on_cut = |name: &String| site.cut.is_some_and(|c| model.cut[c].name == *name);
+        let on_cut =
+            |name: &String| matches!(site.part, Part::Cut(c) if model.cut[c].name == *name);
         let near_one =
             |names: &Vec<String>| site.body.is_some_and(|b| names.contains(&model.solid[b].name));
         self.cut.as_ref().is_none_or(on_cut)
-            && (!self.cavity || site.cavity)
+            && (!self.cavity || site.part == Part::Cavity)
             && self.primitives.as_ref().is_none_or(near_one)
             && self.within.is_none_or(|w| w.contains(&site.centroid))
     }

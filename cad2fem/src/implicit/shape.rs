@@ -163,6 +163,22 @@ impl Shape {
         })
     }
 
+    /// The width of the inside where it is thinnest; none for a crease [unit].
+    #[must_use]
+    pub fn thickness(&self) -> Option<f64> {
+        let least = |lengths: &[f64]| lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        Some(match self {
+            Self::Sphere { radius, .. } => 2.0 * radius,
+            Self::Ellipsoid { radii, .. } => 2.0 * least(radii),
+            Self::Capsule { radii, .. } => 2.0 * least(radii),
+            Self::Cylinder { from, to, radius } => {
+                (2.0 * radius).min((Vec3::from(*to) - Vec3::from(*from)).norm())
+            }
+            Self::Box { size, .. } => least(size),
+            Self::Crease { .. } => return None,
+        })
+    }
+
     /// The mirror image in the plane y = 0.
     #[must_use]
     pub fn mirrored(&self) -> Self {

@@ -8,35 +8,33 @@
 
 use std::collections::BTreeSet;
 
-use mesh::SurfaceMesh;
-use mesh::check::self_intersections;
-use mesh::measure::triangle_area;
-use mesh::topology::directed_edges;
-
-/// The thickest needle that is taken out: a tenth of a micrometre [mm].
-const THIN: f64 = 1e-4;
+use crate::SurfaceMesh;
+use crate::check::self_intersections;
+use crate::measure::triangle_area;
+use crate::topology::directed_edges;
 
 /// Rounds, at most: what is left of a needle may be one.
 const ROUNDS: usize = 50;
 
-/// Takes out needles until no triangles cross and all have areas, or until that is of no
-/// use.
-pub fn take_out(surface: &mut SurfaceMesh) {
+/// Takes out needles no thicker than `thin` until no triangles cross and all have areas, or
+/// until that is of no use. `source`, one entry for each triangle, loses those of the triangles
+/// that go.
+pub fn take_out(surface: &mut SurfaceMesh, source: &mut Vec<usize>, thin: f64) {
     for _ in 0..ROUNDS {
-        let needles = offending(surface);
-        if needles.is_empty() || !Round::new(surface).take_out(&needles) {
+        let needles = offending(surface, thin);
+        if needles.is_empty() || !Round::new(surface, thin).take_out(&needles, source) {
             return;
         }
     }
 }
 
 /// The needles without area and those that cross other triangles, the thinnest first.
-fn offending(surface: &SurfaceMesh) -> Vec<usize> {
+fn offending(surface: &SurfaceMesh, thin: f64) -> Vec<usize> {
     let flat = (0..surface.triangles.len()).filter(|&t| thickness(surface, t) <= 0.0);
     let crossing = self_intersections(surface).into_iter().flat_map(|(s, t)| [s, t]);
     let found: BTreeSet<usize> = flat.chain(crossing).collect();
     let measured = found.into_iter().map(|t| (thickness(surface, t), t));
-    let mut needles: Vec<(f64, usize)> = measured.filter(|needle| needle.0 <= THIN).collect();
+    let mut needles: Vec<(f64, usize)> = measured.filter(|needle| needle.0 <= thin).collect();
     needles.sort_by(|a, b| a.0.total_cmp(&b.0));
     needles.into_iter().map(|needle| needle.1).collect()
 }
@@ -54,6 +52,8 @@ fn thickness(surface: &SurfaceMesh, t: usize) -> f64 {
 /// One pass over the needles, which leaves alone what it has touched.
 struct Round<'a> {
     surface: &'a mut SurfaceMesh,
+    /// Longest edge whose ends become one.
+    thin: f64,
     /// The triangles at each vertex when the round began.
     stars: Vec<Vec<usize>>,
     touched: BTreeSet<usize>,
@@ -61,16 +61,16 @@ struct Round<'a> {
 }
 
 impl<'a> Round<'a> {
-    fn new(surface: &'a mut SurfaceMesh) -> Self {
+    fn new(surface: &'a mut SurfaceMesh, thin: f64) -> Self {
         let mut stars = vec![Vec::new(); surface.vertices.len()];
         for (t, triangle) in surface.triangles.iter().enumerate() {
             triangle.iter().for_each(|&v| stars[v].push(t));
         }
-        Self { surface, stars, touched: BTreeSet::new(), gone: BTreeSet::new() }
+        Self { surface, thin, stars, touched: BTreeSet::new(), gone: BTreeSet::new() }
     }
 
     /// Whether any could be taken out.
-    fn take_out(mut self, needles: &[usize]) -> bool {
+    fn take_out(mut self, needles: &[usize], source: &mut Vec<usize>) -> bool {
         for &t in needles {
             let edges = directed_edges(self.surface.triangles[t]);
             let length =
@@ -78,12 +78,14 @@ impl<'a> Round<'a> {
             let by_length = |e: &&[usize; 2], f: &&[usize; 2]| length(**e).total_cmp(&length(**f));
             let shortest = *edges.iter().min_by(by_length).expect("there are three");
             let longest = *edges.iter().max_by(by_length).expect("there are three");
-            if length(shortest) > THIN || !self.merge(shortest) {
+            if length(shortest) > self.thin || !self.merge(shortest) {
                 self.flip(t, longest);
             }
         }
-        let kept = (0..self.surface.triangles.len()).filter(|t| !self.gone.contains(t));
-        self.surface.triangles = kept.map(|t| self.surface.triangles[t]).collect();
+        let kept: Vec<usize> =
+            (0..self.surface.triangles.len()).filter(|t| !self.gone.contains(t)).collect();
+        self.surface.triangles = kept.iter().map(|&t| self.surface.triangles[t]).collect();
+        *source = kept.iter().map(|&t| source[t]).collect();
         !self.touched.is_empty()
     }
 
@@ -143,11 +145,20 @@ impl<'a> Round<'a> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
-    use mesh::Vec3;
-    use mesh::check::check_surface;
-    use mesh::measure::enclosed_volume;
-    use mesh::solid::Solid;
+    use super::{Round, SurfaceMesh, directed_edges};
+    use crate::Vec3;
+    use crate::check::check_surface;
+    use crate::measure::enclosed_volume;
+    use crate::solid::Solid;
+
+    const THIN: f64 = 1e-4;
+
+    /// Takes out, and checks that all triangles but those that went keep their sources.
+    fn take_out(surface: &mut SurfaceMesh) {
+        let mut source: Vec<usize> = (0..surface.triangles.len()).collect();
+        super::take_out(surface, &mut source, THIN);
+        assert_eq!(source.len(), surface.triangles.len());
+    }
 
     /// A cube of 10 mm in whose top the middle m of a diagonal is a vertex, moved by `shift`.
     fn cube_with_a_needle(shift: Vec3) -> SurfaceMesh {
@@ -191,7 +202,7 @@ mod tests {
         let m = surface.vertices.len() - 1;
         surface.vertices[m] = surface.vertices[corner] + Vec3::new(0.0, 0.0, 5e-5);
         let count = surface.triangles.len();
-        assert!(Round::new(&mut surface).merge([corner, m]));
+        assert!(Round::new(&mut surface, THIN).merge([corner, m]));
         let mut merged = surface.clone();
         let gone =
             merged.triangles.iter().filter(|t| t.iter().filter(|&&v| v == corner).count() > 1);

@@ -1,0 +1,156 @@
+//! Random bodies from model to verified mold: what becomes of them, by kind.
+//!
+//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use cad2fem::implicit::{Fields, Model, ModelFile, surface};
+use mesh::Vec3;
+use mesh::check::check_surface;
+use mesh::inside::WindingNumber;
+use mesh::measure::bounds;
+use rayon::prelude::*;
+use solver::math::random::Random;
+use tests::bodies::{Body, tags};
+use tests::workdir::{Run, Workdir};
+
+/// Points at which a surface is compared with the functions of its model.
+const POINTS: usize = 300;
+
+/// Enough for every kind, not fine.
+const MESH: &str = "[tetmesh]\nrelative_edge_length = 0.08\nmax_iterations = 20\n";
+
+/// What became of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum End {
+    NoModel,
+    NoMesh,
+    /// By `fab plan`, with a reason.
+    Refused,
+    /// By `fab mold` or `fab verify`, although there was a plan.
+    NoMold,
+    Verified,
+}
+
+/// Whether the surface of a model is sound and has inside what its functions say, further from it
+/// than a cell of the grid.
+fn modelled(model: &Model) -> Result<(), String> {
+    let fields = Fields::new(model, false);
+    let skin = surface(model, &fields).map_err(|e| format!("{e:#}"))?;
+    let found = check_surface(&skin.surface);
+    if !found.is_empty() {
+        return Err(format!("{found:?}"));
+    }
+    let depth = |p: &Vec3| {
+        let cuts = model.cut.iter().map(|c| {
+            let normal = Vec3::from(c.normal).normalize();
+            normal.dot(p) - c.offset
+        });
+        cuts.fold(fields.solid.at(p).max(-fields.cavity.at(p)), f64::max)
+    };
+    let metres = model.unit.metres();
+    let (winding, (min, max)) = (WindingNumber::new(&skin.surface), bounds(&skin.surface.vertices));
+    let mut random = Random::new(1);
+    for _ in 0..POINTS {
+        let p = (min + max) / 2.0 + random.vector().component_mul(&((max - min) * 0.55));
+        let d = depth(&(p / metres));
+        if d.abs() > model.grid && winding.contains(&p) != (d < 0.0) {
+            return Err(format!("{:?} is on the wrong side: d = {d}", p / metres));
+        }
+    }
+    Ok(())
+}
+
+fn models(seeds: impl ParallelIterator<Item = u64>) -> Vec<String> {
+    let wrong = |seed| {
+        let body = Body::new(seed);
+        let model = ModelFile::parse(&body.model).unwrap().model;
+        modelled(&model).err().map(|what| format!("{seed}, {}: {what}", body.kind))
+    };
+    seeds.filter_map(wrong).collect()
+}
+
+/// A body from its model to its mold, in a folder of its own.
+fn mold(seed: u64) -> (&'static str, End, String) {
+    let (dir, body) = (Workdir::new(), Body::new(seed));
+    dir.write("model.toml", &body.model);
+    dir.write("cad2fem.toml", MESH);
+    dir.write("mold.toml", "");
+    let run = |program: &str, arguments: &str| -> Result<(), String> {
+        let run: Run = dir.command_of(program, arguments).output().unwrap().into();
+        assert!(!run.stderr.contains("panicked"), "seed {seed}: {}", run.stderr);
+        (run.code == Some(0)).then_some(()).ok_or(format!("{}{}", run.stdout, run.stderr))
+    };
+    let mut end = End::NoModel;
+    let mut chain = || {
+        run("cad2fem", "-q model model.toml -o model")?;
+        end = End::NoMesh;
+        let patches = dir.files("model/patches");
+        let names: Vec<&str> =
+            patches.iter().filter_map(|p| Path::new(p).file_stem()?.to_str()).collect();
+        dir.write("tags.toml", &tags(&names));
+        run(
+            "cad2fem",
+            "-q tetmesh model/model.stl --config cad2fem.toml --no-cache -o volume.msh",
+        )?;
+        run("tagger", "-q tag volume.msh --config tags.toml --patches model/patches -o body.msh")?;
+        end = End::Refused;
+        run("fab", "-q plan body.msh --config mold.toml -o plan")?;
+        end = End::NoMold;
+        run("fab", "-q mold body.msh --config mold.toml -o mold --no-pictures")?;
+        run("fab", "verify mold")?;
+        end = End::Verified;
+        Ok::<_, String>(())
+    };
+    let said = chain().err().unwrap_or_default();
+    (body.kind, end, said)
+}
+
+/// Makes the molds and prints what became of them; the ends, in the order of the seeds.
+fn molds(seeds: std::ops::Range<u64>) -> Vec<End> {
+    let all: Vec<_> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let (kind, end, said) = mold(seed);
+            let line = said.lines().filter(|l| !l.contains(" ok ")).collect::<Vec<_>>().join(" | ");
+            eprintln!("{seed:>5} {kind:<15} {end:?} {line}");
+            (kind, end)
+        })
+        .collect();
+    let mut table: BTreeMap<&str, BTreeMap<End, usize>> = BTreeMap::new();
+    for &(kind, end) in &all {
+        *table.entry(kind).or_default().entry(end).or_default() += 1;
+        *table.entry("all").or_default().entry(end).or_default() += 1;
+    }
+    for (kind, ends) in table {
+        eprintln!("{kind:<15} {ends:?}");
+    }
+    all.into_iter().map(|(_, end)| end).collect()
+}
+
+#[test]
+fn a_body_of_each_kind_is_modelled() {
+    let wrong = models((0..14).into_par_iter());
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+#[ignore = "two minutes: runs in make test-all"]
+fn two_hundred_bodies_are_modelled() {
+    let wrong = models((0..200).into_par_iter());
+    assert!(wrong.len() <= 4, "{wrong:#?}");
+}
+
+#[test]
+#[ignore = "14 bodies in minutes, or as many as BODIES_COUNT says: make bodies"]
+fn bodies_become_molds() {
+    let number = |name: &str| std::env::var(name).ok()?.parse::<u64>().ok();
+    let (first, count) = (number("BODIES_SEED").unwrap_or(0), number("BODIES_COUNT").unwrap_or(14));
+    let ends = molds(first..first + count);
+    let part = |end: &[End]| ends.iter().filter(|e| end.contains(e)).count() as f64;
+    let meshed = part(&[End::Refused, End::NoMold, End::Verified]);
+    assert!(part(&[End::NoModel]) <= 0.02 * count as f64);
+    assert!(part(&[End::Verified]) >= 0.95 * meshed, "{} of {meshed}", part(&[End::Verified]));
+}

@@ -1,0 +1,376 @@
+//! Random sound bodies: each seed makes one model file, of a kind that people cast.
+//!
+//! All are one piece, with walls of at least 1.5 mm and 5 % of their length around every chamber,
+//! where no chamber is meant to open. Lengths are from 15 to 160 mm.
+
+use std::fmt::Write;
+
+use solver::math::random::Random;
+
+/// A random body.
+pub struct Body {
+    /// What kind of body it is.
+    pub kind: &'static str,
+    /// The model file for `cad2fem model`.
+    pub model: String,
+}
+
+const KINDS: [(&str, fn(&mut Builder)); 14] = [
+    ("box", |b| cuboid(b, true, 0.0)),
+    ("rounded box", |b| cuboid(b, true, 0.3)),
+    ("closed box", |b| cuboid(b, false, 0.0)),
+    ("box on its cut", box_on_its_cut),
+    ("dome", dome),
+    ("finger", finger),
+    ("bellows", bellows),
+    ("blob", blob),
+    ("arm", arm),
+    ("pad", pad),
+    ("star", star),
+    ("oblique", oblique),
+    ("ring", ring),
+    ("tube", tube),
+];
+
+impl Body {
+    /// The body of a seed. Kinds take turns, so that 14 seeds in a row have them all.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        let (kind, build) = KINDS[(seed % KINDS.len() as u64) as usize];
+        let mut builder = Builder::new(seed);
+        build(&mut builder);
+        Self { kind, model: builder.finish() }
+    }
+}
+
+/// The tags of bodies, whose patches have these names.
+#[must_use]
+pub fn tags(patches: &[&str]) -> String {
+    let tag = |name: &&str| format!("[[tag]]\nname = \"{name}\"\npatch = \"{name}.stl\"\n");
+    "relative_epsilon = 4e-3\n".to_owned() + &patches.iter().map(tag).collect::<String>()
+}
+
+/// A model file that grows. Lengths are millimetres.
+struct Builder {
+    random: Random,
+    /// Length of the body [mm].
+    length: f64,
+    /// Least wall around chambers [mm].
+    wall: f64,
+    primitives: String,
+    cuts: String,
+    count: usize,
+}
+
+impl Builder {
+    fn new(seed: u64) -> Self {
+        let mut random = Random::new(seed.wrapping_mul(0x1000_0001));
+        random.numbers(8);
+        let length = 15.0 * (160.0_f64 / 15.0).powf(0.5 + 0.5 * random.uniform());
+        let wall = (length * (0.075 + 0.025 * random.uniform())).max(1.5);
+        let empty = String::new;
+        Self { random, length, wall, primitives: empty(), cuts: empty(), count: 0 }
+    }
+
+    /// Uniform from `a` to `b`.
+    fn between(&mut self, a: f64, b: f64) -> f64 {
+        a + (b - a) * (0.5 + 0.5 * self.random.uniform())
+    }
+
+    fn whole(&mut self, a: usize, b: usize) -> usize {
+        (self.between(a as f64, b as f64 + 1.0) as usize).clamp(a, b)
+    }
+
+    /// A primitive of `list`, `solid` or `cavity`.
+    fn add(&mut self, list: &str, shape: &str, blend: f64) {
+        let name = self.count;
+        self.count += 1;
+        let _ = writeln!(self.primitives, "[[{list}]]\nname = \"p{name}\"\nshape.{shape}");
+        if blend > 0.0 {
+            let _ = writeln!(self.primitives, "blend = {blend:.4}");
+        }
+    }
+
+    fn cut(&mut self, name: &str, normal: [f64; 3], offset: f64) {
+        let _ = writeln!(
+            self.cuts,
+            "[[cut]]\nname = \"{name}\"\nnormal = {normal:?}\noffset = {offset:.4}"
+        );
+    }
+
+    /// The flat face at z = 0, above which the body stands.
+    fn ground(&mut self) {
+        self.cut("seat", [0.0, 0.0, -1.0], 0.0);
+    }
+
+    fn finish(mut self) -> String {
+        let grid = self.length * self.between(0.022, 0.04);
+        let simplify = grid * self.between(0.0, 0.1);
+        let mut text = format!("unit = \"mm\"\ngrid = {grid:.4}\nsimplify = {simplify:.4}\n");
+        text += &self.primitives;
+        text += &self.cuts;
+        if self.cuts.contains("\"seat\"") {
+            text += "[[region]]\nname = \"seat\"\ncut = \"seat\"\n";
+        }
+        text += "[[region]]\nname = \"cavity\"\ncavity = true\n";
+        text + "[[region]]\nname = \"rest\"\nrest = true\n"
+    }
+}
+
+type Point = [f64; 3];
+
+fn sphere(center: Point, radius: f64) -> String {
+    format!("sphere = {{ center = {}, radius = {radius:.4} }}", list(center))
+}
+
+fn ellipsoid(center: Point, radii: Point) -> String {
+    format!("ellipsoid = {{ center = {}, radii = {} }}", list(center), list(radii))
+}
+
+fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
+    let [r, s] = radii;
+    format!("capsule = {{ from = {}, to = {}, radii = [{r:.4}, {s:.4}] }}", list(from), list(to))
+}
+
+fn cylinder(from: Point, to: Point, radius: f64) -> String {
+    format!("cylinder = {{ from = {}, to = {}, radius = {radius:.4} }}", list(from), list(to))
+}
+
+fn block(center: Point, size: Point, rounding: f64) -> String {
+    format!(
+        "box = {{ center = {}, size = {}, rounding = {rounding:.4} }}",
+        list(center),
+        list(size)
+    )
+}
+
+fn list(p: Point) -> String {
+    format!("[{:.4}, {:.4}, {:.4}]", p[0], p[1], p[2])
+}
+
+/// A box on the ground with a box-shaped chamber, with a bore to it or without.
+fn cuboid(b: &mut Builder, bore: bool, rounding: f64) {
+    let (l, w) = (b.length, b.wall);
+    let size = [l * b.between(0.45, 1.0), l * b.between(0.45, 1.0), l * b.between(0.4, 1.0)];
+    let least = size.iter().fold(f64::INFINITY, |m, &s| m.min(s));
+    // the body reaches below the ground, where it is cut
+    b.add(
+        "solid",
+        &block(
+            [0.0, 0.0, size[2] / 2.0 - l / 8.0],
+            [size[0], size[1], size[2] + l / 4.0],
+            rounding * least / 2.0,
+        ),
+        0.0,
+    );
+    let play = w * b.between(0.0, 1.0);
+    let chamber = size.map(|s| s - 2.0 * w - play);
+    let shift = play * b.between(-0.5, 0.5);
+    let round = rounding * chamber.iter().fold(f64::INFINITY, |m, &s| m.min(s)) / 2.0;
+    b.add("cavity", &block([shift, 0.0, size[2] / 2.0], chamber, round), 0.0);
+    if bore {
+        let radius = 0.5 * chamber[0].min(chamber[1]) * b.between(0.3, 0.8);
+        b.add("cavity", &cylinder([shift, 0.0, -l], [shift, 0.0, size[2] / 2.0], radius), 0.0);
+    }
+    b.ground();
+}
+
+/// The bottom of the box lies in the plane of the cut, and its chamber is open below.
+fn box_on_its_cut(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall);
+    // a height that the file holds, so that its half is there, too
+    let height = (l * b.between(0.4, 0.8) * 1e3).round() / 1e3;
+    let size = [l, l * b.between(0.5, 1.0), height];
+    b.add("solid", &block([0.0, 0.0, height / 2.0], size, 0.0), 0.0);
+    let [x, y, z] = [size[0] - 2.0 * w, size[1] - 2.0 * w, size[2] - w];
+    // its side is that of the bore to it: both are tangent
+    b.add("cavity", &block([0.0, 0.0, w + (z - w) / 2.0], [x, y, z - w], 0.0), 0.0);
+    b.add("cavity", &cylinder([0.0, 0.0, -w], [0.0, 0.0, z / 2.0], y / 2.0), 0.0);
+    b.ground();
+}
+
+fn dome(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall);
+    let radii = [l / 2.0, l * b.between(0.3, 0.5), l * b.between(0.3, 0.6)];
+    b.add("solid", &ellipsoid([0.0; 3], radii), 0.0);
+    let up = w * b.between(1.0, 1.5);
+    let inner = [radii[0] - 1.4 * w, radii[1] - 1.4 * w, 0.6 * (radii[2] - 1.4 * w)];
+    b.add("cavity", &ellipsoid([0.0, 0.0, up], inner), w);
+    b.ground();
+}
+
+fn finger(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall.min(b.length * 0.08));
+    let (n, wide) = (b.whole(3, 6), l * b.between(0.22, 0.3));
+    b.add("solid", &block([0.0, 0.0, 0.45 * l], [wide, wide, 1.1 * l], 0.1 * wide), 0.0);
+    let pitch = (l - 2.0 * w) / n as f64;
+    let top = w + (n as f64 - 0.5) * pitch;
+    let bore = 0.5 * (wide - 2.0 * w) * b.between(0.4, 0.7);
+    b.add("cavity", &cylinder([0.0, 0.0, -0.2 * l], [0.0, 0.0, top], bore), 0.0);
+    for k in 0..n {
+        let z = w + (k as f64 + 0.5) * pitch;
+        let chamber = [wide - 2.0 * w, wide - 2.0 * w, 0.6 * pitch];
+        b.add("cavity", &block([0.0, 0.0, z], chamber, 0.05 * pitch), 0.0);
+    }
+    b.ground();
+}
+
+fn bellows(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall.min(b.length * 0.08));
+    let (n, radius) = (b.whole(3, 6), l * b.between(0.25, 0.4));
+    let pitch = l / n as f64;
+    for k in 0..n {
+        let z = (k as f64 + 0.5) * pitch;
+        b.add(
+            "solid",
+            &ellipsoid([0.0, 0.0, z], [radius, radius, 0.62 * pitch + w / 2.0]),
+            0.15 * pitch,
+        );
+    }
+    for k in 0..n {
+        let z = (k as f64 + 0.5) * pitch;
+        let inner = [radius - 1.3 * w, radius - 1.3 * w, 0.62 * pitch - w / 2.0];
+        b.add("cavity", &ellipsoid([0.0, 0.0, z], inner), 0.1 * pitch);
+    }
+    let top = (n as f64 - 0.5) * pitch;
+    b.add("cavity", &cylinder([0.0, 0.0, -l], [0.0, 0.0, top], 0.35 * radius), 0.0);
+    b.ground();
+}
+
+fn blob(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall);
+    let n = b.whole(2, 5);
+    let mut at = [0.0, 0.0, l * b.between(0.2, 0.3)];
+    let mut balls = Vec::new();
+    for _ in 0..n {
+        let radius = l * b.between(0.22, 0.32);
+        balls.push((at, radius));
+        let (turn, lift) = (b.between(0.0, std::f64::consts::TAU), b.between(-0.2, 0.9));
+        let step = 0.8 * radius;
+        at = [
+            at[0] + step * turn.cos(),
+            at[1] + step * turn.sin(),
+            (at[2] + step * lift).max(0.15 * l),
+        ];
+    }
+    let blend = b.between(0.3, 1.0) * w;
+    for &(center, radius) in &balls {
+        b.add("solid", &sphere(center, radius), blend);
+    }
+    let foot = 0.6 * balls[0].1;
+    let [x, y, z] = balls[0].0;
+    b.add("solid", &capsule([x, y, -l / 8.0], [x, y, z], [foot; 2]), blend);
+    for &(center, radius) in &balls {
+        // chambers stay above the ground by a wall
+        let inside = (radius - 1.3 * w).min(center[2] - w).max(0.05 * l);
+        b.add("cavity", &sphere(center, inside), 0.5 * blend);
+    }
+    b.add("cavity", &cylinder([x, y, -l / 4.0], [x, y, z], 0.5 * (foot - w).max(0.1 * l)), 0.0);
+    b.ground();
+}
+
+/// A chain of limbs, each thinner than the one before it.
+fn arm(b: &mut Builder) {
+    let l = b.length;
+    let n = b.whole(2, 4);
+    let mut radius = l * b.between(0.13, 0.2);
+    let w = b.wall.min(0.45 * radius);
+    let mut from = [0.0, 0.0, -radius];
+    for k in 0..n {
+        let step = l / n as f64;
+        let lean = if k == 0 { 0.0 } else { b.between(-0.8, 0.8) };
+        let to = [
+            from[0] + step * lean,
+            from[1] + 0.3 * step * b.between(-1.0, 1.0) * lean.abs(),
+            from[2] + step,
+        ];
+        let thinner = radius * b.between(0.75, 0.95);
+        b.add("solid", &capsule(from, to, [radius, thinner]), 0.3 * w);
+        b.add("cavity", &capsule(from, to, [radius - w, (thinner - w).max(0.3 * radius)]), 0.2 * w);
+        (from, radius) = (to, thinner);
+    }
+    b.ground();
+}
+
+/// A flat pad with a net of channels.
+fn pad(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall.min(b.length * 0.07));
+    let (wide, n) = (l * b.between(0.4, 0.9), b.whole(2, 4));
+    let high = ((2.0 * w + l * b.between(0.06, 0.12)) * 1e3).round() / 1e3;
+    b.add("solid", &block([0.0, 0.0, high / 2.0], [l, wide, high], 0.0), 0.0);
+    let channel = high - 2.0 * w;
+    b.add("cavity", &block([0.0, 0.0, high / 2.0], [l - 2.0 * w, channel, channel], 0.0), 0.0);
+    for k in 0..n {
+        let x = (l - 2.0 * w - channel) * (k as f64 / (n - 1) as f64 - 0.5);
+        b.add("cavity", &block([x, 0.0, high / 2.0], [channel, wide - 2.0 * w, channel], 0.0), 0.0);
+    }
+    let inlet = 0.4 * channel;
+    b.add("cavity", &cylinder([0.0, 0.0, -w], [0.0, 0.0, high / 2.0], inlet), 0.0);
+    b.ground();
+}
+
+/// Arms around a hub.
+fn star(b: &mut Builder) {
+    let (l, n) = (b.length, b.whole(3, 6));
+    let thick = l * b.between(0.13, 0.17);
+    let w = b.wall.min(0.45 * thick);
+    let z = thick * b.between(0.6, 0.9);
+    b.add("solid", &sphere([0.0, 0.0, z], 1.3 * thick), 0.0);
+    b.add("cavity", &sphere([0.0, 0.0, z], (1.3 * thick - w).min(z - 0.5 * w)), 0.0);
+    let tip = thick * b.between(0.6, 1.0);
+    for k in 0..n {
+        let angle = std::f64::consts::TAU * k as f64 / n as f64;
+        let to = [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), z];
+        b.add("solid", &capsule([0.0, 0.0, z], to, [thick, tip]), w);
+        b.add(
+            "cavity",
+            &capsule([0.0, 0.0, z], to, [(thick - w).min(z - 0.7 * w), (tip - w).min(z - 0.7 * w)]),
+            0.5 * w,
+        );
+    }
+    b.add("cavity", &cylinder([0.0, 0.0, -thick], [0.0, 0.0, z], 0.4 * thick), 0.0);
+    b.ground();
+}
+
+/// A rounded box whose top is cut at an angle.
+fn oblique(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall);
+    cuboid(b, true, 0.15);
+    let lean = [b.between(-0.5, 0.5), b.between(-0.5, 0.5), 1.0];
+    let norm = (lean[0] * lean[0] + lean[1] * lean[1] + 1.0_f64).sqrt();
+    // far enough out to leave at least the wall above every chamber
+    let corner = 0.5 * l * (lean[0].abs() + lean[1].abs()) + l - w;
+    b.cut("top", lean, 0.97 * corner / norm);
+}
+
+/// A closed chain of limbs.
+fn ring(b: &mut Builder) {
+    let (l, n) = (b.length, b.whole(4, 9));
+    let thick = l * b.between(0.11, 0.15);
+    let w = b.wall.min(0.45 * thick);
+    let at = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / n as f64;
+        [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), 0.9 * thick]
+    };
+    for k in 0..n {
+        b.add("solid", &capsule(at(k), at(k + 1), [thick; 2]), 0.2 * w);
+    }
+    for k in 0..n {
+        b.add("cavity", &capsule(at(k), at(k + 1), [(0.9 * thick - w).min(thick - w); 2]), 0.1 * w);
+    }
+    let [x, y, z] = at(0);
+    b.add("cavity", &cylinder([x, y, -thick], [x, y, z], 0.5 * (0.9 * thick - w)), 0.0);
+    b.ground();
+}
+
+/// A tube with flat ends, closed or open above.
+fn tube(b: &mut Builder) {
+    let (l, w) = (b.length, b.wall);
+    let radius = l * b.between(0.25, 0.5);
+    let open = b.between(0.0, 1.0) < 0.3;
+    b.add("solid", &cylinder([0.0, 0.0, -0.1 * l], [0.0, 0.0, l], radius), 0.0);
+    let top = if open { 1.1 * l } else { l - w };
+    b.add("cavity", &cylinder([0.0, 0.0, w], [0.0, 0.0, top], radius - w), 0.0);
+    b.add("cavity", &cylinder([0.0, 0.0, -0.2 * l], [0.0, 0.0, 1.5 * w], 0.4 * radius), 0.0);
+    b.ground();
+}
