@@ -1,7 +1,7 @@
 //! Random sound bodies: each seed makes one model file, of a kind that people cast.
 //!
-//! All are one piece, with walls of at least 1.5 mm and 5 % of their length around every chamber,
-//! where no chamber is meant to open. Lengths are from 15 to 160 mm.
+//! All are one piece that can be cast: lengths from 25 to 160 mm, walls of 2 mm or more, inlets of
+//! 3 mm or more that face down.
 
 use std::fmt::Write;
 
@@ -16,9 +16,9 @@ pub struct Body {
 }
 
 const KINDS: [(&str, fn(&mut Builder)); 14] = [
-    ("box", |b| cuboid(b, true, 0.0)),
-    ("rounded box", |b| cuboid(b, true, 0.3)),
-    ("closed box", |b| cuboid(b, false, 0.0)),
+    ("box", |b| drop(cuboid(b, true, 0.0))),
+    ("rounded box", |b| drop(cuboid(b, true, 0.3))),
+    ("closed box", |b| drop(cuboid(b, false, 0.0))),
     ("box on its cut", box_on_its_cut),
     ("dome", dome),
     ("finger", finger),
@@ -66,8 +66,8 @@ impl Builder {
     fn new(seed: u64) -> Self {
         let mut random = Random::new(seed.wrapping_mul(0x1000_0001));
         random.numbers(8);
-        let length = 15.0 * (160.0_f64 / 15.0).powf(0.5 + 0.5 * random.uniform());
-        let wall = (length * (0.075 + 0.025 * random.uniform())).max(1.5);
+        let length = 25.0 * (160.0_f64 / 25.0).powf(0.5 + 0.5 * random.uniform());
+        let wall = (length * (0.075 + 0.025 * random.uniform())).max(2.0);
         let empty = String::new;
         Self { random, length, wall, primitives: empty(), cuts: empty(), count: 0 }
     }
@@ -148,38 +148,32 @@ fn list(p: Point) -> String {
     format!("[{:.4}, {:.4}, {:.4}]", p[0], p[1], p[2])
 }
 
-/// A box on the ground with a box-shaped chamber, with a bore to it or without.
-fn cuboid(b: &mut Builder, bore: bool, rounding: f64) {
+/// A box on the ground with a box-shaped chamber, with a bore to it or without; its size.
+fn cuboid(b: &mut Builder, bore: bool, rounding: f64) -> Point {
     let (l, w) = (b.length, b.wall);
-    let size = [l * b.between(0.45, 1.0), l * b.between(0.45, 1.0), l * b.between(0.4, 1.0)];
-    let least = size.iter().fold(f64::INFINITY, |m, &s| m.min(s));
+    let size = [l * b.between(0.5, 1.0), l * b.between(0.5, 1.0), l * b.between(0.5, 1.0)];
+    let round = |size: Point| 0.5 * rounding * size.into_iter().fold(f64::INFINITY, f64::min);
     // the body reaches below the ground, where it is cut
-    b.add(
-        "solid",
-        &block(
-            [0.0, 0.0, size[2] / 2.0 - l / 8.0],
-            [size[0], size[1], size[2] + l / 4.0],
-            rounding * least / 2.0,
-        ),
-        0.0,
-    );
+    let (center, whole) =
+        ([0.0, 0.0, size[2] / 2.0 - l / 8.0], [size[0], size[1], size[2] + l / 4.0]);
+    b.add("solid", &block(center, whole, round(size)), 0.0);
     let play = w * b.between(0.0, 1.0);
     let chamber = size.map(|s| s - 2.0 * w - play);
     let shift = play * b.between(-0.5, 0.5);
-    let round = rounding * chamber.iter().fold(f64::INFINITY, |m, &s| m.min(s)) / 2.0;
-    b.add("cavity", &block([shift, 0.0, size[2] / 2.0], chamber, round), 0.0);
+    b.add("cavity", &block([shift, 0.0, size[2] / 2.0], chamber, round(chamber)), 0.0);
     if bore {
-        let radius = 0.5 * chamber[0].min(chamber[1]) * b.between(0.3, 0.8);
+        let radius = 0.5 * chamber[0].min(chamber[1]) * b.between(0.4, 0.8);
         b.add("cavity", &cylinder([shift, 0.0, -l], [shift, 0.0, size[2] / 2.0], radius), 0.0);
     }
     b.ground();
+    size
 }
 
 /// The bottom of the box lies in the plane of the cut, and its chamber is open below.
 fn box_on_its_cut(b: &mut Builder) {
     let (l, w) = (b.length, b.wall);
     // a height that the file holds, so that its half is there, too
-    let height = (l * b.between(0.4, 0.8) * 1e3).round() / 1e3;
+    let height = (l * b.between(0.5, 0.8) * 1e3).round() / 1e3;
     let size = [l, l * b.between(0.5, 1.0), height];
     b.add("solid", &block([0.0, 0.0, height / 2.0], size, 0.0), 0.0);
     let [x, y, z] = [size[0] - 2.0 * w, size[1] - 2.0 * w, size[2] - w];
@@ -189,104 +183,98 @@ fn box_on_its_cut(b: &mut Builder) {
     b.ground();
 }
 
+/// Half an ellipsoid with an ellipsoid in it and a bore.
 fn dome(b: &mut Builder) {
     let (l, w) = (b.length, b.wall);
-    let radii = [l / 2.0, l * b.between(0.3, 0.5), l * b.between(0.3, 0.6)];
+    let radii = [l / 2.0, l * b.between(0.35, 0.5), l * b.between(0.4, 0.6)];
     b.add("solid", &ellipsoid([0.0; 3], radii), 0.0);
-    let up = w * b.between(1.0, 1.5);
-    let inner = [radii[0] - 1.4 * w, radii[1] - 1.4 * w, 0.6 * (radii[2] - 1.4 * w)];
-    b.add("cavity", &ellipsoid([0.0, 0.0, up], inner), w);
+    let high = (radii[2] - 2.2 * w) / 2.0;
+    let inner = [0.55 * radii[0], 0.55 * radii[1], high];
+    b.add("cavity", &ellipsoid([0.0, 0.0, 1.1 * w + high], inner), 0.0);
+    let bore = inner[1] * b.between(0.4, 0.7);
+    b.add("cavity", &cylinder([0.0, 0.0, -w], [0.0, 0.0, 1.1 * w + high], bore), 0.5 * w);
     b.ground();
 }
 
+/// A slender box with a row of chambers on one bore.
 fn finger(b: &mut Builder) {
-    let (l, w) = (b.length, b.wall.min(b.length * 0.08));
+    let l = b.length.max(60.0);
     let (n, wide) = (b.whole(3, 6), l * b.between(0.22, 0.3));
+    let w = 0.2 * wide;
     b.add("solid", &block([0.0, 0.0, 0.45 * l], [wide, wide, 1.1 * l], 0.1 * wide), 0.0);
     let pitch = (l - 2.0 * w) / n as f64;
     let top = w + (n as f64 - 0.5) * pitch;
-    let bore = 0.5 * (wide - 2.0 * w) * b.between(0.4, 0.7);
+    let bore = 0.5 * (wide - 2.0 * w) * b.between(0.5, 0.8);
     b.add("cavity", &cylinder([0.0, 0.0, -0.2 * l], [0.0, 0.0, top], bore), 0.0);
     for k in 0..n {
         let z = w + (k as f64 + 0.5) * pitch;
-        let chamber = [wide - 2.0 * w, wide - 2.0 * w, 0.6 * pitch];
+        let chamber = [wide - 2.0 * w, wide - 2.0 * w, pitch - w];
         b.add("cavity", &block([0.0, 0.0, z], chamber, 0.05 * pitch), 0.0);
     }
     b.ground();
 }
 
+/// A pile of ellipsoids with a flat chamber in each, on one bore.
 fn bellows(b: &mut Builder) {
-    let (l, w) = (b.length, b.wall.min(b.length * 0.08));
-    let (n, radius) = (b.whole(3, 6), l * b.between(0.25, 0.4));
+    let (l, w) = (b.length.max(50.0), 0.08 * b.length.max(50.0));
+    let (n, radius) = (b.whole(3, 4), l * b.between(0.3, 0.4));
     let pitch = l / n as f64;
+    let at = |k: usize| [0.0, 0.0, (k as f64 + 0.5) * pitch];
     for k in 0..n {
-        let z = (k as f64 + 0.5) * pitch;
-        b.add(
-            "solid",
-            &ellipsoid([0.0, 0.0, z], [radius, radius, 0.62 * pitch + w / 2.0]),
-            0.15 * pitch,
-        );
+        b.add("solid", &ellipsoid(at(k), [radius, radius, 0.62 * pitch + w / 2.0]), 0.15 * pitch);
     }
+    let chamber = [radius - 1.3 * w, radius - 1.3 * w, 0.5 * (pitch - w)];
     for k in 0..n {
-        let z = (k as f64 + 0.5) * pitch;
-        let inner = [radius - 1.3 * w, radius - 1.3 * w, 0.62 * pitch - w / 2.0];
-        b.add("cavity", &ellipsoid([0.0, 0.0, z], inner), 0.1 * pitch);
+        b.add("cavity", &ellipsoid(at(k), chamber), 0.0);
     }
-    let top = (n as f64 - 0.5) * pitch;
-    b.add("cavity", &cylinder([0.0, 0.0, -l], [0.0, 0.0, top], 0.35 * radius), 0.0);
+    let [x, y, top] = at(n - 1);
+    b.add("cavity", &cylinder([x, y, -l], [x, y, top], 0.45 * radius), 0.3 * w);
     b.ground();
 }
 
+/// Balls in a row that winds, on a foot with a bore.
 fn blob(b: &mut Builder) {
     let (l, w) = (b.length, b.wall);
-    let n = b.whole(2, 5);
-    let mut at = [0.0, 0.0, l * b.between(0.2, 0.3)];
+    let n = b.whole(2, 4);
+    let (mut at, mut turn) = ([0.0, 0.0, l * b.between(0.3, 0.4)], 0.0_f64);
     let mut balls = Vec::new();
     for _ in 0..n {
-        let radius = l * b.between(0.22, 0.32);
+        let radius = l * b.between(0.25, 0.3);
         balls.push((at, radius));
-        let (turn, lift) = (b.between(0.0, std::f64::consts::TAU), b.between(-0.2, 0.9));
-        let step = 0.8 * radius;
-        at = [
-            at[0] + step * turn.cos(),
-            at[1] + step * turn.sin(),
-            (at[2] + step * lift).max(0.15 * l),
-        ];
+        turn += b.between(-0.5, 0.5);
+        let step = 0.6 * radius;
+        let lift = step * b.between(0.0, 0.6);
+        at = [at[0] + step * turn.cos(), at[1] + step * turn.sin(), at[2] + lift];
     }
-    let blend = b.between(0.3, 1.0) * w;
+    let blend = b.between(0.5, 1.0) * w;
     for &(center, radius) in &balls {
         b.add("solid", &sphere(center, radius), blend);
     }
-    let foot = 0.6 * balls[0].1;
     let [x, y, z] = balls[0].0;
+    let foot = 0.6 * balls[0].1;
     b.add("solid", &capsule([x, y, -l / 8.0], [x, y, z], [foot; 2]), blend);
     for &(center, radius) in &balls {
         // chambers stay above the ground by a wall
-        let inside = (radius - 1.3 * w).min(center[2] - w).max(0.05 * l);
-        b.add("cavity", &sphere(center, inside), 0.5 * blend);
+        b.add("cavity", &sphere(center, (radius - 1.3 * w).min(center[2] - 1.3 * w)), w);
     }
-    b.add("cavity", &cylinder([x, y, -l / 4.0], [x, y, z], 0.5 * (foot - w).max(0.1 * l)), 0.0);
+    b.add("cavity", &cylinder([x, y, -l / 4.0], [x, y, z], 0.6 * (foot - w)), 0.3 * w);
     b.ground();
 }
 
 /// A chain of limbs, each thinner than the one before it.
 fn arm(b: &mut Builder) {
-    let l = b.length;
+    let l = b.length.max(60.0);
     let n = b.whole(2, 4);
-    let mut radius = l * b.between(0.13, 0.2);
-    let w = b.wall.min(0.45 * radius);
+    let mut radius = l * b.between(0.14, 0.2);
     let mut from = [0.0, 0.0, -radius];
     for k in 0..n {
         let step = l / n as f64;
         let lean = if k == 0 { 0.0 } else { b.between(-0.8, 0.8) };
-        let to = [
-            from[0] + step * lean,
-            from[1] + 0.3 * step * b.between(-1.0, 1.0) * lean.abs(),
-            from[2] + step,
-        ];
-        let thinner = radius * b.between(0.75, 0.95);
-        b.add("solid", &capsule(from, to, [radius, thinner]), 0.3 * w);
-        b.add("cavity", &capsule(from, to, [radius - w, (thinner - w).max(0.3 * radius)]), 0.2 * w);
+        let aside = 0.3 * step * lean.abs() * b.between(-1.0, 1.0);
+        let to = [from[0] + step * lean, from[1] + aside, from[2] + step];
+        let thinner = radius * b.between(0.8, 0.95);
+        b.add("solid", &capsule(from, to, [radius, thinner]), 0.0);
+        b.add("cavity", &capsule(from, to, [0.6 * radius, 0.6 * thinner]), 0.0);
         (from, radius) = (to, thinner);
     }
     b.ground();
@@ -294,83 +282,79 @@ fn arm(b: &mut Builder) {
 
 /// A flat pad with a net of channels.
 fn pad(b: &mut Builder) {
-    let (l, w) = (b.length, b.wall.min(b.length * 0.07));
-    let (wide, n) = (l * b.between(0.4, 0.9), b.whole(2, 4));
-    let high = ((2.0 * w + l * b.between(0.06, 0.12)) * 1e3).round() / 1e3;
+    let l = b.length.max(60.0);
+    let (wide, n, w) = (l * b.between(0.4, 0.9), b.whole(2, 4), 0.05 * l);
+    let channel = l * b.between(0.08, 0.12);
+    let high = ((2.0 * w + channel) * 1e3).round() / 1e3;
     b.add("solid", &block([0.0, 0.0, high / 2.0], [l, wide, high], 0.0), 0.0);
-    let channel = high - 2.0 * w;
-    b.add("cavity", &block([0.0, 0.0, high / 2.0], [l - 2.0 * w, channel, channel], 0.0), 0.0);
+    let middle = [0.0, 0.0, high / 2.0];
+    b.add("cavity", &block(middle, [l - 2.0 * w, channel, channel], 0.0), 0.0);
     for k in 0..n {
         let x = (l - 2.0 * w - channel) * (k as f64 / (n - 1) as f64 - 0.5);
-        b.add("cavity", &block([x, 0.0, high / 2.0], [channel, wide - 2.0 * w, channel], 0.0), 0.0);
+        let across = [channel, wide - 2.0 * w, channel];
+        b.add("cavity", &block([x, 0.0, high / 2.0], across, 0.0), 0.0);
     }
-    let inlet = 0.4 * channel;
-    b.add("cavity", &cylinder([0.0, 0.0, -w], [0.0, 0.0, high / 2.0], inlet), 0.0);
+    b.add("cavity", &cylinder([0.0, 0.0, -w], middle, 0.45 * channel), 0.0);
     b.ground();
 }
 
 /// Arms around a hub.
 fn star(b: &mut Builder) {
-    let (l, n) = (b.length, b.whole(3, 6));
+    let (l, n) = (b.length.max(60.0), b.whole(3, 5));
     let thick = l * b.between(0.13, 0.17);
-    let w = b.wall.min(0.45 * thick);
-    let z = thick * b.between(0.6, 0.9);
-    b.add("solid", &sphere([0.0, 0.0, z], 1.3 * thick), 0.0);
-    b.add("cavity", &sphere([0.0, 0.0, z], (1.3 * thick - w).min(z - 0.5 * w)), 0.0);
-    let tip = thick * b.between(0.6, 1.0);
+    let w = 0.3 * thick;
+    let center = [0.0, 0.0, thick * b.between(0.7, 0.9)];
+    b.add("solid", &sphere(center, 1.3 * thick), 0.0);
+    // chambers stay above the ground by a wall
+    let most = center[2] - w;
+    b.add("cavity", &sphere(center, most), 0.0);
+    let tip = thick * b.between(0.7, 1.0);
     for k in 0..n {
         let angle = std::f64::consts::TAU * k as f64 / n as f64;
-        let to = [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), z];
-        b.add("solid", &capsule([0.0, 0.0, z], to, [thick, tip]), w);
-        b.add(
-            "cavity",
-            &capsule([0.0, 0.0, z], to, [(thick - w).min(z - 0.7 * w), (tip - w).min(z - 0.7 * w)]),
-            0.5 * w,
-        );
+        let to = [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), center[2]];
+        b.add("solid", &capsule(center, to, [thick, tip]), w);
+        let inner = [(thick - w).min(0.9 * most), (tip - w).min(0.9 * most)];
+        b.add("cavity", &capsule(center, to, inner), w);
     }
-    b.add("cavity", &cylinder([0.0, 0.0, -thick], [0.0, 0.0, z], 0.4 * thick), 0.0);
+    b.add("cavity", &cylinder([0.0, 0.0, -thick], center, 0.7 * most), 0.0);
     b.ground();
 }
 
-/// A rounded box whose top is cut at an angle.
+/// A rounded box of which a plane cuts off a corner, a wall away from the chamber.
 fn oblique(b: &mut Builder) {
-    let (l, w) = (b.length, b.wall);
-    cuboid(b, true, 0.15);
+    let w = b.wall;
+    let [x, y, z] = cuboid(b, true, 0.15);
     let lean = [b.between(-0.5, 0.5), b.between(-0.5, 0.5), 1.0];
     let norm = (lean[0] * lean[0] + lean[1] * lean[1] + 1.0_f64).sqrt();
-    // far enough out to leave at least the wall above every chamber
-    let corner = 0.5 * l * (lean[0].abs() + lean[1].abs()) + l - w;
-    b.cut("top", lean, 0.97 * corner / norm);
+    let chamber = lean[0].abs() * (x / 2.0 - w) + lean[1].abs() * (y / 2.0 - w) + z - w;
+    b.cut("top", lean, chamber / norm + w);
 }
 
 /// A closed chain of limbs.
 fn ring(b: &mut Builder) {
-    let (l, n) = (b.length, b.whole(4, 9));
+    let (l, n) = (b.length.max(60.0), b.whole(4, 9));
     let thick = l * b.between(0.11, 0.15);
-    let w = b.wall.min(0.45 * thick);
     let at = |k: usize| {
         let angle = std::f64::consts::TAU * k as f64 / n as f64;
-        [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), 0.9 * thick]
+        [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), 0.8 * thick]
     };
+    let inner = 0.5 * thick;
     for k in 0..n {
-        b.add("solid", &capsule(at(k), at(k + 1), [thick; 2]), 0.2 * w);
-    }
-    for k in 0..n {
-        b.add("cavity", &capsule(at(k), at(k + 1), [(0.9 * thick - w).min(thick - w); 2]), 0.1 * w);
+        b.add("solid", &capsule(at(k), at(k + 1), [thick; 2]), 0.0);
+        b.add("cavity", &capsule(at(k), at(k + 1), [inner; 2]), 0.0);
     }
     let [x, y, z] = at(0);
-    b.add("cavity", &cylinder([x, y, -thick], [x, y, z], 0.5 * (0.9 * thick - w)), 0.0);
+    b.add("cavity", &cylinder([x, y, -thick], [x, y, z], 0.5 * inner), 0.0);
     b.ground();
 }
 
-/// A tube with flat ends, closed or open above.
+/// A tube with flat ends and a narrower bore.
 fn tube(b: &mut Builder) {
     let (l, w) = (b.length, b.wall);
-    let radius = l * b.between(0.25, 0.5);
-    let open = b.between(0.0, 1.0) < 0.3;
+    let radius = l * b.between(0.3, 0.5);
     b.add("solid", &cylinder([0.0, 0.0, -0.1 * l], [0.0, 0.0, l], radius), 0.0);
-    let top = if open { 1.1 * l } else { l - w };
-    b.add("cavity", &cylinder([0.0, 0.0, w], [0.0, 0.0, top], radius - w), 0.0);
-    b.add("cavity", &cylinder([0.0, 0.0, -0.2 * l], [0.0, 0.0, 1.5 * w], 0.4 * radius), 0.0);
+    b.add("cavity", &cylinder([0.0, 0.0, w], [0.0, 0.0, l - w], radius - w), 0.0);
+    let bore = (radius - w) * b.between(0.4, 0.7);
+    b.add("cavity", &cylinder([0.0, 0.0, -0.2 * l], [0.0, 0.0, 1.5 * w], bore), 0.0);
     b.ground();
 }

@@ -18,13 +18,19 @@ const OPPOSITE: f64 = 0.5;
 /// through the centroid of every triangle; `None` if no two triangles are opposite to each other.
 #[must_use]
 pub fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
+    let normal = |t: usize| {
+        let [a, b, c] = surface.corners(t);
+        triangle_normal(a, b, c)
+    };
+    let normals: Vec<Vec3> = (0..surface.triangles.len()).map(normal).collect();
+    thinnest_along(surface, &normals)
+}
+
+/// The same with given outward unit normals of the triangles, for surfaces with needles, whose own
+/// normals say little.
+#[must_use]
+pub fn thinnest_along(surface: &SurfaceMesh, normals: &[Vec3]) -> Option<(f64, Vec3)> {
     let bvh = SurfaceBvh::new(surface);
-    let normals: Vec<Vec3> = (0..surface.triangles.len())
-        .map(|t| {
-            let [a, b, c] = surface.corners(t);
-            triangle_normal(a, b, c)
-        })
-        .collect();
     let way = |t: usize| {
         let (from, inward) = (surface.centroid(t), -normals[t]);
         let hits = bvh.ray(&from, &inward);

@@ -44,6 +44,17 @@ impl Field {
         self.steps.iter().fold(f64::INFINITY, |d, step| step.apply(d, step.shape.distance(p)))
     }
 
+    /// The direction in which the function rises at `p`, by central differences over 2 `step`; zero
+    /// where it does not.
+    #[must_use]
+    pub fn outward(&self, p: &Vec3, step: f64) -> Vec3 {
+        let slope = Vec3::from_fn(|k, _| {
+            let e = Vec3::from_fn(|i, _| if i == k { step } else { 0.0 });
+            self.at(&(p + e)) - self.at(&(p - e))
+        });
+        slope.try_normalize(0.0).unwrap_or_default()
+    }
+
     /// The body whose own surface is nearest to `p`, as an index into the list of
     /// primitives.
     #[must_use]
