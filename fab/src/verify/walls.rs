@@ -1,26 +1,18 @@
 //! Walls are thick enough: of the mold, and of the silicone at rest and inflated.
-//!
-//! The thickness of silicone at a point of its surface is the length of the straight line through it to
-//! a facet that faces the other way, within [`OPPOSITE`]; where the surface across is
-//! tilted more, as near a sharp edge, there is no wall to measure.
 
 use std::path::Path;
 
 use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
-use mesh::{SurfaceMesh, TetMesh, Vec3, measure, topology};
-use rayon::prelude::*;
+use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
 use super::{Line, Status};
 use crate::geometry::MM;
+use crate::geometry::wall::thinnest;
 use crate::mold::Purpose;
-
-/// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
-/// it is an edge, whose thickness is zero and no fault.
-const OPPOSITE: f64 = 0.5;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
 /// judgement. Rubber that is stretched twice in both directions has a quarter.
@@ -69,26 +61,6 @@ fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Li
         }
         None => Line::new(name, false, "no wall".into(), "a body with two sides"),
     }
-}
-
-/// The thinnest wall and where it begins.
-fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
-    let bvh = SurfaceBvh::new(surface);
-    let normals: Vec<Vec3> = (0..surface.triangles.len())
-        .map(|t| {
-            let [a, b, c] = surface.corners(t);
-            measure::triangle_normal(a, b, c)
-        })
-        .collect();
-    let way = |t: usize| {
-        let (from, inward) = (surface.centroid(t), -normals[t]);
-        let hits = bvh.ray(&from, &inward);
-        // The first facet that is not entered again, as its own and its neighbours' are.
-        let (s, across) = hits.into_iter().find(|&(_, hit)| normals[hit].dot(&inward) > 0.0)?;
-        (normals[across].dot(&inward) >= OPPOSITE).then_some((s, from))
-    };
-    let ways = (0..surface.triangles.len()).into_par_iter().filter_map(way);
-    ways.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// What is read of the report of `solver simulate`.
@@ -154,25 +126,5 @@ fn stretch(mold: &ClosedMold, largest: f64) -> Line {
             line.status = Status::Warn;
             line
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use mesh::solid::Solid;
-
-    #[test]
-    fn a_wall_is_measured_straight_through() {
-        // A box with a hole that leaves 1.5 mm at its thinnest side.
-        let outer = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 20.0));
-        let hole = Solid::cube(&Vec3::new(5.0, 1.5, 5.0), &Vec3::new(15.0, 15.0, 15.0));
-        let (thickness, at) = thinnest(&outer.difference(&hole).to_surface()).unwrap();
-        assert!((thickness - 1.5).abs() < 1e-12, "{thickness} at {at}");
-        // Near the edge of a wedge there is no wall.
-        let wedge = outer.trim_by_plane(&Vec3::new(1.0, 0.0, -1.0).normalize(), 0.0);
-        let (thickness, _) = thinnest(&wedge.to_surface()).unwrap();
-        assert!(thickness > 1.0, "{thickness}");
     }
 }
