@@ -241,7 +241,7 @@ fn bad_configurations() {
         ("up = [1, 0, 0]", "faces 90.0° away from straight down"),
         ("[parting]\nkind = \"plane\"\npull = [0, 1, 1]", "makes an angle of 45.00° with up"),
         ("[sprue]\nat = [1, 0, 0]", "does not meet the part"),
-        ("[core]\nshoulder = 1.6e-3", "leaves a stub of radius 0.200 mm"),
+        ("[core]\nshoulder = 1.6e-3", "an inscribed radius of 2.000 mm, at least 2.4"),
         ("[parting]\nkind = \"height-field\"\ncell = 2e-5\nsmoothing = 1e-4", "columns"),
     ] {
         assert_refused(&Scene::new(&CHAMBER, config).mold(), message);

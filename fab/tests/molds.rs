@@ -10,3 +10,4 @@ mod hard;
 mod judges;
 mod mold;
 mod plan;
+mod sound;

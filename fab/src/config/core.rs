@@ -2,7 +2,18 @@
 
 use serde::Deserialize;
 
+use super::Config;
 use super::table::{any, length, optional_length, table};
+
+/// Distance of the flat from the stub's axis, in radii.
+pub const STUB_FLAT: f64 = 0.7;
+
+/// The thinnest stub that can be printed [m].
+const THINNEST: f64 = 5e-4;
+
+/// Least part of its socket that a stub must fill: `fab verify` asks for half, and sockets are
+/// prisms.
+const FILLED: f64 = 0.51;
 
 /// Whether a core is held at a second place.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
@@ -34,5 +45,49 @@ table! {
         drain: f64 = 6e-4, length;
         /// Least thickness of a soluble core around its bore [m].
         skin: f64 = 8e-4, length;
+    }
+}
+
+impl Config {
+    /// Radius of the stub in an inlet of this inscribed radius: less by the clearance and the
+    /// shoulder [m].
+    #[must_use]
+    pub fn stub_radius(&self, inlet: f64) -> f64 {
+        inlet - self.stub_clearance() - self.core.shoulder
+    }
+
+    /// Least inscribed radius of an inlet that holds a stub [m]. A stub of radius r and length
+    /// L − c with a flat fills the part f (r/(r + c))² (L − c)/L of its socket, where c is the
+    /// clearance and f the part of a circle that its flat leaves.
+    #[must_use]
+    pub fn least_inlet(&self) -> f64 {
+        let clearance = self.stub_clearance();
+        let angle = STUB_FLAT.acos();
+        let left = 1.0 - (angle - STUB_FLAT * angle.sin()) / std::f64::consts::PI;
+        let long = 1.0 - clearance / self.core.length.max(self.wall);
+        let ratio = (FILLED / (left * long).max(FILLED)).sqrt();
+        let held = if ratio < 1.0 { clearance * ratio / (1.0 - ratio) } else { f64::INFINITY };
+        held.max(THINNEST) + clearance + self.core.shoulder
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_least_inlet_holds_a_stub_that_fills_half_of_its_socket() {
+        let config = Config::default();
+        let [clearance, length] = [config.stub_clearance(), config.core.length];
+        let radius = config.stub_radius(config.least_inlet());
+        let angle = STUB_FLAT.acos();
+        let stub = radius.powi(2) * (std::f64::consts::PI - angle + STUB_FLAT * angle.sin());
+        let socket = std::f64::consts::PI * (radius + clearance).powi(2);
+        let filled = stub / socket * (length - clearance) / length;
+        assert!((filled - FILLED).abs() < 1e-9, "{filled}");
+        // Without a gap, what can be printed decides.
+        let tight = Config::parse("[core]\nclearance = 1e-6").unwrap();
+        assert!((tight.stub_radius(tight.least_inlet()) - THINNEST).abs() < 1e-12);
     }
 }

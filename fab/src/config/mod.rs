@@ -27,7 +27,7 @@ use program::{parse_toml, read_checked};
 use serde::{Deserialize, Deserializer};
 
 pub use casting::CastingConfig;
-pub use core::{CoreConfig, Support};
+pub use core::{CoreConfig, STUB_FLAT, Support};
 pub use fitting::FittingConfig;
 pub use flange::FlangeConfig;
 pub use gluing::GluingConfig;

@@ -16,6 +16,14 @@ pub enum PartingConfig {
     HeightField(HeightFieldConfig),
 }
 
+impl PartingConfig {
+    /// Whether nothing was asked for.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        matches!(self, Self::Auto(AutoParting { pull: None }))
+    }
+}
+
 table! {
     /// Settings of a parting surface that is chosen by what is measured.
     AutoParting, "parting." {

@@ -1,13 +1,16 @@
 //! Geometry that knows neither bodies nor molds: the mold's frame, solids as columns, caps of
-//! planar holes, local maxima of height, sections and their girth, overhangs, frusta.
+//! planar holes, local maxima of height, planes clear of vertices, sections and their girth,
+//! overhangs, walls, frusta.
 
 pub mod cap;
 pub mod columns;
 pub mod frame;
 pub mod frustum;
+pub mod gap;
 pub mod girth;
 pub mod maxima;
 pub mod overhang;
+pub mod wall;
 
 /// A point or direction, as files have it.
 pub type Triple = [f64; 3];

@@ -14,6 +14,7 @@ use super::piece::{Feature, Piece, Purpose, cut};
 use crate::config::method::Method;
 use crate::config::{Config, Support};
 use crate::geometry::frustum::Frustum;
+use crate::geometry::wall::too_thin;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.
@@ -109,7 +110,7 @@ impl Cores {
             held = Some((centre, print));
         }
         if let Some((inlet, print)) = held {
-            let supported = supported(core, solid, &inlet, &print, mount)?;
+            let supported = supported(core, solid, &cast, (&inlet, &print), mount)?;
             solid = supported.solid;
             findings.extend(supported.finding);
             if let Some((pin, hole)) = supported.pin {
@@ -153,12 +154,13 @@ fn bored(solid: Solid, print: &Print, core: &Core, config: &Config) -> Bored {
 }
 
 /// A core that is held at one inlet, on a pin if it needs one. The pin keeps clear of the
-/// channels; between shells that part sideways it stands on their plane.
+/// channels and leaves walls of what is cast that are thick enough; between shells that part
+/// sideways it stands on their plane.
 fn supported(
     core: &Core,
     solid: Solid,
-    inlet: &Vec3,
-    print: &Print,
+    cast: &Solid,
+    (inlet, print): (&Vec3, &Print),
     mount: &Mount,
 ) -> Result<Supported, MoldError> {
     let config = mount.config;
@@ -168,11 +170,16 @@ fn supported(
     let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
     let radius = config.core.pin;
     let outside = mount.outside.to_surface();
+    let leaves_walls = |pin: &Frustum| {
+        let around = cast.difference(&pin.solid()).to_surface();
+        too_thin(&around, config.casting.least_wall).is_none()
+    };
     let space = PinSpace {
         outside: &SurfaceBvh::new(&outside),
         channels: mount.channels.iter().map(|channel| &channel.frustum).collect(),
         clearance,
         level: mount.level,
+        leaves_walls: &leaves_walls,
     };
     let found = match config.core.support {
         Support::Auto if sag.bend <= config.limits.sag => None,

@@ -71,11 +71,14 @@ impl Division {
 }
 
 impl Blank<'_> {
-    /// One piece, open above.
+    /// One piece, open above, with a plate in front, as the front of the hull may be too
+    /// small for all letters of its name.
     fn tray(&self, hull: Solid) -> Division {
         let Block { min, max } = self.block;
+        let behind = min.y + self.config.flange.thickness;
+        let outside = self.widened(&hull, [*min, Vec3::new(max.x, behind, max.z)]);
         let face = front(min, max, [min.z, max.z], -Vec3::z());
-        let (outside, findings) = self.labelled(hull, [("tray", face)]);
+        let (outside, findings) = self.labelled(outside, [("tray", face)]);
         let tray = shell("tray", outside.difference(&self.body.filled), -Vec3::z());
         let features = Vec::new();
         Division { outside, level: 0.0, shells: vec![tray], features, findings }

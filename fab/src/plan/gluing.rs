@@ -5,6 +5,7 @@
 //! below the core.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{bounds, triangle_area};
@@ -13,8 +14,9 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::direction;
 use super::undercut::{PartingHeight, View};
-use crate::body::boundary::Boundary;
+use crate::body::boundary::{Boundary, Inlet};
 use crate::config::GluingConfig;
+use crate::geometry::gap;
 
 /// Planes that leave up to this much more of an area in undercuts than the best count as
 /// equally good: the one along whose normal the body is thinnest is taken [1].
@@ -32,6 +34,12 @@ const ASIDE: f64 = 3e-6;
 
 /// Cosine of the angle up to which facets count as parallel to a plane (2°).
 const PARALLEL: f64 = 0.9994;
+
+/// Sine of the angle up to which an inlet slides along the mold outside of it (half a degree).
+const SLIDING: f64 = 9e-3;
+
+/// Part of the area of the cores that may be blocked by the mold: facets at inlets.
+pub const CAUGHT: f64 = 1e-3;
 
 /// Flat walls that are considered, largest first.
 const WALLS: usize = 8;
@@ -74,8 +82,10 @@ impl Cut {
 }
 
 /// The plane through the middle of the chamber that leaves least in undercuts, or the one asked for.
+/// If that does not free the cores, by an undercut of at most `peel` over its width, the plane
+/// that leaves least of those that do.
 #[must_use]
-pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3]) -> Cut {
+pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3], peel: f64) -> Cut {
     let asked = gluing.normal.map(|n| vec![Vec3::from(n).normalize()]);
     let normals = asked.unwrap_or_else(|| normals.to_vec());
     let mut cuts: Vec<Cut> = normals
@@ -84,18 +94,25 @@ pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3]) -> Cut
             let heights = boundary.cores.iter().flat_map(|core| &core.surface.vertices);
             let along: Vec<Vec3> = heights.map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
             let (low, high) = bounds(&along);
-            measured(boundary, *normal, gluing.offset.unwrap_or((low.x + high.x) / 2.0))
+            let all = || boundary.cast.vertices.iter().map(|p| p.dot(normal));
+            let middle = || gap::clear(all(), (low.x + high.x) / 2.0);
+            measured(boundary, *normal, gluing.offset.unwrap_or_else(middle))
         })
         .collect();
     let hidden = |cut: &Cut| cut.outside + cut.core + cut.caught;
     let least = cuts.iter().map(hidden).fold(f64::INFINITY, f64::min);
-    cuts.retain(|cut| hidden(cut) <= least + AS_GOOD);
-    let thinnest = cuts.iter().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
-    let mut cut = cuts
-        .into_iter()
-        .find(|cut| cut.thickness <= AS_THIN * thinnest)
-        .expect("there is a normal");
-    complete(boundary, &mut cut);
+    let good = || cuts.iter().filter(|cut| hidden(cut) <= least + AS_GOOD);
+    let thinnest = good().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
+    let thin = good().find(|cut| cut.thickness <= AS_THIN * thinnest);
+    let mut cut = thin.expect("there is a normal").clone();
+    cut.core_ratio = ratio(boundary, &cut);
+    if cut.caught > CAUGHT || cut.core_ratio > peel {
+        cuts.sort_by(|a, b| hidden(a).total_cmp(&hidden(b)));
+        let free = cuts.into_iter().filter(|cut| cut.caught <= CAUGHT);
+        let mut measured = free.map(|cut| Cut { core_ratio: ratio(boundary, &cut), ..cut });
+        cut = measured.find(|cut| cut.core_ratio <= peel).unwrap_or(cut);
+    }
+    cut.glued = glued(boundary, &cut);
     cut
 }
 
@@ -132,7 +149,8 @@ pub fn flattest(boundary: &Boundary) -> Option<Flat> {
     });
     let (normal, offset, share) = flats.max_by(|a, b| a.2.total_cmp(&b.2))?;
     let mut cut = measured(boundary, normal, offset - ASIDE);
-    complete(boundary, &mut cut);
+    cut.core_ratio = ratio(boundary, &cut);
+    cut.glued = glued(boundary, &cut);
     Some(Flat { cut, beyond: offset + ASIDE, share })
 }
 
@@ -188,7 +206,8 @@ fn measured(boundary: &Boundary, normal: Vec3, offset: f64) -> Cut {
     }
 }
 
-/// Part of the cores' area from which the straight line to a plane leaves the body.
+/// Part of the cores' area from which the straight line to a plane leaves the body, with the
+/// inlets that the mold blocks.
 fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
     let bvh = SurfaceBvh::new(&boundary.filled);
     let (mut sum, mut total) = (0.0, 0.0);
@@ -204,21 +223,37 @@ fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
                 sum += area;
             }
         }
+        let inlets = core.inlets.iter().filter(|inlet| blocks(inlet, normal, offset));
+        sum += inlets.map(|inlet| PI * inlet.radius.powi(2)).sum::<f64>();
     }
     sum / total
 }
 
-/// Adds the measures that take longer.
-fn complete(boundary: &Boundary, cut: &mut Cut) {
+/// Whether the mold outside of an inlet holds the core when that leaves along a normal: it lies
+/// between the inlet and the plane if the inlet faces the plane, or is cut by it obliquely.
+fn blocks(inlet: &Inlet, normal: &Vec3, offset: f64) -> bool {
+    let height = offset - inlet.centre.dot(normal);
+    let facing = inlet.normal.dot(normal);
+    match height.abs() < inlet.reach {
+        true => facing.abs() > SLIDING,
+        false => facing * height.signum() > SLIDING,
+    }
+}
+
+/// Largest depth over width of the undercuts of the cores.
+fn ratio(boundary: &Boundary, cut: &Cut) -> f64 {
     let plane = PartingHeight::Plane(cut.offset);
     let ratios = boundary.cores.iter().map(|core| {
         let view = View::along(&core.surface, &cut.normal);
         let undercut = view.undercut(plane);
         view.steepest(&undercut)
     });
-    cut.core_ratio = ratios.fold(0.0, f64::max);
-    // Cutting in two adds the section twice to the area.
+    ratios.fold(0.0, f64::max)
+}
+
+/// Area that is glued [m²]: cutting in two adds the section twice to the area.
+fn glued(boundary: &Boundary, cut: &Cut) -> f64 {
     let whole = Solid::from_surface(&boundary.cast).expect("the boundary was checked");
     let (beyond, before) = whole.split_by_plane(&cut.normal, cut.offset);
-    cut.glued = (beyond.area() + before.area() - whole.area()) / 2.0;
+    (beyond.area() + before.area() - whole.area()) / 2.0
 }

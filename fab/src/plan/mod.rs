@@ -16,6 +16,7 @@ use crate::body::layout::{self, LayoutError};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
+use crate::geometry::wall;
 use gluing::Flat;
 use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
@@ -94,6 +95,20 @@ pub enum PlanError {
         /// Largest ratio allowed.
         limit: f64,
     },
+    /// A wall of what is cast whole is too thin.
+    #[error(
+        "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_wall is {:.3} mm: thicken \
+         the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
+        thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
+    )]
+    Thin {
+        /// Thickness of the silicone [m].
+        thickness: f64,
+        /// Where, in the design [m].
+        at: Vec3,
+        /// Least thickness allowed [m].
+        least: f64,
+    },
     /// The directions do not fit.
     #[error(transparent)]
     Layout(#[from] LayoutError),
@@ -106,25 +121,18 @@ impl Plan {
     /// [`PlanError`] if it cannot be molded, or not as the configuration asks.
     pub fn new(boundary: &Boundary, config: &Config) -> Result<Self, PlanError> {
         let mut judge = Judge::new(boundary, config);
-        let (method, chosen_by) = match config.method {
-            Some(method) => (judge.require(method)?, ChosenBy::Configuration),
-            None => (judge.first_possible()?, ChosenBy::Measures),
+        let (method, castings, chosen_by) = match config.method {
+            Some(asked) => {
+                let method = judge.require(asked)?;
+                (method, judge.castings(method)?, ChosenBy::Configuration)
+            }
+            None => {
+                let (method, castings) = judge.first_possible()?;
+                (method, castings, ChosenBy::Measures)
+            }
         };
         let reason = judge.reason(method);
         let up = layout::up(boundary, config);
-        let castings = match method {
-            Method::PullOut | Method::Soluble | Method::Wax => {
-                let up = layout::require_inlets_down(boundary, up)?;
-                vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?]
-            }
-            Method::Halves => {
-                let cut = judge.halves().clone();
-                halves(boundary, &cut.normal, cut.offset, config)?
-            }
-            Method::OpenTop => {
-                chamber_and_sheet(boundary, judge.flat().expect("it was judged possible"), config)?
-            }
-        };
         let directions = pull::directions(&boundary.filled, &up);
         let Judge { measures, verdicts, .. } = judge;
         Ok(Self { method, chosen_by, reason, measures, verdicts, directions, castings })
@@ -159,11 +167,23 @@ impl Casting {
             if let Some(split) = split(name, filled, &orientation, limit) {
                 return Ok(split);
             }
+            if let Some(other) = other(name, filled, &orientation, config) {
+                return Ok(other);
+            }
             let (name, surface) = (name.into(), reason);
             return Err(PlanError::Locked { name, surface, worst, limit });
         }
         let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
         Ok(Self { name, orientation, filled, undercut, worst })
+    }
+}
+
+/// Walls of what is cast are nowhere too thin in the mold, which is larger by what shrinks.
+fn require_walls(cast: &SurfaceMesh, config: &Config) -> Result<(), PlanError> {
+    let least = config.casting.least_wall;
+    match wall::too_thin(cast, least * (1.0 - config.shrinkage())) {
+        Some((thickness, at)) => Err(PlanError::Thin { thickness, at, least }),
+        None => Ok(()),
     }
 }
 
@@ -183,6 +203,28 @@ fn split(name: &str, filled: &SurfaceMesh, locked: &Orientation, limit: f64) -> 
     let Choice { pull, parting, worst, .. } = sides;
     let orientation = Orientation { pull, parting, joint: Some(joint), ..locked.clone() };
     Some(Casting { name: name.into(), orientation, filled: filled.clone(), undercut, worst })
+}
+
+/// A casting on the parting surface on which it has to give way least instead, if that is
+/// little enough and the configuration leaves the surface open.
+fn other(
+    name: &str,
+    filled: &SurfaceMesh,
+    locked: &Orientation,
+    config: &Config,
+) -> Option<Casting> {
+    if !config.parting.is_open() {
+        return None;
+    }
+    let choice = pull::loosest(filled, &locked.up, locked.portion)?;
+    if choice.ratio() > config.limits.peel {
+        return None;
+    }
+    log::info!("{name}: the shells would lock, so that they part otherwise: {}", choice.reason);
+    let Choice { pull, parting, undercut, worst, .. } = choice;
+    let orientation = Orientation { pull, parting, ..locked.clone() };
+    let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
+    Some(Casting { name, orientation, filled, undercut, worst })
 }
 
 /// The filled body beyond a plane.

@@ -10,6 +10,7 @@ use super::undercut::{self, Undercut, View, Worst};
 use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
 use crate::geometry::frame::Frame;
+use crate::geometry::gap;
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;
@@ -105,7 +106,7 @@ pub fn hemisphere() -> impl Iterator<Item = Vec3> {
 }
 
 /// `up`, coordinate axes across it, and directions around it.
-fn usable(up: &Vec3) -> Vec<Vec3> {
+pub fn usable(up: &Vec3) -> Vec<Vec3> {
     let mut found = vec![*up];
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     found.extend(axes.into_iter().filter(|axis| axis.dot(up).abs() < 1e-9));
@@ -153,6 +154,22 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) 
     }
 }
 
+/// The parting surface along or across `up` on which the silicone has to give way least for its
+/// width, whatever area that hides; `config` leaves it open.
+#[must_use]
+pub fn loosest(body: &SurfaceMesh, up: &Vec3, portion: Portion) -> Option<Choice> {
+    let choices = usable(up).into_iter().flat_map(|pull| {
+        let along_up = pull.dot(up) > ALONG;
+        let planes = planes(body, &pull, along_up, portion).into_iter();
+        let planes = planes
+            .filter_map(move |plane| best_plane(body, vec![(pull, vec![plane])], f64::INFINITY));
+        let field = (portion == Portion::Whole || !along_up)
+            .then(|| best_field(body, vec![pull], config::HeightFieldConfig::default()));
+        planes.chain(field)
+    });
+    choices.min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+}
+
 /// Of the planes that contain `up`, the one that leaves least in undercuts.
 #[must_use]
 pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
@@ -169,10 +186,10 @@ fn planes(
     along_up: bool,
     portion: Portion,
 ) -> Vec<PartingSurface> {
-    let heights = body.vertices.iter().map(|p| p.dot(pull));
-    let low = heights.clone().fold(f64::INFINITY, f64::min);
-    let high = heights.fold(f64::NEG_INFINITY, f64::max);
-    let at = |t: f64| PartingSurface::Plane(low + t * (high - low));
+    let heights = || body.vertices.iter().map(|p| p.dot(pull));
+    let low = heights().fold(f64::INFINITY, f64::min);
+    let high = heights().fold(f64::NEG_INFINITY, f64::max);
+    let at = |t: f64| PartingSurface::Plane(gap::clear(heights(), low + t * (high - low)));
     let tried = (1..=POSITIONS).map(|k| at(k as f64 / (POSITIONS + 1) as f64));
     match (along_up, portion) {
         (false, _) => vec![at(0.5)],

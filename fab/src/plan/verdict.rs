@@ -2,17 +2,15 @@
 
 use mesh::Vec3;
 
-use super::gluing::{self, Cut, Flat};
+use super::gluing::{self, CAUGHT, Cut, Flat};
 use super::report::{Measure, Verdict};
-use super::{Plan, PlanError, pull};
+use super::{Casting, Plan, PlanError, chamber_and_sheet, halves, pull, require_walls};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
+use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::girth::{self, Passage};
-
-/// Part of the area of the cores that may be blocked by the mold: facets at inlets.
-const CAUGHT: f64 = 1e-3;
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {
@@ -39,18 +37,33 @@ impl<'a> Judge<'a> {
         Self { boundary, config, measures, verdicts, halves: None, flat: None }
     }
 
-    /// The method that is preferred of those that can be used. Wax is as good as a
-    /// soluble core but takes one more casting: it is used only if it is asked for.
-    pub fn first_possible(&mut self) -> Result<Method, PlanError> {
+    /// The method that is preferred of those that can be used, and its castings. Wax is as good
+    /// as a soluble core but takes one more casting: it is used only if it is asked for.
+    pub fn first_possible(&mut self) -> Result<(Method, Vec<Casting>), PlanError> {
         let wanted = Method::ALL.into_iter().filter(|&method| method != Method::Wax);
         for method in wanted {
-            if self.judge(method).possible {
-                return Ok(method);
+            if !self.judge(method).possible {
+                continue;
+            }
+            match self.castings(method) {
+                Err(error @ PlanError::Locked { .. }) if self.config.parting.is_open() => {
+                    self.reject(method, &error);
+                }
+                Err(error) => return Err(error),
+                Ok(castings) => return Ok((method, castings)),
             }
         }
         let reason = |v: &Verdict| format!("{}: {}", v.method, v.reason);
         let reasons: Vec<String> = self.verdicts.iter().map(reason).collect();
         Err(PlanError::None { reasons: reasons.join("; ") })
+    }
+
+    /// Takes back that a method can be used.
+    fn reject(&mut self, method: Method, error: &PlanError) {
+        let verdict = self.verdicts.iter_mut().rfind(|verdict| verdict.method == method);
+        let verdict = verdict.expect("it was judged");
+        verdict.possible = false;
+        verdict.reason += &format!("; {error}");
     }
 
     /// The method asked for.
@@ -69,6 +82,27 @@ impl<'a> Judge<'a> {
             _ => format!("possible are {}", can.join(", ")),
         };
         Err(PlanError::Method { method, reason: verdict.reason, possible })
+    }
+
+    /// What a method that was judged possible casts.
+    pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
+        let (boundary, config) = (self.boundary, self.config);
+        match method {
+            Method::PullOut | Method::Soluble | Method::Wax => {
+                let up = layout::up(boundary, config);
+                let up = layout::require_inlets_down(boundary, up)?;
+                require_walls(&boundary.cast, config)?;
+                Ok(vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?])
+            }
+            Method::Halves => {
+                let cut = self.halves().clone();
+                halves(boundary, &cut.normal, cut.offset, config)
+            }
+            Method::OpenTop => {
+                let flat = self.flat.as_ref().expect("it was judged possible");
+                chamber_and_sheet(boundary, flat, config)
+            }
+        }
     }
 
     /// Why a method that was judged can be used or not.
@@ -104,6 +138,19 @@ impl<'a> Judge<'a> {
             let volume = mesh::measure::enclosed_volume(&core.surface).abs() * 1e9;
             let reason =
                 format!("a chamber of {volume:.1} mm³ is closed, and no core can be held in it");
+            return (false, reason);
+        }
+        let inlets = self.boundary.cores.iter().flat_map(|core| &core.inlets);
+        let scale = 1.0 / (1.0 - self.config.shrinkage());
+        let narrowest = inlets.map(|inlet| inlet.radius * scale).fold(f64::INFINITY, f64::min);
+        let least = self.config.least_inlet();
+        if narrowest < least {
+            let reason = format!(
+                "an inlet has an inscribed radius of {:.3} mm, at least {:.3} mm are needed for a stub that is \
+                 held in its socket: widen it, or reduce core.clearance or core.shoulder",
+                narrowest * 1e3,
+                least * 1e3
+            );
             return (false, reason);
         }
         let up = layout::up(self.boundary, self.config);
@@ -221,15 +268,11 @@ impl<'a> Judge<'a> {
         self.halves.get_or_insert_with(|| {
             let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
             normals.extend(gluing::walls(boundary));
+            let inlets = boundary.cores.iter().flat_map(|core| &core.inlets);
+            normals.extend(inlets.flat_map(|inlet| pull::usable(&inlet.normal)));
             normals.extend(pull::hemisphere());
-            gluing::best(boundary, &config.gluing, &normals)
+            gluing::best(boundary, &config.gluing, &normals, config.limits.peel)
         })
-    }
-
-    /// The flat wall of an open-top mold.
-    #[must_use]
-    pub fn flat(&self) -> Option<&Flat> {
-        self.flat.as_ref()
     }
 }
 

@@ -24,6 +24,10 @@ const BESIDE: f64 = 1.5;
 /// judgement [mm].
 const HELD: f64 = 2.0;
 
+/// Least depth of a channel's mouth in the body, in the mean over its section: half of what
+/// channels are cut into a flat top; thinner than that a printed mold closes it [mm].
+const MOUTH: f64 = 0.1;
+
 /// Least length of a funnel's spigot in the sprue [mm].
 const INSERTED: f64 = 2.0;
 
@@ -106,12 +110,11 @@ fn open(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
             mold.volume_rounding(channel.area()),
             "mm³",
         ),
-        // A mouth as deep as the rounding is no mouth.
         Line::at_least(
             format!("{name}: reaches the cavity"),
-            inside,
-            mold.volume_rounding(mold.cast.area),
-            "mm³ within",
+            inside / (PI * outline.base_radius.powi(2)),
+            MOUTH,
+            "mm within",
         ),
         Line::new(
             format!("{name}: rim"),

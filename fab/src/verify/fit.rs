@@ -136,6 +136,15 @@ fn designed(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
     }
 }
 
+/// Area of the section of a design at which a casting ends, in the mold [mm²].
+pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
+    let (CastPart::Above(height) | CastPart::Below(height)) = report.input.part else { return 0.0 };
+    let Ok(whole) = Solid::from_surface(&placed(design.clone(), report)) else { return 0.0 };
+    let (above, below) = whole.split_by_plane(&Vec3::z(), height);
+    // The section is added on both sides.
+    (above.area() + below.area() - whole.area()) / 2.0
+}
+
 /// The design and its collars.
 fn collared(msh: &MshFile, report: &MoldReport) -> Result<SurfaceMesh, String> {
     let boundary = Boundary::new(msh, &report.input.chamber).map_err(|e| e.to_string())?;

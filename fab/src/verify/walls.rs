@@ -1,13 +1,13 @@
-//! Walls are thick enough: of the mold, and of the silicone at rest and inflated.
-//!
-//! The thickness of silicone is that of [`mesh::walls`].
+//! Walls are thick enough: of the mold, and of the silicone at rest and inflated, as
+//! [`mesh::walls`] measures them.
 
 use std::path::Path;
 
 use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
-use mesh::{SurfaceMesh, TetMesh, Vec3, topology, walls};
+use mesh::walls::thinnest;
+use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
@@ -54,7 +54,7 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
 }
 
 fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Line {
-    match walls::thinnest(surface) {
+    match thinnest(surface) {
         Some((thickness, at)) => {
             let mut line = Line::at_least(name, thickness, least - 2.0 * rounding, "mm");
             line.found += &format!(" at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);

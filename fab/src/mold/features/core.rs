@@ -7,14 +7,8 @@
 use mesh::Vec3;
 use mesh::solid::Solid;
 
-use crate::config::{Config, CoreConfig};
+use crate::config::{Config, CoreConfig, STUB_FLAT};
 use crate::geometry::frustum::Frustum;
-
-/// Distance of the flat from the stub's axis, in radii.
-const FLAT: f64 = 0.7;
-
-/// The thinnest stub that can be printed [m].
-const THINNEST: f64 = 5e-4;
 
 /// Tries to root the stub in the core, each half as deep as the one before.
 const TRIES: usize = 10;
@@ -33,23 +27,6 @@ pub struct Print {
 /// Why an inlet cannot hold a stub.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PrintError {
-    /// The inlet is too narrow.
-    #[error(
-        "the inlet at ({x:.5}, {y:.5}) m has an inscribed radius of {radius_mm:.3} mm; less clearance and shoulder \
-         it leaves a stub of radius {stub_mm:.3} mm, at least {least_mm:.3} mm are needed: \
-         widen the inlet or reduce core.clearance and core.shoulder",
-        x = centre.x, y = centre.y
-    )]
-    Narrow {
-        /// Centre of the inlet in the mold's frame [m].
-        centre: Vec3,
-        /// Inscribed radius of the inlet [mm].
-        radius_mm: f64,
-        /// Radius left for the stub [mm].
-        stub_mm: f64,
-        /// Radius needed [mm].
-        least_mm: f64,
-    },
     /// The stub would cut into the part wherever it is rooted.
     #[error(
         "a stub in the inlet at ({:.5}, {:.5}) m cuts into the part: the chamber narrows behind its rim; \
@@ -63,11 +40,12 @@ pub enum PrintError {
 }
 
 impl Print {
-    /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m] down
-    /// to just above `floor` [m], rooted in the core without touching `cast`.
+    /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m], at least
+    /// [`Config::least_inlet`], down to just above `floor` [m], rooted in the core without
+    /// touching `cast`.
     ///
     /// # Errors
-    /// [`PrintError`] if the inlet is too narrow.
+    /// [`PrintError`] if the chamber narrows behind the inlet.
     pub fn new(
         centre: Vec3,
         radius: f64,
@@ -76,15 +54,7 @@ impl Print {
         config: &Config,
     ) -> Result<Self, PrintError> {
         let clearance = config.stub_clearance();
-        let narrow = radius - clearance - config.core.shoulder;
-        if narrow < THINNEST {
-            return Err(PrintError::Narrow {
-                centre,
-                radius_mm: radius * 1e3,
-                stub_mm: narrow * 1e3,
-                least_mm: THINNEST * 1e3,
-            });
-        }
+        let narrow = config.stub_radius(radius);
         for k in 0..TRIES {
             let root = radius * 0.5_f64.powi(k as i32);
             let top = centre + Vec3::z() * root;
@@ -119,7 +89,7 @@ impl Print {
     }
 
     fn flattened(&self, frustum: &Frustum, gap: f64) -> Solid {
-        let flat = self.stub.base.x + FLAT * self.stub.base_radius + gap;
+        let flat = self.stub.base.x + STUB_FLAT * self.stub.base_radius + gap;
         frustum.solid().trim_by_plane(&-Vec3::x(), -flat)
     }
 }

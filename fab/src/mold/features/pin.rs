@@ -29,6 +29,8 @@ pub struct PinSpace<'a> {
     pub clearance: f64,
     /// The plane y = level on which it has to stand, if there is one [m].
     pub level: Option<f64>,
+    /// Whether the silicone around a pin is thick enough.
+    pub leaves_walls: &'a dyn Fn(&Frustum) -> bool,
 }
 
 /// No place for a pin.
@@ -36,7 +38,8 @@ pub struct PinSpace<'a> {
 #[error(
     "core.support = \"pin\": no pin of {radius_mm:.2} mm radius finds room between the core's far end at \
      ({x:.1}, {y:.1}) mm and its middle: of {tried} places the core is missing below {missing}, and sprue or vents \
-     are nearer than {apart_mm:.1} mm to {blocked}; move sprue.at away, make core.pin thinner, or hold the core by \
+     are nearer than {apart_mm:.1} mm to {blocked}, and silicone thinner than casting.least_wall would be left beside \
+     {thin}; move sprue.at away, make core.pin thinner, or hold the core by \
      its stub",
     x = end.x * 1e3, y = end.y * 1e3, radius_mm = radius * 1e3, apart_mm = LAND * 1e3
 )]
@@ -47,6 +50,7 @@ pub struct PinError {
     tried: usize,
     missing: usize,
     blocked: usize,
+    thin: usize,
 }
 
 /// The pin of `radius` [m] nearest to the point of the core farthest from `inlet`, and at
@@ -68,7 +72,7 @@ pub fn pin(
     // A core straight above its inlet has its middle there.
     let inward = way.try_normalize(1e-12).unwrap_or_else(Vec3::x);
     let steps = ((way.norm() / radius - INSET) / STEP).max(0.0) as usize;
-    let (mut missing, mut blocked) = (0, 0);
+    let (mut missing, mut blocked, mut thin) = (0, 0, 0);
     let bvh = SurfaceBvh::new(core);
     for k in 0..=steps {
         let reach = ((INSET + STEP * k as f64) * radius).min(way.norm());
@@ -76,13 +80,15 @@ pub fn pin(
         at.y = space.level.unwrap_or(at.y);
         if !space.is_clear(&at, radius) {
             blocked += 1;
-        } else if let Some(found) = standing(&bvh, &at, radius, space) {
-            return Ok(found);
-        } else {
-            missing += 1;
+            continue;
+        }
+        match standing(&bvh, &at, radius, space) {
+            Some(found) if (space.leaves_walls)(&found) => return Ok(found),
+            Some(_) => thin += 1,
+            None => missing += 1,
         }
     }
-    Err(PinError { end, radius, tried: steps + 1, missing, blocked })
+    Err(PinError { end, radius, tried: steps + 1, missing, blocked, thin })
 }
 
 /// The pin on the upright line through `at`, if the core lies there.
@@ -123,8 +129,8 @@ mod tests {
     use mesh::solid::Solid;
 
     /// A rod of 50 mm along x, held at x = 0, in a mold whose top slopes from z = 20 mm at
-    /// x = 40 mm down by 1:1, with an upright channel.
-    fn placed(level: Option<f64>, channel: f64) -> Result<Frustum, PinError> {
+    /// x = 40 mm down by 1:1, with an upright channel. Beyond x = `most` walls are too thin.
+    fn placed(level: Option<f64>, channel: f64, most: f64) -> Result<Frustum, PinError> {
         let rod = Solid::cube(&Vec3::new(0.0, -4e-3, 0.0), &Vec3::new(50e-3, 4e-3, 8e-3));
         let mold = Solid::cube(&Vec3::repeat(-10e-3), &Vec3::new(60e-3, 10e-3, 20e-3));
         let slope = Vec3::new(-1.0, 0.0, -1.0).normalize();
@@ -140,13 +146,14 @@ mod tests {
             channels: vec![&channel],
             clearance: 2e-4,
             level,
+            leaves_walls: &|pin| pin.base.x < most,
         };
         pin(&rod.to_surface(), &Vec3::zeros(), 1e-3, &space)
     }
 
     #[test]
     fn a_pin_stands_near_the_far_end_is_rooted_and_ends_inside_the_mold() {
-        let found = placed(Some(0.0), 0.0).unwrap();
+        let found = placed(Some(0.0), 0.0, 1.0).unwrap();
         assert!((45e-3..50e-3).contains(&found.base.x), "{found:?}");
         assert!((found.base.z - 6e-3).abs() < 1e-12, "{found:?}");
         assert_eq!(found.base.y, 0.0);
@@ -157,11 +164,15 @@ mod tests {
 
     #[test]
     fn a_pin_makes_way_for_a_channel_or_is_refused() {
-        let alone = placed(Some(0.0), 0.0).unwrap();
-        let beside = placed(Some(0.0), alone.base.x).unwrap();
+        let alone = placed(Some(0.0), 0.0, 1.0).unwrap();
+        let beside = placed(Some(0.0), alone.base.x, 1.0).unwrap();
         let apart = alone.base.x - beside.base.x;
         assert!((4.2e-3..5.3e-3).contains(&apart), "{apart}");
-        let error = placed(Some(9e-3), 0.0).unwrap_err();
+        // The next place, about a radius further in.
+        let thicker = placed(Some(0.0), 0.0, alone.base.x).unwrap();
+        let apart = alone.base.x - thicker.base.x;
+        assert!((0.5e-3..=1e-3).contains(&apart), "{apart}");
+        let error = placed(Some(9e-3), 0.0, 1.0).unwrap_err();
         assert_eq!(error.tried, error.missing);
         assert!(error.to_string().contains("finds room"), "{error}");
     }

@@ -1,0 +1,116 @@
+//! Sound bodies that once failed a check of their own mold.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, stderr, stdout};
+use fab::config::method::Method;
+use fab::plan::report::PlanReport;
+use mesh::Vec3;
+use mesh::io::{read_tets, write_tets};
+use nalgebra::{Rotation3, Unit};
+
+/// A scene whose vertices are moved.
+fn moved(body: &Cubes, config: &str, place: impl FnMut(&mut Vec3)) -> Scene {
+    let scene = Scene::planned(body, config);
+    let path = scene.path("design.msh");
+    let mut msh = read_tets(&path).unwrap();
+    msh.mesh.vertices.iter_mut().for_each(place);
+    write_tets(&path, &msh.mesh, &msh.tags).unwrap();
+    scene
+}
+
+/// The plan of a mold that is made and verified.
+fn verified(scene: &Scene) -> PlanReport {
+    let made = scene.mold();
+    assert!(made.status.success(), "{}", stderr(&made));
+    let verified = scene.verify();
+    assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
+    PlanReport::read(&scene.path("mold")).unwrap()
+}
+
+#[test]
+fn a_vent_of_a_large_body_is_measured_by_its_own_size() {
+    // 216 mm long: rounding of the whole body exceeds what the mouth of a vent holds.
+    verified(&moved(&TWO_TOPS, "method = \"soluble\"", |p| *p *= 6.0));
+}
+
+#[test]
+fn the_name_of_a_tray_stands_on_its_tray() {
+    // The hull of a box that stands on edge has but a narrow face in front.
+    let axis = Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0));
+    for angle in [0.3, 0.6, 0.9, 1.2] {
+        let turn = Rotation3::from_axis_angle(&axis, angle).into_inner();
+        let scene = moved(&CLOSED, "method = \"open-top\"", |p| *p = turn * *p * 0.5);
+        assert_eq!(verified(&scene).molds.len(), 2);
+    }
+}
+
+/// A closed chamber of 8 mm in a box of 24 mm, with vertices half-way through both.
+const HALVED: Cubes =
+    Cubes { count: [6, 6, 6], solid: |_| true, chamber: |c| c.iter().all(|k| (2..4).contains(k)) };
+
+#[test]
+fn halves_keep_their_plane_clear_of_vertices() {
+    // Turned, the vertices half-way are off their plane by the rounding of a float.
+    for angle in [0.0, 0.3, 0.7] {
+        let axis = Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0));
+        let turn = Rotation3::from_axis_angle(&axis, angle).into_inner();
+        let normal = turn.column(0);
+        let config = format!(
+            "method = \"halves\"\n[gluing]\nnormal = [{}, {}, {}]",
+            normal.x, normal.y, normal.z
+        );
+        verified(&moved(&HALVED, &config, |p| *p = turn * *p));
+    }
+}
+
+#[test]
+fn a_closed_box_is_halved_across_any_plane() {
+    verified(&Scene::planned(&CLOSED, "method = \"halves\"\n[gluing]\nnormal = [1, 2, 3]"));
+}
+
+#[test]
+fn an_inlet_is_not_tilted_against_the_lid_of_a_half() {
+    // The inlet leaves the body across the plane, not at a slant on which the lid would lock.
+    let plan = verified(&Scene::planned(&CHAMBER, "method = \"halves\""));
+    assert_eq!(plan.molds.len(), 2);
+}
+
+#[test]
+fn an_inlet_too_narrow_for_a_stub_is_no_way_in() {
+    // Stubs of 0.56 mm fill less than half of their sockets.
+    let config = "[core]\nshoulder = 1.24e-3";
+    let plan = verified(&Scene::planned(&CHAMBER, config));
+    assert!(matches!(plan.method, Method::OpenTop | Method::Halves), "{:?}", plan.method);
+    assert!(plan.reason.contains("at least 2.073 mm"), "{}", plan.reason);
+}
+
+#[test]
+fn a_tooth_that_locks_one_plane_is_freed_by_another() {
+    // A box of 44 × 44 × 16 mm, cast face down with its chamber open, and a tooth of 4 mm above
+    // the lid: too small to count against the plane of the lid, but it must give way by its width.
+    let tooth = Cubes {
+        count: [12, 11, 4],
+        solid: |[i, j, k]| i < 11 || (j == 5 && k == 2),
+        chamber: |[i, j, k]| {
+            let within = |low: usize| (low..11 - low).contains(&i) && (low..11 - low).contains(&j);
+            (k == 1 && within(2)) || (k == 2 && within(4))
+        },
+    };
+    verified(&Scene::planned(&tooth, ""));
+}
+
+#[test]
+fn a_wall_too_thin_is_refused_by_the_plan_with_its_place() {
+    // One side of the chamber is pressed from 8 mm to 0.8 mm.
+    let press = |p: &mut Vec3| {
+        if p.y < 2.0 * CELL {
+            p.y = 2.0 * CELL - 0.1 * (2.0 * CELL - p.y);
+        }
+    };
+    let scene = moved(&CHAMBER, "method = \"soluble\"", press);
+    let made = scene.mold();
+    let said = stderr(&made);
+    assert_eq!(made.status.code(), Some(2), "{said}");
+    assert!(said.contains("the silicone is 0.800 mm thick at ("), "{said}");
+}
