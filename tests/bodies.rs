@@ -20,7 +20,8 @@ use tests::workdir::{Run, Workdir};
 const POINTS: usize = 300;
 
 /// Enough for every kind, not fine.
-const MESH: &str = "[tetmesh]\nrelative_edge_length = 0.08\nrelative_envelope = 2e-3\nmax_iterations = 20\n";
+const MESH: &str =
+    "[tetmesh]\nrelative_edge_length = 0.08\nrelative_envelope = 2e-3\nmax_iterations = 20\n";
 
 /// What became of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
