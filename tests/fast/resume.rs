@@ -163,6 +163,34 @@ fn finished_before() {
     assert_same(&dir, &expected);
 }
 
+/// A handler of a library, as METIS has one while it orders, is never called.
+#[test]
+#[cfg(target_os = "linux")]
+fn all_threads_block_the_signals_that_one_waits_for() {
+    let dir = chamber::workdir();
+    let mut child = start(&dir);
+    let masks = || -> Vec<u64> {
+        let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
+        let mask = |status: String| {
+            let line = status.lines().find_map(|line| line.strip_prefix("SigBlk:"))?;
+            u64::from_str_radix(line.trim(), 16).ok()
+        };
+        let status =
+            |thread: std::fs::DirEntry| std::fs::read_to_string(thread.path().join("status"));
+        threads.flatten().filter_map(|thread| mask(status(thread).ok()?)).collect()
+    };
+    let clock = Instant::now();
+    // its own thread, the one that waits, and those that compute
+    while masks().len() < 4 && clock.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let found = masks();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let both = 1 << (2 - 1) | 1 << (15 - 1);
+    assert!(found.len() >= 4 && found.iter().all(|mask| mask & both == both), "{found:x?}");
+}
+
 /// A limit on the size of files stands for a full disk [KiB].
 #[test]
 fn a_full_disk_and_then_room() {

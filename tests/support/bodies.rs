@@ -15,10 +15,12 @@ pub struct Body {
     pub model: String,
 }
 
-const KINDS: [(&str, fn(&mut Builder)); 14] = [
-    ("box", |b| drop(cuboid(b, true, 0.0))),
-    ("rounded box", |b| drop(cuboid(b, true, 0.3))),
-    ("closed box", |b| drop(cuboid(b, false, 0.0))),
+type Kind = (&'static str, fn(&mut Builder));
+
+const KINDS: [Kind; 14] = [
+    ("box", |b| _ = cuboid(b, true, 0.0)),
+    ("rounded box", |b| _ = cuboid(b, true, 0.3)),
+    ("closed box", |b| _ = cuboid(b, false, 0.0)),
     ("box on its cut", box_on_its_cut),
     ("dome", dome),
     ("finger", finger),

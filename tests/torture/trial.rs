@@ -174,7 +174,8 @@ fn limits(sound: &Sound, random: &mut Random, tally: &mut Tally) -> Result<(), S
     let dir = (sound.job.workdir)();
     let u = part(random);
     let limit = match any(random, 3) {
-        0 => format!("ulimit -n {}", 3 + (20.0 * u) as usize),
+        // the system needs a fourth to load the program's libraries
+        0 => format!("ulimit -n {}", 4 + (20.0 * u) as usize),
         1 => format!("ulimit -s {}", 200 + (8e3 * u) as usize),
         // below this no thread can be started [KiB]
         _ => format!("ulimit -v {}", 300_000 + (2e6 * u) as usize),

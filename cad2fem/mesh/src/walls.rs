@@ -1,7 +1,7 @@
 //! Walls of a body: how thin they are, and where.
 //!
 //! The thickness of a wall at a point of its surface is the length of the straight line through it
-//! to a facet that faces the other way, within [`OPPOSITE`]; where the surface across is tilted
+//! to a facet that faces the other way, within 60°; where the surface across is tilted
 //! more, as near a sharp edge, there is no wall to measure.
 
 use rayon::prelude::*;

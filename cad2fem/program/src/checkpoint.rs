@@ -72,7 +72,7 @@ pub fn read_checkpoint<T: DeserializeOwned>(path: &Path, program: &str) -> Resul
 /// # Errors
 /// When it cannot be read or was altered.
 pub fn check_unaltered(path: &Path, sha256: &str) -> Result<()> {
-    let found = crate::sha256_file(path)?;
+    let found = crate::sha256_file(path).context(REMEDY)?;
     ensure!(
         found == sha256,
         "{}: it has the SHA-256 {found:.8}…, the checkpoint expects {sha256:.8}…: it was altered; \

@@ -3,23 +3,34 @@
 //! Results appear as a whole and states are written after every step, so that nothing has to be
 //! saved: programs that were started are ended, what is unfinished is removed.
 
+use std::process::Command;
+
 #[cfg(unix)]
+use nix::sys::signal::{SigSet, Signal};
+
 use crate::cli::to_stderr;
 
 /// From now on the process ends in order when it is interrupted, with the exit code that shells
-/// give to a process that the signal has ended: 130 or 143.
+/// give to a process that the signal has ended: 130 or 143. To be called before the first thread is
+/// started.
+///
+/// The signals are blocked in all threads but one, which waits for them. A handler would not do: METIS
+/// puts its own in place while it orders, which takes SIGTERM for an error of METIS.
 #[cfg(unix)]
 pub fn end_in_order(name: &str) {
-    use signal_hook::consts::{SIGINT, SIGTERM};
+    let signals = signals();
+    // Without it the signals end the process as ever, only in less order.
+    if signals.thread_block().is_err() {
+        return;
+    }
     let name = name.to_owned();
-    let wait = move |mut signals: signal_hook::iterator::Signals| {
-        if let Some(signal) = signals.forever().next() {
+    let wait = move || {
+        if let Ok(signal) = signals.wait() {
             end(&name, signal);
         }
     };
-    // Without it the signals end the process as ever, only in less order.
-    if let Ok(signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
-        let _ = std::thread::Builder::new().name("signals".into()).spawn(move || wait(signals));
+    if std::thread::Builder::new().name("signals".into()).spawn(wait).is_err() {
+        let _as_ever = signals.thread_unblock();
     }
 }
 
@@ -28,11 +39,28 @@ pub fn end_in_order(name: &str) {
 pub fn end_in_order(_name: &str) {}
 
 #[cfg(unix)]
+fn signals() -> SigSet {
+    [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
+}
+
+/// A program that ours runs would block what ours blocks.
+#[cfg(unix)]
+#[allow(unsafe_code, reason = "between fork and exec one system call, which is allowed there")]
+pub(crate) fn unblock_in(command: &mut Command) {
+    use std::os::unix::process::CommandExt;
+    let signals = signals();
+    unsafe { command.pre_exec(move || Ok(signals.thread_unblock()?)) };
+}
+
+/// Elsewhere nothing is blocked.
+#[cfg(not(unix))]
+pub(crate) fn unblock_in(_command: &mut Command) {}
+
+#[cfg(unix)]
 #[allow(clippy::exit, reason = "the other threads do not know of the signal")]
-fn end(name: &str, signal: i32) {
+fn end(name: &str, signal: Signal) {
     let _no_new_children = crate::child::kill_all();
     let _no_new_files = mesh::io::remove_unfinished();
-    let signal_name = signal_hook::low_level::signal_name(signal).unwrap_or("a signal");
-    to_stderr(&format!("{name}: interrupted by {signal_name}; to continue: the same command"));
-    std::process::exit(128 + signal);
+    to_stderr(&format!("{name}: interrupted by {signal}; to continue: the same command"));
+    std::process::exit(128 + signal as i32);
 }

@@ -10,8 +10,8 @@ const CLEAR: f64 = 1e-6;
 /// How far a plane is moved for it, at most, as a part of the extent of the vertices.
 const NEAR: f64 = 5e-3;
 
-/// The position nearest to `wanted` that keeps [`CLEAR`] from all heights, or the middle of the
-/// widest gap between them if there is none within [`NEAR`] of it.
+/// The position nearest to `wanted` that keeps 1 μm from all heights, or the middle of the widest gap
+/// between them if there is none within 0.5 % of their extent.
 #[must_use]
 pub fn clear(heights: impl Iterator<Item = f64>, wanted: f64) -> f64 {
     let mut heights: Vec<f64> = heights.collect();

@@ -83,6 +83,8 @@ impl Cascade<'_> {
         let mut checkpoint = match Checkpoint::read(&self.folder)? {
             Some(checkpoint) => {
                 checkpoint.check_inputs(&self.folder, &self.inputs)?;
+                checkpoint.check_files(&self.folder)?;
+                checkpoint.remove_other_runs(&self.folder)?;
                 log::info!(
                     "continuing at level {}, iteration {}",
                     checkpoint.level + 1,
@@ -130,7 +132,6 @@ impl Cascade<'_> {
     fn level_body(&self, checkpoint: &Checkpoint) -> Result<Body> {
         let part = |part: &Part| {
             let path = self.level_path(checkpoint.level, part);
-            checkpoint.check_file(&path)?;
             let file = mesh::io::read_tets(&path)?;
             Ok((part.name.clone(), file.mesh, file.tags))
         };

@@ -49,7 +49,7 @@ pub struct Checkpoint {
     pub history: usize,
     /// ... and their SHA-256; empty without any.
     pub lines: String,
-    /// SHA-256 of the files that the level reads, by their names.
+    /// SHA-256 of the files that the level reads and of the meshes of those before, by their names.
     pub files: BTreeMap<String, String>,
     /// The level ended early, and why.
     pub stopped: Option<String>,
@@ -92,13 +92,16 @@ impl Checkpoint {
         stopped_before: Vec<(usize, String)>,
         lbfgs: Lbfgs,
     ) -> Self {
-        let Self { level, total_s, history, lines, .. } = self;
+        let Self { level, total_s, history, lines, mut files, .. } = self;
         let level = level + 1;
+        // The meshes of the levels before stay in the folder, as a part of the result.
+        files.retain(|name, _| !is_run(name));
         Self {
             level,
             total_s,
             history,
             lines,
+            files,
             start,
             loads,
             stopped_before,
@@ -156,7 +159,6 @@ impl Checkpoint {
     /// of freedom.
     pub fn read_runs(&self, folder: &Path, shape: [usize; 2]) -> Result<npy::Rows> {
         let path = self.run_path(folder);
-        self.check_file(&path)?;
         let rows = npy::read_rows(&path)?;
         ensure!(
             rows.shape == shape,
@@ -181,9 +183,18 @@ impl Checkpoint {
         self.files.retain(|name, _| !is_run(name));
         self.add_file(&path)?;
         self.write(folder)?;
+        self.remove_other_runs(folder)
+    }
+
+    /// Removes runs that it does not belong to, as a kill may leave them.
+    ///
+    /// # Errors
+    /// When one cannot be removed.
+    pub fn remove_other_runs(&self, folder: &Path) -> Result<()> {
         for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
             let other = entry?.path();
-            if is_run(&name_of(&other)) && other != path {
+            let name = name_of(&other);
+            if is_run(&name) && !self.files.contains_key(&name) {
                 std::fs::remove_file(&other).with_context(|| other.display().to_string())?;
             }
         }
@@ -199,12 +210,13 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Makes sure that a file is as it was when the checkpoint was written.
+    /// Makes sure that all files are as they were when the checkpoint was written.
     ///
     /// # Errors
-    /// When it cannot be read or was altered.
-    pub fn check_file(&self, path: &Path) -> Result<()> {
-        program::check_unaltered(path, self.files.get(&name_of(path)).map_or("", String::as_str))
+    /// When one cannot be read or was altered.
+    pub fn check_files(&self, folder: &Path) -> Result<()> {
+        let mut files = self.files.iter();
+        files.try_for_each(|(name, hash)| program::check_unaltered(&folder.join(name), hash))
     }
 
     /// Makes sure that it belongs to these inputs.
