@@ -71,8 +71,8 @@ fn from_environment(seconds: f64) {
 }
 
 #[test]
-fn half_a_minute() {
-    campaign(30.0, 1, None);
+fn twenty_seconds() {
+    campaign(20.0, 1, None);
 }
 
 #[test]

@@ -172,23 +172,25 @@ fn all_threads_block_the_signals_that_one_waits_for() {
     let masks = || -> Vec<u64> {
         let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
         let mask = |status: String| {
-            let line = status.lines().find_map(|line| line.strip_prefix("SigBlk:"))?;
-            u64::from_str_radix(line.trim(), 16).ok()
+            let value = |key: &str| status.lines().find_map(|line| line.strip_prefix(key));
+            // The system shows no mask of the thread that waits, while it does.
+            let computes = value("Name:")?.trim() != "signals";
+            computes.then(|| u64::from_str_radix(value("SigBlk:")?.trim(), 16).ok())?
         };
         let status =
             |thread: std::fs::DirEntry| std::fs::read_to_string(thread.path().join("status"));
         threads.flatten().filter_map(|thread| mask(status(thread).ok()?)).collect()
     };
     let clock = Instant::now();
-    // its own thread, the one that waits, and those that compute
-    while masks().len() < 4 && clock.elapsed() < Duration::from_secs(20) {
+    // the first and those that compute
+    while masks().len() < 3 && clock.elapsed() < Duration::from_secs(20) {
         std::thread::sleep(Duration::from_millis(5));
     }
     let found = masks();
     child.kill().unwrap();
     child.wait().unwrap();
     let both = 1 << (2 - 1) | 1 << (15 - 1);
-    assert!(found.len() >= 4 && found.iter().all(|mask| mask & both == both), "{found:x?}");
+    assert!(found.len() >= 3 && found.iter().all(|mask| mask & both == both), "{found:x?}");
 }
 
 /// A limit on the size of files stands for a full disk [KiB].
