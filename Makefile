@@ -38,8 +38,9 @@ test: setup  ## all tests that take seconds
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
 
-fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together, SEED=1)
+fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together or CASES=1000000 for each, SEED=1)
 	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \
+		$(if $(CASES),FUZZ_CASES=$(CASES)) \
 		cargo test --release --locked --workspace --test fuzz -- --ignored --nocapture
 
 torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600, SEED=1, CASE=17: that one alone)

@@ -1,6 +1,7 @@
 //! Readers on random files: none may panic or take long.
 //!
-//! `FUZZ_SECONDS` is the time for all readers together, `FUZZ_SEED` where the random numbers begin.
+//! `FUZZ_SECONDS` is the time for all readers together, or `FUZZ_CASES` the number of files for each;
+//! `FUZZ_SEED` is where the random numbers begin.
 //! A file that fails is written to `build/fuzz`; once what it showed is mended it becomes a
 //! regression file, `tests/fuzz/READER/NAME`.
 #![allow(missing_docs, clippy::unwrap_used)]
@@ -26,13 +27,28 @@ fn failure(target: &Target, bytes: &[u8]) -> Option<String> {
     (time > LONG).then(|| format!("takes {:.0} s", time.as_secs_f64()))
 }
 
-fn campaign(seconds: f64, seed: u64) {
-    let each = Duration::from_secs_f64(seconds / TARGETS.len() as f64);
+/// How long each reader is tried.
+enum Length {
+    Time(Duration),
+    Cases(u64),
+}
+
+impl Length {
+    /// So many seconds for all readers together.
+    fn seconds(seconds: f64) -> Self {
+        Self::Time(Duration::from_secs_f64(seconds / TARGETS.len() as f64))
+    }
+}
+
+fn campaign(each: &Length, seed: u64) {
     let mut failures = Vec::new();
     for target in TARGETS {
         let corpus = (target.corpus)();
         let (start, mut cases) = (Instant::now(), 0);
-        while start.elapsed() < each {
+        while match each {
+            Length::Time(time) => start.elapsed() < *time,
+            Length::Cases(count) => cases < *count,
+        } {
             // each case has its own random numbers, so that it can be made again alone
             let bytes = mutate(&corpus, &mut Random::new(seed + (cases << 8)));
             if let Some(what) = failure(target, &bytes) {
@@ -63,14 +79,16 @@ fn sound_files_and_what_once_failed() {
 
 #[test]
 fn a_few_seconds_of_random_files() {
-    campaign(4.0, 1);
+    campaign(&Length::seconds(4.0), 1);
 }
 
 #[test]
-#[ignore = "as long as FUZZ_SECONDS says: make fuzz"]
+#[ignore = "as long as FUZZ_SECONDS or FUZZ_CASES says: make fuzz"]
 fn as_long_as_asked() {
     let number = |name: &str| std::env::var(name).ok()?.parse::<f64>().ok();
-    campaign(number("FUZZ_SECONDS").unwrap_or(60.0), number("FUZZ_SEED").unwrap_or(1.0) as u64);
+    let cases = number("FUZZ_CASES").map(|cases| Length::Cases(cases as u64));
+    let length = cases.unwrap_or_else(|| Length::seconds(number("FUZZ_SECONDS").unwrap_or(60.0)));
+    campaign(&length, number("FUZZ_SEED").unwrap_or(1.0) as u64);
 }
 
 #[test]

@@ -146,6 +146,10 @@ fn a_checkpoint_that_is_none() {
     dir.write("out/steps.jsonl", "");
     dir.solver(COMMAND).assert_refused(2, &["steps.jsonl: not the", "--restart"]);
     dir.write("out/steps.jsonl", &steps);
+    let picture = std::fs::read(dir.path("out/step_000.vtu")).unwrap();
+    dir.write("out/step_000.vtu", "");
+    dir.solver(COMMAND).assert_refused(2, &["step_000.vtu: it has the SHA-256", "--restart"]);
+    std::fs::write(dir.path("out/step_000.vtu"), picture).unwrap();
     // one digit of a displacement
     let digit = text.rfind("\"work\"").unwrap() - 20;
     let digit = digit + text[digit..].find(|c: char| c.is_ascii_digit()).unwrap();

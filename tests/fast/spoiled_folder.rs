@@ -79,7 +79,7 @@ fn altered_files_are_never_used() {
     let dir = undisturbed();
     let run = |name: &String| name.starts_with("run-");
     let run = dir.files("out").into_iter().find(run).unwrap();
-    for name in ["checkpoint.json", "history.jsonl", "level-2.msh", &run] {
+    for name in ["checkpoint.json", "history.jsonl", "level-1.msh", "level-2.msh", &run] {
         let path = dir.path(&format!("out/{name}"));
         let whole = std::fs::read(&path).unwrap();
         let mut altered = whole.clone();

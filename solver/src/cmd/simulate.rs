@@ -1,6 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -108,6 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         inputs: inputs.clone(),
         steps,
         lines: String::new(),
+        pictures: BTreeMap::new(),
         progress: run.stepper.progress.clone(),
         couplings: run.workspace.couplings().to_vec(),
         work: Work::default(),

@@ -1,6 +1,7 @@
 //! What a run writes while it runs, so that nothing is lost when it is killed:
 //! a line of `steps.jsonl` and a picture per reported step, and the checkpoint.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
@@ -31,6 +32,8 @@ pub struct Checkpoint {
     pub steps: usize,
     /// ... of which the lines of `steps.jsonl` have this SHA-256.
     pub lines: String,
+    /// SHA-256 of their pictures, by the names of the files.
+    pub pictures: BTreeMap<String, String>,
     /// All that determines the next time step ...
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
@@ -93,6 +96,8 @@ pub struct Recorder<'a> {
     folder: PathBuf,
     /// Whether every step gets its picture.
     pictures: bool,
+    /// SHA-256 of the pictures, by the names of the files.
+    written: BTreeMap<String, String>,
     /// What was reported of each step.
     pub lines: Vec<Value>,
     work: Work,
@@ -102,7 +107,7 @@ impl<'a> Recorder<'a> {
     /// Begins with nothing, or after the first `done` lines of the folder.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When they or their pictures are not as they were.
     pub fn new(
         scene: &'a Scene,
         (problem, probes): (&'a Problem, &'a [Probe]),
@@ -112,6 +117,10 @@ impl<'a> Recorder<'a> {
     ) -> Result<Self> {
         let begin = || Work::new(problem, &scene.body.mesh.vertices);
         let work = done.map_or_else(begin, |done| done.work.clone());
+        let written = done.map_or_else(BTreeMap::new, |done| done.pictures.clone());
+        for (name, hash) in &written {
+            program::check_unaltered(&folder.join(name), hash)?;
+        }
         let mut lines = Vec::new();
         if let Some(done) = done {
             let path = folder.join(STEPS);
@@ -129,7 +138,8 @@ impl<'a> Recorder<'a> {
                 done.steps
             );
         }
-        Ok(Self { scene, problem, probes, folder: folder.to_path_buf(), pictures, lines, work })
+        let folder = folder.to_path_buf();
+        Ok(Self { scene, problem, probes, folder, pictures, written, lines, work })
     }
 
     /// Follows the work of the loads through all load steps, writes those that are reported,
@@ -147,7 +157,8 @@ impl<'a> Recorder<'a> {
         }
         let Some(checkpoint) = finished.checkpoint else { return Ok(()) };
         let (work, lines) = (self.work.clone(), sha256(&self.lines));
-        Checkpoint { work, lines, ..checkpoint }.write(&self.folder)
+        let pictures = self.written.clone();
+        Checkpoint { work, lines, pictures, ..checkpoint }.write(&self.folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -169,7 +180,9 @@ impl<'a> Recorder<'a> {
         if self.pictures {
             let name = picture(self.lines.len() - 1);
             let grid = results::grid_with_forces(&self.problem.energies, &at);
-            vtu::write_vtu(&self.folder.join(name), &grid)?;
+            let path = self.folder.join(&name);
+            vtu::write_vtu(&path, &grid)?;
+            self.written.insert(name, program::sha256_file(&path)?);
             let picture = |(i, line): (usize, &Value)| (time(line), picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
             vtu::write_pvd(&self.folder.join("result.pvd"), &all)?;

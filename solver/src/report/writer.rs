@@ -19,8 +19,8 @@ pub struct Finished {
     pub reported: Range<usize>,
     /// Velocity at its end [m/s].
     pub velocity: Option<Vec<f64>>,
-    /// From which the run continues if it is interrupted now, but for `work` and `lines`, which
-    /// the recorder knows.
+    /// From which the run continues if it is interrupted now, but for `work`, `lines` and
+    /// `pictures`, which the recorder knows.
     pub checkpoint: Option<Checkpoint>,
 }
 

@@ -115,7 +115,8 @@ fn surface(bytes: &[u8], name: &str) {
 }
 
 thread_local! {
-    static FOLDER: Workdir = Workdir::new();
+    // a disk would be a hundred times as slow as most readers
+    static FOLDER: Workdir = Workdir::in_memory();
 }
 
 /// Puts the bytes into a file and reads it; a value is as good as an error.
