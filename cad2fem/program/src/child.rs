@@ -72,19 +72,3 @@ pub fn kill_all() -> impl Sized {
     }
     running
 }
-
-#[cfg(all(test, target_os = "linux"))]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use nix::sys::signal::{SigSet, Signal};
-
-    use super::*;
-
-    #[test]
-    fn a_signal_that_ours_blocks_reaches_it() {
-        SigSet::from(Signal::SIGTERM).thread_block().unwrap();
-        let mut looks = Command::new("grep");
-        looks.args(["--quiet", "SigBlk:.*0000$", "/proc/self/status"]);
-        assert!(Process::spawn(&mut looks).unwrap().wait().unwrap().success());
-    }
-}

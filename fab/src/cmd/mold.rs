@@ -50,7 +50,10 @@ pub fn run(args: &Args) -> Result<()> {
     let Planned { config, boundary, collars, plan, report: planned, progress } = task.plan()?;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
     let _lock = FolderLock::new(&task.output)?;
-    planned.molds.iter().for_each(|entry| remove_litter(&folder(entry)));
+    for entry in &planned.molds {
+        remove_litter(&folder(entry));
+        remove_litter(&folder(entry).join("reference"));
+    }
     let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
     let mut molds = Vec::new();
     for casting in &plan.castings {
