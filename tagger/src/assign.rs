@@ -27,7 +27,7 @@ pub struct Tally {
     pub selected: usize,
     /// Those of them that an earlier tag already had.
     pub contested: usize,
-    /// Single facets that were missing inside a pressure wall and were added.
+    /// Single facets that were missing inside the selection and were added.
     pub pinholes: usize,
     /// Area of the final tag [m²].
     pub area: f64,
@@ -65,8 +65,8 @@ impl Assignment {
     }
 }
 
-/// Gives every facet to the first selection that holds it, fills pinholes of
-/// pressure walls and checks that the result can be simulated.
+/// Gives every facet to the first selection that holds it, fills pinholes and
+/// checks that the result can be simulated.
 ///
 /// # Errors
 /// If a selection cannot be read; [`Unusable`] if a tag is empty or a pressure
@@ -92,8 +92,10 @@ pub fn assign(config: &Config, facets: &Facets, mut sources: Sources) -> Result<
         tally.expected_area = selector.expected_area(&sources);
         tallies.push(tally);
     }
+    for (index, tag) in config.tags.iter().enumerate() {
+        tallies[index].pinholes = wall::fill_pinholes(facets, &mut owners, index, tag.pressure);
+    }
     for (index, tag) in config.tags.iter().enumerate().filter(|(_, tag)| tag.pressure) {
-        tallies[index].pinholes = wall::fill_pinholes(facets, &mut owners, index);
         wall::check(facets, &owners, index, config)
             .map_err(|message| anyhow!(Unusable(format!("{}: {message}", label(tag)))))?;
     }

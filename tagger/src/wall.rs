@@ -13,23 +13,28 @@ use crate::config::Config;
 use crate::facets::Facets;
 use crate::select::point;
 
-/// Adds single facets that are surrounded by the wall on all three sides and
-/// belong to no earlier tag; returns how many.
+/// Adds single facets without a tag that are surrounded by `tag` on all three
+/// sides; a pressure wall takes such facets from later tags, too. Returns how many.
 ///
 /// A mesher may move one facet out of the reach of a selection, which would
 /// leave a hole of one triangle in the wall.
-pub fn fill_pinholes(facets: &Facets, owners: &mut [Option<usize>], wall: usize) -> usize {
+pub fn fill_pinholes(
+    facets: &Facets,
+    owners: &mut [Option<usize>],
+    tag: usize,
+    pressure: bool,
+) -> usize {
     let edges = topology::edge_facets(&facets.triangles);
     let surrounded = |f: usize| {
         topology::directed_edges(facets.triangles[f])
             .into_iter()
-            .all(|side| edges[&sorted(side)].iter().any(|&n| n != f && owners[n] == Some(wall)))
+            .all(|side| edges[&sorted(side)].iter().any(|&n| n != f && owners[n] == Some(tag)))
     };
     let holes: Vec<usize> = (0..facets.len())
-        .filter(|&f| owners[f].is_none_or(|owner| owner > wall) && surrounded(f))
+        .filter(|&f| owners[f].is_none_or(|owner| pressure && owner > tag) && surrounded(f))
         .collect();
     for &f in &holes {
-        owners[f] = Some(wall);
+        owners[f] = Some(tag);
     }
     holes.len()
 }

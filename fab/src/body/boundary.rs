@@ -132,12 +132,15 @@ pub enum BoundaryError {
     },
     /// Several bodies, or closed chambers without the tag.
     #[error(
-        "the boundary without the chamber's tag has {count} separate pieces, one is needed; \
-         the second encloses {volume_mm3:.1} mm³ around {at}: tag closed chambers, mold bodies one by one"
+        "the boundary without the chamber's tag has {count} separate pieces, one is needed; the second, \
+         of {facets} facets, encloses {volume_mm3:.1} mm³ around {at}: tag closed chambers, mold bodies \
+         one by one; if a few facets of the chamber have no tag, raise the tagger's epsilon"
     )]
     Pieces {
         /// How many.
         count: usize,
+        /// Facets of the second.
+        facets: usize,
         /// Signed volume of the second [mm³].
         volume_mm3: f64,
         /// Middle of its bounding box.
@@ -320,6 +323,7 @@ fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<(), Boun
     let surface = topology::submesh(vertices, &facets).0;
     Err(BoundaryError::Pieces {
         count: pieces.len(),
+        facets: second.len(),
         volume_mm3: enclosed_volume(&surface) * 1e9,
         at: place(&middle(&surface.vertices)),
     })
