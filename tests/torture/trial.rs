@@ -19,7 +19,7 @@ pub struct Tally {
     pub cases: usize,
     /// Kills, signals and refusals: what did not end by itself.
     pub interruptions: usize,
-    pub failures: usize,
+    pub failures: Vec<String>,
 }
 
 type Trial = fn(&Sound, &mut Random, &mut Tally) -> Result<(), String>;
