@@ -246,7 +246,7 @@ pub enum MaterialConfig {
     /// A row of `solver list --silicones`.
     Silicone(String),
     /// `kind`, the parameters of that law in `solver list`, and optionally
-    /// `density` [kg/m³] and `stretch_range` [1].
+    /// `density` [kg/m³], `stretch_range` and `stretch_at_break` [1].
     Law(toml::Table),
 }
 

@@ -26,6 +26,7 @@ use crate::forward::{Integrator, Newton, Problem, State, Stepping, Workspace};
 use crate::material::Specification;
 use crate::memory;
 use crate::schedule::Field;
+use crate::stretch::Limits;
 use crate::supports::Supports;
 
 /// Density for the tiny mass of a loose body if its own is not known [kg/m³].
@@ -157,11 +158,15 @@ impl Scene {
         })
     }
 
-    /// The range of stretches that all materials were fitted to, if it is known.
+    /// How far all materials may be stretched, as far as it is known.
     #[must_use]
-    pub fn stretch_range(&self) -> Option<[f64; 2]> {
-        let ranges = self.parts.iter().filter_map(|part| part.material.stretch_range);
-        ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])
+    pub fn stretch_limits(&self) -> Limits {
+        let materials = || self.parts.iter().map(|part| &part.material);
+        let ranges = materials().filter_map(|material| material.stretch_range);
+        Limits {
+            fitted: ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]),
+            at_break: materials().filter_map(|m| m.stretch_at_break).reduce(f64::min),
+        }
     }
 
     /// The discrete problem on a body with this scene's tags, and what solving it needs.

@@ -40,6 +40,8 @@ impl Silicone {
         let fit = |fit: &'static library::Fit| {
             let mut specification = Specification::read(&fit.law).context(key)?;
             specification.density = entry.density;
+            let elongation = entry.casting.as_ref().and_then(|casting| casting.elongation);
+            specification.stretch_at_break = elongation.map(|percent| 1.0 + percent / 100.0);
             Ok(Fit { specification, entry: fit })
         };
         let fits = entry.fits.iter().map(fit).collect::<Result<_>>()?;

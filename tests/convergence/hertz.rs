@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 use solver::element::at;
-use solver::report::results::grid_with_forces;
+use solver::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
 use tests::tag;
@@ -95,7 +95,7 @@ fn press(even: usize, growth: f64) {
     let delta = at(press.u(), pole.unwrap()).z;
     // ∫ p r² dA = 2/5 a² F of Hertz's pressure
     let state = press.stepper.iterate(&press.problem, &press.scene.body.mesh.vertices);
-    let grid = grid_with_forces(&press.problem.energies, &state);
+    let grid = grid_with_fields(&press.problem.energies, &state);
     let field = grid.point_fields.iter().find(|f| f.name == "contact_force").unwrap();
     let (mut moment, mut sum) = (0.0, 0.0);
     for (node, x) in nodes.iter().enumerate() {

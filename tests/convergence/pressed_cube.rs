@@ -10,7 +10,7 @@ use solver::element::{at, tabulate};
 use solver::material::Kinematics;
 use solver::math::tensor::{Mat3, cofactor};
 use solver::plot::{Axes, Series, Style, draw};
-use solver::report::results::grid_with_forces;
+use solver::report::results::grid_with_fields;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::workdir::repository;
 use tests::{block, tag};
@@ -120,7 +120,7 @@ fn face_nodes(motion: &Motion) -> FaceNodes {
     let rest = &motion.scene.body.mesh.vertices;
     let load = motion.stepper.progress.load();
     let state = motion.stepper.iterate(&motion.problem, rest);
-    let grid = grid_with_forces(&motion.problem.energies, &state);
+    let grid = grid_with_fields(&motion.problem.energies, &state);
     let half = 0.5 * EDGE + 0.99 * ACTIVATION - 0.25 * EDGE * load;
     let mut found = FaceNodes { smallest_near: f64::INFINITY, ..FaceNodes::default() };
     for (node, x) in grid.points.iter().enumerate() {

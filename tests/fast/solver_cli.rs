@@ -115,7 +115,7 @@ fn arrays_hold_the_state_of_the_report() {
 #[test]
 fn meshio_reads_the_result() {
     const READ: &str = "
-import sys, meshio, numpy
+import json, sys, meshio, numpy
 folder, kind = sys.argv[1:]
 mesh = meshio.read(folder + '/result.vtu')
 assert [(c.type, len(c.data)) for c in mesh.cells] == [(kind, 384)], mesh
@@ -127,6 +127,15 @@ tet = mesh.points[mesh.cells[0].data]
 pairs = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)][: tet.shape[1] - 4]
 for node, (a, b) in enumerate(pairs, 4):
     assert numpy.allclose(tet[:, node], (tet[:, a] + tet[:, b]) / 2, atol=1e-15)
+cells = {name: data for name, [data] in mesh.cell_data.items()}
+for name in ['stretch', 'von_mises', 'hydrostatic_pressure', 'nominal_stress', 'strain_energy']:
+    low, high = cells[name].min(), cells[name].max()
+    assert low < mesh.point_data[name].mean() < high, name
+stress = cells['cauchy_stress'].reshape(-1, 3, 3)
+pressure = -numpy.trace(stress, axis1=1, axis2=2) / 3
+assert numpy.allclose(pressure, cells['hydrostatic_pressure'], rtol=1e-12)
+largest = json.load(open(folder + '/report.json'))['stretch_range']['largest']
+assert 1.0 < cells['stretch'].max() < largest + 1e-12, (cells['stretch'].max(), largest)
 ";
     let Some(python) = python("meshio, numpy") else { return };
     for (scene, kind) in [("p1.toml", "tetra"), ("sim.toml", "tetra10")] {

@@ -67,6 +67,9 @@ fn a_silicone_is_named_and_its_range_is_kept() {
     assert!(stiff < soft, "{stiff} {soft}");
     let range = &dir.json("out/report.json")["stretch_range"];
     assert!(number(&range["largest"]) > 1.0 && number(&range["smallest"]) < 1.0, "{range}");
+    // 900 % of elongation at break
+    assert_eq!(number(&range["at_break"]), 10.0);
+    assert!((number(&range["margin"]) * number(&range["largest"]) - 10.0).abs() < 1e-12, "{range}");
     named("ecoflex").assert_refused(2, &["\"ecoflex\"", "ecoflex-00-30"]);
 }
 

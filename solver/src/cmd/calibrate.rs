@@ -261,6 +261,9 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         if let Some(range) = material.stretch_range {
             keys.insert("stretch_range".to_owned(), range.to_vec().into());
         }
+        if let Some(stretch) = material.stretch_at_break {
+            keys.insert("stretch_at_break".to_owned(), stretch.into());
+        }
         writeln!(text, "[material]\n{keys}")?;
     }
     Ok(text)

@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
     results::write_state(folder, end.space, end.rest, end.u)?;
-    let grid = results::grid_with_forces(&problem.energies, &end);
+    let grid = results::grid_with_fields(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     run.fill(&mut report, &end, &recorder)?;
     run.add_error_bars(&mut report);
@@ -364,13 +364,9 @@ fn one_or_list(mut values: Vec<Value>) -> Value {
     if values.len() == 1 { values.remove(0) } else { Value::Array(values) }
 }
 
-/// Principal stretches of the state, with a warning where the material was not
-/// tested.
+/// Principal stretches of the state, with warnings where the material was not tested or tears.
 fn stretches(scene: &Scene, end: &Iterate) -> Stretches {
-    let range = scene.stretch_range();
-    let found = Stretches::of(end.space, end.rest, end.u, range);
-    if let Some(warning) = found.warning() {
-        log::warn!("{warning}");
-    }
+    let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits());
+    found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
     found
 }

@@ -7,7 +7,7 @@ mod interpolate;
 pub mod quadrature;
 mod space;
 
-pub use basis::{HIGHEST_DEGREE, Tabulation, tabulate};
+pub use basis::{HIGHEST_DEGREE, Tabulation, nodes as node_indices, tabulate};
 pub use bernstein::JacobianForm;
 pub use incidence::Incidence;
 pub use interpolate::{interpolate, sample, weights};

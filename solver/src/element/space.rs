@@ -7,6 +7,7 @@ use mesh::Vec3;
 use super::Incidence;
 use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate, values};
 use super::quadrature;
+use crate::math::tensor::{Mat3, cofactor};
 
 /// Continuous displacements of degree 1, 2 or 3 on straight-sided tetrahedra.
 ///
@@ -187,6 +188,26 @@ impl FunctionSpace {
             }
         }
         mass
+    }
+
+    /// ∇u at the points of the volume rule of one element [1].
+    pub fn displacement_gradients(
+        &self,
+        rest: &[Vec3],
+        u: &[f64],
+        element: usize,
+    ) -> impl Iterator<Item = Mat3> {
+        let [a, b, c, d] = self.tets[element].map(|v| rest[v]);
+        let g = Mat3::from_columns(&[b - a, c - a, d - a]);
+        let to_rest = cofactor(&g) / g.determinant();
+        let n = self.nodes_per_element();
+        let nodes = &self.element_nodes[element * n..(element + 1) * n];
+        self.volume.gradients.iter().map(move |gradients| {
+            let at_node = |(&node, gradient): (&usize, &[f64; 3])| {
+                at(u, node) * (to_rest * Vec3::from(*gradient)).transpose()
+            };
+            nodes.iter().zip(gradients).map(at_node).sum()
+        })
     }
 
     /// Node ids of a facet: its vertices, those of its edges 01, 12, 20, and the

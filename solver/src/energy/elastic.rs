@@ -89,7 +89,9 @@ impl Elastic {
         Self { material: material.into(), elements: Some(elements) }
     }
 
-    fn elements(&self, space: &FunctionSpace) -> Range<usize> {
+    /// The elements that have this law.
+    #[must_use]
+    pub fn elements(&self, space: &FunctionSpace) -> Range<usize> {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 

@@ -72,6 +72,7 @@ impl Fitted {
             values: self.values.clone(),
             density: None,
             stretch_range: Some(self.quality.stretch_range),
+            stretch_at_break: None,
         }
     }
 

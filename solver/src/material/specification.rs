@@ -18,11 +18,13 @@ pub struct Specification {
     /// Smallest and largest principal stretch that the parameters were fitted
     /// to and are stable in [1], if known.
     pub stretch_range: Option<[f64; 2]>,
+    /// Uniaxial stretch at which it tears [1], if known: 1 + elongation at break.
+    pub stretch_at_break: Option<f64>,
 }
 
 impl Specification {
     /// From a table with `kind`, the parameters of the law, and optionally
-    /// `density` and `stretch_range`.
+    /// `density`, `stretch_range` and `stretch_at_break`.
     ///
     /// # Errors
     /// With what was found and what is needed.
@@ -35,7 +37,10 @@ impl Specification {
         };
         let density = parameters.remove("density").map(|v| density(&v)).transpose()?;
         let stretch_range = parameters.remove("stretch_range").map(|v| range(&v)).transpose()?;
-        Ok(Self { law, values: law.read(&parameters)?, density, stretch_range })
+        let stretch_at_break =
+            parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
+        let values = law.read(&parameters)?;
+        Ok(Self { law, values, density, stretch_range, stretch_at_break })
     }
 
     /// The law, ready for use.
@@ -58,6 +63,15 @@ fn number(value: &Value) -> Option<f64> {
 fn density(value: &Value) -> Result<f64> {
     let density = number(value).filter(|d| d.is_finite() && *d > 0.0);
     density.with_context(|| format!("density = {value}: expected a positive number [kg/m³]"))
+}
+
+fn at_break(value: &Value) -> Result<f64> {
+    let stretch = number(value).filter(|s| s.is_finite() && *s > 1.0);
+    stretch.with_context(|| {
+        format!(
+            "stretch_at_break = {value}: expected a number above 1, 1 + elongation at break [1]"
+        )
+    })
 }
 
 fn range(value: &Value) -> Result<[f64; 2]> {
@@ -93,16 +107,19 @@ mod tests {
         assert_eq!(material.moduli(), Moduli { shear: 120e3, bulk: 2e6 });
         assert!((material.moduli().poisson() - 0.470_588_235).abs() < 1e-9);
         assert_eq!((material.density, material.stretch_range), (None, None));
+        assert_eq!(material.stretch_at_break, None);
     }
 
     #[test]
     fn optional_keys_are_read() {
         let text = "kind = 'ogden'\nmu = [1e4, -2e3]\nalpha = [2, -3]\nbulk = 1e6\n";
         let material =
-            read(&format!("{text}density = 1070\nstretch_range = [0.5, 4]")).expect("ok");
+            read(&format!("{text}density = 1070\nstretch_range = [0.5, 4]\nstretch_at_break = 10"))
+                .expect("ok");
         assert_eq!(material.values, [1e4, -2e3, 2.0, -3.0, 1e6]);
         assert_eq!(material.density, Some(1070.0));
         assert_eq!(material.stretch_range, Some([0.5, 4.0]));
+        assert_eq!(material.stretch_at_break, Some(10.0));
     }
 
     #[test]
@@ -126,6 +143,7 @@ mod tests {
             (format!("{ogden}mu = [1e4]\nalpha = [0]"), "NaN Pa"),
             (format!("{yeoh}density = -1"), "density = -1"),
             (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),
+            (format!("{yeoh}stretch_at_break = 0.9"), "above 1"),
         ] {
             let message = message(&text);
             assert!(message.contains(needed), "{needed} is not in: {message}");

@@ -29,6 +29,24 @@ pub fn vec9(a: &Mat3) -> nalgebra::SVector<f64, 9> {
     nalgebra::SVector::<f64, 9>::from_column_slice(a.as_slice())
 }
 
+/// Largest eigenvalue of a symmetric tensor, in closed form; to about 1e-8 of its norm where
+/// eigenvalues coincide, else to rounding.
+///
+/// With m = tr A / 3, B = A − m I and p² = B : B / 6 it is m + 2p cos(⅓ arccos(det(B/p) / 2)).
+///
+/// Source: O. K. Smith 1961, "Eigenvalues of a symmetric 3 × 3 matrix", doi:10.1145/355578.366316.
+#[must_use]
+pub fn largest_eigenvalue(a: &Mat3) -> f64 {
+    let m = a.trace() / 3.0;
+    let b = a - m * Mat3::identity();
+    let p = (b.norm_squared() / 6.0).sqrt();
+    if p == 0.0 {
+        return m;
+    }
+    let half_det = (0.5 * (b / p).determinant()).clamp(-1.0, 1.0);
+    m + 2.0 * p * (half_det.acos() / 3.0).cos()
+}
+
 /// The nearest positive semidefinite matrix in the Frobenius norm: negative
 /// eigenvalues are set to zero.
 #[must_use]
@@ -113,6 +131,19 @@ mod tests {
         let a = Mat3::new(1.0, 2.0, 0.5, -0.3, 1.5, 0.2, 0.1, 0.4, 2.0);
         let expected = a.try_inverse().expect("det = 3.96").transpose() * a.determinant();
         assert!((cofactor(&a) - expected).norm() < 1e-14);
+    }
+
+    #[test]
+    fn largest_eigenvalues_are_those_of_an_iterative_method() {
+        let general = Mat3::new(1.0, 2.0, 0.5, 2.0, -1.5, 0.2, 0.5, 0.2, 2.0);
+        let twice = Mat3::from_diagonal_element(3.0) + Mat3::from_element(-1.0);
+        let tiny = 1e-12 * general;
+        for (a, accuracy) in [(general, 1e-14), (-general, 1e-14), (twice, 1e-7), (tiny, 1e-14)] {
+            let expected = a.symmetric_eigenvalues().max();
+            let error = (largest_eigenvalue(&a) - expected).abs() / a.norm();
+            assert!(error < accuracy, "{a} {error}");
+        }
+        assert_eq!(largest_eigenvalue(&Mat3::from_diagonal_element(-2.0)), -2.0);
     }
 
     #[test]

@@ -79,8 +79,7 @@ impl Diagnosis {
         let start = Iterate { u: &zero, load: 0.0, ..at };
         let at_rest = SoftestMode::of(problem, workspace, &start, next - load);
         let reached = SoftestMode::of(problem, workspace, &at, next);
-        let range = scene.stretch_range();
-        let stretches = Stretches::of(space, rest, &attempt.reached, range);
+        let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits());
 
         let reason = reason(scene, unreached, &at_rest, space, rest);
         let mut lines = vec![reason.clone()];
@@ -297,8 +296,8 @@ fn advice(
                 .to_owned()
         });
     }
-    if let Some(warning) = stretches.warning() {
-        advice.push(format!("a material with data at larger stretches: {warning}"));
+    for warning in stretches.warnings() {
+        advice.push(format!("a material for larger stretches: {warning}"));
     }
     if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
         let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };

@@ -1,10 +1,11 @@
-//! What programs write: measures of a state and their files, the record of a run while it
-//! runs, its numbers by their columns, what is known where there is no equilibrium, and how far
+//! What programs write: measures of a state, its strains and stresses, and their files, the
+//! record of a run while it runs, its numbers by their columns, what is known where there is no equilibrium, and how far
 //! runs are apart.
 
 pub mod columns;
 pub mod compare;
 pub mod failure;
+pub mod fields;
 pub mod leap;
 pub mod mirror;
 pub mod record;

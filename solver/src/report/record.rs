@@ -179,7 +179,7 @@ impl<'a> Recorder<'a> {
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
-            let grid = results::grid_with_forces(&self.problem.energies, &at);
+            let grid = results::grid_with_fields(&self.problem.energies, &at);
             let path = self.folder.join(&name);
             vtu::write_vtu(&path, &grid)?;
             self.written.insert(name, program::sha256_file(&path)?);

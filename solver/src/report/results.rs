@@ -16,8 +16,8 @@ use crate::energy;
 use crate::energy::{Chamber, Energies, Iterate, Term};
 use crate::forward::{LoadStep, Problem};
 use crate::material::Kinematics;
-use crate::math::tensor::Mat3;
 use crate::probe::{Kind, Probe, measure};
+use crate::report::fields::fields;
 use crate::scene::Scene;
 use crate::symmetry::{AXES, Plane};
 
@@ -284,10 +284,14 @@ pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Va
     }))
 }
 
-/// [`grid`] with the forces of contact and friction on the nodes [N].
+/// [`grid`] with strains and stresses, and with the forces of contact and friction on the
+/// nodes [N].
 #[must_use]
-pub fn grid_with_forces(energies: &Energies, at: &Iterate) -> vtu::Grid {
+pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     let mut grid = grid(at.space, at.rest, at.u);
+    let [at_points, of_cells] = fields(energies, at);
+    grid.point_fields.extend(at_points);
+    grid.cell_fields.extend(of_cells);
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);
@@ -319,22 +323,12 @@ pub fn grid(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> vtu::Grid {
 }
 
 fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
-    let table = space.volume_table();
-    let n = space.nodes_per_element();
-    let one = |(tet, nodes): (&[usize; 4], &[usize])| {
-        let [a, b, c, d] = tet.map(|v| rest[v]);
-        let g = Mat3::from_columns(&[b - a, c - a, d - a]);
-        let to_rest = crate::math::tensor::cofactor(&g) / g.determinant();
-        let at_point = |(gradients, weight): (&Vec<[f64; 3]>, &f64)| {
-            let mut grad_u = Mat3::zeros();
-            for (&node, gradient) in nodes.iter().zip(gradients) {
-                grad_u += at(u, node) * (to_rest * Vec3::from(*gradient)).transpose();
-            }
-            weight * Kinematics::new(&grad_u).j()
-        };
-        table.gradients.iter().zip(&table.weights).map(at_point).sum()
+    let weights = &space.volume_table().weights;
+    let one = |e: usize| {
+        let points = space.displacement_gradients(rest, u, e).zip(weights);
+        points.map(|(grad_u, weight)| weight * Kinematics::new(&grad_u).j()).sum()
     };
-    space.tets().iter().zip(space.element_nodes().chunks_exact(n)).map(one).collect()
+    (0..space.tets().len()).map(one).collect()
 }
 
 /// Planes of symmetry of a body, for `solver mirror`.
