@@ -100,17 +100,23 @@ fn write(grid: &Grid, out: &mut dyn Write) -> io::Result<()> {
          header_type=\"UInt64\">\n<UnstructuredGrid>\n\
          <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
     )?;
-    let mut offset = 0;
+    let size = |array: &Array| size_of::<u64>() + array.data.len();
+    let arrays = || groups.iter().flat_map(|(_, arrays)| arrays);
+    // The data stand in reverse order. meshio moves the arrays one after the other as they
+    // stand, and looks each up by its offset, the first of that in the header. In any other order
+    // that might be one it has moved already, whose new offset is by chance the same.
+    let mut offset: usize = arrays().map(size).sum();
     for (name, arrays) in &groups {
         writeln!(out, "<{name}>")?;
-        for Array { attributes, data } in arrays {
+        for array in arrays {
+            offset -= size(array);
+            let attributes = &array.attributes;
             writeln!(out, "<DataArray {attributes} format=\"appended\" offset=\"{offset}\"/>")?;
-            offset += size_of::<u64>() + data.len();
         }
         writeln!(out, "</{name}>")?;
     }
     write!(out, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_")?;
-    for Array { data, .. } in groups.iter().flat_map(|(_, arrays)| arrays) {
+    for Array { data, .. } in arrays().rev() {
         out.write_all(&(data.len() as u64).to_le_bytes())?;
         out.write_all(data)?;
     }
