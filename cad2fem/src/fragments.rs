@@ -1,11 +1,16 @@
-//! Fragments: tetrahedra connected to the body by an edge or a vertex only.
+//! Fragments and spikes: tetrahedra that a mesher leaves where they do not belong.
 //!
-//! A mesher that makes its boundary manifold separates them from the body into
-//! components of their own. Components of negligible volume are removed.
+//! Fragments are connected to the body by an edge or a vertex only. A mesher that makes its
+//! boundary manifold separates them from the body into components of their own. Components of
+//! negligible volume are removed.
+//!
+//! A spike hangs on the body by one facet; its other three meet at a tip that belongs to it
+//! alone. Corners of a body are like that, too, but high: what is lower than the envelope is none.
+//! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
-use mesh::TetMesh;
-use mesh::measure::tet_volume;
-use mesh::topology::{TET_FACETS, submesh};
+use mesh::measure::{tet_volume, triangle_area};
+use mesh::topology::{TET_FACETS, boundary, submesh};
+use mesh::{TetMesh, Vec3};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
 const MAX_VOLUME: f64 = 1e-4;
@@ -27,6 +32,36 @@ pub fn remove_fragments(mesh: &mut TetMesh) -> usize {
         *mesh = without_unused_vertices(mesh, &kept);
     }
     removed
+}
+
+/// Removes the spikes whose tip is less than `height` [m] above the facet on which they hang.
+/// Returns how many.
+pub fn remove_spikes(mesh: &mut TetMesh, height: f64) -> usize {
+    let boundary = boundary(mesh);
+    let mut free = vec![Vec::new(); mesh.tets.len()];
+    for (facet, &tet) in boundary.facets.iter().zip(&boundary.tet_of) {
+        free[tet].push(*facet);
+    }
+    let is_spike = |tet: usize| {
+        let [a, b, c] = &free[tet][..] else { return false };
+        let tip = a.iter().find(|v| b.contains(v) && c.contains(v));
+        let base = mesh.tets[tet].map(|v| mesh.vertices[v]);
+        tip.is_some_and(|&tip| height_above(mesh.vertices[tip], base) < height)
+    };
+    let kept: Vec<_> =
+        (0..mesh.tets.len()).filter(|&t| !is_spike(t)).map(|t| mesh.tets[t]).collect();
+    let removed = mesh.tets.len() - kept.len();
+    if removed > 0 {
+        *mesh = without_unused_vertices(mesh, &kept);
+    }
+    removed
+}
+
+/// Height of a corner of a tetrahedron above the other three.
+fn height_above(tip: Vec3, corners: [Vec3; 4]) -> f64 {
+    let base: Vec<Vec3> = corners.into_iter().filter(|&corner| corner != tip).collect();
+    let [a, b, c] = base[..] else { return 0.0 };
+    3.0 * tet_volume(a, b, c, tip).abs() / triangle_area(a, b, c)
 }
 
 /// For each tetrahedron the smallest one that is connected to it over facets.
@@ -65,7 +100,23 @@ fn without_unused_vertices(mesh: &TetMesh, tets: &[[usize; 4]]) -> TetMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mesh::Vec3;
+
+    #[test]
+    fn a_low_spike_is_removed_and_a_corner_stays() {
+        // a bipyramid, with a tetrahedron on one of its facets
+        let spike = |height: f64| {
+            let mut vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), -Vec3::z()];
+            vertices.push(Vec3::repeat((1.0 + height * 3.0_f64.sqrt()) / 3.0));
+            TetMesh { vertices, tets: vec![[0, 1, 2, 3], [0, 2, 1, 4], [1, 2, 3, 5]] }
+        };
+        let mut low = spike(0.05);
+        assert_eq!(remove_spikes(&mut low, 0.06), 1);
+        assert_eq!((low.vertices.len(), low.tets.len()), (5, 2));
+        assert_eq!(remove_spikes(&mut spike(0.05), 0.04), 0);
+        // its lower tip is 1 above its facet
+        assert_eq!(remove_spikes(&mut low, 0.9), 0);
+        assert_eq!(remove_spikes(&mut low, 1.1), 2);
+    }
 
     #[test]
     fn a_small_piece_at_a_vertex_is_removed_and_a_large_one_stays() {

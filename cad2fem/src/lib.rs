@@ -8,7 +8,7 @@
 //! - [`offset`]: open patch → closed selection volume
 //! - [`tetrahedralize`]: checks around a mesher, and its report
 //! - [`mesher`]: the external programs
-//! - [`fragments`]: removes small components that a mesher has cut off
+//! - [`fragments`]: removes small components that a mesher has cut off, and spikes
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes kept from earlier runs
 //! - [`checkout`]: where the program was built

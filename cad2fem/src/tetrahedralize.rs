@@ -12,7 +12,7 @@ use program::Unusable;
 use serde::Serialize;
 
 use crate::cache::{Cache, key};
-use crate::fragments::remove_fragments;
+use crate::fragments::{remove_fragments, remove_spikes};
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
 use crate::planar::flatten;
@@ -22,7 +22,7 @@ use crate::report::findings;
 const SAMPLES: usize = 60_000;
 
 /// Part of the cache key; changes whenever the steps after the mesher change.
-const REVISION: u32 = 3;
+const REVISION: u32 = 5;
 
 /// How often a mesher may try.
 const ATTEMPTS: u32 = 3;
@@ -175,6 +175,12 @@ fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
     if fragments > 0 {
         log::info!(
             "removed {fragments} tets that were connected to the body by an edge or a vertex only"
+        );
+    }
+    let spikes = remove_spikes(mesh, request.options.envelope);
+    if spikes > 0 {
+        log::info!(
+            "removed {spikes} tets that stood out of the boundary by less than the envelope"
         );
     }
     let flattened = flatten(mesh, surface, request.options.envelope);
