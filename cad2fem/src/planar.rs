@@ -7,10 +7,10 @@
 
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{area, diagonal, radius_ratio, triangle_area};
-use mesh::topology::{boundary, edge_facets};
+use mesh::topology::{boundary, boundary_loops, edge_facets};
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 
-/// A planar face must cover this part of the surface.
+/// A planar face must cover this part of the surface, or have a hole.
 const MIN_AREA: f64 = 1e-3;
 /// Vertices of a planar face are this close to its plane [diagonal]; binary STL
 /// rounds to 6e-8.
@@ -103,7 +103,8 @@ impl Faces {
             let normal = (b - a).cross(&(c - a)).normalize();
             let plane = (normal, normal.dot(&a));
             let face = flood(surface, &edges, &tried, seed, plane, flat);
-            if face.iter().map(|&t| areas[t]).sum::<f64>() >= least {
+            let wide = face.iter().map(|&t| areas[t]).sum::<f64>() >= least;
+            if wide || has_hole(surface, &face) {
                 for &t in &face {
                     tried[t] = true;
                     faces.of[t] = Some(faces.planes.len());
@@ -203,9 +204,17 @@ fn flood(
     face
 }
 
+/// Whether a face has a hole, as the end of a tube has. However small, it is no part of what bends,
+/// and the rim of an inlet lies on it.
+fn has_hole(surface: &SurfaceMesh, face: &[usize]) -> bool {
+    let triangles: Vec<[usize; 3]> = face.iter().map(|&t| surface.triangles[t]).collect();
+    boundary_loops(&triangles).len() > 1
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mesh::solid::Solid;
 
     /// The unit cube around its centre: 12 pyramids' halves, and its surface.
     fn cube() -> (TetMesh, SurfaceMesh) {
@@ -233,6 +242,24 @@ mod tests {
         for (v, w) in mesh.vertices.iter().zip(&exact.vertices) {
             assert!((v - w).norm() < 1e-15, "{v} {w}");
         }
+    }
+
+    #[test]
+    fn the_narrow_end_of_a_tube_is_a_face() {
+        // A ball of 40 with a tube of 2.4 across, whose end of 2.5 is 2 % of a hundredth of all.
+        let pipe = |low: f64, high: f64, radius: f64| {
+            let (min, max) = (Vec3::new(-radius, -radius, low), Vec3::new(radius, radius, high));
+            Solid::cube(&min, &max)
+        };
+        let ball = Solid::sphere(&Vec3::zeros(), 20.0, 64);
+        let body = ball.union(&pipe(0.0, 25.0, 1.2)).difference(&pipe(5.0, 26.0, 0.9));
+        let surface = body.to_surface();
+        let faces = Faces::of(&surface);
+        let end = |plane: &&(Vec3, f64)| (plane.0 - Vec3::z()).norm() < 1e-9 && plane.1 == 25.0;
+        assert_eq!(faces.planes.iter().filter(end).count(), 1);
+        // The ball bends everywhere.
+        let of_ball = Faces::of(&Solid::sphere(&Vec3::zeros(), 20.0, 64).to_surface());
+        assert!(of_ball.planes.is_empty(), "{}", of_ball.planes.len());
     }
 
     #[test]

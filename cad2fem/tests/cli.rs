@@ -276,11 +276,67 @@ fn an_input_is_never_overwritten() {
 fn sizes_that_cannot_be_meant_are_remarked_on() {
     let dir = Workdir::new();
     write_surface(&dir.path("large.obj"), &cube(40.0)).unwrap();
-    dir.run(&["info", "large.obj", "--check"]).says("lengths are read as metres");
+    dir.run(&["info", "large.obj", "--check"]).says("138.5641 mm if they are millimetres");
     write_surface(&dir.path("small.obj"), &cube(0.04)).unwrap();
     assert!(!dir.run(&["info", "small.obj"]).stderr.contains("metres"));
     write_surface(&dir.path("endless.obj"), &cube(1e150)).unwrap();
     dir.run(&["info", "endless.obj", "--check"]).fails(1, "its volume has no number");
+}
+
+#[test]
+fn info_knows_the_unit_of_the_parts_of_a_mold() {
+    let dir = Workdir::new();
+    fs::create_dir_all(dir.path("mold/reference")).unwrap();
+    for name in ["core.stl", "mold/core.stl", "mold/reference/cast.stl"] {
+        write_surface(&dir.path(name), &cube(1.5)).unwrap();
+    }
+    dir.write(
+        "mold/mold.json",
+        "{\"units\": \"mm\", \"parts\": [{\"file\": \"core.stl\"}], \
+         \"cast\": {\"file\": \"reference/cast.stl\"}, \"outside\": \"reference/outside.stl\"}",
+    );
+    let volume = |arguments: &[&str]| {
+        let run = dir.run(&[&["info", "--json"], arguments].concat());
+        run.succeeds();
+        let info: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        info["volume"].as_f64().unwrap()
+    };
+    // 27 mm³, of which nothing but mold.json says that they are no cubic metres
+    for arguments in
+        [&["mold/core.stl"][..], &["mold/reference/cast.stl"], &["core.stl", "--unit", "mm"]]
+    {
+        let found = volume(arguments);
+        assert!((found / 27e-9 - 1.0).abs() < 1e-9, "{arguments:?}: {found} m³");
+    }
+    assert!((volume(&["core.stl"]) / 27.0 - 1.0).abs() < 1e-9);
+    let run = dir.run(&["info", "mold/core.stl"]);
+    assert!(run.stdout.starts_with("mold/core.stl, lengths in mm\n"), "{}", run.stdout);
+}
+
+#[test]
+fn a_grid_that_cuts_corners_is_remarked_on_with_one_that_does_not() {
+    let dir = Workdir::new();
+    let made = |grid: f64| {
+        let ball = "name = 'ball', shape.sphere = { center = [0, 0, 0], radius = 5 }";
+        let rest = "region = [{ name = 'skin', rest = true }]";
+        dir.write(
+            "model.toml",
+            &format!("unit = 'mm'\ngrid = {grid}\nsolid = [{{ {ball} }}]\n{rest}"),
+        );
+        let run = dir.run(&["model", "model.toml", "-o", "out"]);
+        run.succeeds();
+        (run.stderr, enclosed_volume(&read_surface(&dir.path("out/model.stl")).unwrap()))
+    };
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * 125e-9;
+    let (said, volume) = made(5.0);
+    assert!(volume < 0.7 * ball, "{volume} of {ball} m³");
+    let better = said.split("; grid = ").nth(1).and_then(|rest| rest.split(' ').next());
+    let better = better.unwrap_or_else(|| panic!("no better grid: {said}")).parse().unwrap();
+    assert!(said.contains("% of the volume of the solid"), "{said}");
+    let (said, volume) = made(better);
+    assert!(!said.contains("cuts corners"), "{said}");
+    // 5 % to second order in the grid; by as much as a quarter of that more.
+    assert!((volume / ball - 1.0).abs() < 1.25 * 0.05, "grid {better}: {volume} of {ball} m³");
 }
 
 #[test]

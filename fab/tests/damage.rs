@@ -10,8 +10,6 @@ use crate::fixture::damaged::{
 use crate::fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report};
 use fab::verify::{Against, Line, Status, verify};
 use mesh::Vec3;
-use mesh::io::read_tets;
-use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::solid::Solid;
 
 #[test]
@@ -301,45 +299,21 @@ fn printing() {
     refused(&scene, "upper: build volume");
 }
 
-/// A simulation of the chamber that makes it `thin` as thick along x.
-fn simulation(thin: f64, report: &str) -> tempfile::TempDir {
-    let msh = read_tets(&sound().path("design.msh")).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let shifts = msh.mesh.vertices.iter().flat_map(|p| [(thin - 1.0) * p.x, 0.0, 0.0]).collect();
-    let grid = Grid {
-        cells: msh.mesh.tets.iter().flatten().copied().collect(),
-        points: msh.mesh.vertices,
-        cell_type: CellType::Tet4,
-        point_fields: vec![Field {
-            name: "displacement".into(),
-            unit: "m".into(),
-            components: 3,
-            values: shifts,
-        }],
-        cell_fields: vec![],
-    };
-    write_vtu(&folder.path().join("result.vtu"), &grid).unwrap();
-    std::fs::write(folder.path().join("report.json"), report).unwrap();
-    folder
-}
-
 #[test]
 fn inflated_walls() {
     let lines_of = |folder: &tempfile::TempDir| {
         let against = Against { simulation: Some(folder.path()), design: None };
         verify(&sound().path("mold"), against).unwrap()
     };
-    let good = r#"{"usable": true, "stretch_range": {"largest": 2.0}}"#;
-    let lines = lines_of(&simulation(0.5, good));
+    let lines = lines_of(&sound().simulation(0.5, true, 2.0));
+    assert_status(&lines, "inflated: body", Status::Ok);
     assert_status(&lines, "inflated: thinnest wall", Status::Ok);
     assert_status(&lines, "inflated: largest stretch", Status::Ok);
-    // Dragon Boundary 20 breaks at 620 %.
-    let torn = r#"{"usable": true, "stretch_range": {"largest": 7.3}}"#;
-    assert_fails(&lines_of(&simulation(0.5, torn)), "inflated: largest stretch");
+    // Dragon Skin 20 breaks at 620 %.
+    assert_fails(&lines_of(&sound().simulation(0.5, true, 7.3)), "inflated: largest stretch");
     // 4 mm become 0.2 mm.
-    assert_fails(&lines_of(&simulation(0.05, good)), "inflated: thinnest wall");
-    let lines = lines_of(&simulation(0.5, r#"{"usable": false, "stretch_range": null}"#));
-    assert_fails(&lines, "inflated: result");
+    assert_fails(&lines_of(&sound().simulation(0.05, true, 2.0)), "inflated: thinnest wall");
+    assert_fails(&lines_of(&sound().simulation(0.5, false, 2.0)), "inflated: result");
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
 }
 

@@ -118,6 +118,7 @@ fn every_top_gets_a_channel() {
     assert_eq!(names(&molded(&scene)), ["left", "right", "base", "core"]);
     assert!(!scene.path("mold/upper.stl").exists());
     assert!(!scene.path("mold/upper.3mf").exists());
+    assert!(!scene.path("mold/replacing.txt").exists());
 }
 
 /// A sprue beside the top is as high as one above it.
@@ -310,6 +311,25 @@ fn a_report_that_cannot_be_is_refused() {
     refused(|r| r.parts[0].demolding = [0.0; 3], "must be one of ±y and ±z");
     refused(|r| r.parts[0].to_mold[0][0] = -1.0, "is turned by");
     refused(|r| r.design_to_mold[0][3] = 1e300, "must be 1000 times a rotation");
+}
+
+#[test]
+fn an_older_mold_does_not_pass_for_one_that_was_refused() {
+    let scene = Scene::new(&CHAMBER, "[sprue]\nat = [1, 0, 0]");
+    copy(&shells().path("mold"), &scene.path("mold"));
+    let files = files_below(&scene.path("mold"));
+    assert_refused(&scene.mold(), "an older mold is still there");
+    let verified = scene.verify();
+    assert_eq!(verified.status.code(), Some(1), "{}", stdout(&verified));
+    let said = stdout(&verified);
+    assert!(
+        said.contains("older than a failed `fab mold ") && said.contains("mold.toml"),
+        "{said}"
+    );
+    // Nothing of it is lost, and a person may keep it.
+    std::fs::remove_file(scene.path("mold/replacing.txt")).unwrap();
+    assert_eq!(files_below(&scene.path("mold")), files);
+    assert!(scene.verify().status.success());
 }
 
 fn files_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {

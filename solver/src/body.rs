@@ -207,6 +207,7 @@ impl Body {
         let Some(id) = self.tags.id(name) else {
             let bodies = self.parts.iter().filter_map(|part| part.name.clone());
             let all: Vec<String> = bodies.chain(self.tags.names.iter().cloned()).collect();
+            ensure!(!all.is_empty(), "unknown tag \"{name}\"; the mesh has no tags: tag it first");
             bail!("unknown tag \"{name}\"; the mesh has: {}", all.join(", "));
         };
         let facets: Vec<_> =

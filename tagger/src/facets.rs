@@ -39,6 +39,14 @@ impl Facets {
         }
     }
 
+    /// The least height of a facet [m].
+    #[must_use]
+    pub fn height(&self, facet: usize) -> f64 {
+        let [a, b, c] = self.triangles[facet].map(|v| self.vertices[v]);
+        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        2.0 * self.areas[facet] / longest
+    }
+
     /// Number of facets.
     #[must_use]
     pub fn len(&self) -> usize {

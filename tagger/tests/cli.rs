@@ -77,13 +77,21 @@ struct Scene {
 impl Scene {
     /// A folder with volume.msh and the three patches.
     fn new() -> Self {
+        Self::of(&block())
+    }
+
+    /// The same of a block that was bent a little.
+    fn of(mesh: &TetMesh) -> Self {
         let scene = Self { dir: tempfile::tempdir().unwrap() };
-        let mesh = block();
-        io::write_tets(&scene.path("volume.msh"), &mesh, &Tags::default()).unwrap();
-        scene.write_patch("seat.obj", &patch(&mesh, on_seat));
-        scene.write_patch("cavity.obj", &patch(&mesh, in_hole));
-        scene.write_patch("skin.obj", &patch(&mesh, on_skin));
+        scene.write_volume(mesh);
+        scene.write_patch("seat.obj", &patch(mesh, on_seat));
+        scene.write_patch("cavity.obj", &patch(mesh, in_hole));
+        scene.write_patch("skin.obj", &patch(mesh, on_skin));
         scene
+    }
+
+    fn write_volume(&self, mesh: &TetMesh) {
+        io::write_tets(&self.path("volume.msh"), mesh, &Tags::default()).unwrap();
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -296,6 +304,33 @@ fn pinhole_is_filled() {
         );
         assert!(message.contains(", 0 of "), "{message}");
     }
+}
+
+/// A mouth that narrows upward, and a sliver on its rim that faces up: neither the seat nor the
+/// wall does.
+#[test]
+fn a_sliver_on_the_rim_does_not_open_the_wall() {
+    let mut mesh = block();
+    let at = |mesh: &TetMesh, place: [f64; 3]| {
+        let place = SIDE * Vec3::from(place);
+        mesh.vertices.iter().position(|p| (p - place).norm() < 1e-9).unwrap()
+    };
+    for place in [[2.0, 2.0, 1.0], [3.0, 2.0, 1.0]] {
+        let v = at(&mesh, place);
+        mesh.vertices[v].y += 0.3 * SIDE;
+    }
+    let scene = Scene::of(&mesh);
+    // 6 µm across the rim and half a micrometre below the seat; epsilon is 8.7 µm
+    let rim = [at(&mesh, [2.0, 2.0, 0.0]), at(&mesh, [3.0, 2.0, 0.0])];
+    let beside = |f: &[usize; 3]| {
+        rim.iter().all(|v| f.contains(v)) && f.iter().all(|&v| mesh.vertices[v].z == 0.0)
+    };
+    let [a, b, c] = topology::boundary(&mesh).facets.into_iter().find(beside).unwrap();
+    mesh.vertices.push(Vec3::new(2.5 * SIDE, 2.0 * SIDE + 6e-6, -5e-7));
+    mesh.tets.push([a, b, c, mesh.vertices.len() - 1]);
+    scene.write_volume(&mesh);
+    let message = succeeded(&scene.tag(PATCHES));
+    assert!(message.contains("0 contested, 0 of "), "{message}");
 }
 
 #[test]

@@ -4,14 +4,8 @@ use serde_json::Value;
 use tests::chamber::{self, MOUTH, PRESSURE};
 use tests::workdir::Workdir;
 
-/// One probe of each kind that needs no contact.
+/// Beside those of the chamber, one probe of each kind that needs no contact.
 const PROBES: &str = r#"
-[[probe]]
-name = "top"
-kind = "displacement"
-on = "top"
-axis = [0, 0, 1]
-
 [[probe]]
 name = "inside"
 kind = "point"
@@ -49,11 +43,6 @@ kind = "curvature"
 on = ["seat", "cavity", "top"]
 
 [[probe]]
-name = "air"
-kind = "volume"
-on = "cavity"
-
-[[probe]]
 name = "held"
 kind = "reaction"
 on = "seat"
@@ -74,7 +63,7 @@ fn near(found: &Value, expected: f64) {
 fn with_probes(scene: &str, more: &str) -> Workdir {
     let dir = chamber::workdir();
     let text = dir.text(scene);
-    dir.write("probes.toml", &format!("{text}{PROBES}{more}"));
+    dir.write("probes.toml", &format!("{text}{}{PROBES}{more}", chamber::PROBES));
     dir
 }
 

@@ -99,9 +99,12 @@ const LIKELY: std::ops::RangeInclusive<f64> = 1e-4..=5.0;
 pub fn unlikely_size(points: &[Vec3]) -> Option<String> {
     let size = diagonal(points);
     (size > 0.0 && !LIKELY.contains(&size)).then(|| {
+        let millimetres =
+            (size > *LIKELY.end()).then(|| format!(": {size:.4} mm if they are millimetres"));
         format!(
-            "{size:.4} m from corner to corner: lengths are read as metres. Is the unit another? \
-             Then scale the file, or export it in metres"
+            "{size:.4} m from corner to corner: lengths are read as metres. Is the unit another{}? \
+             Then scale the file, or export it in metres",
+            millimetres.unwrap_or_default()
         )
     })
 }
@@ -245,7 +248,7 @@ mod tests {
         let points = |size: f64| [Vec3::zeros(), Vec3::new(size, 0.0, 0.0)];
         assert_eq!(unlikely_size(&points(0.08)), None);
         assert_eq!(unlikely_size(&[]), None);
-        for (size, said) in [(80.0, "80.0000 m"), (8e-5, "0.0001 m")] {
+        for (size, said) in [(80.0, "80.0000 mm if"), (8e-5, "0.0001 m")] {
             assert!(unlikely_size(&points(size)).is_some_and(|remark| remark.contains(said)));
         }
     }

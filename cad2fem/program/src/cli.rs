@@ -55,8 +55,22 @@ pub fn run(name: &str, verbosity: Verbosity, f: impl FnOnce() -> anyhow::Result<
     if is_broken_pipe(&error) {
         return ExitCode::SUCCESS;
     }
-    to_stderr(&format!("{name}: {error:#}"));
+    to_stderr(&format!("{name}: {}", message(&error)));
     ExitCode::from(exit_code(&error))
+}
+
+/// The chain of an error. What a message below begins with, as the name of a file that both state, is
+/// said once.
+fn message(error: &anyhow::Error) -> String {
+    let said = |below: &str, context: &str| {
+        let rest = below.strip_prefix(context);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+    };
+    let causes: Vec<String> = error.chain().map(ToString::to_string).collect();
+    let joined = causes.into_iter().rev().reduce(|below, context| {
+        if said(&below, &context) { below } else { format!("{context}: {below}") }
+    });
+    joined.unwrap_or_default()
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
@@ -120,6 +134,16 @@ mod tests {
         assert_eq!(exit_code(&wrapped), 1);
         let attached = anyhow!("cause").context(unusable()).context("outer");
         assert_eq!(exit_code(&attached), 1);
+    }
+
+    #[test]
+    fn a_file_is_named_once() {
+        let content = IoError::content("bad.toml".as_ref(), "line 3");
+        let twice = anyhow::Error::from(content).context("bad.toml").context("design.toml");
+        assert_eq!(message(&twice), "design.toml: bad.toml: line 3");
+        let other = anyhow!("bad.tomlet: line 3").context("bad.toml");
+        assert_eq!(message(&other), "bad.toml: bad.tomlet: line 3");
+        assert_eq!(message(&anyhow!("alone")), "alone");
     }
 
     #[test]

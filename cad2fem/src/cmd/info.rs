@@ -1,26 +1,30 @@
 //! `cad2fem info`: counts, sizes, quality and validity of any surface or mesh.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use mesh::check::{Finding, check_surface, check_tets};
 use mesh::io::{read_surface, read_tets};
 use mesh::measure::{
-    Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, volume,
+    Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, unlikely_size, volume,
 };
 use mesh::topology::{boundary, boundary_edges, boundary_loops, components};
 use mesh::{SurfaceMesh, Tags};
 use program::Unusable;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::report::findings;
+use crate::units::Unit;
 
-/// Lengths are taken to be metres; findings are listed, and are an error with --check
+/// Lengths are taken to be metres, or as the mold.json of a printed part says; findings are listed, and are an error with --check
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// .stl, .obj, .ply or .msh
     file: PathBuf,
+    /// Unit of the file
+    #[arg(long)]
+    unit: Option<Unit>,
     /// One line of JSON on stdout
     #[arg(long)]
     json: bool,
@@ -33,6 +37,8 @@ pub struct Args {
 #[derive(Debug, Serialize)]
 struct Info {
     file: String,
+    /// Of the lengths in the file; all below are in metres.
+    unit: Unit,
     vertices: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     tets: Option<usize>,
@@ -94,25 +100,58 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn of_surface(args: &Args) -> Result<(Info, Vec<Finding>)> {
-    let surface = read_surface(&args.file)?;
-    crate::report::remark_on_size(&args.file, &surface);
+    let mut surface = read_surface(&args.file)?;
+    let unit = args.unit.or_else(|| unit_of_mold(&args.file));
+    if let (None, Some(remark)) = (unit, unlikely_size(&surface.vertices)) {
+        log::warn!("{}: {remark}, or say --unit", args.file.display());
+    }
+    let unit = unit.unwrap_or(Unit::M);
+    surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
     let found = check_surface(&surface);
-    let mut info = Info::of(args, &surface, &found);
+    let mut info = Info::of(args, unit, &surface, &found);
     info.volume = (info.open_edges == 0).then(|| enclosed_volume(&surface));
     Ok((info, found))
 }
 
 fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
-    let file = read_tets(&args.file)?;
+    let mut file = read_tets(&args.file)?;
+    let unit = args.unit.unwrap_or(Unit::M);
+    file.mesh.vertices.iter_mut().for_each(|v| *v *= unit.metres());
     let found = check_tets(&file.mesh);
     let (skin, _) = boundary(&file.mesh).surface(&file.mesh);
-    let mut info = Info::of(args, &skin, &found);
+    let mut info = Info::of(args, unit, &skin, &found);
     info.vertices = file.mesh.vertices.len();
     info.tets = Some(file.mesh.tets.len());
     info.volume = Some(volume(&file.mesh));
     info.quality = Some(quality(&file.mesh));
     info.tags = tags(&file.tags, &file.mesh.vertices);
     Ok((info, found))
+}
+
+/// What is read of the mold.json in the folder of printed parts, or in that above.
+#[derive(Deserialize)]
+struct Mold {
+    units: Unit,
+    parts: Vec<MoldFile>,
+    cast: MoldFile,
+    outside: PathBuf,
+}
+
+#[derive(Deserialize)]
+struct MoldFile {
+    file: PathBuf,
+}
+
+/// The unit of a file that belongs to a mold, whose parts are in millimetres.
+fn unit_of_mold(file: &Path) -> Option<Unit> {
+    let file = file.canonicalize().ok()?;
+    file.ancestors().skip(1).take(2).find_map(|folder| {
+        let text = std::fs::read_to_string(folder.join("mold.json")).ok()?;
+        let mold: Mold = serde_json::from_str(&text).ok()?;
+        let parts = mold.parts.iter().map(|part| &part.file);
+        let mut files = parts.chain([&mold.cast.file, &mold.outside]);
+        files.any(|name| folder.join(name) == file).then_some(mold.units)
+    })
 }
 
 fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
@@ -126,12 +165,13 @@ fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
 }
 
 impl Info {
-    fn of(args: &Args, surface: &SurfaceMesh, found: &[Finding]) -> Self {
+    fn of(args: &Args, unit: Unit, surface: &SurfaceMesh, found: &[Finding]) -> Self {
         let (min, max) = bounds(&surface.vertices);
         let finding =
             |f: &Finding| FindingInfo { rule: f.rule, count: f.count, message: f.message.clone() };
         Self {
             file: args.file.display().to_string(),
+            unit,
             vertices: surface.vertices.len(),
             tets: None,
             triangles: surface.triangles.len(),
@@ -149,7 +189,10 @@ impl Info {
     }
 
     fn print(&self, out: &mut impl std::io::Write) -> std::io::Result<()> {
-        writeln!(out, "{}", self.file)?;
+        match self.unit {
+            Unit::M => writeln!(out, "{}", self.file)?,
+            unit => writeln!(out, "{}, lengths in {}", self.file, unit.symbol())?,
+        }
         match self.tets {
             Some(tets) => writeln!(
                 out,

@@ -7,6 +7,7 @@
 mod field;
 mod model;
 mod region;
+mod resolution;
 mod shape;
 mod surface;
 

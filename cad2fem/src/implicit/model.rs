@@ -360,7 +360,8 @@ fn check_primitives(list: &str, primitives: &[Primitive]) -> Result<()> {
 }
 
 fn names<'a>(items: impl Iterator<Item = &'a String>) -> String {
-    items.map(String::as_str).collect::<Vec<_>>().join(", ")
+    let items: Vec<&str> = items.map(String::as_str).collect();
+    if items.is_empty() { "none".into() } else { items.join(", ") }
 }
 
 #[cfg(test)]
@@ -399,7 +400,7 @@ mod tests {
             (BALL.replace("radius = 5", "radius = -5"), "radius must be positive, found [-5.0]"),
             (BALL.replace("grid = 1", "grid = 0.001"), "coarser grid"),
             (BALL.replace("rest = true", ""), "needs conditions"),
-            (BALL.replace("rest = true", "cut = 'floor'"), "no cut \"floor\""),
+            (BALL.replace("rest = true", "cut = 'floor'"), "no cut \"floor\"; cuts: none"),
             (BALL.replace("'all'", "'../all'"), "names a file"),
             (variant("[variant.solid.bull]\nblend = 1"), "no solid primitive \"bull\""),
             (variant("[variant.solid.ball]\nblnd = 1"), "blnd"),

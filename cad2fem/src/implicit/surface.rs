@@ -7,10 +7,11 @@ use mesh::check::{Finding, check_surface};
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
-use mesh::{SurfaceMesh, Vec3, walls};
+use mesh::{SurfaceMesh, Vec3};
 use program::Unusable;
 
 use super::model::{Bounds, Cut, Model};
+use super::resolution::{left_out, remark_on_chords, remark_on_walls, resolved};
 use super::{Field, Fields};
 use crate::report::findings;
 
@@ -20,17 +21,11 @@ const SIMPLIFY: [f64; 4] = [1.0, 0.3, 0.1, 0.0];
 /// Parts of `grid` that are tried in turn: another lattice meets a surface elsewhere.
 const GRID: [f64; 3] = [1.0, 0.87, 0.73];
 
-/// Cells of the lattice across the thinnest primitive, at least.
-const ACROSS: f64 = 2.0;
-
 /// How far beside a cut a vertex is put onto it [grid].
 const BESIDE: f64 = 1e-4;
 
 /// How often vertices are put onto the planes of their cuts in turn.
 const TURNS: usize = 20;
-
-/// Step of the differences that give normals [grid].
-const STEP: f64 = 1e-4;
 
 /// The thickest needle that is taken out where triangles cross [diagonal]: 32 bits resolve 6e-8 of
 /// a coordinate.
@@ -69,6 +64,7 @@ pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
         match body.skin() {
             Ok(skin) => {
                 remark_on_walls(model, fields, &skin, grid * finer);
+                remark_on_chords(model, &body.left_out, grid * finer);
                 return Ok(skin);
             }
             Err(findings) => found = findings,
@@ -85,61 +81,12 @@ pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
     .into())
 }
 
-/// The grid, or a finer one if a primitive is too thin for it [unit].
-fn resolved(model: &Model) -> Result<f64> {
-    let bodies = model.solid.iter().chain(&model.cavity).filter(|p| p.is_body());
-    let thin = bodies.filter_map(|p| Some((p.shape.thickness()?, &p.name)));
-    let Some((thickness, name)) = thin.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return Ok(model.grid);
-    };
-    let grid = thickness / ACROSS;
-    if grid >= model.grid {
-        return Ok(model.grid);
-    }
-    model.require_cells(grid).map_err(|error| {
-        error.context(format!(
-            "{name:?} is {thickness:.4} {} thin, and a grid of {} passes over it",
-            model.unit.symbol(),
-            model.grid
-        ))
-    })?;
-    log::warn!(
-        "{name:?} is {thickness:.4} {} thin: a grid of {grid:.4} is used in place of {}",
-        model.unit.symbol(),
-        model.grid
-    );
-    Ok(grid)
-}
-
-/// Says where the thinnest wall is, and which grid would do if it is thinner than the grid.
-fn remark_on_walls(model: &Model, fields: &Fields, skin: &Skin, grid: f64) {
-    let (metres, unit) = (model.unit.metres(), model.unit.symbol());
-    let normal = |(t, part): (usize, &Part)| {
-        let p = skin.surface.centroid(t) / metres;
-        match part {
-            Part::Outside => fields.solid.outward(&p, STEP * grid),
-            Part::Cavity => -fields.cavity.outward(&p, STEP * grid),
-            Part::Cut(cut) => Vec3::from(model.cut[*cut].normal).normalize(),
-        }
-    };
-    let normals: Vec<Vec3> = skin.part.iter().enumerate().map(normal).collect();
-    let Some((thickness, at)) = walls::thinnest_along(&skin.surface, &normals) else { return };
-    let (thickness, at) = (thickness / metres, at / metres);
-    let place = format!("({:.4}, {:.4}, {:.4})", at.x, at.y, at.z);
-    if thickness < grid {
-        log::warn!(
-            "the thinnest wall, at {place}, has {thickness:.4} {unit}, less than the grid of {grid:.4}: its \
-             shape is rough; grid = {thickness:.4} resolves it"
-        );
-    } else {
-        log::info!("the thinnest wall has {thickness:.4} {unit}, at {place}");
-    }
-}
-
 /// A body whose triangles are labelled with their parts [unit].
 struct Body {
     solid: Solid,
     cuts: Cuts,
+    /// What the lattice leaves out of the solid and of the cavity, see [`left_out`].
+    left_out: Vec<(&'static str, f64)>,
     /// How far simplification may move the surface [unit].
     simplify: f64,
     /// Length of a unit [m].
@@ -149,9 +96,11 @@ struct Body {
 impl Body {
     fn new(model: &Model, fields: &Fields, grid: f64) -> Result<Self> {
         let mut solid = level_set(model, &fields.solid, model.bounds(), grid)?;
+        let mut beside = vec![("solid", left_out(&solid, &fields.solid))];
         let mut cavity = None;
         if let Some(within) = model.cavity_bounds() {
             let hollow = level_set(model, &fields.cavity, within, grid)?;
+            beside.push(("cavity", left_out(&hollow, &fields.cavity)));
             cavity = hollow.id();
             solid = solid.difference(&hollow);
         }
@@ -171,7 +120,7 @@ impl Body {
         let solid = Solid::from_labelled_surface(&surface, &labels)?;
         // What is thin enough for a finer grid must not be simplified away.
         let simplify = model.simplify * (grid / model.grid);
-        Ok(Self { solid, cuts, simplify, metres: model.unit.metres() })
+        Ok(Self { solid, cuts, left_out: beside, simplify, metres: model.unit.metres() })
     }
 
     /// The surface, simplified as far as it stays sound, or what is wrong with it.
@@ -307,6 +256,7 @@ mod tests {
     use super::super::{Fields, assign};
     use super::*;
     use mesh::measure::{area, enclosed_volume, triangle_area};
+    use mesh::walls;
 
     fn made(text: &str) -> anyhow::Result<Skin> {
         let model = toml::from_str::<Model>(text).unwrap();

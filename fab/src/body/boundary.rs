@@ -104,7 +104,8 @@ pub enum BoundaryError {
     /// The rim of the chamber is not planar.
     #[error(
         "the rim of the chamber around {at} leaves its plane by {deviation_mm:.3} mm, \
-         at most {limit_mm:.3} mm are allowed; cut the inlet flat"
+         at most {limit_mm:.3} mm are allowed: cut the inlet flat, or mesh it with a smaller envelope \
+         if it is flat in the model"
     )]
     NotPlanar {
         /// Mean of the rim.

@@ -84,6 +84,13 @@ impl Task {
         Ok(Planned { config, boundary, plan, report, collars, progress })
     }
 
+    /// What is asked for, in words.
+    #[must_use]
+    pub fn asked(&self) -> String {
+        let config = self.config.as_ref().map(|path| format!(" --config {}", path.display()));
+        format!("fab mold {}{}", self.mesh.display(), config.unwrap_or_default())
+    }
+
     /// The mesh as a report in `folder` names it.
     ///
     /// # Errors

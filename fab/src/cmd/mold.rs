@@ -16,6 +16,7 @@ use crate::body::source::{CastPart, Input};
 use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::config::{Config, SprueConfig};
+use crate::files::attempt;
 use crate::files::export::printable;
 use crate::files::output;
 use crate::files::report::{CAST, FILE, MoldReport, OUTSIDE, Role};
@@ -43,13 +44,30 @@ pub struct Args {
 /// # Errors
 /// If the mesh or the configuration cannot be used, no mold can be made, or a
 /// file cannot be written, and [`Unusable`] if a mold would not be right; then no file
-/// of a mold is left in the folder.
+/// of a mold is left in the folder, or an older mold, which `fab verify` refuses from then on.
 pub fn run(args: &Args) -> Result<()> {
+    let folder = &args.task.output;
+    let _lock = FolderLock::new(folder)?;
+    attempt::begin(folder, &args.task.asked())?;
+    let made = make(args);
+    if made.is_err() && attempt::holds_mold(folder) {
+        log::warn!(
+            "{}: an older mold is still there; fab verify refuses it as long as {} is there, too",
+            folder.display(),
+            attempt::FILE
+        );
+        return made;
+    }
+    let ended = attempt::end(folder);
+    made.and(ended.map_err(Into::into))
+}
+
+/// Makes the molds and replaces older ones by them.
+fn make(args: &Args) -> Result<()> {
     let start = Instant::now();
     let task = &args.task;
     let Planned { config, boundary, collars, plan, report: planned, progress } = task.plan()?;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
-    let _lock = FolderLock::new(&task.output)?;
     for entry in &planned.molds {
         remove_litter(&folder(entry));
         remove_litter(&folder(entry).join("reference"));

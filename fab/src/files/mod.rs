@@ -2,6 +2,7 @@
 //! the sheet for casting, pictures.
 
 pub mod assembly;
+pub mod attempt;
 pub mod export;
 pub mod output;
 pub mod picture;

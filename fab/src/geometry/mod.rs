@@ -10,7 +10,7 @@ pub mod gap;
 pub mod girth;
 pub mod maxima;
 pub mod overhang;
-pub mod wall;
+pub mod walls;
 
 /// A point or direction, as files have it.
 pub type Triple = [f64; 3];

@@ -14,7 +14,7 @@ use super::piece::{Feature, Piece, Purpose, cut};
 use crate::config::method::Method;
 use crate::config::{Config, Support};
 use crate::geometry::frustum::Frustum;
-use crate::geometry::wall::too_thin;
+use crate::geometry::walls::too_thin;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.

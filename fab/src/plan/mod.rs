@@ -16,7 +16,7 @@ use crate::body::layout::{self, LayoutError};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::wall;
+use crate::geometry::walls;
 use gluing::Flat;
 use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
@@ -95,7 +95,7 @@ pub enum PlanError {
         /// Largest ratio allowed.
         limit: f64,
     },
-    /// A wall of what is cast whole is too thin.
+    /// A wall of the body is too thin.
     #[error(
         "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_wall is {:.3} mm: thicken \
          the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
@@ -178,10 +178,11 @@ impl Casting {
     }
 }
 
-/// Walls of what is cast are nowhere too thin in the mold, which is larger by what shrinks.
+/// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
+/// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
 fn require_walls(cast: &SurfaceMesh, config: &Config) -> Result<(), PlanError> {
     let least = config.casting.least_wall;
-    match wall::too_thin(cast, least * (1.0 - config.shrinkage())) {
+    match walls::too_thin(cast, least * (1.0 - config.shrinkage())) {
         Some((thickness, at)) => Err(PlanError::Thin { thickness, at, least }),
         None => Ok(()),
     }

@@ -145,6 +145,11 @@ impl PlanReport {
         serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
     }
 
+    /// The molds of silicone.
+    pub fn silicone(&self) -> impl Iterator<Item = &Entry> {
+        self.molds.iter().filter(|entry| entry.casts == Material::Silicone)
+    }
+
     /// Writes the plan into `folder`.
     ///
     /// # Errors

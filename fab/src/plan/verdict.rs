@@ -87,11 +87,11 @@ impl<'a> Judge<'a> {
     /// What a method that was judged possible casts.
     pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
         let (boundary, config) = (self.boundary, self.config);
+        require_walls(&boundary.cast, config)?;
         match method {
             Method::PullOut | Method::Soluble | Method::Wax => {
                 let up = layout::up(boundary, config);
                 let up = layout::require_inlets_down(boundary, up)?;
-                require_walls(&boundary.cast, config)?;
                 Ok(vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?])
             }
             Method::Halves => {

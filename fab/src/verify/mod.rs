@@ -21,6 +21,7 @@
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
 //! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
 
+mod castings;
 mod channels;
 mod closed_mold;
 mod collars;
@@ -41,13 +42,9 @@ use program::Progress;
 
 pub use closed_mold::ClosedMold;
 
-use crate::body::source::CastPart;
+use crate::files::attempt;
 use crate::files::report::MoldReport;
 use crate::plan::report as plan;
-
-/// Thickness of what may be missing where castings are glued: 6 µm are left out between a chamber
-/// and its sheet, and its flat wall is uneven by 2 µm [mm].
-const GLUE: f64 = 1e-2;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,25 +128,50 @@ pub struct Against<'a> {
 /// plan.json lists.
 ///
 /// # Errors
-/// If there is no readable report in the folder.
+/// If there is no readable report in the folder, or no folder of the simulation.
 pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
-    if !folder.join(plan::FILE).exists() {
-        return verify_mold(folder, against, None);
+    if let Some(simulation) = against.simulation.filter(|folder| !folder.is_dir()) {
+        let message = "there is no such folder; --simulation takes that of `solver simulate`";
+        return Err(IoError::content(simulation, message));
     }
+    let mut lines = match folder.join(plan::FILE).exists() {
+        true => verify_plan(folder, against)?,
+        false => {
+            let mut lines = verify_mold(folder, against.design, None)?;
+            lines.extend(inflated(folder, against.simulation)?);
+            lines
+        }
+    };
+    lines.extend(attempt::failed(folder)?.map(|asked| replaced(&asked)));
+    Ok(lines)
+}
+
+/// A mold that another was to replace is not what was asked for last.
+fn replaced(asked: &str) -> Line {
+    let needed = format!(
+        "the mold that was asked for last: make it, or remove {} to keep this one",
+        attempt::FILE
+    );
+    Line::new("mold: replaced", false, format!("older than a failed `{asked}`"), &needed)
+}
+
+/// All checks of the molds that the plan in `folder` lists.
+fn verify_plan(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     let plan = plan::PlanReport::read(folder)?;
     let mut lines = Vec::new();
     for entry in &plan.molds {
-        let below = folder.join(&entry.folder);
-        // What is inflated is the body, not one of its halves.
-        let simulation = against.simulation.filter(|_| plan.molds.len() == 1);
-        let found = verify_mold(&below, Against { simulation, ..against }, Some(&plan))?;
+        let found = verify_mold(&folder.join(&entry.folder), against.design, Some(&plan))?;
         let named = |line: Line| match plan.molds.len() {
             1 => line,
             _ => Line { name: format!("{}: {}", entry.name, line.name), ..line },
         };
         lines.extend(found.into_iter().map(named));
     }
-    lines.extend(together(folder, &plan, against.design));
+    lines.extend(castings::checks(folder, &plan, against.design));
+    // What is inflated is the whole body, whichever castings it is made of.
+    if let Some(entry) = plan.silicone().next() {
+        lines.extend(inflated(&folder.join(&entry.folder), against.simulation)?);
+    }
     lines.push(Line::new(
         "plan: molds",
         !plan.molds.is_empty(),
@@ -159,42 +181,17 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     Ok(lines)
 }
 
-/// The castings of silicone make up the body: no two are the same, and their volumes add up
-/// to that of the design.
-fn together(folder: &Path, plan: &plan::PlanReport, design: Option<&Path>) -> Option<Line> {
-    let silicone = plan.molds.iter().filter(|entry| entry.casts == plan::Material::Silicone);
-    let reports: Vec<MoldReport> =
-        silicone.filter_map(|entry| MoldReport::read(&folder.join(&entry.folder)).ok()).collect();
-    let first = reports.first()?;
-    // A whole casting is compared with the design itself.
-    if reports.len() == 1 && first.input.part == CastPart::Whole {
-        return None;
-    }
-    let name = "castings: volume";
-    let piece = |report: &MoldReport| (report.design_to_mold, report.input.part.clone());
-    let again = |(i, report): (usize, &MoldReport)| {
-        reports[..i].iter().any(|other| piece(other) == piece(report))
-    };
-    if reports.iter().enumerate().any(again) {
-        return Some(Line::new(name, false, "one piece twice".into(), "every piece once"));
-    }
-    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
-    let design = match mesh::io::read_tets(&path) {
-        Ok(msh) => mesh::topology::boundary(&msh.mesh).surface(&msh.mesh).0,
-        Err(error) => return Some(Line::new(name, false, error.to_string(), "the design")),
-    };
-    // A turn in millimetres, larger by what the silicone shrinks.
-    let whole = mesh::measure::enclosed_volume(&design) * first.scale().powi(3);
-    let sections = reports.iter().map(|report| fit::section(&design, report));
-    let glued = sections.fold(0.0, f64::max);
-    let sum: f64 = reports.iter().map(|report| report.cast.volume).sum();
-    Some(Line::at_most(name, (sum - whole).abs(), GLUE * glued, "mm³ off the design"))
+/// The checks of the body of a mold under the load of its simulation, if there is one.
+fn inflated(folder: &Path, simulation: Option<&Path>) -> Result<Vec<Line>, IoError> {
+    let Some(simulation) = simulation else { return Ok(Vec::new()) };
+    let MoldReport { input, casting, .. } = MoldReport::read(folder)?;
+    Ok(walls::inflated(&input, &casting, simulation))
 }
 
 /// All checks of one mold. Checks that need sound parts are left out if a part is not.
 fn verify_mold(
     folder: &Path,
-    against: Against,
+    design: Option<&Path>,
     plan: Option<&plan::PlanReport>,
 ) -> Result<Vec<Line>, IoError> {
     let report = MoldReport::read(folder)?;
@@ -216,10 +213,7 @@ fn verify_mold(
     let parts = files.parts.clone();
     progress.step("putting the parts together");
     let mold = ClosedMold::new(files);
-    lines.extend(shapes(&mold, &parts, folder, against.design, plan, progress));
-    if let Some(simulation) = against.simulation {
-        lines.extend(walls::inflated(&mold, simulation));
-    }
+    lines.extend(shapes(&mold, &parts, folder, design, plan, progress));
     Ok(lines)
 }
 

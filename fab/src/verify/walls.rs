@@ -12,6 +12,8 @@ use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
 use super::{Line, Status};
+use crate::body::source::{CastPart, Input};
+use crate::config::CastingConfig;
 use crate::geometry::MM;
 use crate::mold::Purpose;
 
@@ -22,12 +24,10 @@ const INFLATED: f64 = 0.25;
 /// Checks of the walls as they are cast.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let surface = mold.cast.solid.to_surface();
-    let least = mold.report.casting.least_wall * MM;
-    let mut silicone = wall_line("silicone: thinnest wall", &surface, least, mold.rounding);
+    let least = mold.report.casting.least_wall * MM - 2.0 * mold.rounding;
+    let mut silicone = wall_line("silicone: thinnest wall", &surface, least);
     // What the plan cuts in two has a sharp edge, no wall.
-    if mold.report.input.part != crate::body::source::CastPart::Whole
-        && silicone.status == Status::Fail
-    {
+    if mold.report.input.part != CastPart::Whole && silicone.status == Status::Fail {
         silicone.status = Status::Warn;
     }
     vec![mold_walls(mold, &surface), silicone]
@@ -53,10 +53,11 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
     Line::at_least("wall: least", body.min(beside), mold.report.wall - 2.0 * mold.rounding, "mm")
 }
 
-fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Line {
+/// A wall of the least thickness, or a thinner one, with its place in the surface's coordinates.
+pub fn wall_line(name: &str, surface: &SurfaceMesh, least: f64) -> Line {
     match thinnest(surface) {
         Some((thickness, at)) => {
-            let mut line = Line::at_least(name, thickness, least - 2.0 * rounding, "mm");
+            let mut line = Line::at_least(name, thickness, least, "mm");
             line.found += &format!(" at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
             line
         }
@@ -68,7 +69,29 @@ fn wall_line(name: &str, surface: &SurfaceMesh, least: f64, rounding: f64) -> Li
 #[derive(Deserialize)]
 struct Simulated {
     usable: bool,
+    inputs: Inputs,
     stretch_range: Option<Stretch>,
+}
+
+/// What was simulated.
+#[derive(Deserialize)]
+struct Inputs {
+    mesh: Meshes,
+}
+
+/// The mesh of the only body, or those of several.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Meshes {
+    One(Fingerprint),
+    Several(Vec<Fingerprint>),
+}
+
+/// A file, as it was when it was read.
+#[derive(Deserialize)]
+struct Fingerprint {
+    path: String,
+    sha256: String,
 }
 
 /// Principal stretches of all elements.
@@ -78,8 +101,8 @@ struct Stretch {
 }
 
 /// Checks of the walls under the load of a simulation: the folder that `solver simulate`
-/// wrote for this design.
-pub fn inflated(mold: &ClosedMold, folder: &Path) -> Vec<Line> {
+/// wrote for the body that `design` names, cast as `casting` says.
+pub fn inflated(design: &Input, casting: &CastingConfig, folder: &Path) -> Vec<Line> {
     let name = "inflated: result";
     let report = mesh::io::read_text(&folder.join("report.json"))
         .map_err(|e| e.to_string())
@@ -97,6 +120,12 @@ pub fn inflated(mold: &ClosedMold, folder: &Path) -> Vec<Line> {
         format!("usable: {}", report.usable),
         "a result that may be used",
     )];
+    let body = same_body(design, report.inputs.mesh);
+    let other = body.status == Status::Fail;
+    lines.push(body);
+    if other {
+        return lines;
+    }
     let field = grid.point_fields.iter().find(|f| f.name == "displacement" && f.components == 3);
     let Some(field) = field.filter(|_| grid.cell_type.corners() == 4) else {
         let found = "no displacement of tetrahedra".into();
@@ -108,16 +137,30 @@ pub fn inflated(mold: &ClosedMold, folder: &Path) -> Vec<Line> {
     let cells = grid.cells.chunks_exact(grid.cell_type.nodes());
     let tets = TetMesh { vertices, tets: cells.map(|c| [c[0], c[1], c[2], c[3]]).collect() };
     let surface = topology::boundary(&tets).surface(&tets).0;
-    let least = INFLATED * mold.report.casting.least_wall * MM;
-    lines.push(wall_line("inflated: thinnest wall", &surface, least, 0.0));
-    lines.extend(report.stretch_range.map(|range| stretch(mold, range.largest)));
+    let least = INFLATED * casting.least_wall * MM;
+    lines.push(wall_line("inflated: thinnest wall", &surface, least));
+    lines.extend(report.stretch_range.map(|range| stretch(casting, range.largest)));
     lines
 }
 
+/// What was simulated is what is molded.
+fn same_body(design: &Input, simulated: Meshes) -> Line {
+    let meshes = match simulated {
+        Meshes::One(mesh) => vec![mesh],
+        Meshes::Several(meshes) => meshes,
+    };
+    let same = meshes.iter().any(|mesh| mesh.sha256 == design.sha256);
+    let named =
+        |path: &str, sha256: &str| format!("{path}, sha256 {}", sha256.get(..12).unwrap_or(sha256));
+    let found: Vec<String> = meshes.iter().map(|mesh| named(&mesh.path, &mesh.sha256)).collect();
+    let needed = named(&design.path.display().to_string(), &design.sha256);
+    Line::new("inflated: body", same, found.join("; "), &format!("the run of {needed}"))
+}
+
 /// The silicone is not stretched beyond what tears it.
-fn stretch(mold: &ClosedMold, largest: f64) -> Line {
+fn stretch(casting: &CastingConfig, largest: f64) -> Line {
     let name = "inflated: largest stretch";
-    let key = mold.report.casting.silicone.as_deref();
+    let key = casting.silicone.as_deref();
     let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
     match facts.and_then(|facts| facts.elongation) {
         Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),

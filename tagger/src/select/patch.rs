@@ -6,6 +6,10 @@
 //! moves the boundary by less than ε, facing the same way keeps walls thinner
 //! than 2ε apart, and competing with the other patches keeps a selection from
 //! bleeding past its rim. Ties (a shared rim) go to the patch declared first.
+//!
+//! A facet less than ε high may be turned any way by vertices that moved by ε. If
+//! nothing that faces the same way is near such a sliver, it belongs to the nearest
+//! patch whichever way that faces.
 
 use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
@@ -96,14 +100,14 @@ impl Inputs {
         Self { bvh: SurfaceBvh::new(&surface), surface, normals, owners }
     }
 
-    /// The owner of the nearest triangle within `epsilon` that faces `normal`.
-    fn owner(&self, centroid: &Vec3, normal: &Vec3, epsilon: f64) -> Option<usize> {
+    /// The owner of the nearest triangle within `epsilon` whose normal is `fit`.
+    fn owner(&self, centroid: &Vec3, epsilon: f64, fit: impl Fn(&Vec3) -> bool) -> Option<usize> {
         let reach = Vec3::repeat(epsilon);
         let mut near: Vec<(f64, usize)> = self
             .bvh
             .overlaps(&(centroid - reach), &(centroid + reach))
             .into_iter()
-            .filter(|&t| self.normals[t].dot(normal) > 0.0)
+            .filter(|&t| fit(&self.normals[t]))
             .map(|t| (distance(centroid, self.surface.corners(t)), self.owners[t]))
             .filter(|&(d, _)| d <= epsilon)
             .collect();
@@ -120,10 +124,14 @@ pub fn nearest_patches(facets: &Facets, sources: &Sources) -> Vec<Option<usize>>
         return vec![None; facets.len()];
     }
     let inputs = Inputs::new(sources);
-    (0..facets.len())
-        .map(|f| inputs.owner(&facets.centroids[f], &facets.normals[f], sources.epsilon))
-        .map(|owner| owner.filter(|&o| o < sources.patches.len()))
-        .collect()
+    let owner = |f: usize| {
+        let (centroid, normal, epsilon) =
+            (&facets.centroids[f], &facets.normals[f], sources.epsilon);
+        let facing = inputs.owner(centroid, epsilon, |n| n.dot(normal) > 0.0);
+        let sliver = facing.is_none() && facets.height(f) < epsilon;
+        if sliver { inputs.owner(centroid, epsilon, |_| true) } else { facing }
+    };
+    (0..facets.len()).map(|f| owner(f).filter(|&o| o < sources.patches.len())).collect()
 }
 
 /// Distance from a point to a triangle [m], by the Voronoi region of the point

@@ -4,7 +4,7 @@ use mesh::walls::thinnest;
 use mesh::{SurfaceMesh, Vec3};
 
 /// Thicknesses that differ by less are equal: what files of a hand-sized mold resolve [m].
-const ROUNDING: f64 = 1e-8;
+pub const ROUNDING: f64 = 1e-8;
 
 /// The thinnest wall and where it begins [m], if it is thinner than `least` [m].
 #[must_use]

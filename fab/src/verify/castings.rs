@@ -1,0 +1,59 @@
+//! The castings of silicone make up the body, whose walls are thick enough.
+
+use std::path::Path;
+
+use mesh::SurfaceMesh;
+use mesh::io::read_tets;
+use mesh::measure::enclosed_volume;
+use mesh::topology;
+
+use super::{Line, fit, walls};
+use crate::body::source::CastPart;
+use crate::files::report::MoldReport;
+use crate::geometry::MM;
+use crate::geometry::walls::ROUNDING;
+use crate::plan::report::{Entry, PlanReport};
+
+/// Thickness of what may be missing where castings are glued: 6 µm are left out between a chamber
+/// and its sheet, and its flat wall is uneven by 2 µm [mm].
+const GLUE: f64 = 1e-2;
+
+/// All checks of a plan that divides the body; a casting of the whole is compared with the
+/// design itself.
+pub fn checks(folder: &Path, plan: &PlanReport, design: Option<&Path>) -> Vec<Line> {
+    let read = |entry: &Entry| MoldReport::read(&folder.join(&entry.folder)).ok();
+    let reports: Vec<MoldReport> = plan.silicone().filter_map(read).collect();
+    let Some(first) = reports.first() else { return Vec::new() };
+    if reports.len() == 1 && first.input.part == CastPart::Whole {
+        return Vec::new();
+    }
+    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let mut design = match read_tets(&path) {
+        Ok(msh) => topology::boundary(&msh.mesh).surface(&msh.mesh).0,
+        Err(error) => {
+            return vec![Line::new("castings: design", false, error.to_string(), "the design")];
+        }
+    };
+    let volume = volume(&reports, &design);
+    // In the millimetres of the mold, larger by what the silicone shrinks.
+    design.vertices.iter_mut().for_each(|p| *p *= first.scale());
+    let least = (first.casting.least_wall - ROUNDING) * MM;
+    vec![volume, walls::wall_line("castings: thinnest wall", &design, least)]
+}
+
+/// No two castings are the same, and their volumes add up to that of the design [m].
+fn volume(reports: &[MoldReport], design: &SurfaceMesh) -> Line {
+    let name = "castings: volume";
+    let piece = |report: &MoldReport| (report.design_to_mold, report.input.part.clone());
+    let again = |(i, report): (usize, &MoldReport)| {
+        reports[..i].iter().any(|other| piece(other) == piece(report))
+    };
+    if reports.iter().enumerate().any(again) {
+        return Line::new(name, false, "one piece twice".into(), "every piece once");
+    }
+    let whole = enclosed_volume(design) * reports[0].scale().powi(3);
+    let sections = reports.iter().map(|report| fit::section(design, report));
+    let glued = sections.fold(0.0, f64::max);
+    let sum: f64 = reports.iter().map(|report| report.cast.volume).sum();
+    Line::at_most(name, (sum - whole).abs(), GLUE * glued, "mm³ off the design")
+}
