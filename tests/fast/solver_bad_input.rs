@@ -274,6 +274,26 @@ fn a_tag_without_facets_does_no_harm() {
     assert_eq!(dir.json("out/report.json")["status"], "ok");
 }
 
+#[test]
+fn a_mesh_without_tags_is_said_to_have_none() {
+    let dir = chamber::workdir();
+    let file = read_tets(&dir.path("body.msh")).unwrap();
+    write_tets(&dir.path("body.msh"), &file.mesh, &Tags::default()).unwrap();
+    dir.solver("simulate p1.toml -o out").assert_refused(2, &["\"seat\"; the mesh has no tags"]);
+}
+
+#[test]
+fn a_scene_without_a_load_is_remarked_on() {
+    let dir = chamber::workdir();
+    let remark = "nothing moves the body";
+    assert!(!dir.solver("simulate p1.toml -o out").stderr.contains(remark));
+    let text = dir.text("p1.toml");
+    dir.write("p1.toml", &text[..text.find("[[chamber]]").unwrap()]);
+    let run = dir.solver("simulate p1.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains(remark), "{}", run.stderr);
+}
+
 /// A tolerance that everything meets is no tolerance: the body stays at rest.
 #[test]
 fn tolerances_that_accept_anything() {

@@ -108,6 +108,8 @@ fn columns_of_runs_are_drawn() {
     let run = dir.solver("plot out/report.json --y chambers.hole.volume -o none.svg");
     run.assert_refused(2, &["out/report.json", "\"hole\"", "cavity"]);
     assert!(!dir.path("none.svg").exists());
+    let run = dir.solver("plot out/report.json --y chambers.cavity.volume -o none.png");
+    run.assert_refused(2, &["none.png", "written as SVG"]);
     // as older programs called it
     let run = dir.solver("plot out/report.json --y walls.cavity.volume -o none.svg");
     run.assert_refused(2, &["is now \"chambers.cavity.volume\""]);

@@ -42,7 +42,9 @@ fn a_finished_folder_is_used_again_for_other_inputs() {
     let inputs = |dir: &Workdir| dir.json("out/checkpoint.json")["content"]["inputs"].clone();
     let mut before = inputs(&dir);
     with_other_inputs(&dir, |file| {
-        dir.solver(COMMAND).assert_good();
+        let run = dir.solver(COMMAND);
+        run.assert_good();
+        assert!(run.stderr.contains("the finished design there is replaced"), "{}", run.stderr);
         let now = inputs(&dir);
         assert_ne!(std::mem::replace(&mut before, now.clone()), now, "{file}");
         assert_eq!(results(&dir).1.len(), 8, "{file}");

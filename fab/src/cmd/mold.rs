@@ -46,11 +46,19 @@ pub struct Args {
 /// file cannot be written, and [`Unusable`] if a mold would not be right; then no file
 /// of a mold is left in the folder, or an older mold, which `fab verify` refuses from then on.
 pub fn run(args: &Args) -> Result<()> {
+    let start = Instant::now();
     let folder = &args.task.output;
-    let _lock = FolderLock::new(folder)?;
-    attempt::begin(folder, &args.task.asked())?;
-    let made = make(args);
-    if made.is_err() && attempt::holds_mold(folder) {
+    // A folder without molds is not made before the input is known to be good.
+    let lock = || FolderLock::new(folder);
+    let older = attempt::holds_mold(folder).then(lock).transpose()?;
+    if older.is_some() {
+        attempt::begin(folder, &args.task.asked())?;
+    }
+    let made = args.task.plan().and_then(|planned| {
+        let _new = older.is_none().then(lock).transpose()?;
+        make(args, planned, start)
+    });
+    if made.is_err() && older.is_some() && attempt::holds_mold(folder) {
         log::warn!(
             "{}: an older mold is still there; fab verify refuses it as long as {} is there, too",
             folder.display(),
@@ -63,10 +71,9 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Makes the molds and replaces older ones by them.
-fn make(args: &Args) -> Result<()> {
-    let start = Instant::now();
+fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
     let task = &args.task;
-    let Planned { config, boundary, collars, plan, report: planned, progress } = task.plan()?;
+    let Planned { config, boundary, collars, plan, report: planned, progress } = planned;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
     for entry in &planned.molds {
         remove_litter(&folder(entry));

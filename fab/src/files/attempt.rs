@@ -17,15 +17,12 @@ pub fn holds_mold(folder: &Path) -> bool {
     [plan::FILE, report::FILE].iter().any(|file| folder.join(file).exists())
 }
 
-/// Notes what is to replace the molds of a folder, if it has any.
+/// Notes what is to replace the molds of a folder.
 ///
 /// # Errors
 /// If the note cannot be written.
 pub fn begin(folder: &Path, asked: &str) -> Result<(), IoError> {
-    match holds_mold(folder) {
-        true => write_atomic(&folder.join(FILE), |out| writeln!(out, "{asked}")),
-        false => Ok(()),
-    }
+    write_atomic(&folder.join(FILE), |out| writeln!(out, "{asked}"))
 }
 
 /// Removes the note: the molds of the folder, if any, are those that were asked for.

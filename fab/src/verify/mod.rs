@@ -12,7 +12,8 @@
 //! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
 //!   collars, `demolding`, `filling`. They use the written surfaces. `fit` and `filling`
 //!   take the outlines of channels and gaps from the report.
-//! - `walls`: the silicone is measured by `mesh::walls`, by which the plan refuses thin bodies.
+//! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
+//!   bodies.
 //! - `channels`: places and sizes of features come from the report, and `pin::LAND` is the limit by
 //!   which pins were placed. That there are enough features is not checked.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,

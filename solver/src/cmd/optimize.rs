@@ -42,6 +42,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
     let inputs = hash_inputs(&arguments.design, &design, &scene)?;
     if arguments.restart || outdated(folder, &inputs)? {
+        if folder.join("report.json").exists() && !failed(folder)? {
+            log::warn!("{}: the finished design there is replaced", folder.display());
+        }
         forget(folder)?;
     }
     forget_failure(folder)?;

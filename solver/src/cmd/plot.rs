@@ -53,6 +53,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "--labels names {} curves, there are {curves}",
         arguments.labels.len()
     );
+    let output = &arguments.output;
+    ensure!(
+        output.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")),
+        "{}: plots are written as SVG; the name of the output has to end with .svg",
+        output.display()
+    );
     let mut series: Vec<Series> = Vec::new();
     for path in &arguments.runs {
         let rows = rows(path)?;
@@ -76,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         log_x: arguments.log_x,
         log_y: arguments.log,
     };
-    draw(&arguments.output, &axes, &series)
+    draw(output, &axes, &series)
 }
 
 /// The rows that have both numbers: before surfaces meet there is no gap, for one.

@@ -66,6 +66,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
+    if !has_load(&mut scene) {
+        log::warn!(
+            "{}: nothing moves the body: no chamber, no force, no gravity, and no support or \
+             obstacle that moves",
+            arguments.scene.display()
+        );
+    }
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     let folder = &arguments.output;
@@ -286,6 +293,12 @@ fn all_states(scene: &Scene, stepper: &TimeStepper, done: usize) -> Option<Traje
 fn steps_of(scene: &Scene, arguments: &Arguments, done: usize) -> Range<usize> {
     let count = scene.times().len();
     done..arguments.steps.map_or(count, |n| n.min(count))
+}
+
+/// Whether anything could move a body.
+fn has_load(scene: &mut Scene) -> bool {
+    let moving = scene.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
+    moving || scene.config.schedules().iter().any(|(_, _, value)| !value.is_zero())
 }
 
 fn merge(report: &mut Value, more: &Value) {

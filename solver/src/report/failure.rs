@@ -280,8 +280,17 @@ fn advice(
         return advice;
     }
     let load = unreached.attempt.load;
-    let mut pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
-    let pressed = pressures.any(|pressure| pressure.at(load) > 0.0);
+    let pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
+    let pressures: Vec<f64> = pressures.map(|pressure| pressure.at(load)).collect();
+    let pressed = pressures.iter().any(|pressure| *pressure > 0.0);
+    let emptied =
+        scene.config.contact.is_none() && pressures.iter().any(|pressure| *pressure < 0.0);
+    if emptied {
+        advice.push(
+            "add [contact]: without it the walls of a chamber under vacuum pass through each other"
+                .to_owned(),
+        );
+    }
     let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
         || softening(at_rest, reached).is_some_and(|times| times > SOFT);
     if soft {
@@ -308,6 +317,9 @@ fn advice(
     }
     if pressed && !soft {
         advice.push("lower the pressure, or thicken the wall".to_owned());
+    }
+    if emptied {
+        return advice;
     }
     advice.push(format!(
         "finer load steps: [solver] smallest_load_step below {:e}, newton_iterations above {}; -v \
