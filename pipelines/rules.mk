@@ -178,7 +178,7 @@ $(VALIDATION)/$(1)/$(2)/report.json: pipelines/validation/$(1)/sim.$(2).toml $(V
 
 $(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
 endef
-$(foreach b,membrane beam arm,$(eval $(call validate,$(b),after)))
+$(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after)))
 $(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
 $(eval $(call validate,beam,datasheet))
 
@@ -291,6 +291,6 @@ $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
-$(foreach b,membrane beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
+$(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))
 $(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))

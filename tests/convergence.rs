@@ -16,6 +16,8 @@ mod land;
 mod loads;
 #[path = "convergence/manufactured.rs"]
 mod manufactured;
+#[path = "convergence/membrane.rs"]
+mod membrane;
 #[path = "convergence/node_order.rs"]
 mod node_order;
 #[path = "convergence/patch.rs"]

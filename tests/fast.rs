@@ -19,6 +19,8 @@ mod failures;
 mod import;
 #[path = "fast/measured_rubber.rs"]
 mod measured_rubber;
+#[path = "fast/membranes.rs"]
+mod membranes;
 #[path = "fast/newton.rs"]
 mod newton;
 #[path = "fast/optimize.rs"]

@@ -1,9 +1,11 @@
 //! Tetrahedral bodies whose boundary has named parts.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail, ensure};
-use mesh::{Tags, TetMesh};
+use mesh::topology::TET_FACETS;
+use mesh::{Tags, TetMesh, facet_key};
 use serde::{Deserialize, Serialize};
 
 use crate::symmetry::{self, Plane};
@@ -192,6 +194,37 @@ impl Body {
     /// Names of the tags that have facets; a Gmsh file may name groups that have none.
     pub fn used_tags(&self) -> impl Iterator<Item = &String> {
         self.tags.names.iter().filter(|name| self.facets(name).is_ok())
+    }
+
+    /// The facets of a tag, on the boundary of the mesh or inside it, or of the boundary of a
+    /// whole body by its name.
+    ///
+    /// # Errors
+    /// When there is no such tag, or its facets are none of the mesh.
+    pub fn tagged(&self, name: &str) -> Result<Vec<[usize; 3]>> {
+        let on_boundary = self.facets(name);
+        let facets = self.tags.id(name).map(|id| self.tags.facets_of(id)).unwrap_or_default();
+        if facets.len() <= on_boundary.as_ref().map_or(0, Vec::len) {
+            return on_boundary;
+        }
+        let of_tet = |tet: &[usize; 4]| TET_FACETS.map(|facet| facet_key(facet.map(|c| tet[c])));
+        let all: BTreeSet<[usize; 3]> = self.mesh.tets.iter().flat_map(of_tet).collect();
+        let lost = facets.iter().filter(|facet| !all.contains(*facet)).count();
+        ensure!(
+            lost == 0,
+            "tag \"{name}\": {lost} of its {} facets are no facets of a tetrahedron; expected a mesh \
+             that keeps the surface inside the body",
+            facets.len()
+        );
+        Ok(facets)
+    }
+
+    /// Whether facets inside a body have a tag, so that its interior must stay as it is.
+    #[must_use]
+    pub fn has_tags_inside(&self, part: &Part) -> bool {
+        let own = |facet: &&[usize; 3]| part.vertices.contains(&facet[0]);
+        let skin = self.skin.iter().filter(own).filter(|&&f| self.tags.get(f).is_some()).count();
+        self.tags.facets.keys().filter(own).count() > skin
     }
 
     /// The boundary facets of a tag, or of a whole body by its name, oriented out

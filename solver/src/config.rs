@@ -6,6 +6,7 @@ mod chamber;
 mod check;
 mod design;
 mod level;
+mod membrane;
 mod objective;
 mod probe;
 mod scenario;
@@ -20,6 +21,7 @@ use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
+pub use membrane::MembraneConfig;
 pub use objective::ObjectiveConfig;
 pub use probe::ProbeConfig;
 pub use scenario::{EXCESS, RobustConfig, ScenarioConfig, WallConfig};
@@ -73,6 +75,9 @@ pub struct SimConfig {
     /// Chambers; their energies have the order of the file.
     #[serde(default)]
     pub chamber: Vec<ChamberConfig>,
+    /// Thin sheets bonded to tags.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub membrane: Vec<MembraneConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,

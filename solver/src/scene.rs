@@ -4,10 +4,12 @@
 mod changes;
 mod chambers;
 mod contact;
+mod membranes;
 mod objectives;
 mod probes;
 mod symmetry;
 
+pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
 use std::path::{Path, PathBuf};
@@ -41,6 +43,8 @@ pub struct Scene {
     pub config: SimConfig,
     /// What each body is made of, in the order of the body's parts.
     pub parts: Vec<ScenePart>,
+    /// The thin sheets.
+    pub membranes: Vec<SceneMembrane>,
     /// The bodies.
     pub body: Body,
     /// Whether to prove of every step that no surfaces intersect.
@@ -120,7 +124,9 @@ impl Scene {
         {
             bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
         }
-        Ok(Self { path: path.to_path_buf(), config, parts, body, certify: true })
+        let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
+        let membranes = membranes.with_context(context)?;
+        Ok(Self { path: path.to_path_buf(), config, parts, membranes, body, certify: true })
     }
 
     /// The same scene with the degree and the time steps of a level of a design.
@@ -257,6 +263,7 @@ impl Scene {
         let bodies = self.parts.iter().zip(&body.parts);
         let bodies = bodies.map(|(part, own)| self.body_energies(part, own, space, supports));
         let mut energies = Energies::bodies(bodies.collect::<Result<_>>()?);
+        energies.membranes = self.sheets(body, space)?;
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
             energies = energies.with_chamber(name, chamber);

@@ -5,6 +5,7 @@
 //! wall       the boundary, or the part with a tag, outward by a distance      [m]
 //! pressure   pressure or fill of a chamber, by a difference                   [Pa]
 //! density    of all bodies, by one factor                                     [1]
+//! membrane   thickness of all sheets, or of one, by a factor                  [1]
 
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ use crate::energy::{Iterate, ParameterId};
 use crate::forward::{Problem, Trajectory, Workspace, solve_multipliers};
 use crate::objective::Equilibrium;
 use crate::probe::Probe;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneMembrane};
 
 /// Moves of the rest vertices per distance: of the whole boundary, then tag by tag.
 pub struct Walls {
@@ -126,6 +127,16 @@ pub fn by_density(scene: &Scene, by: &Gradient) -> f64 {
         by.parameters.total(ParameterId::Density(part)).iter().map(|by| by * density).sum()
     };
     (0..scene.parts.len()).map(of).sum()
+}
+
+/// By a factor on the thickness of each sheet, with the tag that it is on [1].
+#[must_use]
+pub fn by_membranes(scene: &Scene, by: &Gradient) -> Vec<(String, f64)> {
+    let one = |(i, membrane): (usize, &SceneMembrane)| {
+        let by = by.parameters.total(ParameterId::Membrane(i));
+        (membrane.config.on.clone(), by.first().map_or(0.0, |by| by * membrane.thickness))
+    };
+    scene.membranes.iter().enumerate().map(one).collect()
 }
 
 /// By a difference in what is prescribed of each chamber, where that is a pressure [Pa].

@@ -7,6 +7,7 @@
 //! wall       the boundary, or the part with a tag, outward by a distance      [m]
 //! pressure   pressure or fill of all chambers, or of one, by a difference     [Pa]
 //! density    of all bodies, by one factor                                     [1]
+//! membrane   thickness of all sheets, or of one, by a factor                  [1]
 //! friction   its coefficient, by a factor                                     [1]
 //!
 //! The bars of the numbers that a scene states, taken as independent, together make √Σ δq².
@@ -22,7 +23,9 @@ use crate::energy::ParameterId;
 use crate::forward::{Problem, Trajectory, Workspace};
 use crate::probe::Probe;
 use crate::scene::Scene;
-use crate::sensitivity::{Walls, by_density, by_modulus, by_pressures, sensitivities};
+use crate::sensitivity::{
+    Walls, by_density, by_membranes, by_modulus, by_pressures, sensitivities,
+};
 
 /// What a probe changes by.
 #[derive(Clone, Debug, Serialize)]
@@ -40,9 +43,9 @@ pub struct ErrorBars {
 /// What one number does to a probe.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorBar {
-    /// `modulus`, `wall`, `pressure`, `density` or `friction`.
+    /// `modulus`, `wall`, `pressure`, `density`, `membrane` or `friction`.
     pub of: &'static str,
-    /// Tag of the wall or of the chamber, where it is of that alone.
+    /// Tag of the wall, the chamber or the sheet, where it is of that alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
     /// Unit of the number.
@@ -127,6 +130,15 @@ fn numbers(
     }
     if let Some(off) = config.density {
         bars.push(ErrorBar::new("density", "1", by_density(scene, swept), both(off)));
+    }
+    if let Some(off) = config.membrane {
+        let each = by_membranes(scene, swept);
+        let all = each.iter().map(|(_, by)| by).sum();
+        bars.push(ErrorBar::new("membrane", "1", all, both(off)));
+        let several = each.len() > 1;
+        let bar =
+            |(on, by)| ErrorBar { on: Some(on), ..ErrorBar::new("membrane", "1", by, both(off)) };
+        bars.extend(each.into_iter().filter(|_| several).map(bar));
     }
     if let (Some(off), Some(contact)) = (config.friction, &scene.config.contact) {
         let by: f64 = swept.parameters.total(ParameterId::Friction).iter().sum();

@@ -25,7 +25,7 @@ fn tables_are_those_of_the_program() {
         (rest, count) = (&rest[end..], count + 1);
     }
     current += rest;
-    assert_eq!(count, 4, "gas laws, probes, objectives and material laws");
+    assert_eq!(count, 5, "gas laws, sheets, probes, objectives and material laws");
     if current != text {
         let fresh = repository().join("build/solver-README.md");
         fs::create_dir_all(fresh.parent().unwrap()).unwrap();

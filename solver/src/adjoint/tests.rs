@@ -20,6 +20,7 @@ use crate::math::random::Random;
 use crate::schedule::{Field, Schedule};
 use crate::testing::{check_gradient, cube, flat, points};
 
+mod membrane;
 mod tangent;
 
 const TIGHT: Stepping = Stepping {

@@ -8,7 +8,7 @@ use crate::config::{ChamberConfig, is_pressure};
 use crate::energy::ParameterId;
 use crate::forward::Problem;
 use crate::scene::Scene;
-use crate::sensitivity::{Walls, by_density, by_modulus, by_pressures};
+use crate::sensitivity::{Walls, by_density, by_membranes, by_modulus, by_pressures};
 
 /// `[[number]]`: what is sought.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -18,6 +18,8 @@ pub enum Number {
     Modulus,
     /// One factor on the density of all bodies [1].
     Density,
+    /// Factor on the thickness of the sheets on a tag, or of all [1].
+    Membrane(Option<String>),
     /// Offset of the pressure or fill of the chamber with a tag, or of all [Pa].
     Pressure(Option<String>),
     /// Outward offset of the wall with a tag, or of all [m].
@@ -35,9 +37,10 @@ pub enum Number {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
-    /// `modulus`, `density`, `pressure`, `wall`, or the name of a parameter of the law.
+    /// `modulus`, `density`, `membrane`, `pressure`, `wall`, or the name of a parameter of the
+    /// law.
     of: String,
-    /// The chamber or the tag of the wall.
+    /// The chamber, or the tag of the wall or the sheet.
     on: Option<String>,
     /// The body with that law.
     body: Option<String>,
@@ -50,13 +53,18 @@ impl TryFrom<Written> for Number {
         let number = match of.as_str() {
             "modulus" => Self::Modulus,
             "density" => Self::Density,
+            "membrane" => Self::Membrane(on.clone()),
             "pressure" => Self::Pressure(on.clone()),
             "wall" => Self::Wall(on.clone()),
             _ => Self::Law { parameter: of, body: body.clone() },
         };
-        let chosen = matches!(number, Self::Pressure(_) | Self::Wall(_));
+        let chosen = matches!(number, Self::Membrane(_) | Self::Pressure(_) | Self::Wall(_));
         let of_law = matches!(number, Self::Law { .. });
-        ensure!(chosen || on.is_none(), "{}: on is for pressure and wall", number.title());
+        ensure!(
+            chosen || on.is_none(),
+            "{}: on is for membrane, pressure and wall",
+            number.title()
+        );
         ensure!(of_law || body.is_none(), "{}: body is for parameters of a law", number.title());
         Ok(number)
     }
@@ -69,6 +77,7 @@ impl Number {
         let (of, on) = match self {
             Self::Modulus => ("modulus", &None),
             Self::Density => ("density", &None),
+            Self::Membrane(on) => ("membrane", on),
             Self::Pressure(on) => ("pressure", on),
             Self::Wall(on) => ("wall", on),
             Self::Law { parameter, body } => (parameter.as_str(), body),
@@ -82,6 +91,7 @@ impl Number {
         match self {
             Self::Modulus => "factor on all stresses",
             Self::Density => "factor",
+            Self::Membrane(_) => "factor on the thickness",
             Self::Pressure(_) => "offset",
             Self::Wall(_) => "outward offset",
             Self::Law { .. } => "parameter of the law",
@@ -97,6 +107,9 @@ impl Number {
             Self::Modulus => Some(("1", 1.0)),
             Self::Density => {
                 scene.parts.iter().any(|part| part.material.density.is_some()).then_some(("1", 1.0))
+            }
+            Self::Membrane(on) => {
+                scene.membranes.iter().any(|m| is_on(on, &m.config.on)).then_some(("1", 1.0))
             }
             Self::Pressure(on) => {
                 let known = |c: &ChamberConfig| is_pressure(c.gas.key()) && is_on(on, &c.on);
@@ -145,8 +158,8 @@ impl Number {
         }
         let known: Vec<&str> = material.law.parameters.iter().map(|p| p.name).collect();
         bail!(
-            "of = \"{wanted}\": expected modulus, density, pressure, wall, or a parameter of the \
-             law {}: {}",
+            "of = \"{wanted}\": expected modulus, density, membrane, pressure, wall, or a parameter \
+             of the law {}: {}",
             material.law.key,
             known.join(", ")
         )
@@ -160,6 +173,7 @@ impl Number {
         match self {
             Self::Modulus => scene.scale_stresses(value),
             Self::Density => scene.scale_density(value),
+            Self::Membrane(on) => scene.scale_membranes(on.as_deref(), value),
             Self::Pressure(on) => scene.add_pressure(on.as_deref(), value),
             Self::Wall(on) => {
                 let moves = walls.and_then(|walls| walls.moves(on.as_deref()));
@@ -192,6 +206,11 @@ impl Number {
         Ok(match self {
             Self::Modulus => by_modulus(scene, by) / value,
             Self::Density => by_density(scene, by) / value,
+            Self::Membrane(on) => {
+                let sheets = by_membranes(scene, by).into_iter();
+                let own = sheets.filter(|(tag, _)| is_on(on, tag));
+                own.map(|(_, by)| by).sum::<f64>() / value
+            }
             Self::Pressure(on) => {
                 let of_chambers = by_pressures(problem, by).into_iter();
                 of_chambers.filter(|(name, _)| is_on(on, name)).map(|(_, by)| by).sum()

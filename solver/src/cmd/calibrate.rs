@@ -1,5 +1,6 @@
 //! `solver calibrate`: numbers of scenes from measurements.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,8 +11,10 @@ use serde_json::{Value, json};
 
 use crate::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
 use crate::calibration::{Calibration, Experiment, Number};
+use crate::config::MembraneConfig;
 use crate::plot::{Axes, Series, Style, draw};
 use crate::report::results;
+use crate::scene::SceneMembrane;
 
 /// Find numbers of your scenes from measurements on your own device
 ///
@@ -232,7 +235,7 @@ fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()
     draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
 }
 
-/// The tables [material] of the scenes' bodies with what was found.
+/// The tables [material] of the scenes' bodies, and those of sheets, with what was found.
 fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
     let mut scene = calibration.scenes[0].clone();
     for (number, &value) in calibration.numbers.iter().zip(&found.numbers) {
@@ -266,10 +269,18 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         }
         writeln!(text, "[material]\n{keys}")?;
     }
+    let as_found = |membrane: &SceneMembrane| MembraneConfig {
+        thickness: membrane.thickness,
+        ..membrane.config.clone()
+    };
+    let membranes: Vec<MembraneConfig> = scene.membranes.iter().map(as_found).collect();
+    if !membranes.is_empty() {
+        text += &toml::to_string(&BTreeMap::from([("membrane", membranes)]))?;
+    }
     Ok(text)
 }
 
 /// Whether a number changes a law.
 fn is_of_material(number: &Number) -> bool {
-    matches!(number, Number::Modulus | Number::Law { .. })
+    matches!(number, Number::Modulus | Number::Law { .. } | Number::Membrane(_))
 }

@@ -9,7 +9,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 
 use crate::energy::gas_law::{GAS_LAWS, Row};
-use crate::material::{LAWS, Law};
+use crate::material::{LAWS, Law, sheet};
 use crate::objective::{self, Kind};
 use crate::probe;
 use crate::silicone;
@@ -17,24 +17,27 @@ use crate::silicone;
 /// Characters in a line.
 const WIDTH: usize = 96;
 
-/// List the material laws, silicones, gas laws or probes that a scene may name, or objectives
+/// List the material laws, silicones, sheets, gas laws or probes that a scene may name, or objectives
 ///
 /// A law is the kind of a table [material]; a silicone is named by
-/// material = "its-name"; a gas law is selected by a key of a [[chamber]]; a probe is
+/// material = "its-name"; a sheet is the kind of the material of a [[membrane]]; a gas law is selected by a key of a [[chamber]]; a probe is
 /// the kind of a [[probe]]; an objective is the kind of an [[objective]] of a design problem.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The silicones in place of the laws
     #[arg(long)]
     silicones: bool,
-    /// The gas laws of chambers in place of the material laws
+    /// The laws of thin sheets in place of those of bodies
     #[arg(long, conflicts_with = "silicones")]
+    sheets: bool,
+    /// The gas laws of chambers in place of the material laws
+    #[arg(long, conflicts_with_all = ["silicones", "sheets"])]
     gas_laws: bool,
     /// The probes of scenes in place of the laws
-    #[arg(long, conflicts_with_all = ["silicones", "gas_laws"])]
+    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws"])]
     probes: bool,
     /// The objectives of design problems in place of the laws
-    #[arg(long, conflicts_with_all = ["silicones", "gas_laws", "probes"])]
+    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes"])]
     objectives: bool,
     /// As JSON
     #[arg(long)]
@@ -45,7 +48,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, gas_laws, probes, objectives, json, markdown } = *arguments;
+    let Arguments { silicones, sheets, gas_laws, probes, objectives, json, markdown } = *arguments;
     let text = if objectives {
         rows(objective::KINDS, (json, kind_json), (markdown, markdown::objectives), |kinds| {
             joined(kinds, kind_text) + "\nall\n" + &keys_text(&objective::COMMON_KEYS)
@@ -53,6 +56,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     } else if probes {
         rows(probe::KINDS, (json, probe_json), (markdown, markdown::probes), |kinds| {
             joined(kinds, probe_text) + "\nall\n" + &keys_text(&probe::COMMON_KEYS)
+        })?
+    } else if sheets {
+        rows(sheet::LAWS, (json, law_json), (markdown, markdown::materials), |laws| {
+            joined(laws, law_text)
         })?
     } else if gas_laws {
         rows(GAS_LAWS, (json, gas_law_json), (markdown, markdown::gas_laws), |laws| {
@@ -152,7 +159,7 @@ fn gas_law_json(law: &Row) -> Value {
     })
 }
 
-fn law_text(law: &Law) -> String {
+fn law_text<M: ?Sized>(law: &Law<M>) -> String {
     let mut text = format!("{}\n  {}\n", law.key, law.formula);
     for p in law.parameters {
         text += &format!("    {:8} {:5} {}\n", p.name, format!("[{}]", p.unit), p.meaning);
@@ -186,7 +193,7 @@ fn wrapped(label: &str, words: &str) -> String {
     text + "\n"
 }
 
-fn law_json(law: &Law) -> Value {
+fn law_json<M: ?Sized>(law: &Law<M>) -> Value {
     let parameter = |p: &crate::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
     json!({
         "kind": law.key,

@@ -85,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
         log::info!("{line}");
     }
+    scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
@@ -256,7 +257,7 @@ impl Run<'_> {
         report["tolerance_met"] =
             json!(recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
         report["newton_iterations"] = json!(progress.newton_iterations);
-        let elastic = energies["elastic"];
+        let elastic = energies["elastic"] + energies.get("membrane").unwrap_or(&0.0);
         report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
         if progress.integrator.method.has_inertia() {
             let v = &progress.integrator.last().v;
@@ -270,6 +271,9 @@ impl Run<'_> {
         report["force_balance"] = results::balance(problem, end);
         report["tags"] = json!(results::tags(scene, &scene.body, problem, end)?);
         report["chambers"] = json!(results::chambers(&problem.energies, end));
+        if !scene.membranes.is_empty() {
+            report["membranes"] = results::membranes(scene, &problem.energies, end);
+        }
         if !self.probes.is_empty() {
             report["probes"] = results::probes(self.probes, problem, end);
         }

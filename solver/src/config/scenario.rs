@@ -29,6 +29,9 @@ pub struct ScenarioConfig {
     /// Factor on the density of every body [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
+    /// Factor on the thickness of every membrane, or as well on its modulus [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<f64>,
     /// Factor on the coefficient of friction [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
@@ -78,6 +81,7 @@ impl Default for ScenarioConfig {
             wall: None,
             modulus: None,
             density: None,
+            membrane: None,
             friction: None,
             pressure: None,
             parameters: BTreeMap::new(),
@@ -106,8 +110,13 @@ impl ScenarioConfig {
     }
 
     fn check(&self, objectives: &[&str], designed: &[&str]) -> Result<()> {
-        let Self { weight, modulus, density, friction, pressure, .. } = self;
-        let factors = [("modulus", modulus), ("density", density), ("friction", friction)];
+        let Self { weight, modulus, density, membrane, friction, pressure, .. } = self;
+        let factors = [
+            ("modulus", modulus),
+            ("density", density),
+            ("membrane", membrane),
+            ("friction", friction),
+        ];
         let factors = factors.into_iter().filter_map(|(key, factor)| Some((key, (*factor)?)));
         for (key, factor) in factors.chain([("weight", *weight)]) {
             ensure!(factor.is_finite() && factor > 0.0, "{key} = {factor}: must be positive");

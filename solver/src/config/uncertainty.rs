@@ -21,6 +21,9 @@ pub struct UncertaintyConfig {
     /// Density of every body, as a part of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
+    /// Thickness of every membrane, or as well its modulus, as a part of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<f64>,
     /// Coefficient of friction, as a part of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
@@ -42,7 +45,7 @@ impl UncertaintyConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn check(&self, scene: &SimConfig) -> Result<()> {
-        let Self { modulus, wall, pressure, density, friction } = self;
+        let Self { modulus, wall, pressure, density, membrane, friction } = self;
         let part = match modulus {
             Some(Modulus::Part(part)) => Some(*part),
             Some(Modulus::Sources(word)) if word != "sources" => {
@@ -64,11 +67,13 @@ impl UncertaintyConfig {
             ("wall", *wall),
             ("pressure", *pressure),
             ("density", *density),
+            ("membrane", *membrane),
             ("friction", *friction),
         ];
         ensure!(
             modulus.is_some() || numbers.iter().any(|(_, number)| number.is_some()),
-            "it is empty; expected one or more of modulus, wall [m], pressure [Pa], density, friction"
+            "it is empty; expected one or more of modulus, wall [m], pressure [Pa], density, membrane, \
+             friction"
         );
         for (name, number) in numbers.into_iter().filter_map(|(name, n)| Some((name, n?))) {
             let relative = !["wall", "pressure"].contains(&name);
@@ -88,6 +93,10 @@ impl UncertaintyConfig {
         );
         let weighs = scene.method().has_inertia() || scene.gravity.0.iter().any(|g| !g.is_zero());
         ensure!(density.is_none() || weighs, "density: the scene has no gravity and no inertia");
+        ensure!(
+            membrane.is_none() || !scene.membrane.is_empty(),
+            "membrane: the scene has no [[membrane]]"
+        );
         ensure!(
             friction.is_none() || scene.contact.as_ref().is_some_and(|c| c.friction > 0.0),
             "friction: there is none in [contact]"

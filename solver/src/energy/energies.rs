@@ -6,8 +6,8 @@
 
 use std::sync::Arc;
 
-use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Springs};
-use super::{Iterate, Traction};
+use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
+use super::{Iterate, Springs, Traction};
 use crate::material::Material;
 
 /// The terms of the potential energy of some bodies. A copy shares the large terms.
@@ -15,6 +15,8 @@ use crate::material::Material;
 pub struct Energies {
     /// Those of each body.
     pub bodies: Vec<BodyEnergies>,
+    /// Thin sheets on facets.
+    pub membranes: Vec<Membrane>,
     /// Chambers with gas.
     chambers: Vec<NamedChamber>,
     /// Barrier between surfaces.
@@ -70,6 +72,8 @@ pub enum Kind {
     Elastic(usize),
     /// Weight of a body.
     Weight(usize),
+    /// Elastic energy of a sheet, by its index.
+    Membrane(usize),
     /// Inertia of a body.
     Inertia(usize),
     /// Tiny mass of a loose body.
@@ -96,6 +100,8 @@ pub enum Kind {
 pub enum ParameterId {
     /// Parameters of the law of a body.
     Material(usize),
+    /// Thickness of a sheet, then the parameters of its law.
+    Membrane(usize),
     /// Density of a body.
     Density(usize),
     /// Coefficient of friction.
@@ -120,6 +126,13 @@ impl Kind {
         matches!(self, Self::Contact | Self::Friction)
     }
 
+    /// Whether its forces are internal ones: they depend on differences of the displacement
+    /// and have no resultant.
+    #[must_use]
+    pub fn is_elastic(self) -> bool {
+        matches!(self, Self::Elastic(_) | Self::Membrane(_))
+    }
+
     /// Whether its forces are given and do not depend on the displacement.
     #[must_use]
     pub fn is_dead_load(self) -> bool {
@@ -138,6 +151,7 @@ impl Kind {
     pub fn parameter(self) -> Option<ParameterId> {
         match self {
             Self::Elastic(body) => Some(ParameterId::Material(body)),
+            Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
             Self::Weight(body) | Self::Inertia(body) => Some(ParameterId::Density(body)),
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
             Self::Friction => Some(ParameterId::Friction),
@@ -181,7 +195,7 @@ impl Energies {
         self
     }
 
-    /// All terms: elastic energy and weight of each body, inertia of each, chambers,
+    /// All terms: elastic energy and weight of each body, sheets, inertia of each, chambers,
     /// contact, friction, body forces, tractions, springs, others.
     pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
         fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
@@ -191,6 +205,8 @@ impl Energies {
             let weight = body.weight.as_ref().map(|weight| term(Kind::Weight(i), weight));
             [term(Kind::Elastic(i), &body.elastic)].into_iter().chain(weight)
         });
+        let sheets = self.membranes.iter().enumerate();
+        let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));
         let inertia = self.bodies.iter().enumerate().filter_map(|(i, body)| {
             let inertia = body.inertia.as_ref()?;
             let kind = if inertia.is_tiny() { Kind::TinyMass(i) } else { Kind::Inertia(i) };
@@ -204,6 +220,7 @@ impl Energies {
         let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
         let others = self.others.iter().map(|other| term(Kind::Other, &**other));
         let loads = forces.chain(tractions).chain(springs).chain(others);
+        let statics = statics.chain(sheets);
         statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
     }
 

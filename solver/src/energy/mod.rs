@@ -1,4 +1,4 @@
-//! Terms of the potential energy [J]: elasticity, inertia as an incremental potential, dead
+//! Terms of the potential energy [J]: elasticity, sheets, inertia as an incremental potential, dead
 //! loads, follower loads (gas in chambers), the contact barrier and lagged friction.
 
 mod body_force;
@@ -9,6 +9,7 @@ mod energies;
 mod friction;
 pub mod gas_law;
 mod inertia;
+mod membrane;
 mod springs;
 mod traction;
 mod rim;
@@ -24,6 +25,7 @@ pub use energies::{
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use inertia::Inertia;
+pub use membrane::{Membrane, MembraneSummary};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;

@@ -366,7 +366,7 @@ impl Workspace {
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
         let mut noise = vec![0.0; u.len()];
         for Term { kind, energy } in problem.energies.terms() {
-            let from = if matches!(kind, Kind::Elastic(_)) { u } else { &x };
+            let from = if kind.is_elastic() { u } else { &x };
             let mut matrix = BlockMatrix::zeros(&self.pattern);
             energy.add_hessian(at, Hessian::Exact, &mut matrix);
             let part = matrix.multiply_magnitudes(from);

@@ -69,8 +69,8 @@ impl Moduli {
 /// A constitutive law: what to write, what it means, how to build it.
 ///
 /// Parameters are numbers in one row, lists one after the other in the order of
-/// `parameters`.
-pub struct Law {
+/// `parameters`. `M` is what it builds: a law of a volume, or one of a sheet.
+pub struct Law<M: ?Sized = dyn Material> {
     /// `kind` in `[material]`.
     pub key: &'static str,
     /// Energy density.
@@ -90,7 +90,7 @@ pub struct Law {
     /// Moduli at rest of parameters; not finite where the law does not exist.
     pub moduli: fn(&[f64]) -> Moduli,
     /// The law with parameters.
-    pub build: fn(&[f64]) -> Box<dyn Material>,
+    pub build: fn(&[f64]) -> Box<M>,
     /// Odd but admissible parameters, for tests.
     pub sample: &'static [f64],
 }
@@ -101,10 +101,20 @@ impl Law {
     /// # Errors
     /// When there is none; the message lists those there are.
     pub fn find(kind: &str) -> Result<&'static Self> {
-        super::LAWS.iter().find(|law| law.key == kind).with_context(|| {
-            let known: Vec<_> = super::LAWS.iter().map(|law| law.key).collect();
+        Self::find_in(super::LAWS, kind, "solver list")
+    }
+}
+
+impl<M: ?Sized + 'static> Law<M> {
+    /// The law of a `kind` in a table, which a `command` lists.
+    ///
+    /// # Errors
+    /// When there is none; the message lists those there are.
+    pub fn find_in(laws: &'static [Self], kind: &str, command: &str) -> Result<&'static Self> {
+        laws.iter().find(|law| law.key == kind).with_context(|| {
+            let known: Vec<_> = laws.iter().map(|law| law.key).collect();
             format!(
-                "unknown kind \"{kind}\"; known are {}\n  `solver list` explains them",
+                "unknown kind \"{kind}\"; known are {}\n  `{command}` explains them",
                 known.join(", ")
             )
         })

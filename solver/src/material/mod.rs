@@ -1,6 +1,6 @@
 //! Constitutive laws ψ(F): energy per rest volume [J/m³].
 //!
-//! One law per file, one row per law in [`LAWS`].
+//! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`].
 
 mod gent;
 mod isotropic;
@@ -14,6 +14,7 @@ mod neo_hookean;
 mod ogden;
 pub mod response;
 mod saint_venant_kirchhoff;
+pub mod sheet;
 mod specification;
 #[cfg(test)]
 mod tests;

@@ -469,11 +469,15 @@ pub fn mesh_file(what: &str, body: Option<&str>) -> String {
 }
 
 /// Improves the interior of the bodies that have moving facets; boundary vertices and
-/// tags stay as they are.
+/// tags stay as they are. Where facets inside a body have tags, its interior stays, too.
 fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
     let mut bodies = body.separate();
     for (part, (_, mesh, _)) in body.parts.iter().zip(&mut bodies) {
         if !moving.iter().any(|facet| part.vertices.contains(&facet[0])) {
+            continue;
+        }
+        if body.has_tags_inside(part) {
+            log::info!("the interior is not re-meshed: facets inside the body have tags");
             continue;
         }
         let report = mesh::improve::improve_interior(mesh, REMESH_PASSES);

@@ -21,6 +21,8 @@ pub enum Parameter {
     Material(usize),
     /// Density of a body, relative to itself.
     Density(usize),
+    /// Thickness of a sheet and parameters of its law, each relative to itself.
+    Membrane(usize),
     /// Coefficient of friction, relative to itself.
     Friction,
     /// Velocity of a body at t = 0 [m/s].
@@ -44,6 +46,7 @@ impl Parameter {
                 all.push(Self::Velocity(part));
             }
         }
+        all.extend((0..scene.membranes.len()).map(Self::Membrane));
         let has_friction = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
         all.extend(has_friction.then_some(Self::Friction));
         all
@@ -58,6 +61,7 @@ impl Parameter {
             Self::Loads => "loads".to_owned(),
             Self::Material(part) => format!("material of {}", body(*part)),
             Self::Density(part) => format!("density of {}", body(*part)),
+            Self::Membrane(i) => format!("membrane {} on {}", i + 1, scene.membranes[*i].config.on),
             Self::Friction => "friction".to_owned(),
             Self::Velocity(part) => format!("velocity of {}", body(*part)),
         }
@@ -71,6 +75,7 @@ impl Parameter {
             Self::Shape => shape,
             Self::Loads => level.variables() - shape,
             Self::Material(part) => scene.parts[*part].material.values.len(),
+            Self::Membrane(i) => scene.membranes[*i].numbers().len(),
             Self::Density(_) | Self::Friction => 1,
             Self::Velocity(_) => 3,
         }
@@ -101,6 +106,10 @@ impl Parameter {
                     vec![s.scene.parts[part].material.density.unwrap_or(0.0)]
                 };
                 relative(density, *part, ParameterId::Density(*part))
+            }
+            Self::Membrane(i) => {
+                let numbers = |s: &Scenario, i: usize| s.scene.membranes[i].numbers();
+                relative(numbers, *i, ParameterId::Membrane(*i))
             }
             Self::Friction => {
                 let friction = |s: &Scenario, _: usize| {
@@ -162,6 +171,14 @@ impl Perturbed<'_> {
                 let mut scene = self.scene.clone();
                 let density = &mut scene.parts[*part].material.density;
                 *density = density.map(|d| d * (1.0 + by[0]));
+                scene
+            }
+            Parameter::Membrane(i) => {
+                let mut scene = self.scene.clone();
+                let membrane = &mut scene.membranes[*i];
+                let numbers = [&mut membrane.thickness].into_iter();
+                let numbers = numbers.chain(&mut membrane.material.values);
+                numbers.zip(by).for_each(|(p, by)| *p *= 1.0 + by);
                 scene
             }
             Parameter::Friction => {

@@ -12,13 +12,12 @@ use serde_json::{Value, json};
 use crate::body::Body;
 use crate::contact::surface::BodyForce;
 use crate::element::{FunctionSpace, at};
-use crate::energy;
-use crate::energy::{Chamber, Energies, Iterate, Term};
+use crate::energy::{Chamber, Energies, Iterate, Membrane, Term};
 use crate::forward::{LoadStep, Problem};
 use crate::material::Kinematics;
 use crate::probe::{Kind, Probe, measure};
 use crate::report::fields::fields;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneMembrane};
 use crate::symmetry::{AXES, Plane};
 
 /// Measures of one tag.
@@ -188,6 +187,20 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, ChamberRe
     chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
 }
 
+/// Thickness, law and measures of every sheet, in the order of the scene.
+#[must_use]
+pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Value {
+    let one = |(membrane, energy): (&SceneMembrane, &Membrane)| {
+        let mut row = json!(energy.summary(at));
+        row["on"] = json!(membrane.config.on);
+        row["kind"] = json!(membrane.material.law.key);
+        row["tension_only"] = json!(membrane.config.tension);
+        row["thickness"] = json!(membrane.thickness);
+        row
+    };
+    scene.membranes.iter().zip(&energies.membranes).map(one).collect()
+}
+
 /// Kind, unit and value of every probe.
 #[must_use]
 pub fn probes(probes: &[Probe], problem: &Problem, at: &Iterate) -> Value {
@@ -221,9 +234,8 @@ pub fn balance(problem: &Problem, state: &Iterate) -> Value {
     let nodes = state.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
-    // the elastic forces of a body have no resultant
-    let is_elastic = |term: &Term| matches!(term.kind, energy::Kind::Elastic(_));
-    for Term { energy, .. } in problem.energies.terms().filter(|term| !is_elastic(term)) {
+    // elastic forces have no resultant
+    for Term { energy, .. } in problem.energies.terms().filter(|term| !term.kind.is_elastic()) {
         let mut gradient = vec![0.0; state.u.len()];
         energy.add_gradient(state, &mut gradient);
         *loads.entry(energy.name()).or_default() -= resultant(&gradient);

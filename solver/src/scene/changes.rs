@@ -1,4 +1,4 @@
-//! A scene with numbers changed: stresses, density, friction, pressures, parameters.
+//! A scene with numbers changed: stresses, density, sheets, friction, pressures, parameters.
 
 use anyhow::{Result, ensure};
 
@@ -36,6 +36,21 @@ impl Scene {
         Ok(())
     }
 
+    /// Multiplies the thickness of all sheets, or of those on a tag: they are in proportion to it
+    /// as they are to their modulus.
+    ///
+    /// # Errors
+    /// When the factor is not positive.
+    pub fn scale_membranes(&mut self, on: Option<&str>, factor: f64) -> Result<()> {
+        ensure!(factor > 0.0, "the thickness of a membrane must be positive");
+        for membrane in &mut self.membranes {
+            if on.is_none_or(|on| on == membrane.config.on) {
+                membrane.thickness *= factor;
+            }
+        }
+        Ok(())
+    }
+
     /// Adds to the pressure or fill of all chambers, or of that with a tag [Pa].
     ///
     /// # Errors
@@ -56,7 +71,8 @@ impl Scene {
     /// # Errors
     /// When the scene does not have what the scenario changes, or does not admit it.
     pub fn under(&self, scenario: &ScenarioConfig) -> Result<Self> {
-        let ScenarioConfig { modulus, density, friction, pressure, parameters, .. } = scenario;
+        let ScenarioConfig { modulus, density, membrane, friction, pressure, parameters, .. } =
+            scenario;
         let mut scene = self.clone();
         let own = &mut scene.config.parameters;
         for (name, value) in parameters {
@@ -77,6 +93,10 @@ impl Scene {
             let known = self.parts.iter().any(|part| part.material.density.is_some());
             ensure!(known, "density: no material of the scene has one");
             scene.scale_density(*factor)?;
+        }
+        if let Some(factor) = membrane {
+            ensure!(!self.membranes.is_empty(), "membrane: the scene has no [[membrane]]");
+            scene.scale_membranes(None, *factor)?;
         }
         if let Some(factor) = friction {
             let contact = scene.config.contact.as_mut().filter(|c| c.friction > 0.0);

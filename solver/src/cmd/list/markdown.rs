@@ -36,9 +36,9 @@ pub fn gas_laws(laws: &[Row]) -> String {
     table(["law", "formula", "keys", "source"], laws.iter().map(row))
 }
 
-/// The material laws.
-pub fn materials(laws: &[Law]) -> String {
-    let row = |law: &Law| {
+/// The material laws, of bodies or of sheets.
+pub fn materials<M: ?Sized>(laws: &[Law<M>]) -> String {
+    let row = |law: &Law<M>| {
         let keys = law.parameters.iter().map(|p| {
             let many = if p.list { ", a list" } else { "" };
             format!("`{}` [{}]: {}{many}", p.name, p.unit, p.meaning)

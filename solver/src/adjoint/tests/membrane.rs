@@ -1,0 +1,107 @@
+//! Gradients of runs of blocks with sheets on their faces and inside.
+
+use super::*;
+use crate::energy::Membrane;
+use crate::material::sheet::{LAWS, Sheet, TensionField};
+use crate::material::{Lame, NeoHookean};
+
+/// A block with gas behind all but its held face, and a sheet across its middle and on its top.
+struct Sheets {
+    law: usize,
+    tension: bool,
+    degree: usize,
+    /// Pressure on the block: sheets are stretched where it pulls, and wrinkle where it pushes [Pa].
+    pressure: f64,
+}
+
+impl Sheets {
+    /// Thickness relative to that of the case, then the parameters of the law likewise.
+    fn problem(&self, factors: &[f64]) -> (Problem, Workspace) {
+        let TetMesh { vertices, tets } = Self::mesh();
+        let boundary =
+            topology::boundary(&TetMesh { vertices: vertices.clone(), tets: tets.clone() });
+        let is_at =
+            |facet: &[usize; 3], z: f64| facet.iter().all(|&v| (vertices[v].z - z).abs() < 1e-9);
+        let all = tets
+            .iter()
+            .flat_map(|t| topology::TET_FACETS.map(|f| mesh::facet_key(f.map(|c| t[c]))));
+        let mut sheets: Vec<[usize; 3]> =
+            all.filter(|f| is_at(f, 0.01) || is_at(f, 0.02)).collect();
+        sheets.sort_unstable();
+        sheets.dedup();
+        let wall: Vec<[usize; 3]> = boundary
+            .facets
+            .into_iter()
+            .filter(|f| !is_at(f, 0.0))
+            .map(|[a, b, c]| [a, c, b])
+            .collect();
+        let space = FunctionSpace::new(self.degree, vertices.len(), tets);
+        let nodes = space.node_positions(&vertices);
+        let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
+        let row = &LAWS[self.law];
+        let values: Vec<f64> = row.sample.iter().zip(&factors[1..]).map(|(v, f)| v * f).collect();
+        let law = (row.build)(&values);
+        let law: Box<dyn Sheet> = if self.tension { Box::new(TensionField(law)) } else { law };
+        let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(5e4, 0.4))));
+        energies.membranes.push(Membrane::new(&space, &sheets, 2e-3 * factors[0], law));
+        let gas = Box::new(Isobaric { pressure: self.pressure.into() });
+        let wall = Wall::new(&space, &wall);
+        energies = energies.with_chamber("around", Chamber { wall, gas, multiplier: None });
+        let problem = Problem::new(space, energies, &fixed);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace)
+    }
+
+    /// Two cells a side, all vertices but those of the held face away from a lattice.
+    fn mesh() -> TetMesh {
+        let mut mesh = cube(2, 0.0);
+        mesh.vertices.iter_mut().for_each(|v| *v *= 0.02);
+        mesh
+    }
+
+    fn check(&self) {
+        let numbers = 1 + LAWS[self.law].sample.len();
+        let rest = Self::mesh().vertices;
+        let run = |factors: &[f64], rest: &[Vec3]| {
+            let (problem, mut workspace) = self.problem(factors);
+            let len = problem.dofs();
+            let start = State { u: vec![0.0; len], v: vec![0.0; len] };
+            let integrator = Integrator::new(Method::Quasistatic, start);
+            let mut run = Trajectory::begin(&integrator, ON_DISK);
+            let mut stepper = TimeStepper::new(TIGHT, integrator);
+            let outcome = stepper.advance(&problem, &mut workspace, rest, 1.0, |_| ());
+            outcome.expect("an equilibrium");
+            run.push(1.0, stepper.progress.integrator.last().clone());
+            (problem, workspace, run)
+        };
+        let same = vec![1.0; numbers];
+        let (problem, mut workspace, at) = run(&same, &rest);
+        let probe = Probe::new(problem.dofs(), false);
+        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
+        check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
+            let rest = points(x);
+            let (problem, _, run) = run(&same, &rest);
+            probe.value(&problem, &rest, &run)
+        });
+        let by = gradient.parameters.total(ParameterId::Membrane(0));
+        assert_eq!(by.len(), numbers);
+        let values = [2e-3].iter().chain(LAWS[self.law].sample);
+        let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
+        check_gradient(&same, &by, 1e-3, |factors| {
+            let (problem, _, run) = run(factors, &rest);
+            probe.value(&problem, &rest, &run)
+        });
+    }
+}
+
+#[test]
+fn bodies_with_sheets_have_their_gradient() {
+    for law in [0, 1] {
+        for degree in [1, 2] {
+            // blown up, pressed together, and the same without compression
+            for (tension, pressure) in [(false, 4e3), (false, -4e3), (true, 4e3)] {
+                Sheets { law, tension, degree, pressure }.check();
+            }
+        }
+    }
+}
