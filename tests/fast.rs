@@ -23,6 +23,8 @@ mod measured_rubber;
 mod newton;
 #[path = "fast/optimize.rs"]
 mod optimize;
+#[path = "fast/page.rs"]
+mod page;
 #[path = "fast/polyfem.rs"]
 mod polyfem;
 #[path = "fast/probes.rs"]
