@@ -105,7 +105,10 @@ impl Source {
             tags.add(&read_tets(&mesh.path)?, body.as_deref(), shift);
         }
         let read = |path: &Path| Ok::<Grid, anyhow::Error>(read_vtu(path)?.at_most_quadratic());
-        let first = read(&self.states.first().with_context(place)?.0)?;
+        let (first, _) = self.states.first().with_context(|| {
+            format!("{}: report.json has no step that one of the .vtu files here shows", place())
+        })?;
+        let first = read(first)?;
         let solid = Solid::of_grid(&first)
             .with_context(|| format!("{}: the cells are not tetrahedra", place()))?;
         let body = solid.packed(&tags, store);

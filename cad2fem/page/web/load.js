@@ -114,14 +114,18 @@ export class Load {
     return b.numbers.map((u, i) => (1 - part) * (a?.numbers[i] ?? 0) + part * u);
   }
 
-  /** What colours a body: values in the unit of people, and where they are. */
+  /**
+   * What colours a body: values in the unit of people, and where they are. Only displacements are
+   * known between states and at rest; other fields are those of the state that follows.
+   */
   async coloring(run, at, u) {
     const [name, component] = this.set.field.split('/');
     if (name === 'tags') return null;
-    const found = await this.values(run, Math.max(Math.round(at), 1), name);
+    const found = await this.values(run, Math.max(Math.ceil(at), 1), name);
     if (!found) return null;
     const { field } = found;
-    const source = name === 'displacement' ? u ?? new Float32Array(found.numbers.length) : found.numbers;
+    const all = (value) => new Float32Array(found.numbers.length).fill(value);
+    const source = name === 'displacement' ? u ?? all(0) : at > 0 ? found.numbers : all(NaN);
     const [factor] = daily(field.unit);
     return { at: field.at, values: scalars(source, field.values.components, component, factor), range: await this.range() };
   }

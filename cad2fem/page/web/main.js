@@ -147,6 +147,7 @@ response(at('response'), data.runs, (run, step) => go(Load, async (view) => {
 at('viewer').addEventListener('keydown', (event) => {
   const by = { ',': -1, '.': 1 }[event.key];
   if (by && shown instanceof Load) shown.go(by);
+  if (event.key === '0') stage.fit(shown.points());
 });
 at('panel').addEventListener('submit', (event) => event.preventDefault());
 

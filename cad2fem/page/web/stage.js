@@ -83,9 +83,6 @@ export class Stage {
     } else if (zoom) {
       this.camera.zoom *= zoom;
       this.resize();
-    } else if (event.key === '0') {
-      this.camera.zoom = 1;
-      this.resize();
     } else {
       return;
     }
