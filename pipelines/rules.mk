@@ -3,6 +3,7 @@
 #   model.toml, model.geo -> model -> volume.msh -> tagged.msh -> baseline
 #                                                   tagged.msh -> optimize -> optimized
 #                         tagged.msh or optimize/design.msh -> mold -> mold.checks.txt
+#                                                   all of a scene -> report.html
 #
 # The programs are order-only prerequisites: results follow their inputs. After a change of
 # a program, `make clean` starts over.
@@ -12,6 +13,14 @@ build/%/model/model.json: pipelines/%/model.toml | setup
 
 build/%/model/model.json: pipelines/%/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+# All results of a scene on one page. What is to be on it are its prerequisites, below.
+build/%/report.html: | setup
+	$(BIN)/cad2fem report $(@D) --title "$*" -o $@
+
+build/%/done: build/%/report.html
+	@touch $@
+	@echo "$*: results in $(@D), all to be seen in $<"
 
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
@@ -38,7 +47,7 @@ $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 $(2)/pictures/baseline.png: $(2)/baseline/report.json | setup
 	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(1), inflated" -o $$@
 
-$(2)/done: $(addprefix $(2)/pictures/,model.png mesh.png baseline.png)
+$(2)/report.html: $(addprefix $(2)/pictures/,model.png mesh.png baseline.png)
 endef
 
 # The same, for a scene with a design problem.
@@ -60,7 +69,7 @@ $(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
 $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
 	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --x-title "accepted shapes" -o $$@
 
-$(2)/done: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
+$(2)/report.html: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
 endef
 
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
@@ -79,9 +88,7 @@ $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
 		cp $$$$folder/assembled.png $$(@D)/mold$$$$n-closed.png; \
 		cp $$$$folder/exploded.png $$(@D)/mold$$$$n.png; n=$$$$(( $$$${n:-1} + 1 )); done
 
-$(2)/done: $(2)/mold.checks.txt $(2)/pictures/mold.png
-	@touch $$@
-	@echo "$(1): molds in $(2)/mold, pictures in $(2)/pictures"
+$(2)/report.html: $(2)/mold.checks.txt $(2)/pictures/mold.png
 endef
 
 # Scene $(1), its results in $(2), suffix of its settings $(3).
@@ -109,8 +116,7 @@ build/compression/pictures/pressed.png: build/compression/vented/report.json bui
 	$(BIN)/cad2fem picture build/compression/vented/result.vtu build/compression/baseline/result.vtu --cut y=0 \
 		--view front --color displacement --captions "vented,closed" --title "pressed by 10 mm" -o $@
 
-build/compression/done: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
-	@touch $@
+build/compression/report.html: $(addprefix build/compression/pictures/,force.svg pressure.svg pressed.png)
 
 # The refinement study of the chamber, in folders study/<longest edge in mm>/P<degree>.
 STUDY := build/chamber/study
@@ -151,7 +157,7 @@ build/chamber/pictures/$(1).svg: $(STUDY)/P1.json $(STUDY)/P2.json | setup
 	$(BIN)/solver plot $$^ --x "$(2)" --x-title "$(3)" --y "$(4)*1e3" --y-title "$(5) [mm]" \
 		--labels P1,P2 --log --log-x -o $$@
 
-build/chamber/done: build/chamber/pictures/$(1).svg
+build/chamber/report.html: build/chamber/pictures/$(1).svg
 endef
 from-rest := time from rest to equilibrium [s]
 dofs := degrees of freedom
@@ -166,7 +172,7 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view $(view.chamber) \
 		--captions "P1 coarsest,P2 coarsest,P3 reference" --title "chamber, inflated" -o $@
 
-build/chamber/done: build/chamber/pictures/study.png
+build/chamber/report.html: build/chamber/pictures/study.png
 
 # Simulations beside measurements on real silicone.
 VALIDATION := build/validation
@@ -217,7 +223,7 @@ build/frog/paper/pictures/cascade-time.svg: build/frog/paper/optimize/report.jso
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --x time_s*0.0166667 --y objective \
 		--labels "cascade,all vertices" --x-title "computing time [min]" --log -o $@
 
-build/frog/paper/done: $(addprefix build/frog/paper/pictures/,cascade.svg cascade-time.svg)
+build/frog/paper/report.html: $(addprefix build/frog/paper/pictures/,cascade.svg cascade-time.svg)
 
 # The optimised frog, designed further for walls that are off, and both with walls that are.
 build/frog/robust/report.json: pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml \
@@ -244,7 +250,7 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 		build/finger/model/bent/model.stl --color displacement --view $(view.finger) \
 		--captions "baseline,optimised,target" --title "finger at 120 kPa" -o $@
 
-build/finger/done: build/finger/pictures/target.png
+build/finger/report.html: build/finger/pictures/target.png
 
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
 # the force on the cylinder (optimize) and by shape alone (shape).
@@ -271,7 +277,7 @@ build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/g
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
 		--x-title "accepted shapes" -o $@
 
-build/gripper/done: $(addprefix build/gripper/pictures/,gripping.png objective.svg)
+build/gripper/report.html: $(addprefix build/gripper/pictures/,gripping.png objective.svg)
 
 build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)

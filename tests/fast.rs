@@ -25,6 +25,8 @@ mod membranes;
 mod newton;
 #[path = "fast/optimize.rs"]
 mod optimize;
+#[path = "fast/page.rs"]
+mod page;
 #[path = "fast/polyfem.rs"]
 mod polyfem;
 #[path = "fast/probes.rs"]

@@ -6,6 +6,8 @@ pub mod bar;
 pub mod bodies;
 #[path = "support/chamber.rs"]
 pub mod chamber;
+#[path = "support/chromium.rs"]
+pub mod chromium;
 #[path = "support/equilibrium.rs"]
 pub mod equilibrium;
 #[path = "support/fall.rs"]

@@ -5,6 +5,7 @@ pub mod model;
 pub mod offset;
 pub mod picture;
 pub mod remesh;
+pub mod report;
 pub mod tetmesh;
 
 use anyhow::Result;
@@ -25,6 +26,8 @@ pub enum Verb {
     Info(info::Args),
     /// Any surface, mesh or result → a shaded PNG, drawn without a display
     Picture(picture::Args),
+    /// All results in a folder → one page to look at in a browser, without a network
+    Report(report::Args),
 }
 
 impl Verb {
@@ -40,6 +43,7 @@ impl Verb {
             Self::Remesh(args) => remesh::run(args),
             Self::Info(args) => info::run(args),
             Self::Picture(args) => picture::run(args),
+            Self::Report(args) => report::run(args),
         }
     }
 }

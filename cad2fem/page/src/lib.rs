@@ -1,0 +1,94 @@
+//! One page of HTML for all that the programs have left in a folder.
+//!
+//! The page is one file that needs neither a server nor a network: geometry is quantised,
+//! compressed and written into it, and so is three.js, which draws it. What can be read
+//! without drawing (tables, checks, the casting sheet, pictures) is plain HTML and needs no
+//! script at all.
+//!
+//! Only files are read, those that users see: this crate knows no solver and no molds.
+//!
+//! - [`store`]: arrays of numbers, compressed
+//! - [`survey`]: what a folder holds
+//! - [`solid`]: a mesh and its boundary, for the page
+//! - [`run`]: the states of a simulation
+//! - [`design`]: the history of an optimisation and its shapes
+//! - [`mold`]: a mold and how it comes apart
+//! - [`prose`]: text that is safe to put into a page
+//! - [`facts`]: tables of what reports say
+//! - [`document`]: the page from its parts
+
+pub mod design;
+pub mod document;
+pub mod facts;
+pub mod mold;
+pub mod prose;
+pub mod run;
+pub mod solid;
+pub mod store;
+pub mod survey;
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use mesh::io::{read_text, write_atomic};
+use serde_json::{Value, json};
+
+use store::Store;
+use survey::Survey;
+
+/// What went into a page.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary {
+    /// Simulations, optimisations and molds.
+    pub parts: [usize; 3],
+    /// Size of the page [bytes].
+    pub bytes: usize,
+}
+
+/// Writes the page of `folder` to `output`; `title` stands at its top.
+///
+/// # Errors
+/// If the folder holds nothing that is known, a file in it cannot be used, or the page cannot be
+/// written.
+pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
+    let survey = Survey::of(folder)?;
+    let mut store = Store::default();
+    let runs = run::all(&survey, &mut store)?;
+    let mut designs = Vec::new();
+    for found in &survey.designs {
+        designs.push(design::packed(found, &mut store)?);
+    }
+    let mut molds = Vec::new();
+    for found in &survey.molds {
+        molds.extend(mold::packed(found, &mut store)?);
+    }
+    let parts = [runs.len(), designs.len(), molds.len()];
+    let data = json!({ "title": title, "runs": runs, "designs": designs, "molds": molds });
+    let page = document::assemble(title, &survey, &data, &store)?;
+    write_atomic(output, |out| out.write_all(page.as_bytes()))?;
+    Ok(Summary { parts, bytes: page.len() })
+}
+
+/// The entries of a report's inputs: there are one or several of a kind.
+pub(crate) fn inputs(of_kind: &Value) -> &[Value] {
+    match of_kind {
+        Value::Array(several) => several,
+        Value::Object(_) => std::slice::from_ref(of_kind),
+        _ => &[],
+    }
+}
+
+/// Reads a file of JSON.
+pub(crate) fn read_json(path: &Path) -> Result<Value> {
+    let text = read_text(path)?;
+    serde_json::from_str(&text).with_context(|| path.display().to_string())
+}
+
+/// Reads a file with one JSON value per line.
+pub(crate) fn read_json_lines(path: &Path) -> Result<Vec<Value>> {
+    let text = read_text(path)?;
+    let parsed = |(i, line)| {
+        serde_json::from_str(line).with_context(|| format!("{}: line {}", path.display(), i + 1))
+    };
+    text.lines().enumerate().map(parsed).collect()
+}

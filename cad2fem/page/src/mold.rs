@@ -1,0 +1,66 @@
+//! A mold: its parts and the cast where they are in the closed mold, and how each comes away.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use mesh::io::vtu::{CellType, Field, read_vtu};
+use serde_json::{Value, json};
+
+use crate::read_json;
+use crate::store::Store;
+use crate::survey::name;
+
+/// Parts of a mold [mm]; none if the folder has no `reference/assembly.vtu`.
+///
+/// # Errors
+/// If a file cannot be used.
+pub fn packed(folder: &Path, store: &mut Store) -> Result<Option<Value>> {
+    let path = folder.join("reference/assembly.vtu");
+    if !path.exists() {
+        log::warn!("{}: missing, so that the page does not show this mold", path.display());
+        return Ok(None);
+    }
+    let report = read_json(&folder.join("mold.json"))?;
+    let grid = read_vtu(&path)?;
+    let of = |fields: &[Field], name: &str| fields.iter().position(|f| f.name == name);
+    let fields = (of(&grid.point_fields, "apart"), of(&grid.cell_fields, "part"));
+    let (Some(apart), Some(part), CellType::Tri3) = (fields.0, fields.1, grid.cell_type) else {
+        anyhow::bail!("{}: no triangles with the fields apart and part", path.display());
+    };
+    let (apart, part) = (&grid.point_fields[apart], &grid.cell_fields[part]);
+    let fit = apart.components == 3 && part.components == 1;
+    ensure!(fit, "{}: apart is no vector or part no number", path.display());
+    // the last member is the cast, which is no part to print
+    let named = report["parts"].as_array().cloned().unwrap_or_default();
+    let all = part.values.iter().all(|&p| (0.0..=named.len() as f64).contains(&p));
+    ensure!(all, "{}: other parts than the {} of mold.json", path.display(), named.len());
+    let mut parts = Vec::new();
+    for i in 0..=named.len() {
+        let of_part = |(_, p): &(&[usize], &f64)| **p as usize == i;
+        let triangles: Vec<usize> = grid
+            .cells
+            .chunks_exact(3)
+            .zip(&part.values)
+            .filter(of_part)
+            .flat_map(|(t, _)| t)
+            .copied()
+            .collect();
+        let Some(&any) = triangles.first() else { continue };
+        let mut kept = triangles.clone();
+        kept.sort_unstable();
+        kept.dedup();
+        let first_of = |v: &usize| kept.partition_point(|k| k < v);
+        let renumbered: Vec<usize> = triangles.iter().map(first_of).collect();
+        let nodes: Vec<f64> =
+            kept.iter().flat_map(|&v| [0, 1, 2].map(|c| grid.points[v][c])).collect();
+        let known = named.get(i);
+        parts.push(json!({
+            "name": known.map_or(json!("cast"), |part| part["name"].clone()),
+            "printed": known.is_some(),
+            "apart": apart.values[3 * any..3 * any + 3],
+            "nodes": store.numbers(&nodes, 3),
+            "triangles": store.indices(&renumbered, 3),
+        }));
+    }
+    Ok(Some(json!({ "name": name(folder), "method": report["method"], "parts": parts })))
+}

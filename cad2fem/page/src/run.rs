@@ -1,0 +1,181 @@
+//! The states of simulations.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+use mesh::Vec3;
+use mesh::io::read_tets;
+use mesh::io::vtu::{Field, Grid, read_vtu};
+use program::sha256_file;
+use serde_json::{Value, json};
+
+use crate::solid::{Solid, TagsByPlace};
+use crate::store::Store;
+use crate::survey::{Survey, name};
+use crate::{inputs, read_json};
+
+/// Points of all states of all simulations in a page, about; of more, some states are left out.
+const POINTS: usize = 1_500_000;
+
+/// A mesh and the hash by which reports name it.
+#[derive(Clone)]
+struct Known {
+    path: PathBuf,
+    sha256: String,
+}
+
+/// All simulations of a page. What an optimisation left of its design under load is one of them
+/// where the design was not simulated again.
+///
+/// # Errors
+/// If a file cannot be used.
+pub fn all(survey: &Survey, store: &mut Store) -> Result<Vec<Value>> {
+    let known: Vec<Known> = survey
+        .meshes
+        .iter()
+        .map(|path| Ok(Known { path: path.clone(), sha256: sha256_file(path)? }))
+        .collect::<Result<_>>()?;
+    let mut sources = Vec::new();
+    for folder in &survey.runs {
+        sources.push(Source::of_run(folder, &known)?);
+    }
+    for folder in &survey.designs {
+        let source = Source::of_design(folder, &known)?;
+        let has = |s: &Source, hash: &str| s.meshes.iter().any(|m| m.mesh.sha256 == hash);
+        let again = |s: &Source| source.meshes.iter().all(|m| has(s, &m.mesh.sha256));
+        if !source.states.is_empty() && !sources.iter().any(again) {
+            sources.push(source);
+        }
+    }
+    let share = POINTS / sources.len().max(1);
+    sources.iter().map(|source| source.packed(share, store)).collect()
+}
+
+/// Files of a simulation.
+struct Source {
+    folder: PathBuf,
+    report: Value,
+    /// States in their order, with the entry of `steps` in the report.
+    states: Vec<(PathBuf, Option<usize>)>,
+    /// Meshes that the report names.
+    meshes: Vec<Part>,
+}
+
+/// A mesh in a simulation.
+struct Part {
+    mesh: Known,
+    /// Its name in a scene of several bodies.
+    body: Option<String>,
+    /// Where it was moved to [m].
+    shift: Vec3,
+}
+
+impl Source {
+    fn of_run(folder: &Path, known: &[Known]) -> Result<Self> {
+        let report = read_json(&folder.join("report.json"))?;
+        let steps = report["steps"].as_array().map_or(0, Vec::len);
+        let each = (0..steps).map(|i| (folder.join(format!("step_{i:03}.vtu")), Some(i)));
+        let mut states: Vec<_> = each.filter(|(path, _)| path.exists()).collect();
+        let last = (folder.join("result.vtu"), steps.checked_sub(1));
+        if states.is_empty() && last.0.exists() {
+            states.push(last);
+        }
+        let failed = folder.join("not_full_load.vtu");
+        states.extend(failed.exists().then_some((failed, None)));
+        let meshes = meshes(&report, known);
+        Ok(Self { folder: folder.to_owned(), report, states, meshes })
+    }
+
+    fn of_design(folder: &Path, known: &[Known]) -> Result<Self> {
+        let path = folder.join("report.json");
+        let report = if path.exists() { read_json(&path)? } else { Value::Null };
+        let state = folder.join("result.vtu");
+        let states = if state.exists() { vec![(state, None)] } else { vec![] };
+        let is_design =
+            |k: &&Known| k.path.parent() == Some(folder) && name(&k.path).starts_with("design.");
+        let alone = |mesh: &Known| Part { mesh: mesh.clone(), body: None, shift: Vec3::zeros() };
+        let meshes = known.iter().filter(is_design).map(alone).collect();
+        Ok(Self { folder: folder.to_owned(), report, states, meshes })
+    }
+
+    fn packed(&self, share: usize, store: &mut Store) -> Result<Value> {
+        let place = || self.folder.display().to_string();
+        let mut tags = TagsByPlace::default();
+        for Part { mesh, body, shift } in &self.meshes {
+            tags.add(&read_tets(&mesh.path)?, body.as_deref(), shift);
+        }
+        let read = |path: &Path| Ok::<Grid, anyhow::Error>(read_vtu(path)?.at_most_quadratic());
+        let (first, _) = self.states.first().with_context(|| {
+            format!("{}: report.json has no step that one of the .vtu files here shows", place())
+        })?;
+        let first = read(first)?;
+        let solid = Solid::of_grid(&first)
+            .with_context(|| format!("{}: the cells are not tetrahedra", place()))?;
+        let body = solid.packed(&tags, store);
+        let stride = (solid.nodes() * self.states.len()).div_ceil(share).max(1);
+        let mut states = Vec::new();
+        for (i, (path, step)) in self.states.iter().enumerate() {
+            // the last one is always shown
+            if !(self.states.len() - 1 - i).is_multiple_of(stride) {
+                continue;
+            }
+            let grid = if i == 0 { first.clone() } else { read(path)? };
+            ensure!(
+                solid.is_of(&grid),
+                "{}: not the mesh of {}: remove what is left of an earlier run",
+                path.display(),
+                self.states[0].0.display()
+            );
+            let has_numbers = |f: &&Field| f.components > 0;
+            let mut fields = Vec::new();
+            for field in grid.point_fields.iter().filter(has_numbers) {
+                fields.push(solid.point_field(field, store));
+            }
+            for field in grid.cell_fields.iter().filter(has_numbers) {
+                fields.push(solid.cell_field(field, store));
+            }
+            states.push(json!({ "file": name(path), "step": step, "fields": fields }));
+        }
+        let kept = |key: &str| self.report[key].clone();
+        let chambers = self.report["chambers"].as_object().into_iter().flatten();
+        Ok(json!({
+            "name": name(&self.folder),
+            "body": body,
+            "states": states,
+            "leftOut": self.states.len() - states.len(),
+            "inTime": !self.report["config"]["time"].is_null(),
+            "chambers": chambers.map(|(tag, _)| tag.clone()).collect::<Vec<_>>(),
+            "steps": kept("steps"),
+            "probes": kept("probes"),
+            "errorBars": kept("error_bars"),
+        }))
+    }
+}
+
+/// The meshes of a report: by their hash, wherever they are now.
+fn meshes(report: &Value, known: &[Known]) -> Vec<Part> {
+    let part = |(i, input): (usize, &Value)| {
+        let (path, hash) = (input["path"].as_str()?, input["sha256"].as_str()?);
+        let body = &report["config"]["body"][i];
+        let along = |c: usize| body["translate"][c].as_f64().unwrap_or(0.0);
+        Some(Part {
+            mesh: find(path, hash, known)?,
+            body: body["name"].as_str().map(str::to_owned),
+            shift: Vec3::new(along(0), along(1), along(2)),
+        })
+    };
+    inputs(&report["inputs"]["mesh"]).iter().enumerate().filter_map(part).collect()
+}
+
+fn find(path: &str, hash: &str, known: &[Known]) -> Option<Known> {
+    let here = known.iter().find(|k| k.sha256 == hash).cloned();
+    let there = || {
+        let there = Known { path: PathBuf::from(path), sha256: hash.to_owned() };
+        sha256_file(&there.path).is_ok_and(|found| found == hash).then_some(there)
+    };
+    let found = here.or_else(there);
+    if found.is_none() {
+        log::warn!("{path}: not where the report has it, or another by now: no tags from it");
+    }
+    found
+}

@@ -1,0 +1,162 @@
+//! What a folder holds, told by the files in it and not by its name.
+
+use std::path::{Component, Path, PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::read_json;
+
+/// Where the parts of a page are; all paths start with the folder that was searched.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    /// What was searched.
+    pub folder: PathBuf,
+    /// Folders of simulations: `report.json` and states.
+    pub runs: Vec<PathBuf>,
+    /// Folders of optimisations: `history.jsonl`.
+    pub designs: Vec<PathBuf>,
+    /// Folders of molds: `mold.json`.
+    pub molds: Vec<PathBuf>,
+    /// Tetrahedral meshes, some of them tagged.
+    pub meshes: Vec<PathBuf>,
+    /// What programs report of their work.
+    pub reports: Vec<PathBuf>,
+    /// Results of `fab verify`.
+    pub checks: Vec<PathBuf>,
+    /// Casting sheets.
+    pub sheets: Vec<PathBuf>,
+    /// Pictures.
+    pub pictures: Vec<PathBuf>,
+}
+
+/// A file of a simulation that holds a state.
+#[must_use]
+pub fn is_state(path: &Path) -> bool {
+    let name = name(path);
+    let step = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
+    step.is_some() || name == "result.vtu" || name == "not_full_load.vtu"
+}
+
+/// The last part of a path.
+#[must_use]
+pub fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+impl Survey {
+    /// Looks into a folder and the folders in it.
+    ///
+    /// # Errors
+    /// If the folder cannot be read or holds nothing that is known.
+    pub fn of(folder: &Path) -> Result<Self> {
+        let mut found = Self { folder: folder.to_owned(), ..Self::default() };
+        found.look(folder)?;
+        for below in entries(folder)?.into_iter().filter(|path| path.is_dir()) {
+            found.look(&below)?;
+        }
+        if found.pictures.is_empty() {
+            let drawn = |mold: &PathBuf| [mold.join("exploded.png"), mold.join("assembled.png")];
+            let drawn = found.molds.iter().flat_map(drawn);
+            found.pictures = drawn.filter(|path| path.exists()).collect();
+        }
+        let known = found.runs.len() + found.designs.len() + found.molds.len();
+        ensure!(
+            known > 0,
+            "{}: nothing to show: neither it nor a folder in it has report.json with a .vtu file \
+             (solver simulate), history.jsonl (solver optimize) or mold.json (fab mold)",
+            folder.display()
+        );
+        Ok(found)
+    }
+
+    /// Adds what is in one folder.
+    fn look(&mut self, folder: &Path) -> Result<()> {
+        let files: Vec<PathBuf> = entries(folder)?.into_iter().filter(|p| p.is_file()).collect();
+        let has = |wanted: &str| files.iter().any(|path| name(path) == wanted);
+        if has("history.jsonl") {
+            self.designs.push(folder.to_owned());
+        } else if has("report.json") && files.iter().any(|path| is_state(path)) {
+            self.runs.push(folder.to_owned());
+        }
+        if has("plan.json") {
+            let plan = read_json(&folder.join("plan.json"))?;
+            let below = plan["molds"].as_array().into_iter().flatten();
+            // nothing outside of the folder is looked at
+            let inside = |f: &&str| {
+                let mut parts = Path::new(f).components();
+                parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+            };
+            let folders = below.filter_map(|mold| mold["folder"].as_str()).filter(inside);
+            let whole = |f: &str| if f == "." { folder.to_owned() } else { folder.join(f) };
+            let folders = folders.map(whole);
+            let made: Vec<PathBuf> = folders.filter(|f| f.join("mold.json").exists()).collect();
+            // a body that takes several molds has a sheet for all of them, too
+            let apart = made.iter().filter(|f| *f != folder);
+            let sheets = std::iter::once(folder).chain(apart.map(PathBuf::as_path));
+            self.sheets.extend(sheets.map(|f| f.join("cast.md")).filter(|f| f.exists()));
+            self.reports.extend(made.iter().map(|f| f.join("mold.json")));
+            self.molds.extend(made);
+        }
+        for path in files {
+            let name = name(&path);
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+            if extension == "msh" {
+                self.meshes.push(path);
+            } else if name.ends_with("report.json") || name == "model.json" || name == "plan.json" {
+                self.reports.push(path);
+            } else if name.ends_with(".checks.txt") {
+                self.checks.push(path);
+            } else if folder.ends_with("pictures") && (extension == "png" || extension == "svg") {
+                self.pictures.push(path);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is in a folder, sorted.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let place = || folder.display().to_string();
+    let read = std::fs::read_dir(folder).with_context(place)?;
+    let mut found: Vec<PathBuf> =
+        read.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(place)?;
+    found.sort();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn folders_are_known_by_what_they_hold() {
+        let top = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            let path = top.path().join(path);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        let message = Survey::of(top.path()).unwrap_err().to_string();
+        assert!(message.contains("nothing to show") && message.contains("history.jsonl"));
+        write("a/report.json", "{}");
+        assert!(Survey::of(top.path()).is_err(), "a report without a state");
+        write("a/step_000.vtu", "");
+        write("b/history.jsonl", "");
+        write("b/result.vtu", "");
+        write("b/report.json", "{}");
+        let molds = r#"{"molds": [{"folder": "."}, {"folder": "lid"}, {"folder": "../d"}]}"#;
+        write("c/plan.json", molds);
+        write("d/mold.json", "{}");
+        write("c/lid/mold.json", "{}");
+        write("pictures/p.png", "");
+        write("model/patches/p.png", "");
+        let found = Survey::of(top.path()).unwrap();
+        let names = |paths: &[PathBuf]| paths.iter().map(|p| name(p)).collect::<Vec<_>>();
+        assert_eq!(names(&found.runs), ["a"]);
+        assert_eq!(names(&found.designs), ["b"]);
+        assert_eq!(names(&found.molds), ["lid"]);
+        assert_eq!(names(&found.pictures), ["p.png"]);
+        assert!(Survey::of(&top.path().join("nowhere")).is_err());
+    }
+}

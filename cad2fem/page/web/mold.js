@@ -1,0 +1,152 @@
+// The mold: its parts, closed or taken apart.
+
+import * as THREE from 'three';
+import { numbers } from 'page/arrays';
+import { CAST, PALETTE } from 'page/color';
+import { check, fieldset, select, slider } from 'page/controls';
+import { around, shade } from 'page/surface';
+
+export class Mold {
+  title = 'Mold';
+
+  constructor(stage, molds, look) {
+    Object.assign(this, { stage, molds, look, chosen: 0, apart: 1, parts: [] });
+    this.hidden = new Set();
+  }
+
+  panel() {
+    const { molds } = this;
+    const which = molds.length > 1
+      ? select('mold', molds.map((m, i) => [i, m.name]), this.chosen, (i) => this.choose(Number(i)))
+      : null;
+    this.list = fieldset('parts');
+    this.slider = slider('apart', { min: 0, max: 1, step: 0.01, value: this.apart }, (t) => {
+      this.apart = t;
+      this.place();
+    });
+    this.slider.input.id = 'apart';
+    return [
+      fieldset(null, which, this.slider),
+      this.list,
+    ];
+  }
+
+  async enter() {
+    const { parts } = this.molds[this.chosen];
+    this.parts = await Promise.all(parts.map(async (part, i) => {
+      const [nodes, triangles] = await Promise.all([numbers(part.nodes), numbers(part.triangles)]);
+      return new Part(part, geometry(nodes, triangles), part.printed ? PALETTE[i % PALETTE.length] : CAST, i);
+    }));
+    this.hidden.clear();
+    this.list.replaceChildren(this.list.firstChild, ...this.parts.map((part) => check(part.name, true, (on) => {
+      if (on) this.hidden.delete(part); else this.hidden.add(part);
+      this.place();
+    }, part.color)));
+    this.stage.show([{ objects: this.parts.map((part) => part.group) }]);
+    this.place();
+  }
+
+  async choose(i) {
+    this.chosen = i;
+    await this.enter();
+    this.stage.fit(this.points());
+  }
+
+  points() {
+    return this.parts.map((part) => {
+      const shift = part.shift(this.apart).toArray();
+      return part.geometry.attributes.position.array.map((x, i) => x + shift[i % 3]);
+    });
+  }
+
+  box() {
+    const all = new THREE.Box3();
+    for (const part of this.parts) all.union(part.geometry.boundingBox.clone().translate(part.shift(this.apart)));
+    return all;
+  }
+
+  place() {
+    for (const part of this.parts) {
+      part.group.position.copy(part.shift(this.apart));
+      part.group.visible = !this.hidden.has(part);
+    }
+    this.relook();
+  }
+
+  relook() {
+    const plane = this.look.plane(this.box());
+    this.parts.forEach((part) => part.relook(plane, this.look, this.hidden.has(part)));
+    this.stage.invalidate();
+  }
+
+  legend() {
+    return { names: this.parts.map(({ name, color }) => [name, color]) };
+  }
+
+  state() {
+    const triangles = this.parts.reduce((sum, part) => sum + part.geometry.attributes.position.count / 3, 0);
+    return { mold: this.molds[this.chosen].name, parts: this.parts.map((p) => p.name), apart: this.apart, triangles };
+  }
+}
+
+function geometry(nodes, triangles) {
+  const made = new THREE.BufferGeometry();
+  const [positions, normals] = [0, 1].map(() => new Float32Array(3 * triangles.length));
+  shade(nodes, triangles, around(nodes.length / 3, triangles), positions, normals);
+  made.setAttribute('position', new THREE.BufferAttribute(positions, 3));
+  made.setAttribute('normal', new THREE.BufferAttribute(normals, 3));
+  made.computeBoundingBox();
+  return made;
+}
+
+/** A closed surface whose cut is capped: where the stencil counts more back than front faces. */
+class Part {
+  constructor({ name, apart, printed }, shape, color, order) {
+    Object.assign(this, { name, apart: new THREE.Vector3(...apart), printed, color, geometry: shape });
+    this.mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color, side: THREE.DoubleSide }));
+    this.mesh.renderOrder = 100;
+    this.counters = [[THREE.BackSide, THREE.IncrementWrapStencilOp], [THREE.FrontSide, THREE.DecrementWrapStencilOp]].map(([side, op]) => {
+      const material = new THREE.MeshBasicMaterial({
+        side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: THREE.AlwaysStencilFunc,
+        stencilFail: op, stencilZFail: op, stencilZPass: op,
+      });
+      const mesh = new THREE.Mesh(shape, material);
+      mesh.renderOrder = order + 0.1;
+      return mesh;
+    });
+    const face = new THREE.Color(color).lerp(new THREE.Color('#fff6e6'), 0.45);
+    const material = new THREE.MeshBasicMaterial({
+      color: face, side: THREE.DoubleSide, stencilWrite: true, stencilRef: 0, stencilFunc: THREE.NotEqualStencilFunc,
+      stencilFail: THREE.ReplaceStencilOp, stencilZFail: THREE.ReplaceStencilOp, stencilZPass: THREE.ReplaceStencilOp,
+    });
+    this.cap = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), material);
+    this.cap.renderOrder = order + 0.2;
+    this.cap.onAfterRender = (renderer) => renderer.clearStencil();
+    this.group = new THREE.Group();
+    this.group.add(this.mesh, ...this.counters, this.cap);
+  }
+
+  /** Where it is when the mold is taken apart up to t. */
+  shift(t) {
+    return this.apart.clone().multiplyScalar(t);
+  }
+
+  relook(plane, { opacity }, hidden) {
+    const planes = plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
+    for (const mesh of [this.mesh, ...this.counters]) mesh.material.clippingPlanes = planes;
+    for (const mesh of [...this.counters, this.cap]) mesh.visible = Boolean(plane) && !hidden;
+    // what is seen through the printed parts is the cast
+    const alpha = this.printed ? opacity : 1;
+    Object.assign(this.mesh.material, { opacity: alpha, transparent: alpha < 1, depthWrite: alpha === 1 });
+    this.mesh.visible = alpha > 0;
+    this.mesh.material.needsUpdate = true;
+    if (!plane) return;
+    const normal = new THREE.Vector3(...plane.normal);
+    const local = plane.offset - normal.dot(this.group.position);
+    const centre = this.geometry.boundingBox.getCenter(new THREE.Vector3());
+    centre.addScaledVector(normal, local - normal.dot(centre));
+    this.cap.position.copy(centre);
+    this.cap.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), normal);
+    this.cap.scale.setScalar(2 * this.geometry.boundingBox.getSize(new THREE.Vector3()).length());
+  }
+}

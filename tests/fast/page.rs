@@ -1,0 +1,238 @@
+//! `cad2fem report` on what the programs made of a small body, in a real browser.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tests::chamber;
+use tests::chromium::Chromium;
+use tests::workdir::{Run, Workdir};
+
+/// Ends elements, attributes and scripts, if it is not escaped.
+const HOSTILE: &str = "\"'><img src=x onerror=alert(1)><b></script><script>alert(1)</script>";
+
+/// A folder name may have all of that but the slash.
+const RUN: &str = "base<b>'\"&line";
+
+fn run(dir: &Workdir, program: &str, arguments: &[&str]) -> Run {
+    dir.command_of(program, "").args(arguments).output().unwrap().into()
+}
+
+/// A simulation of four load steps with a probe and its error bars.
+fn simulated(dir: &Workdir, output: &str) {
+    let steps = "[solver]\nfirst_load_step = 0.25\nlargest_load_step = 0.25\n\n[material]";
+    let uncertain = "[uncertainty]\nmodulus = 0.1\npressure = 200\n";
+    let scene = chamber::SIM.replace("[material]", steps);
+    dir.write("steps.toml", &format!("{scene}\n{}\n{uncertain}", chamber::PROBES));
+    run(dir, "solver", &["simulate", "steps.toml", "-o", output]).assert_good();
+    // no scene gives such names, but a file of others may have them
+    let file = format!("{output}/report.json");
+    let mut report = dir.json(&file);
+    for key in ["probes", "error_bars", "chambers"] {
+        let any = report[key].as_object().unwrap().values().next().unwrap().clone();
+        report[key][HOSTILE] = any;
+    }
+    dir.write(&file, &report.to_string());
+}
+
+/// All that a page can show of the small body, with hostile names and texts in it.
+fn results() -> Workdir {
+    let dir = chamber::workdir();
+    let baseline = format!("out/{RUN}");
+    simulated(&dir, &baseline);
+    let design = chamber::DESIGN.replace("sim.toml", "p1.toml");
+    dir.write("design.toml", &design.replace("iterations = 3", "iterations = 1"));
+    dir.solver("optimize design.toml -o out/optimize").assert_good();
+    let mold = ["mold", "out/optimize/design.msh", "--no-pictures", "-o", "out/mold"];
+    run(&dir, "fab", &mold).assert_good();
+    let checks = run(&dir, "fab", &["verify", "out/mold"]).stdout;
+    dir.write("out/mold.checks.txt", &format!("{checks}FAIL  {HOSTILE}  0  1\n"));
+    let sheet = dir.text("out/mold/cast.md");
+    dir.write("out/mold/cast.md", &format!("{sheet}\n\n{HOSTILE}\n\n[x](javascript:alert(1))\n"));
+    dir
+}
+
+fn write_page(dir: &Workdir, folder: &str, page: &str) {
+    run(dir, "cad2fem", &["report", folder, "-o", page, "--title", HOSTILE]).assert_good();
+}
+
+fn state(browser: &mut Chromium) -> Value {
+    browser.evaluate("window.puffer.state()")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+/// Sets a control as a user does, and waits for what follows.
+fn set(browser: &mut Chromium, id: &str, value: &Value) {
+    browser.evaluate(&format!(
+        "(() => {{ const c = document.getElementById('{id}'); c.value = {value}; \
+         for (const e of ['input', 'change']) c.dispatchEvent(new Event(e)); }})()"
+    ));
+}
+
+/// Presses the button with a text.
+fn press(browser: &mut Chromium, text: &str) {
+    let all = "[...document.querySelectorAll('button')]";
+    browser.evaluate(&format!("{all}.find((b) => b.textContent === '{text}').click()"));
+}
+
+#[test]
+fn a_page_shows_what_the_reports_say() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = results();
+    write_page(&dir, "out", "page.html");
+    let mut browser = Chromium::start(program, [1000, 700]);
+    browser.open(&dir.path("page.html"));
+    browser.wait("window.puffer?.state().firstPicture");
+
+    let report = dir.json(&format!("out/{RUN}/report.json"));
+    let tags = report["tags"].as_object().unwrap();
+    let largest = tags.values().map(|t| number(&t["max_displacement"])).fold(0.0, f64::max);
+    let shown = state(&mut browser);
+    eprintln!(
+        "page of {} bytes, first picture after {:.0} ms",
+        fs::metadata(dir.path("page.html")).unwrap().len(),
+        number(&shown["firstPicture"])
+    );
+    // 16 bits of the range of each component
+    let near = |found: &Value, value: f64| (number(found) - value).abs() < 1e-4 * largest;
+    let run = &shown["each"][0];
+    assert_eq!((&run["run"], &run["states"], &run["place"]), (&json!(RUN), &json!(4), &json!(4)));
+    assert!(near(&run["largestDisplacement"], largest), "{run} {largest}");
+    let boundary = mesh::topology::boundary(&chamber::chamber().mesh).facets.len();
+    assert_eq!(run["triangles"], json!(4 * boundary), "of quadratic facets");
+    let loaded = browser.picture();
+    assert!(loaded.colors() > 1000, "{} colours", loaded.colors());
+
+    step_through(&mut browser, &dir, largest);
+    cut(&mut browser);
+    shapes_and_mold(&mut browser, &dir);
+    nothing_hostile_has_run(&mut browser, &dir.path("page.html"));
+    without_webgl(&mut browser, &dir.path("page.html"));
+}
+
+/// The slider goes through the load steps; in the middle of two it is linear.
+fn step_through(browser: &mut Chromium, dir: &Workdir, largest: f64) {
+    let loaded = browser.picture();
+    let mut before = f64::INFINITY;
+    for place in [3, 2, 1, 0] {
+        set(browser, "step", &json!(place));
+        browser.wait(&format!("window.puffer.state().each[0].place === {place}"));
+        let found = number(&state(browser)["each"][0]["largestDisplacement"]);
+        assert!(found < before, "{found} at {place}");
+        if place > 0 {
+            let file = format!("out/{RUN}/step_00{}.vtu", place - 1);
+            let grid = mesh::io::vtu::read_vtu(&dir.path(&file)).unwrap();
+            let all = grid.point_fields[0].values.chunks_exact(3);
+            let exact =
+                all.map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max);
+            assert!((found - exact).abs() < 1e-4 * largest, "{place}: {found} {exact}");
+        }
+        before = found;
+    }
+    assert_eq!(before, 0.0, "at rest");
+    assert!(browser.picture().differing(&loaded) > 0.02);
+    press(browser, "step ▸");
+    browser.wait("window.puffer.state().each[0].place === 1");
+    set(browser, "step", &json!(4));
+    browser.wait("window.puffer.state().each[0].place === 4");
+    assert!(browser.picture().differing(&loaded) < 1e-3, "the same as at first");
+}
+
+/// The cut has a face, which follows the slider.
+fn cut(browser: &mut Chromium) {
+    let whole = browser.picture();
+    set(browser, "cut", &json!("y"));
+    browser.wait("window.puffer.state().each[0].sectionTriangles > 20");
+    let middle = browser.picture();
+    assert!(middle.differing(&whole) > 0.05);
+    set(browser, "place", &json!(0.8));
+    assert!(browser.picture().differing(&middle) > 0.02);
+    set(browser, "cut", &json!("none"));
+    browser.wait("window.puffer.state().each[0].sectionTriangles === 0");
+}
+
+fn shapes_and_mold(browser: &mut Chromium, dir: &Workdir) {
+    press(browser, "Shapes");
+    browser.wait("window.puffer.state().files?.[0] === 'design.msh'");
+    let design = browser.picture();
+    assert!(design.colors() > 100);
+    // the large points of the history are the shapes on disk
+    let shapes = browser.evaluate("document.querySelectorAll('#history .shape').length");
+    assert_eq!(shapes, json!(3), "the start, the second level and the design");
+    browser.evaluate("document.querySelector('#history .shape').dispatchEvent(new Event('click'))");
+    browser.wait("window.puffer.state().files?.[0] === 'level-1.msh'");
+
+    press(browser, "Mold");
+    browser.wait("window.puffer.state().triangles > 0 && window.puffer.state().parts");
+    let shown = state(browser);
+    let parts = dir.json("out/mold/mold.json")["parts"].clone();
+    let mut names: Vec<Value> =
+        parts.as_array().unwrap().iter().map(|p| p["name"].clone()).collect();
+    names.push(json!("cast"));
+    assert_eq!(shown["parts"], json!(names));
+    let printed: f64 = parts.as_array().unwrap().iter().map(|p| number(&p["triangles"])).sum();
+    assert!(number(&shown["triangles"]) > printed, "and the cast");
+    let apart = browser.picture();
+    set(browser, "apart", &json!(0));
+    let closed = browser.picture();
+    assert!(closed.differing(&apart) > 0.02);
+    set(browser, "cut", &json!("x"));
+    assert!(browser.picture().differing(&closed) > 0.02);
+}
+
+/// Names and texts are shown as they are, and nothing but the page itself was asked for.
+fn nothing_hostile_has_run(browser: &mut Chromium, page: &Path) {
+    assert_eq!(browser.evaluate("document.querySelector('h1').textContent"), json!(HOSTILE));
+    let text = browser.evaluate("document.body.textContent");
+    let text = text.as_str().unwrap();
+    for place in [&format!("FAIL{HOSTILE}"), RUN, "alert(1)"] {
+        assert!(text.contains(place), "{place} is not shown");
+    }
+    let foreign = browser.evaluate(
+        "document.querySelectorAll('body img[src=x], body b, main script, [onerror], a[href]').length",
+    );
+    assert_eq!(foreign, json!(0));
+    assert_eq!(browser.complaints(), [""; 0]);
+    assert_eq!(browser.requests(), [format!("file://{}", page.display())]);
+}
+
+/// Where nothing can be drawn, the page says so, and the rest of it is there.
+fn without_webgl(browser: &mut Chromium, page: &Path) {
+    let blind = "HTMLCanvasElement.prototype.getContext = () => null";
+    browser.call("Page.addScriptToEvaluateOnNewDocument", &json!({ "source": blind }));
+    browser.open(page);
+    browser.wait("document.body?.classList.contains('unseen')");
+    assert_eq!(browser.evaluate("document.getElementById('viewer').hidden"), json!(true));
+    let said = browser.evaluate("document.getElementById('notice').textContent");
+    assert!(said.as_str().unwrap().contains("no WebGL"), "{said}");
+    assert_eq!(
+        browser.evaluate("document.querySelectorAll('#history .dot').length > 0"),
+        json!(true)
+    );
+}
+
+#[test]
+fn a_page_has_what_there_is() {
+    let dir = chamber::workdir();
+    simulated(&dir, "alone");
+    write_page(&dir, "alone", "alone.html");
+    let page = dir.text("alone.html");
+    assert!(page.contains("<section id=\"results\"") && !page.contains("<section id=\"casting\""));
+    assert!(!page.contains("<script>alert") && !page.contains("<img src=x"));
+
+    fs::create_dir(dir.path("empty")).unwrap();
+    let refused = |folder: &str, words: &[&str]| {
+        run(&dir, "cad2fem", &["report", folder, "-o", "none.html"]).assert_refused(2, words);
+        assert!(!dir.path("none.html").exists());
+    };
+    refused("nowhere", &["nowhere"]);
+    refused("empty", &["empty", "nothing to show", "solver simulate"]);
+    fs::write(dir.path("alone/step_002.vtu"), "cut off").unwrap();
+    refused("alone", &["alone/step_002.vtu"]);
+    let other = dir.text("alone/report.json").replacen('{', "[", 1);
+    dir.write("alone/report.json", &other);
+    refused("alone", &["alone/report.json"]);
+}

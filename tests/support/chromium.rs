@@ -1,0 +1,230 @@
+//! A headless Chromium that tests talk to over the DevTools protocol.
+//!
+//! The protocol comes over a pipe: Chromium reads messages that end with a zero byte from file
+//! descriptor 3 and answers on 4, so that no port and no library of web sockets is needed. It
+//! draws in software, so that pictures need no graphics card.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::skip::skip;
+
+/// Names under which systems have it.
+const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+
+/// Longest life of a browser [s], should a test hang.
+const LIFE: u32 = 120;
+
+/// A browser with one page.
+pub struct Chromium {
+    child: Child,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+    calls: u64,
+    session: Option<String>,
+    events: Vec<Value>,
+    _profile: TempDir,
+}
+
+/// What a page looks like.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width and height [px].
+    pub size: [usize; 2],
+    /// Red, green, blue of each pixel.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Picture {
+    /// Number of different colours.
+    #[must_use]
+    pub fn colors(&self) -> usize {
+        let mut colors = self.pixels.clone();
+        colors.sort_unstable();
+        colors.dedup();
+        colors.len()
+    }
+
+    /// Share of pixels that are not the same as in another picture.
+    #[must_use]
+    pub fn differing(&self, other: &Self) -> f64 {
+        assert_eq!(self.size, other.size);
+        let pairs = self.pixels.iter().zip(&other.pixels);
+        pairs.filter(|(a, b)| a != b).count() as f64 / self.pixels.len() as f64
+    }
+}
+
+impl Chromium {
+    /// The Chromium of this machine; none where there is none, and the test is counted as skipped.
+    #[must_use]
+    pub fn installed() -> Option<&'static str> {
+        let known = |name: &&&str| {
+            let found = Command::new("bash").args(["-c", "command -v \"$0\"", name]).output();
+            found.is_ok_and(|found| found.status.success())
+        };
+        let found = NAMES.iter().find(known).copied();
+        if found.is_none() {
+            skip("Chromium is not on this machine");
+        }
+        found
+    }
+
+    /// Starts a browser whose page has `size` pixels.
+    ///
+    /// # Panics
+    /// When it does not start.
+    #[must_use]
+    pub fn start(program: &str, size: [u32; 2]) -> Self {
+        let profile = tempfile::tempdir().expect("a temporary folder");
+        // what is given to the shell as its input and output becomes 3 and 4
+        let script = "exec timeout \"$0\" \"$@\" 3<&0 4>&1 0</dev/null 1>/dev/null 2>/dev/null";
+        let mut child = Command::new("bash")
+            .args(["-c", script, &LIFE.to_string(), program])
+            .args(["--headless", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars"])
+            .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            // no server is reached, whatever a page asks for
+            .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--no-first-run"])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("bash starts");
+        let (input, output) = (child.stdin.take(), child.stdout.take());
+        let mut browser = Self {
+            child,
+            input: input.expect("a pipe"),
+            output: BufReader::new(output.expect("a pipe")),
+            calls: 0,
+            session: None,
+            events: Vec::new(),
+            _profile: profile,
+        };
+        let targets = browser.call("Target.getTargets", &json!({}));
+        let all = targets["targetInfos"].as_array().expect("a list");
+        let page = all.iter().find(|t| t["type"] == "page").expect("a page")["targetId"].clone();
+        let to = json!({ "targetId": page, "flatten": true });
+        let session = browser.call("Target.attachToTarget", &to);
+        browser.session = session["sessionId"].as_str().map(str::to_owned);
+        for domain in ["Page", "Runtime", "Network", "Log"] {
+            browser.call(&format!("{domain}.enable"), &json!({}));
+        }
+        let [width, height] = size;
+        let screen =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        browser.call("Emulation.setDeviceMetricsOverride", &screen);
+        browser
+    }
+
+    /// Calls a method of the protocol.
+    ///
+    /// # Panics
+    /// When the browser has ended or refuses.
+    pub fn call(&mut self, method: &str, parameters: &Value) -> Value {
+        self.calls += 1;
+        let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.input.write_all(format!("{message}\0").as_bytes()).expect("it listens");
+        loop {
+            let mut answer = self.receive();
+            if answer["id"] == self.calls {
+                assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
+                return answer["result"].take();
+            }
+            self.events.push(answer);
+        }
+    }
+
+    fn receive(&mut self) -> Value {
+        let mut message = Vec::new();
+        self.output.read_until(0, &mut message).expect("it answers");
+        assert_eq!(message.pop(), Some(0), "Chromium has ended");
+        serde_json::from_slice(&message).expect("JSON")
+    }
+
+    /// The value of an expression in the page; promises are waited for.
+    ///
+    /// # Panics
+    /// When it throws.
+    pub fn evaluate(&mut self, expression: &str) -> Value {
+        let how = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let mut found = self.call("Runtime.evaluate", &how);
+        let thrown = &found["exceptionDetails"];
+        assert!(thrown.is_null(), "{expression}: {thrown}");
+        found["result"]["value"].take()
+    }
+
+    /// Opens a file.
+    pub fn open(&mut self, path: &Path) {
+        self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
+    }
+
+    /// Waits until an expression is true.
+    ///
+    /// # Panics
+    /// When it does not become so within half a minute.
+    pub fn wait(&mut self, expression: &str) {
+        let start = Instant::now();
+        while self.evaluate(&format!("Boolean({expression})")) != json!(true) {
+            let late = start.elapsed() > Duration::from_secs(30);
+            assert!(!late, "never {expression}; {:#?}", self.complaints());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// What the page looks like now.
+    ///
+    /// # Panics
+    /// When there is no picture.
+    pub fn picture(&mut self) -> Picture {
+        // two frames later all is drawn that was asked for
+        self.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
+        let bytes = STANDARD.decode(shot["data"].as_str().expect("base64")).expect("base64");
+        let decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        let mut reader = decoder.read_info().expect("a PNG file");
+        let mut raw = vec![0; reader.output_buffer_size().expect("it fits into memory")];
+        let info = reader.next_frame(&mut raw).expect("a PNG file");
+        let channels = info.color_type.samples();
+        let pixels = raw.chunks_exact(channels).map(|p| [p[0], p[1], p[2]]).collect();
+        Picture { size: [info.width as usize, info.height as usize], pixels }
+    }
+
+    /// Exceptions, messages on the console, blocked requests and dialogs so far.
+    #[must_use]
+    pub fn complaints(&self) -> Vec<String> {
+        let methods = [
+            "Runtime.exceptionThrown",
+            "Runtime.consoleAPICalled",
+            "Log.entryAdded",
+            "Page.javascriptDialogOpening",
+        ];
+        let bad = self.events.iter().filter(|e| methods.iter().any(|m| e["method"] == *m));
+        bad.map(Value::to_string).collect()
+    }
+
+    /// Addresses that were asked for so far, but for those that hold their data themselves.
+    #[must_use]
+    pub fn requests(&self) -> Vec<String> {
+        let sent = self.events.iter().filter(|e| e["method"] == "Network.requestWillBeSent");
+        let url = |e: &Value| e["params"]["request"]["url"].as_str().unwrap_or_default().to_owned();
+        sent.map(url).filter(|url| !url.starts_with("data:")).collect()
+    }
+}
+
+impl Drop for Chromium {
+    fn drop(&mut self) {
+        let close = json!({ "id": self.calls + 1, "method": "Browser.close" });
+        let _ = self.input.write_all(format!("{close}\0").as_bytes());
+        let _ = self.child.wait();
+    }
+}
