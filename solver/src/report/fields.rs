@@ -199,12 +199,14 @@ mod tests {
             let [points, cells] = fields_of(degree, |x| (f - Mat3::identity()) * x);
             for (name, expected) in expected {
                 for fields in [&points, &cells] {
-                    let field = fields.iter().find(|field| field.name == name).unwrap();
+                    let field =
+                        fields.iter().find(|field| field.name == name).expect("it is written");
                     let near = |x: &f64| (x - expected).abs() < 1e-9 * expected.abs();
                     assert!(field.values.iter().all(near), "{name} {expected} {:?}", field.values);
                 }
             }
-            let tensor = cells.iter().find(|field| field.name == "cauchy_stress").unwrap();
+            let tensor =
+                cells.iter().find(|field| field.name == "cauchy_stress").expect("it is written");
             for found in tensor.values.chunks_exact(9) {
                 let error = (Mat3::from_row_slice(found) - cauchy).norm();
                 assert!(error < 1e-9 * cauchy.norm(), "{found:?}");
