@@ -32,6 +32,7 @@ pub struct BodyForce {
 
 /// One quadrature point of one element.
 struct Point<'a> {
+    element: usize,
     tet: [usize; 4],
     nodes: &'a [usize],
     /// Basis functions.
@@ -70,24 +71,29 @@ impl BodyForce {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 
-    /// Calls `f` with each point of some elements.
+    /// Calls `f` with each point of some elements. Of a force that is the same everywhere,
+    /// one point stands for all of an element, with the mean values of its basis.
     fn for_each_point(&self, iterate: &Iterate, elements: Range<usize>, mut f: impl FnMut(&Point)) {
         let (space, table) = (iterate.space, iterate.space.volume_table());
         let varies = self.force.uses_position();
         let uniform = self.factor * self.force.at(Vec3::zeros(), iterate.load);
+        let mean = |a: usize| table.values.iter().zip(&table.weights).map(|(v, w)| v[a] * w).sum();
+        let means: [Vec<f64>; 1] = [(0..space.nodes_per_element()).map(mean).collect()];
+        let (values, weights): (&[Vec<f64>], &[f64]) =
+            if varies { (&table.values, &table.weights) } else { (&means, &[1.0]) };
         let nodes = space.element_nodes().chunks_exact(space.nodes_per_element());
         let all = space.tets().iter().zip(nodes);
-        for (&tet, nodes) in all.skip(elements.start).take(elements.len()) {
+        for (element, (&tet, nodes)) in all.enumerate().skip(elements.start).take(elements.len()) {
             let [a, b, c, d] = tet.map(|v| iterate.rest[v]);
             let volume = tet_volume(a, b, c, d);
-            for (values, &weight) in table.values.iter().zip(&table.weights) {
+            for (values, &weight) in values.iter().zip(weights) {
                 let (mut place, mut force) = (Vec3::zeros(), uniform);
                 if varies {
                     let position = |n: usize| space.node_position(iterate.rest, n);
                     place = nodes.iter().zip(values).map(|(&n, v)| position(n) * *v).sum();
                     force = self.factor * self.force.at(place, iterate.load);
                 }
-                f(&Point { tet, nodes, values, weight, volume, place, force });
+                f(&Point { element, tet, nodes, values, weight, volume, place, force });
             }
         }
     }
@@ -116,12 +122,12 @@ impl Energy for BodyForce {
         let (own, n) = (self.elements(iterate.space), iterate.space.nodes_per_element());
         let forces = fill(own.len(), n, Vec3::zeros(), |range, forces| {
             let first = own.start + range.start;
-            for (e, forces) in forces.chunks_exact_mut(n).enumerate() {
-                self.for_each_point(iterate, first + e..first + e + 1, |p| {
-                    let force = -p.weight * p.volume * p.force;
-                    forces.iter_mut().zip(p.values).for_each(|(f, v)| *f += force * *v);
-                });
-            }
+            let last = first + range.len();
+            self.for_each_point(iterate, first..last, |p| {
+                let force = -p.weight * p.volume * p.force;
+                let own = &mut forces[n * (p.element - first)..][..n];
+                own.iter_mut().zip(p.values).for_each(|(f, v)| *f += force * *v);
+            });
         });
         iterate.space.incidence().add(n * own.start..n * own.end, &forces, out);
     }

@@ -12,6 +12,8 @@
 //! Analysis"; shape derivative: Haug, Choi and Komkov, "Design Sensitivity
 //! Analysis of Structural Systems".
 
+mod batch;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -20,11 +22,12 @@ use mesh::Vec3;
 use super::{Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::{Kinematics, Material};
+use crate::math::lanes::widest;
 use crate::math::pool::Pool;
-use crate::math::simd::{Wide, widest};
-use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
-use crate::math::tensor::{Mat3, project_isotropic, vec9};
+use crate::math::sparse::{BlockMatrix, pair_count};
+use crate::math::tensor::{Mat3, vec9};
 use crate::parallel::{fill, map_merge, map_merge_waves};
+use batch::{Gradients, Hessians, Values};
 
 /// Elastic energy of elements with one law.
 #[derive(Clone)]
@@ -95,72 +98,6 @@ impl Elastic {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 
-    fn element_values<const N: usize>(&self, iterate: &Iterate, elements: Range<usize>) -> f64 {
-        let mut sum = 0.0;
-        for e in elements {
-            let element = Element::new(iterate.space, iterate.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
-                let k = Kinematics::new(&field_gradient(&u, &element.gradients(iterate.space, q)));
-                let density = self.material.energy_density(&k);
-                if !density.is_finite() {
-                    return f64::INFINITY;
-                }
-                sum += weight * element.volume * density;
-            }
-        }
-        sum
-    }
-
-    /// Writes the gradients of elements, N values each.
-    fn element_gradients<const N: usize>(
-        &self,
-        iterate: &Iterate,
-        elements: Range<usize>,
-        out: &mut [Vec3],
-    ) {
-        for (e, local) in elements.zip(out.chunks_exact_mut(N)) {
-            let element = Element::new(iterate.space, iterate.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
-                let g = element.gradients(iterate.space, q);
-                let k = Kinematics::new(&field_gradient(&u, &g));
-                let stress = self.material.first_piola(&k) * (weight * element.volume);
-                for (l, g) in local.iter_mut().zip(&g) {
-                    *l += stress * g;
-                }
-            }
-        }
-    }
-
-    /// Writes the lower blocks of the elements' Hessians in the order of [`pair_index`].
-    #[inline(always)]
-    fn element_hessians<const N: usize>(
-        &self,
-        iterate: &Iterate,
-        kind: Hessian,
-        elements: Range<usize>,
-        blocks: &mut [[f64; 9]],
-    ) {
-        let pairs = pair_count(N);
-        for (e, blocks) in elements.zip(blocks.chunks_exact_mut(pairs)) {
-            let mut local: Dense<N> = [[[[0.0; N]; 3]; 3]; N];
-            let element = Element::new(iterate.space, iterate.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
-                let g: [Vec3; N] = element.gradients(iterate.space, q);
-                let grad_u = field_gradient(&u, &g);
-                let mut tangent = self.material.tangent(&Kinematics::new(&grad_u));
-                if kind == Hessian::Projected {
-                    tangent = project_isotropic(&tangent, &(Mat3::identity() + grad_u));
-                }
-                tangent *= weight * element.volume;
-                add_point_hessian(&tangent, &g, &mut local);
-            }
-            lower_blocks(&local, blocks);
-        }
-    }
-
     fn element_mixed<const N: usize>(
         &self,
         iterate: &Iterate,
@@ -219,78 +156,10 @@ fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
     range.start + by..range.end + by
 }
 
-/// The lower blocks of the Hessians of some elements.
-struct ElementHessians<'a, const N: usize> {
-    elastic: &'a Elastic,
-    iterate: &'a Iterate<'a>,
-    kind: Hessian,
-    elements: Range<usize>,
-    blocks: &'a mut [[f64; 9]],
-}
-
-impl<const N: usize> Wide for ElementHessians<'_, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { elastic, iterate, kind, elements, blocks } = self;
-        elastic.element_hessians::<N>(iterate, kind, elements, blocks);
-    }
-}
-
 /// Rest gradients of the four barycentric coordinates.
 fn corner_gradients(element: &Element) -> [Vec3; 4] {
     let c = |k: usize| element.to_rest.column(k).into_owned();
     [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
-}
-
-/// Hessian of one element: entry (a, i), (b, j) at `[a][i][j][b]`, so that the
-/// last two indices make long rows.
-type Dense<const N: usize> = [[[[f64; N]; 3]; 3]; N];
-
-/// Adds ∇φ_a · A · ∇φ_b for all pairs; A is symmetric. Rows of only the pairs b ≤ a, in whole
-/// vectors, took a quarter longer.
-#[inline(always)]
-fn add_point_hessian<const N: usize>(
-    tangent: &crate::math::tensor::Mat9,
-    g: &[Vec3; N],
-    local: &mut Dense<N>,
-) {
-    let [g0, g1, g2]: [[f64; N]; 3] = std::array::from_fn(|l| std::array::from_fn(|b| g[b][l]));
-    for i in 0..3 {
-        // c[k][j][b] is the stress (i, k) that component j of node b causes
-        let mut c = [[[0.0; N]; 3]; 3];
-        for (k, c) in c.iter_mut().enumerate() {
-            for (j, c) in c.iter_mut().enumerate() {
-                let t: [f64; 3] = std::array::from_fn(|l| tangent[(3 * l + j, 3 * k + i)]);
-                for b in 0..N {
-                    c[b] = t[0] * g0[b] + t[1] * g1[b] + t[2] * g2[b];
-                }
-            }
-        }
-        for (local, g) in local.iter_mut().zip(g) {
-            for j in 0..3 {
-                for b in 0..N {
-                    local[i][j][b] += g[0] * c[0][j][b] + g[1] * c[1][j][b] + g[2] * c[2][j][b];
-                }
-            }
-        }
-    }
-}
-
-/// Copies the blocks b ≤ a in the order of [`pair_index`].
-#[inline(always)]
-fn lower_blocks<const N: usize>(local: &Dense<N>, blocks: &mut [[f64; 9]]) {
-    for (a, rows) in local.iter().enumerate() {
-        for b in 0..=a {
-            let block = &mut blocks[pair_index(a, b)];
-            for i in 0..3 {
-                for j in 0..3 {
-                    block[3 * i + j] = rows[i][j][b];
-                }
-            }
-        }
-    }
 }
 
 impl Elastic {
@@ -299,7 +168,10 @@ impl Elastic {
         let own = self.elements(iterate.space);
         map_merge(
             own.len(),
-            |r| self.element_values::<N>(iterate, shifted(&r, own.start)),
+            |r| {
+                let elements = shifted(&r, own.start);
+                widest(Values::<N> { elastic: self, iterate, elements })
+            },
             |_, part| sum += part,
         );
         sum
@@ -307,8 +179,9 @@ impl Elastic {
 
     fn merge_gradients<const N: usize>(&self, iterate: &Iterate, out: &mut [f64]) {
         let own = self.elements(iterate.space);
-        let forces = fill(own.len(), N, Vec3::zeros(), |r, forces| {
-            self.element_gradients::<N>(iterate, shifted(&r, own.start), forces);
+        let forces = fill(own.len(), N, Vec3::zeros(), |r, out| {
+            let elements = shifted(&r, own.start);
+            widest(Gradients::<N> { elastic: self, iterate, elements, out });
         });
         iterate.space.incidence().add(N * own.start..N * own.end, &forces, out);
     }
@@ -326,14 +199,8 @@ impl Elastic {
             |r| {
                 let elements = shifted(&r, own.start);
                 let mut blocks = memory.filled(pair_count(N) * elements.len(), [0.0; 9]);
-                let part = ElementHessians::<N> {
-                    elastic: self,
-                    iterate,
-                    kind,
-                    elements,
-                    blocks: &mut blocks,
-                };
-                widest(part);
+                let out = &mut blocks;
+                widest(Hessians::<N> { elastic: self, iterate, kind, elements, blocks: out });
                 blocks
             },
             |r, parts| {

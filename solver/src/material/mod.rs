@@ -12,6 +12,7 @@ mod mooney_rivlin;
 mod mooney_rivlin_quadratic;
 mod neo_hookean;
 mod ogden;
+mod points;
 pub mod response;
 mod saint_venant_kirchhoff;
 pub mod sheet;
@@ -30,6 +31,7 @@ pub use mooney_rivlin::MooneyRivlin;
 pub use mooney_rivlin_quadratic::MooneyRivlinQuadratic;
 pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
+pub use points::Points;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use specification::Specification;
 pub use yeoh::Yeoh;
@@ -49,6 +51,10 @@ pub trait Material: Send + Sync {
     fn parameter_count(&self) -> usize;
     /// Adds P̄ : ∂P/∂parameters, in the order of the law's [`Law::parameters`].
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]);
+    /// The law as ψ(Ī₁, Ī₂, J), if it is one.
+    fn isotropic(&self) -> Option<&dyn Isotropic> {
+        None
+    }
 }
 
 /// The laws, in the order in which they are listed.

@@ -6,11 +6,10 @@
 //! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
 //! Analysis", section on compressible neo-Hookean material.
 
-use super::isotropic::add_j_hessian;
 use super::lame::{self, Lame};
 use super::law::Law;
 use super::{Kinematics, Material};
-use crate::math::tensor::{Mat3, Mat9, vec9};
+use crate::math::tensor::{Mat3, Mat9, cross_matrix, vec9};
 
 /// Parameters of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,4 +73,16 @@ impl Material for NeoHookean {
 fn by_lame(k: &Kinematics) -> [Mat3; 2] {
     let inverse_transpose = k.cofactor / k.j();
     [k.left_minus_1() * inverse_transpose, k.log_j() * inverse_transpose]
+}
+
+/// ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
+fn add_j_hessian(k: &Kinematics, scale: f64, a: &mut Mat9) {
+    for c in 0..3 {
+        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
+        let (f1, f2) = (k.f.column(c1).into_owned(), k.f.column(c2).into_owned());
+        let mut by_c1 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c1);
+        by_c1 -= scale * cross_matrix(&f2);
+        let mut by_c2 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c2);
+        by_c2 += scale * cross_matrix(&f1);
+    }
 }

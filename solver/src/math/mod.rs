@@ -1,12 +1,12 @@
 //! Small dense and sparse algebra.
 
+pub mod lanes;
 pub mod least_squares;
 pub mod linear;
 pub mod ordering;
 pub mod pool;
 pub mod random;
 pub mod remainder;
-pub mod simd;
 pub mod sparse;
 pub mod taylor;
 pub mod tensor;

@@ -1,0 +1,359 @@
+//! Elements side by side, one in each lane: their energies, forces and Hessians.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::Elastic;
+use crate::element::at;
+use crate::energy::{Hessian, Iterate};
+use crate::material::{Kinematics, Material, Points};
+use crate::math::lanes::projection::{self, Tangents, smallest_pivots};
+use crate::math::lanes::tensor::{Tensor, cofactor, determinant, lane, plus_identity, scaled};
+use crate::math::lanes::{Lanes, MOST};
+use crate::math::sparse::{pair_count, pair_index};
+use crate::math::tensor::{Mat3, Mat9, project_isotropic};
+use mesh::Vec3;
+
+/// Vectors of components, one for each of N nodes.
+type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
+
+/// Consecutive straight-sided elements, as many as there are lanes.
+struct Batch<'a, S: Simd, const N: usize> {
+    simd: S,
+    iterate: &'a Iterate<'a>,
+    /// G⁻¹, whose rows are the rest gradients of three barycentric coordinates [1/m].
+    to_rest: Tensor<S>,
+    /// Rest volume [m³].
+    volume: Lanes<S>,
+    /// Displacements of the nodes [m].
+    u: Nodal<S, N>,
+}
+
+impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
+    /// From an element on; lanes beyond the last one repeat it.
+    #[inline(always)]
+    fn new(simd: S, iterate: &'a Iterate<'a>, elements: &Range<usize>) -> Self {
+        let mut indices = [elements.end - 1; MOST];
+        for (index, e) in indices.iter_mut().zip(elements.clone()) {
+            *index = e;
+        }
+        let zero = Lanes::splat(simd, 0.0);
+        let (mut edges, mut u) = ([[zero; 3]; 3], [[zero; 3]; N]);
+        let tets = iterate.space.tets();
+        for (k, edge) in edges.iter_mut().enumerate() {
+            for (i, edge) in edge.iter_mut().enumerate() {
+                let mut values = [0.0; MOST];
+                for (value, &e) in values.iter_mut().zip(&indices) {
+                    let [first, other] = [tets[e][0], tets[e][k + 1]];
+                    *value = iterate.rest[other][i] - iterate.rest[first][i];
+                }
+                *edge = Lanes::load(simd, &values);
+            }
+        }
+        let nodes = iterate.space.element_nodes();
+        for (a, u) in u.iter_mut().enumerate() {
+            let mut values = [[0.0; MOST]; 3];
+            for (lane, &e) in indices.iter().enumerate() {
+                let node = at(iterate.u, nodes[e * N + a]);
+                for i in 0..3 {
+                    values[i][lane] = node[i];
+                }
+            }
+            for i in 0..3 {
+                u[i] = Lanes::load(simd, &values[i]);
+            }
+        }
+        // the edges are the columns of G: of Gᵀ the cofactor over det G is G⁻¹; a flat
+        // element gives infinities, which the caller sees as an infinite energy
+        let minors = cofactor(&edges);
+        let det = determinant(&edges, &minors);
+        let to_rest = scaled(&minors, det.recip());
+        Self { simd, iterate, to_rest, volume: det * (1.0 / 6.0), u }
+    }
+
+    /// Rest gradients ∇φ_a of all nodes at quadrature point q.
+    #[inline(always)]
+    fn gradients(&self, q: usize) -> Nodal<S, N> {
+        let table = &self.iterate.space.volume_table().gradients[q];
+        let mut g = self.u;
+        for (g, table) in g.iter_mut().zip(table) {
+            let (x, y, z) = (table[0], table[1], table[2]);
+            let [x, y, z] = [self.splat(x), self.splat(y), self.splat(z)];
+            for i in 0..3 {
+                let to = &self.to_rest;
+                g[i] = x.mul_add(to[0][i], y.mul_add(to[1][i], z * to[2][i]));
+            }
+        }
+        g
+    }
+
+    #[inline(always)]
+    fn splat(&self, x: f64) -> Lanes<S> {
+        Lanes::splat(self.simd, x)
+    }
+
+    /// ∇u = Σ u_a ⊗ ∇φ_a.
+    #[inline(always)]
+    fn grad_u(&self, gradients: &Nodal<S, N>) -> Tensor<S> {
+        let mut sum = [[Lanes::splat(self.simd, 0.0); 3]; 3];
+        for (u, g) in self.u.iter().zip(gradients) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    sum[i][j] = u[i].mul_add(g[j], sum[i][j]);
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Quadrature points and fractions of the volume that they stand for. Where strain is constant
+/// in an element, one point stands for all.
+fn points<const N: usize>(iterate: &Iterate) -> impl Iterator<Item = (usize, f64)> {
+    let weights = &iterate.space.volume_table().weights;
+    let constant = N == 4;
+    let of = move |q: usize| if constant { 1.0 } else { weights[q] };
+    (0..if constant { 1 } else { weights.len() }).map(move |q| (q, of(q)))
+}
+
+/// Cuts a range into pieces of at most `each`.
+fn pieces(range: Range<usize>, each: usize) -> impl Iterator<Item = Range<usize>> {
+    range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
+}
+
+/// ψ of each lane [J/m³].
+#[inline(always)]
+fn energy_densities<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> [f64; MOST] {
+    if let Some(law) = law.isotropic() {
+        return Points::new(simd, grad_u).energy_densities(law);
+    }
+    let mut values = [0.0; MOST];
+    for (l, value) in values.iter_mut().enumerate().take(Lanes::<S>::COUNT) {
+        *value = law.energy_density(&Kinematics::new(&lane(grad_u, l)));
+    }
+    values
+}
+
+/// P [Pa].
+#[inline(always)]
+fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tensor<S> {
+    if let Some(law) = law.isotropic() {
+        let points = Points::new(simd, grad_u);
+        return points.first_piola(&points.partials(law));
+    }
+    let mut values = [[[0.0; MOST]; 3]; 3];
+    for l in 0..Lanes::<S>::COUNT {
+        let stress = law.first_piola(&Kinematics::new(&lane(grad_u, l)));
+        for i in 0..3 {
+            for j in 0..3 {
+                values[i][j][l] = stress[(i, j)];
+            }
+        }
+    }
+    let mut stress = *grad_u;
+    for i in 0..3 {
+        for j in 0..3 {
+            stress[i][j] = Lanes::load(simd, &values[i][j]);
+        }
+    }
+    stress
+}
+
+/// ∂P/∂F [Pa].
+#[inline(always)]
+fn tangents<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tangents<S> {
+    if let Some(law) = law.isotropic() {
+        let points = Points::new(simd, grad_u);
+        return points.tangent(&points.partials(law));
+    }
+    let mut tangents = [[Lanes::splat(simd, 0.0); 9]; 9];
+    for l in 0..Lanes::<S>::COUNT {
+        let tangent = law.tangent(&Kinematics::new(&lane(grad_u, l)));
+        set_lane(simd, &mut tangents, l, &tangent);
+    }
+    tangents
+}
+
+/// Writes the lower triangle of one lane.
+#[inline(always)]
+fn set_lane<S: Simd>(simd: S, tangents: &mut Tangents<S>, lane: usize, tangent: &Mat9) {
+    for i in 0..9 {
+        for j in 0..=i {
+            let mut values = tangents[i][j].to_array();
+            values[lane] = tangent[(i, j)];
+            tangents[i][j] = Lanes::load(simd, &values);
+        }
+    }
+}
+
+/// Makes tangents of a law positive semidefinite where they are not.
+#[inline(always)]
+fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, grad_u: &Tensor<S>) {
+    let pivots = smallest_pivots(tangents);
+    let each = pivots.to_array();
+    let mut lanes = (0..Lanes::<S>::COUNT).filter(|&l| !(each[l] > 0.0)).peekable();
+    if lanes.peek().is_none() {
+        return;
+    }
+    if law.isotropic().is_some() {
+        let f = plus_identity(grad_u, Lanes::splat(simd, 1.0));
+        return projection::project_isotropic(tangents, &f, pivots);
+    }
+    for l in lanes {
+        let whole = Mat9::from_fn(|i, j| tangents[i.max(j)][i.min(j)].to_array()[l]);
+        let f = Mat3::identity() + lane(grad_u, l);
+        set_lane(simd, tangents, l, &project_isotropic(&whole, &f));
+    }
+}
+
+/// The energy of some elements [J].
+pub struct Values<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+}
+
+impl<const N: usize> WithSimd for Values<'_, N> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let mut sum = 0.0;
+        for elements in pieces(self.elements, Lanes::<S>::COUNT) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            let volume = batch.volume.to_array();
+            let mut values = [0.0; MOST];
+            for (q, weight) in points::<N>(self.iterate) {
+                let grad_u = batch.grad_u(&batch.gradients(q));
+                let densities = energy_densities(simd, &*self.elastic.material, &grad_u);
+                for l in 0..Lanes::<S>::COUNT {
+                    values[l] += weight * volume[l] * densities[l];
+                }
+            }
+            // element by element, so that the sum is the same for any number of lanes
+            sum += values.iter().take(elements.len()).fold(0.0, |sum, v| sum + v);
+        }
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+}
+
+/// Writes the gradients of elements, N values each.
+pub struct Gradients<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+    pub out: &'a mut [Vec3],
+}
+
+impl<const N: usize> WithSimd for Gradients<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let zero = Lanes::splat(simd, 0.0);
+        let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
+        for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            let mut forces = [[zero; 3]; N];
+            for (q, weight) in points::<N>(self.iterate) {
+                let g = batch.gradients(q);
+                let stress = first_piola(simd, &*self.elastic.material, &batch.grad_u(&g));
+                let stress = scaled(&stress, batch.volume * weight);
+                for (force, g) in forces.iter_mut().zip(&g) {
+                    for i in 0..3 {
+                        let along =
+                            stress[i][1].mul_add(g[1], stress[i][2].mul_add(g[2], force[i]));
+                        force[i] = stress[i][0].mul_add(g[0], along);
+                    }
+                }
+            }
+            for (a, force) in forces.iter().enumerate() {
+                for i in 0..3 {
+                    let values = force[i].to_array();
+                    for (element, value) in out.chunks_exact_mut(N).zip(values) {
+                        element[a][i] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Writes the lower blocks of the Hessians of elements in the order of [`pair_index`].
+pub struct Hessians<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub kind: Hessian,
+    pub elements: Range<usize>,
+    pub blocks: &'a mut [[f64; 9]],
+}
+
+impl<const N: usize> WithSimd for Hessians<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let pairs = pair_count(N);
+        let mut local = vec![[Lanes::splat(simd, 0.0); 9]; pairs];
+        let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
+        for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            local.fill([Lanes::splat(simd, 0.0); 9]);
+            for (q, weight) in points::<N>(self.iterate) {
+                let g = batch.gradients(q);
+                let grad_u = batch.grad_u(&g);
+                let mut tangents = tangents(simd, &*self.elastic.material, &grad_u);
+                if self.kind == Hessian::Projected {
+                    project(simd, &*self.elastic.material, &mut tangents, &grad_u);
+                }
+                add_point::<S, N>(&tangents, &g, batch.volume * weight, &mut local);
+            }
+            for (pair, local) in local.iter().enumerate() {
+                for (entry, local) in local.iter().enumerate() {
+                    let values = local.to_array();
+                    for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
+                        element[pair][entry] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
+#[inline(always)]
+fn add_point<S: Simd, const N: usize>(
+    tangents: &Tangents<S>,
+    g: &Nodal<S, N>,
+    weight: Lanes<S>,
+    local: &mut [[Lanes<S>; 9]],
+) {
+    for i in 0..3 {
+        // c[b][k][j] is the stress (i, k) that component j of node b causes
+        let mut c = [[[weight; 3]; 3]; N];
+        for k in 0..3 {
+            for j in 0..3 {
+                let mut t = [weight; 3];
+                for (l, t) in t.iter_mut().enumerate() {
+                    let (row, column) = (3 * l + j, 3 * k + i);
+                    *t = weight * tangents[row.max(column)][row.min(column)];
+                }
+                for b in 0..N {
+                    let sum = t[1].mul_add(g[b][1], t[2] * g[b][2]);
+                    c[b][k][j] = t[0].mul_add(g[b][0], sum);
+                }
+            }
+        }
+        for a in 0..N {
+            for b in 0..=a {
+                let local = &mut local[pair_index(a, b)];
+                for j in 0..3 {
+                    let sum = g[a][1].mul_add(c[b][1][j], local[3 * i + j]);
+                    let sum = g[a][2].mul_add(c[b][2][j], sum);
+                    local[3 * i + j] = g[a][0].mul_add(c[b][0][j], sum);
+                }
+            }
+        }
+    }
+}
