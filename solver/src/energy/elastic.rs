@@ -198,7 +198,7 @@ impl Elastic {
             own.len(),
             |r| {
                 let elements = shifted(&r, own.start);
-                let mut blocks = memory.filled(pair_count(N) * elements.len(), [0.0; 9]);
+                let mut blocks = memory.overwritable(pair_count(N) * elements.len(), [0.0; 9]);
                 let out = &mut blocks;
                 widest(Hessians::<N> { elastic: self, iterate, kind, elements, blocks: out });
                 blocks

@@ -194,7 +194,7 @@ impl Newton {
         residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
-        let mut indefinite = Indefinite::default();
+        let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
             let (residual, wanted) = (now.residual, self.wanted(now.scale));
@@ -219,6 +219,13 @@ impl Newton {
             let from = indefinite.modification(residual);
             let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
             indefinite.watch(residual, from, by);
+            if iterations == 0 {
+                workspace.indefinite_starts = match (from, by) {
+                    (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),
+                    (_, by) if by < Modification::Projected => 0,
+                    _ => PATIENCE,
+                };
+            }
             within_rounding = decrease <= NEGLIGIBLE * now.energy.abs();
             if within_rounding && (step.is_none() || flat.iterations >= FLAT) {
                 *now = flat.best;
@@ -288,12 +295,16 @@ impl Flat {
 ///
 /// A residual that has grown a lot although the energy fell means crushed elements or a
 /// new contact. After a step with a modified Hessian, the next one is of the same kind
-/// until the residual has fallen a lot, or for [`PATIENCE`] steps.
+/// until the residual has fallen a lot, or for [`PATIENCE`] steps. Where the method began with
+/// an indefinite Hessian, it is taken to do so the next [`PATIENCE`] times, too
+/// ([`Workspace::indefinite_starts`]): loads grow from one time step to the next.
 ///
 /// What it gave (Newton iterations / factorisations, of which failed; before and with it,
 /// and with the pressure's stiffness left out of the projected Hessian): frog P2 at
 /// 55 kPa from rest 15/14, 5 and 13/9, 1; worm in motion, 5 steps, 36/23, 6 and 36/16, 0.
 struct Indefinite {
+    /// Whether the first Hessian is taken to be indefinite.
+    expected: bool,
     /// The least residual so far [N].
     least: f64,
     /// Residual where the Hessian was last found to be indefinite [N].
@@ -302,22 +313,24 @@ struct Indefinite {
     steps: usize,
 }
 
-impl Default for Indefinite {
-    fn default() -> Self {
-        Self { least: f64::INFINITY, found: f64::INFINITY, steps: 0 }
-    }
-}
-
 impl Indefinite {
+    /// At the start, where the Hessian may be expected to be indefinite.
+    fn expected(expected: bool) -> Self {
+        Self { expected, least: f64::INFINITY, found: f64::INFINITY, steps: 0 }
+    }
+
     /// The modification to begin with.
     fn modification(&mut self, residual: f64) -> Modification {
         self.least = self.least.min(residual);
         let lasts = self.steps < PATIENCE && residual * A_LOT > self.found;
-        if lasts || residual > A_LOT * self.least {
-            Modification::Projected
-        } else {
-            Modification::Near
+        if lasts {
+            return Modification::Projected;
         }
+        if std::mem::take(&mut self.expected) || residual > A_LOT * self.least {
+            (self.found, self.steps) = (residual, 0);
+            return Modification::Projected;
+        }
+        Modification::Near
     }
 
     /// Takes note of the modification that a step began with, and of the one it took.

@@ -129,6 +129,7 @@ pub fn solve_from(
     start: &Configuration,
     newton: &Newton,
 ) -> Result<Solution, Failure> {
+    workspace.indefinite_starts = 0;
     let attempt = attempt(problem, workspace, start, start.load, newton);
     let step = attempt.map_err(|failed| failed.failure)?;
     let newton_iterations = step.newton_iterations;

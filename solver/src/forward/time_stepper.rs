@@ -32,6 +32,8 @@ pub struct Progress {
     pub last: Vec<Reached>,
     /// All Newton iterations, those of rejected steps included.
     pub newton_iterations: usize,
+    /// [`Workspace::indefinite_starts`].
+    pub indefinite_starts: usize,
 }
 
 /// A state that was reached.
@@ -85,7 +87,9 @@ impl TimeStepper {
     #[must_use]
     pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
         let (time, increment, last) = (0.0, stepping.first, Vec::new());
-        let progress = Progress { integrator, time, increment, last, newton_iterations: 0 };
+        let (newton_iterations, indefinite_starts) = (0, 0);
+        let progress =
+            Progress { integrator, time, increment, last, newton_iterations, indefinite_starts };
         Self { stepping, progress, guide: None, step: None }
     }
 
@@ -120,6 +124,7 @@ impl TimeStepper {
         mut observe: impl FnMut(&LoadStep),
     ) -> Result<(), Unreached> {
         workspace.linear_mut().forget();
+        workspace.indefinite_starts = self.progress.indefinite_starts;
         let step = self.begin(problem, rest, end);
         let mut done = 0.0; // fraction of the time step
         while done < 1.0 {
@@ -167,6 +172,7 @@ impl TimeStepper {
         let u = self.progress.reached().to_vec();
         self.progress.integrator.accept(&step, &u);
         self.progress.time = end;
+        self.progress.indefinite_starts = workspace.indefinite_starts;
         Ok(())
     }
 

@@ -31,6 +31,8 @@ const PREDICTION: f64 = 1e-6;
 pub struct Workspace {
     /// Time spent so far.
     pub timings: Timings,
+    /// How many more times Newton's method is taken to begin with an indefinite Hessian.
+    pub indefinite_starts: usize,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -77,6 +79,7 @@ impl Workspace {
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
+            indefinite_starts: 0,
             linear,
             linearization: None,
             linearizations: 0,

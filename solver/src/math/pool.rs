@@ -31,6 +31,15 @@ impl<T: Copy> Pool<T> {
         buffer
     }
 
+    /// A buffer of a length that is going to be overwritten: with what it had, and a value where
+    /// it is new.
+    pub fn overwritable(&self, len: usize, value: T) -> Vec<T> {
+        let mut buffer = self.take(len);
+        buffer.truncate(len);
+        buffer.resize(len, value);
+        buffer
+    }
+
     /// The smallest of the free buffers that is long enough. Where none is, the longest
     /// makes way for a new one, so that no more memory waits than was in use before.
     fn take(&self, len: usize) -> Vec<T> {
