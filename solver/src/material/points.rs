@@ -4,6 +4,8 @@
 //! As in [`Kinematics`](super::Kinematics), differences to the rest state are formed from ∇u,
 //! so that they keep their digits at small strain.
 
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
 use pulp::Simd;
 
 use super::{Invariants, Isotropic};

@@ -1,5 +1,7 @@
 //! Elements side by side, one in each lane: their energies, forces and Hessians.
 
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
 use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
@@ -192,7 +194,8 @@ fn set_lane<S: Simd>(simd: S, tangents: &mut Tangents<S>, lane: usize, tangent: 
 fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, grad_u: &Tensor<S>) {
     let pivots = smallest_pivots(tangents);
     let each = pivots.to_array();
-    let mut lanes = (0..Lanes::<S>::COUNT).filter(|&l| !(each[l] > 0.0)).peekable();
+    let mut lanes =
+        (0..Lanes::<S>::COUNT).filter(|&l| each[l] <= 0.0 || each[l].is_nan()).peekable();
     if lanes.peek().is_none() {
         return;
     }

@@ -7,6 +7,8 @@
 //! energies", doi:10.1145/3241041; Jacobi's method: Golub and Van Loan, "Matrix
 //! Computations", section 8.5.
 
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
 use pulp::Simd;
 
 use super::Lanes;

@@ -1,5 +1,7 @@
 //! 3×3 tensors in lanes.
 
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
 use pulp::Simd;
 
 use super::Lanes;
