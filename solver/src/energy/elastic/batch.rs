@@ -360,3 +360,71 @@ fn add_point<S: Simd, const N: usize>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::FunctionSpace;
+    use crate::material::{MooneyRivlin, Ogden};
+    use crate::math::lanes::{Scalar, widest};
+    use crate::math::random::Random;
+
+    /// Elements that share no vertex, so strained that some tangents are indefinite, and that the
+    /// series of logarithms are left in some.
+    fn bodies(count: usize) -> (FunctionSpace, Vec<Vec3>, Vec<f64>) {
+        let mut random = Random::new(5);
+        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let all = corners.iter().cycle().take(4 * count);
+        let rest: Vec<Vec3> = all.map(|c| c + 0.1 * random.vector()).collect();
+        let tets = (0..count).map(|e| [4 * e, 4 * e + 1, 4 * e + 2, 4 * e + 3]).collect();
+        let space = FunctionSpace::new(2, rest.len(), tets);
+        let scale = |i: usize| 0.02 + 0.2 * ((i / 30) % 8) as f64 / 7.0;
+        let numbers = random.numbers(3 * space.node_count());
+        let u = numbers.iter().enumerate().map(|(i, x)| scale(i) * x).collect();
+        (space, rest, u)
+    }
+
+    #[test]
+    fn bits_are_the_same_for_any_number_of_lanes() {
+        let (space, rest, u) = bodies(21);
+        let iterate =
+            Iterate { space: &space, rest: &rest, u: &u, load: 1.0, multipliers: &[], step: None };
+        let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
+        let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
+        let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];
+        for elastic in laws.map(Elastic::whole) {
+            let (elastic, iterate) = (&elastic, &iterate);
+            let values = || Values::<10> { elastic, iterate, elements: 0..21 };
+            let one = values().with_simd(Scalar);
+            assert!(one > 0.0);
+            assert_eq!(one.to_bits(), widest(values()).to_bits());
+            let gradients = |wide: bool| {
+                let mut out = vec![Vec3::zeros(); 210];
+                let work = Gradients::<10> { elastic, iterate, elements: 0..21, out: &mut out };
+                if wide {
+                    widest(work)
+                } else {
+                    work.with_simd(Scalar)
+                }
+                out
+            };
+            assert_eq!(gradients(false), gradients(true));
+            let hessians = |wide: bool, kind: Hessian| {
+                let mut blocks = vec![[0.0; 9]; 21 * 55];
+                let out = &mut blocks;
+                let work = Hessians::<10> { elastic, iterate, kind, elements: 0..21, blocks: out };
+                if wide {
+                    widest(work)
+                } else {
+                    work.with_simd(Scalar)
+                }
+                blocks
+            };
+            let exact = hessians(false, Hessian::Exact);
+            assert_eq!(exact, hessians(true, Hessian::Exact));
+            let projected = hessians(false, Hessian::Projected);
+            assert_eq!(projected, hessians(true, Hessian::Projected));
+            assert!(projected != exact, "no tangent is indefinite");
+        }
+    }
+}
