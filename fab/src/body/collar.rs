@@ -132,13 +132,13 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
             inlets.push(collar.inlet(&up));
             collars.push(collar);
         }
-        cores.push((solid, inlets));
+        cores.push((core.chamber.clone(), solid, inlets));
     }
-    let solids: Vec<Solid> = cores.iter().map(|(solid, _)| solid.clone()).collect();
+    let solids: Vec<Solid> = cores.iter().map(|(_, solid, _)| solid.clone()).collect();
     let (filled, cast) = body(&filled, &solids, &collars);
     let cores = cores
         .into_iter()
-        .map(|(solid, inlets)| CoreBoundary { surface: solid.to_surface(), inlets })
+        .map(|(chamber, solid, inlets)| CoreBoundary { chamber, surface: solid.to_surface(), inlets })
         .collect();
     let boundary = Boundary {
         filled: filled.to_surface(),
