@@ -83,10 +83,8 @@ fn with(report: &MoldReport, purpose: Purpose) -> impl Iterator<Item = &Outline>
 pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let shells = names(report, Role::Shell);
     let cores = names(report, Role::Core);
-    let mut steps = vec![
-        print(report),
-        "Put the mold together once while it is empty; it fits one way only.".into(),
-    ];
+    let mut steps = vec![print(report)];
+    steps.extend((!report.open).then(|| try_out(report, &cores)));
     if report.method == Method::Soluble && !cores.is_empty() {
         steps.push(format!("Print {} of a filament that water dissolves.", and(&cores)));
     }
@@ -103,7 +101,13 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
     }
+    if report.chambers.is_empty() {
+        return steps;
+    }
     match &report.collars[..] {
+        [] if report.chambers.len() > 1 => {
+            steps.push("Glue a tube into each inlet, and write the number of its chamber on it.".into());
+        }
         [] => steps.push("Glue the tube into the inlet.".into()),
         collars => steps.extend(collars.iter().map(|collar| insert(collar, report))),
     }
@@ -111,6 +115,39 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
     steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
     steps
+}
+
+/// The mold is put together before it is needed, and whether that can be done wrong.
+fn try_out(report: &MoldReport, cores: &[&str]) -> String {
+    let once = "Put the mold together once while it is empty; ";
+    let ways = match (report.one_way, cores.len()) {
+        (true, 0 | 1) => "it fits one way only.",
+        (true, _) => "it fits one way only, and each core into its own socket only.",
+        (false, 1) => {
+            "its core can be turned in its socket: mark how it stands in assembled.png with a pen on both."
+        }
+        (false, _) => {
+            "its cores can be mixed up or turned in their sockets: mark how they stand in exploded.png with a pen \
+             on cores and sockets."
+        }
+    };
+    once.to_owned() + ways
+}
+
+/// Which core goes where.
+fn put(cores: &[&str], report: &MoldReport) -> String {
+    if let [core] = cores {
+        return format!(", put {core} into its socket");
+    }
+    let chamber = |k: usize| match report.chambers.get(k).map_or("", String::as_str) {
+        "" => String::new(),
+        tag => format!(" for `{tag}`"),
+    };
+    let each = cores.iter().enumerate();
+    let each: Vec<String> =
+        each.map(|(k, core)| format!("{core}{} into socket {}", chamber(k), k + 1)).collect();
+    let each: Vec<&str> = each.iter().map(String::as_str).collect();
+    format!(", put {}", and(&each))
 }
 
 fn print(report: &MoldReport) -> String {
@@ -143,13 +180,27 @@ fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
     let (holder, others) = shells.split_last().map_or(("", &[][..]), |(h, o)| (*h, o));
     let mut words = format!("Stand {holder} on the table");
     if !cores.is_empty() {
-        words += &format!(", put {} into its socket", and(cores));
+        words += &put(cores, report);
     }
     if !others.is_empty() {
         let fix = if with(report, Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
         words += &format!(", add {}, and {fix} them", and(others));
     }
-    if is_wax(report) { words + "." } else { spray + &words + "." }
+    if is_wax(report) {
+        return words + ".";
+    }
+    let numbers = match numbered(report, cores) {
+        true => format!(
+            " Numbers in dots are on the flat of each stub, and below {holder} beside each socket."
+        ),
+        false => String::new(),
+    };
+    spray + &words + "." + &numbers
+}
+
+/// Whether cores and sockets carry numbers.
+fn numbered(report: &MoldReport, cores: &[&str]) -> bool {
+    cores.len() > 1 && report.numbered
 }
 
 /// How a tube is put into its collar.
