@@ -2,7 +2,7 @@
 // each chamber ends in a bore for a tube; its tip is closed. Lengths in millimetres: --unit mm.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {6, Name "Longest edge"} ];     // --set h=4
+DefineConstant[ h = {7, Name "Longest edge"} ];     // --set h=4
 
 length = 120;
 radius = 12;
@@ -38,4 +38,4 @@ Physical Surface("tip") = {tip()};
 Physical Surface("skin") = {skin()};
 
 Mesh.MeshSizeMax = h;
-Mesh.MeshSizeFromCurvature = 54 / h;        // edges around a full circle
+Mesh.MeshSizeFromCurvature = 56 / h;        // edges around a full circle

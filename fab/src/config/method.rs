@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
+    /// None: the body has no chamber.
+    Solid,
     /// A rigid core, pulled out through the inlet.
     PullOut,
     /// Two castings: the chamber, open to a plane, and the sheet that closes it.
@@ -20,13 +22,14 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are preferred.
-    pub const ALL: [Self; 5] =
-        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax];
+    pub const ALL: [Self; 6] =
+        [Self::Solid, Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax];
 
     /// Its name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Solid => "solid",
             Self::PullOut => "pull-out",
             Self::Soluble => "soluble",
             Self::Wax => "wax",

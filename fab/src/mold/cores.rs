@@ -159,7 +159,7 @@ impl Cores {
             held = Some((centre, print));
         }
         if let Some((inlet, print)) = held {
-            let supported = supported(core, solid, &cast, (&inlet, &print), mount)?;
+            let supported = supported(&name, core, solid, &cast, (&inlet, &print), mount)?;
             solid = supported.solid;
             findings.extend(supported.finding);
             if let Some((pin, hole)) = supported.pin {
@@ -244,6 +244,7 @@ fn bored(solid: Solid, print: &Print, core: &Core, config: &Config) -> Bored {
 /// channels and leaves walls of what is cast that are thick enough; between shells that part
 /// sideways it stands on their plane.
 fn supported(
+    name: &str,
     core: &Core,
     solid: Solid,
     cast: &Solid,
@@ -275,13 +276,13 @@ fn supported(
         Support::Stub => None,
     };
     let Some(pin) = found else {
-        return Ok(Supported { solid, pin: None, finding: moves(&sag, config.limits.sag) });
+        return Ok(Supported { solid, pin: None, finding: moves(name, &sag, config.limits.sag) });
     };
     let base = pin.base * 1e3;
     let finding = Finding {
         rule: "pin",
         message: format!(
-            "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
+            "a pin of {:.1} mm radius holds the {name} at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
              silicone",
             pin.base_radius * 1e3,
             base.x,
@@ -303,7 +304,7 @@ fn supported(
 }
 
 /// Reports how far a core may move that is held at one end.
-fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
+fn moves(name: &str, sag: &Sag, limit: f64) -> Option<Finding> {
     let Sag { lift, reach, bend, lean } = *sag;
     if bend.max(lean) <= limit {
         return None;
@@ -315,7 +316,7 @@ fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
     Some(Finding {
         rule: "core support",
         message: format!(
-            "the core reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
+            "the {name} reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
              {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
             reach * 1e3,
             bend * 1e3,

@@ -23,7 +23,7 @@ pub fn is_wax(report: &MoldReport) -> bool {
 }
 
 /// Whether the casting is only a part of the body.
-fn is_half(report: &MoldReport) -> bool {
+pub fn is_half(report: &MoldReport) -> bool {
     matches!(report.input.part, CastPart::Above(_) | CastPart::Below(_))
 }
 
@@ -54,8 +54,8 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     if bolts.is_empty() && !report.open {
         add(2, "clamps that span the closed mold, or strong rubber bands".into());
     }
-    for collar in &report.collars {
-        add(1, collar.tube.clone());
+    if let Some(collar) = report.collars.first() {
+        add(report.collars.len(), collar.tube.clone());
     }
     let inlets = with(report, Purpose::Socket).count();
     if inlets > 0 && report.collars.is_empty() && !is_wax(report) {
@@ -101,19 +101,34 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
     }
-    if report.chambers.is_empty() {
-        return steps;
+    if !report.chambers.is_empty() {
+        steps.extend(finish(sheet.leak_test_kpa, report));
     }
+    steps
+}
+
+/// What is left to do once the body is whole: tubes and the leak test.
+pub fn finish(leak_test_kpa: Option<f64>, report: &MoldReport) -> Vec<String> {
+    let mut steps = Vec::new();
     match &report.collars[..] {
         [] if report.chambers.len() > 1 => {
             steps.push("Glue a tube into each inlet, and write the number of its chamber on it.".into());
         }
         [] => steps.push("Glue the tube into the inlet.".into()),
-        collars => steps.extend(collars.iter().map(|collar| insert(collar, report))),
+        [collar, ..] => steps.push(insert(collar, report)),
     }
-    let pressure = sheet.leak_test_kpa;
+    let pressure = leak_test_kpa;
     let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
-    steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
+    let (each, others) = match report.chambers.len() {
+        1 => ("", ""),
+        _ => (
+            ", one chamber after the other",
+            ", and no other chamber may fill: hold the ends of their tubes under water, too",
+        ),
+    };
+    steps.push(format!(
+        "Hold it under water at {pressure} for a minute{each}: no bubble may rise{others}."
+    ));
     steps
 }
 
@@ -209,8 +224,12 @@ fn insert(collar: &FittedTube, report: &MoldReport) -> String {
     // What shrinks does so with its bore.
     let shrinks = report.scale() / MM;
     let bore = 2.0 * bore / shrinks;
+    let each = match report.collars.len() {
+        1 => "",
+        _ => "For each chamber, and with its number on the tube: ",
+    };
     format!(
-        "Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
+        "{each}Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
          farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around \
          the collar; glue it with silicone if it must not come out.",
         length / shrinks,
@@ -270,21 +289,25 @@ fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         [one] => format!("Peel the casting out of {one}."),
         _ => format!("Take off {}, in this order.", taken.join(", ")),
     };
+    let (them, inlets) = match cores.len() {
+        1 => ("it", "the inlet"),
+        _ => ("them", "their inlets"),
+    };
     let out = match report.method {
         _ if cores.is_empty() || is_wax(report) => String::new(),
         Method::Soluble => format!(
-            " Leave the body in warm water, flushed through the bore of {}, until nothing of it \
+            " Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
              is left.",
             and(cores)
         ),
         Method::Wax => format!(
-            " Let {} melt out through the inlet, and rinse it with hot water; stay below what \
+            " Let {} melt out through {inlets}, and rinse with hot water; stay below what \
              softens the printed parts.",
             and(cores)
         ),
         _ => format!(
-            " Let soapy water or air in between {} and the silicone, and pull it out through \
-             the inlet.",
+            " Let soapy water or air in between {} and the silicone, and pull {them} out through \
+             {inlets}.",
             and(cores)
         ),
     };

@@ -2,10 +2,10 @@
 //!
 //! All stubs of a mold have the same radius r, and a flat in front at the distance f from their
 //! axis, which keeps them from turning. Stub k of n has two more such flats: one at its back that begins
-//! h + (k − 1) s below the inlet, and one at its side that begins h + (n − k) s below it. Where a stub has a flat,
+//! h + (k − 1) s below the inlet, and one at its side that begins h + (n − k) s below it, h as large as can be. Where a stub has a flat,
 //! its socket has one, too. In the socket of another core, one of the two flats begins too early: the stub meets it
-//! with r − f − c of its back or side, c the clearance, and stands s proud for each number that the two
-//! differ by. f is at most r − 3c, so that it still meets it when it lies against the other side of its
+//! with r − f − c of its back or side, c the clearance, and stands s − 2.25 c proud, or more if the numbers
+//! differ by more than one. f is at most r − 3c, so that it still meets it when it lies against the other side of its
 //! socket.
 
 use mesh::Vec3;
@@ -15,11 +15,12 @@ use nalgebra::Matrix3x4;
 use crate::config::{Config, STUB_FLAT};
 use crate::geometry::frustum::Frustum;
 
-/// How much deeper the flats of the next core begin [m]: a core that stands so proud is seen.
-const STEP: f64 = 1.5e-3;
+/// How much deeper the flats of the next core begin [m].
+const STEP: f64 = 2e-3;
 
-/// The least such step: four layers of a filament printer [m].
-const LEAST_STEP: f64 = 8e-4;
+/// How proud a core stands at least in the socket of another [m]: three layers of a filament printer
+/// are seen.
+const PROUD: f64 = 6e-4;
 
 /// Flats begin with a slope that rises by this for each unit outward: 39° from the vertical, printed
 /// without support.
@@ -93,13 +94,17 @@ pub fn codes(
         let needed_mm = wider((THINNEST + 3.0 * clearance).max(THINNEST / STUB_FLAT));
         return Err(KeyingError::Narrow { radius_mm: wider(radius), needed_mm, cores });
     }
-    let first = ROUND + SLOPE * (radius - flat);
+    let highest = ROUND + SLOPE * (radius - flat);
     let steps = (cores - 1) as f64;
-    let step = ((length - first - ROUND) / steps).min(STEP);
-    if step < LEAST_STEP {
-        let needed = first + ROUND + steps * LEAST_STEP + clearance;
+    let step = ((length - highest - ROUND) / steps).min(STEP);
+    // The slope in the socket lies lower by the clearance, and by what it is moved outward.
+    let least = PROUD + (1.0 + SLOPE) * clearance;
+    if step < least {
+        let needed = highest + ROUND + steps * least + clearance;
         return Err(KeyingError::Short { length_mm: length * 1e3, needed, cores });
     }
+    // As much of each stub as can be is left round: it is stiffer.
+    let first = length - ROUND - steps * step;
     let depth = |steps: usize| first + steps as f64 * step;
     Ok((0..cores).map(|k| Code { depths: [depth(k), depth(cores - 1 - k)], flat }).collect())
 }
@@ -145,13 +150,13 @@ mod tests {
     #[test]
     fn no_code_holds_for_another_core() {
         let config = Config::default();
-        for cores in 2..6 {
+        for cores in 2..7 {
             let codes = codes(cores, 2.2e-3, 7.8e-3, &config).unwrap();
             for (i, a) in codes.iter().enumerate() {
                 for b in &codes[..i] {
-                    // One flat begins deeper, the other less deep, by 0.8 mm or more.
+                    // One flat begins deeper, the other less deep, by 1.05 mm or more.
                     let apart = [0, 1].map(|k| a.depths[k] - b.depths[k]);
-                    assert!(apart[0] >= LEAST_STEP && apart[1] <= -LEAST_STEP, "{apart:?}");
+                    assert!(apart[0] >= 1.05e-3 && apart[1] <= -1.05e-3, "{apart:?}");
                 }
             }
         }
@@ -164,8 +169,8 @@ mod tests {
         let KeyingError::Narrow { needed_mm, .. } = error else { panic!("{error}") };
         let enough = needed_mm * 1e-3 - config.stub_clearance() - config.core.shoulder;
         codes(3, enough + 1e-9, 7.8e-3, &config).unwrap();
-        let error = codes(9, 2.2e-3, 7.8e-3, &config).unwrap_err();
+        let error = codes(8, 2.2e-3, 7.8e-3, &config).unwrap_err();
         let KeyingError::Short { needed, .. } = error else { panic!("{error}") };
-        codes(9, 2.2e-3, needed - config.stub_clearance() + 1e-9, &config).unwrap();
+        codes(8, 2.2e-3, needed - config.stub_clearance() + 1e-9, &config).unwrap();
     }
 }
