@@ -6,8 +6,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// None: the body has no chamber.
-    Solid,
     /// A rigid core, pulled out through the inlet.
     PullOut,
     /// Two castings: the chamber, open to a plane, and the sheet that closes it.
@@ -18,23 +16,25 @@ pub enum Method {
     Halves,
     /// A core cast of wax in a mold of its own, and molten out.
     Wax,
+    /// None: the body has no chamber.
+    Solid,
 }
 
 impl Method {
     /// All methods, in the order in which they are preferred.
     pub const ALL: [Self; 6] =
-        [Self::Solid, Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax];
+        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax, Self::Solid];
 
     /// Its name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Solid => "solid",
             Self::PullOut => "pull-out",
             Self::Soluble => "soluble",
             Self::Wax => "wax",
             Self::Halves => "halves",
             Self::OpenTop => "open-top",
+            Self::Solid => "solid",
         }
     }
 }

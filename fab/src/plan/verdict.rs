@@ -75,7 +75,10 @@ impl<'a> Judge<'a> {
             Method::Halves => true,
             Method::PullOut | Method::OpenTop | Method::Soluble | Method::Wax => !solid,
         };
-        Method::ALL.into_iter().filter(concerns).collect()
+        let mut all = Method::ALL;
+        // What is simplest comes first.
+        all.sort_by_key(|method| *method != Method::Solid);
+        all.into_iter().filter(concerns).collect()
     }
 
     /// Takes back that a method can be used.

@@ -30,8 +30,9 @@ fn belongs(part: &CastPart, slice: &Solid) -> bool {
 
 /// Radii of the bore and of the outside in a slice of what is cast; a bore without silicone around it has
 /// no radius [mm].
-fn radii(slice: &Solid, cavity: &Solid, collar: &Collar) -> [f64; 2] {
-    let ring = slice.intersection(cavity).to_surface();
+fn radii(slice: &Solid, mold: &ClosedMold, collar: &Collar) -> [f64; 2] {
+    // Without the bore for water in its core.
+    let ring = slice.intersection(&mold.cavity).difference(&mold.channels).to_surface();
     let along = collar.axis.normalize();
     let radius = |p: &Vec3| {
         let from = p - collar.base;
@@ -52,7 +53,7 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
         if !belongs(&mold.report.input.part, &slice) {
             continue;
         }
-        let [bore, outside] = radii(&slice, &mold.cavity, &collar).map(|r| r / shrinks);
+        let [bore, outside] = radii(&slice, mold, &collar).map(|r| r / shrinks);
         let (inside, wall) = (2.0 * bore, outside - bore);
         let squeezed = 1.0 - inside / tube.outer;
         let [least, most] = SQUEEZED;

@@ -27,8 +27,11 @@ const SEEN: f64 = 0.5;
 /// Halvings of the height in which the least is searched: to a hundredth of a millimetre.
 const HALVINGS: usize = 9;
 
-/// Parts that share no more than this touch [mm³].
-const TOUCHING: f64 = 1e-3;
+/// Parts that share no more than a cube of 0.2 mm touch [mm³].
+const TOUCHING: f64 = 1e-2;
+
+/// Part of its play by which a stub is pushed aside: both are polygons.
+const PLAY: f64 = 0.95;
 
 /// The stubs of a core.
 struct Stubs<'a> {
@@ -114,7 +117,7 @@ impl Stubs<'_> {
 fn pushed(play: f64) -> Vec<Vec3> {
     let side = |k: usize| {
         let angle = TAU * k as f64 / 6.0;
-        Vec3::new(angle.cos(), angle.sin(), 0.0) * play
+        Vec3::new(angle.cos(), angle.sin(), 0.0) * (PLAY * play)
     };
     [Vec3::zeros()].into_iter().chain((0..6).map(side)).collect()
 }
