@@ -11,7 +11,7 @@ BIN := target/release
 DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean arm compression gripper worm-segment robust validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -22,6 +22,7 @@ gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
+arm: build/arm/done  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off

@@ -282,11 +282,32 @@ build/gripper/report.html: $(addprefix build/gripper/pictures/,gripping.png obje
 build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
 
+# The arm: pressures are designed, the shape is not. The scene with these pressures is simulated again.
+build/arm/optimize/report.json: pipelines/arm/design.toml pipelines/arm/sim.toml build/arm/tagged.msh | setup
+	$(BIN)/solver optimize $< -o $(@D)
+
+build/arm/sim.reached.toml: build/arm/optimize/report.json pipelines/arm/sim.toml
+	awk '/^\[parameters\]/ { skip = 1; next } /^\[/ { skip = 0 } !skip' pipelines/arm/sim.toml \
+		| cat - build/arm/optimize/parameters.toml > $@
+
+build/arm/reached/report.json: build/arm/sim.reached.toml build/arm/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/arm/pictures/reached.png: build/arm/reached/report.json | setup
+	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,000 001 002) --color displacement --view $(view.arm) \
+		--captions "first target,second,third" --title "arm with designed pressures" -o $@
+
+build/arm/pictures/objective.svg: build/arm/optimize/report.json | setup
+	$(BIN)/solver plot $(@D)/../optimize/history.jsonl --y objective --log --x-title "accepted pressures" -o $@
+
+build/arm/report.html: $(addprefix build/arm/pictures/,reached.png objective.svg)
+
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
 view.finger := front
 view.gripper := -20,12
+view.arm := 30,55
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
@@ -296,6 +317,8 @@ $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
+$(eval $(call simulate,arm,build/arm,))
+$(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))

@@ -92,7 +92,6 @@ fn a_collar_that_was_not_cast_is_noticed() {
 fn tubes_that_do_not_fit_are_refused() {
     for (body, config, message) in [
         (&CLOSED, TUBE.to_owned(), "a chamber is closed"),
-        (&CHAMBER, format!("method = \"halves\"\n{TUBE}"), "cast with the whole body"),
         (&CHAMBER, format!("{TUBE}wall = 0.03\n"), "lies on the body with"),
         (&CHAMBER, "[fitting]\nname = \"hose\"".into(), "known are barb-eighth-inch"),
     ] {

@@ -3,6 +3,7 @@
 mod fixture;
 
 mod castings;
+mod chambers;
 mod damage;
 mod films;
 mod fitting;

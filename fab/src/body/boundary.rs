@@ -8,13 +8,14 @@
 //!
 //! and all three share the caps' triangles and the boundary's vertices bit for bit.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::check;
 use mesh::io::MshFile;
 use mesh::measure::{bounds, diagonal, enclosed_volume, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
 
+use crate::config::Chambers;
 use crate::geometry::cap::{self, Cap, CapError};
 
 /// A rim counts as planar if it keeps to its plane within this part of the body's
@@ -31,7 +32,7 @@ pub struct Boundary {
     pub filled: SurfaceMesh,
     /// Boundary of the body: what is cast [m].
     pub cast: SurfaceMesh,
-    /// One per connected piece of the chamber.
+    /// One per connected piece of a chamber, in the order of the chambers' tags.
     pub cores: Vec<CoreBoundary>,
     /// The paths of rising air.
     pub air_paths: AirPaths,
@@ -51,6 +52,8 @@ pub struct AirPaths {
 /// A chamber as a solid, and where it opens.
 #[derive(Clone, Debug)]
 pub struct CoreBoundary {
+    /// Tag of its wall; empty where it has none.
+    pub chamber: String,
     /// Its closed boundary, facing outward [m].
     pub surface: SurfaceMesh,
     /// Its openings; none if it is closed.
@@ -80,7 +83,8 @@ pub enum BoundaryError {
     /// The chamber's tag does not exist or has no facets.
     #[error(
         "no facet has the tag {tag:?}; the mesh has {known}; \
-         set `chamber` in mold.toml to the tag of the chamber's wall"
+         set `chamber` in mold.toml to the tag of the chamber's wall, to a list of such tags, or to [] if there \
+         is no chamber"
     )]
     NoChamber {
         /// Tag asked for.
@@ -131,6 +135,19 @@ pub enum BoundaryError {
         /// What the checks found.
         findings: String,
     },
+    /// Chambers that share a rim or an edge.
+    #[error(
+        "the chambers {first:?} and {second:?} touch at {at}: two cores cannot be held apart there; leave a wall \
+         between them, or give both walls one tag"
+    )]
+    Touching {
+        /// Tag of one.
+        first: String,
+        /// Tag of the other.
+        second: String,
+        /// A vertex that they share.
+        at: String,
+    },
     /// Several bodies, or closed chambers without the tag.
     #[error(
         "the boundary without the chamber's tag has {count} separate pieces, one is needed; the second, \
@@ -165,20 +182,29 @@ impl Boundary {
     ///
     /// # Errors
     /// [`BoundaryError`], each case with what to do.
-    pub fn new(msh: &MshFile, chamber: &str) -> Result<Self, BoundaryError> {
+    pub fn new(msh: &MshFile, chambers: &Chambers) -> Result<Self, BoundaryError> {
         let mesh = &msh.mesh;
         let boundary = topology::boundary(mesh).facets;
-        let (wall, outer) = split(mesh, &boundary, &msh.tags, chamber)?;
+        let mut outer = boundary.clone();
+        let mut walls = Vec::new();
+        for chamber in chambers.tags() {
+            let (wall, others) = split(mesh, &outer, &msh.tags, chamber)?;
+            walls.push((chamber, wall));
+            outer = others;
+        }
+        require_apart(mesh, &walls)?;
         require_one_piece(&mesh.vertices, &outer)?;
         let limit = PLANAR * diagonal(&mesh.vertices);
         let outer_vertices = outer.iter().flatten().copied().collect();
         let mut filled = outer;
         let mut cores = Vec::new();
-        for piece in topology::components(&wall) {
-            let piece: Vec<[usize; 3]> = piece.into_iter().map(|t| wall[t]).collect();
-            let (core, caps) = close_core(&mesh.vertices, &piece, limit)?;
-            filled.extend(caps);
-            cores.push(core);
+        for (chamber, wall) in walls {
+            for piece in topology::components(&wall) {
+                let piece: Vec<[usize; 3]> = piece.into_iter().map(|t| wall[t]).collect();
+                let (core, caps) = close_core(&mesh.vertices, &piece, chamber, limit)?;
+                filled.extend(caps);
+                cores.push(core);
+            }
         }
         let boundary = Self {
             filled: topology::submesh(&mesh.vertices, &filled).0,
@@ -272,6 +298,21 @@ fn split(
     Ok((wall, outer))
 }
 
+/// Walls of different chambers have no vertex in common.
+fn require_apart(mesh: &TetMesh, walls: &[(&String, Facets)]) -> Result<(), BoundaryError> {
+    let mut owner = BTreeMap::new();
+    for (chamber, wall) in walls {
+        for &v in wall.iter().flatten() {
+            let first: &&String = owner.entry(v).or_insert(*chamber);
+            if *first != *chamber {
+                let (first, second) = ((*first).clone(), (*chamber).clone());
+                return Err(BoundaryError::Touching { first, second, at: place(&mesh.vertices[v]) });
+            }
+        }
+    }
+    Ok(())
+}
+
 fn known_tags(tags: &Tags) -> String {
     if tags.names.is_empty() {
         return "no tags at all".into();
@@ -290,6 +331,7 @@ fn known_tags(tags: &Tags) -> String {
 fn close_core(
     vertices: &[Vec3],
     wall: &[[usize; 3]],
+    chamber: &str,
     limit: f64,
 ) -> Result<(CoreBoundary, Facets), BoundaryError> {
     let rims = topology::boundary_loops(wall);
@@ -313,7 +355,8 @@ fn close_core(
     }
     let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);
     let facets: Facets = reversed.chain(caps.iter().copied()).collect();
-    Ok((CoreBoundary { surface: topology::submesh(vertices, &facets).0, inlets }, caps))
+    let surface = topology::submesh(vertices, &facets).0;
+    Ok((CoreBoundary { chamber: chamber.into(), surface, inlets }, caps))
 }
 
 /// The outer boundary must be connected: a second piece is another body or a closed chamber.

@@ -13,7 +13,7 @@ use mesh::{SurfaceMesh, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
-use crate::body::layout::{self, LayoutError};
+use crate::body::layout;
 use crate::config::Config;
 use crate::config::fitting::Tube;
 use crate::geometry::MM;
@@ -74,12 +74,12 @@ pub enum CollarError {
     /// A chamber is closed.
     #[error("[fitting]: a chamber is closed and has no inlet for a tube; leave [fitting] out")]
     Closed,
+    /// There is no chamber.
+    #[error("[fitting]: the body has no chamber for a tube; leave [fitting] out")]
+    NoChamber,
     /// The tube is not known.
     #[error("{0}")]
     Tube(String),
-    /// An inlet does not face down.
-    #[error(transparent)]
-    Layout(#[from] LayoutError),
     /// The body is too narrow.
     #[error(
         "[fitting]: a collar of {diameter:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with \
@@ -108,11 +108,14 @@ pub enum CollarError {
 /// [`CollarError`] if a chamber has no inlet, or a collar no place.
 pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>), CollarError> {
     let Some(fitting) = &config.fitting else { return Ok((boundary, Vec::new())) };
+    if boundary.cores.is_empty() {
+        return Err(CollarError::NoChamber);
+    }
     if boundary.cores.iter().any(|core| core.inlets.is_empty()) {
         return Err(CollarError::Closed);
     }
     let tube = fitting.tube().map_err(CollarError::Tube)?;
-    let up = layout::require_inlets_down(&boundary, layout::up(&boundary, config))?;
+    let up = layout::up(&boundary, config);
     let filled = Solid::from_surface(&boundary.filled)?;
     let mut collars = Vec::new();
     let mut cores = Vec::new();
@@ -124,21 +127,22 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
             let covers = inlet.reach + config.casting.least_wall;
             let radius = covers.max(bore + fitting.wall);
             let length = fitting.length(&tube);
-            let axis = up * (length + inlet.deviation + ROOT);
-            let base = inlet.centre - up * length;
+            let inward = layout::inward(inlet, up);
+            let axis = inward * (length + inlet.deviation + ROOT);
+            let base = inlet.centre - inward * length;
             let collar = Collar { base, axis, radius, bore, length };
             collar.require_held(inlet, &filled)?;
             solid = solid.union(&collar.bore());
-            inlets.push(collar.inlet(&up));
+            inlets.push(collar.inlet(&inward));
             collars.push(collar);
         }
-        cores.push((solid, inlets));
+        cores.push((core.chamber.clone(), solid, inlets));
     }
-    let solids: Vec<Solid> = cores.iter().map(|(solid, _)| solid.clone()).collect();
+    let solids: Vec<Solid> = cores.iter().map(|(_, solid, _)| solid.clone()).collect();
     let (filled, cast) = body(&filled, &solids, &collars);
     let cores = cores
         .into_iter()
-        .map(|(solid, inlets)| CoreBoundary { surface: solid.to_surface(), inlets })
+        .map(|(chamber, solid, inlets)| CoreBoundary { chamber, surface: solid.to_surface(), inlets })
         .collect();
     let boundary = Boundary {
         filled: filled.to_surface(),
@@ -189,13 +193,13 @@ impl Collar {
     }
 
     /// Its bore as an inlet.
-    fn inlet(&self, up: &Vec3) -> Inlet {
+    fn inlet(&self, inward: &Vec3) -> Inlet {
         let half = std::f64::consts::PI / SIDES as f64;
         Inlet {
             centre: self.base,
             radius: self.bore * half.cos(),
             reach: self.bore,
-            normal: -up,
+            normal: -inward,
             deviation: 0.0,
             girth: 2.0 * SIDES as f64 * self.bore * half.sin(),
         }

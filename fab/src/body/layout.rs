@@ -3,7 +3,7 @@
 use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::body::boundary::Boundary;
+use crate::body::boundary::{Boundary, Inlet};
 use crate::body::orientation::Orientation;
 use crate::config::Config;
 use crate::geometry::frame::{Frame, Pull};
@@ -92,9 +92,19 @@ pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
 fn away_from_inlet(boundary: &Boundary) -> Vec3 {
     let mut inlets = boundary.cores.iter().flat_map(|core| &core.inlets);
     let Some(inlet) = inlets.next() else { return Vec3::z() };
-    let up = -inlet.normal;
+    near_axis(-inlet.normal)
+}
+
+/// A unit vector, or the coordinate axis that is nearly it.
+fn near_axis(v: Vec3) -> Vec3 {
     let mut axis = Vec3::zeros();
-    let k = up.iamax();
-    axis[k] = up[k].signum();
-    if axis.dot(&up) >= DOWN { axis } else { up }
+    let k = v.iamax();
+    axis[k] = v[k].signum();
+    if axis.dot(&v) >= DOWN { axis } else { v }
+}
+
+/// The direction into the body along which an inlet runs: `up` if it faces down.
+#[must_use]
+pub fn inward(inlet: &Inlet, up: Vec3) -> Vec3 {
+    if -inlet.normal.dot(&up) >= DOWN { up } else { near_axis(-inlet.normal) }
 }

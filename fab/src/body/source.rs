@@ -7,6 +7,7 @@ use program::sha256_file;
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;
+use crate::config::Chambers;
 
 /// Where the body came from.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -16,8 +17,8 @@ pub struct Input {
     pub path: PathBuf,
     /// SHA-256 of its content.
     pub sha256: String,
-    /// Tag of the chamber's wall.
-    pub chamber: String,
+    /// Tags of the walls of its chambers.
+    pub chamber: Chambers,
     /// Which part of it is cast.
     pub part: CastPart,
 }
@@ -55,9 +56,9 @@ impl Input {
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn new(path: &Path, folder: &Path, chamber: &str, part: CastPart) -> Result<Self, IoError> {
+    pub fn new(path: &Path, folder: &Path, chamber: &Chambers, part: CastPart) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
-        Ok(Self { path: relative(path, folder), sha256, chamber: chamber.into(), part })
+        Ok(Self { path: relative(path, folder), sha256, chamber: chamber.clone(), part })
     }
 }
 

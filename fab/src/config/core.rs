@@ -41,6 +41,8 @@ table! {
         support: Support = Support::Auto => "\"auto\"", any;
         /// Radius of that pin [m].
         pin: f64 = 1e-3, length;
+        /// Whether stubs of several cores differ, so that each fits into its own socket only.
+        keyed: bool = true, any;
         /// Radius of the bore for water in a soluble core [m].
         drain: f64 = 6e-4, length;
         /// Least thickness of a soluble core around its bore [m].

@@ -16,12 +16,14 @@ pub enum Method {
     Halves,
     /// A core cast of wax in a mold of its own, and molten out.
     Wax,
+    /// None: the body has no chamber.
+    Solid,
 }
 
 impl Method {
     /// All methods, in the order in which they are preferred.
-    pub const ALL: [Self; 5] =
-        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax];
+    pub const ALL: [Self; 6] =
+        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Wax, Self::Solid];
 
     /// Its name in files.
     #[must_use]
@@ -32,6 +34,7 @@ impl Method {
             Self::Wax => "wax",
             Self::Halves => "halves",
             Self::OpenTop => "open-top",
+            Self::Solid => "solid",
         }
     }
 }

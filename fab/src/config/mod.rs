@@ -9,6 +9,7 @@ mod table;
 pub mod method;
 
 mod casting;
+mod chambers;
 mod core;
 pub mod fitting;
 mod flange;
@@ -27,6 +28,7 @@ use program::{parse_toml, read_checked};
 use serde::{Deserialize, Deserializer};
 
 pub use casting::CastingConfig;
+pub use chambers::Chambers;
 pub use core::{CoreConfig, STUB_FLAT, Support};
 pub use fitting::FittingConfig;
 pub use flange::FlangeConfig;
@@ -57,8 +59,9 @@ pub enum OutsideShape {
 table! {
     /// Everything that can be asked of `fab mold`.
     Config, "" {
-        /// Tag of the wall of the air chamber.
-        chamber: String = "cavity".into() => "\"cavity\"", any;
+        /// Tag of the wall of the air chamber; of several chambers a list, in the order in which cores
+        /// are numbered; `[]` for a body without one.
+        chamber: Chambers = Chambers::one("cavity") => "\"cavity\"", Chambers::check;
         /// How the chamber comes into the body: one of the methods above, or `"auto"`, which
         /// chooses by what is measured.
         #[serde(deserialize_with = "method_or_auto")]

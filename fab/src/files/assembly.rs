@@ -45,7 +45,8 @@ pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
 }
 
 /// Moves every part along the direction in which it is demolded, beyond the cast and
-/// beyond the parts that leave the same way and lie further in.
+/// beyond the parts that leave the same way, lie further in, and are in its way: cores beside each other
+/// stay side by side.
 fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
     let Some((cast, parts)) = members.split_last_mut() else { return };
     let points = parts.iter().flat_map(|part| &part.surface.vertices);
@@ -67,14 +68,27 @@ fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
         waiting.retain(|part| !same(part));
         // The one that ends first lies innermost.
         column.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let mut front = reach(&cast.surface, &direction).1;
+        let beyond = reach(&cast.surface, &direction).1;
+        let mut placed: Vec<(usize, f64)> = Vec::new();
         for (end, part) in column {
             let start = reach(&parts[part].surface, &direction).0;
+            let meets = |other: &usize| {
+                meet_along(&parts[part].surface, &parts[*other].surface, &direction)
+            };
+            let ahead = placed.iter().filter(|(other, _)| meets(other)).map(|(_, end)| *end);
+            let front = ahead.fold(beyond, f64::max);
             let way = (front + gap - start).max(0.0);
             parts[part].apart = direction * way;
-            front = end + way;
+            placed.push((part, end + way));
         }
     }
+}
+
+/// Whether the bounds of two surfaces overlap as seen along an axis.
+fn meet_along(a: &SurfaceMesh, b: &SurfaceMesh, direction: &Vec3) -> bool {
+    let [a, b] = [a, b].map(|surface| mesh::measure::bounds(&surface.vertices));
+    let across = (0..3).filter(|&k| direction[k].abs() < 0.5);
+    across.into_iter().all(|k| a.0[k] < b.1[k] && b.0[k] < a.1[k])
 }
 
 #[cfg(test)]

@@ -52,6 +52,15 @@ pub struct MoldReport {
     pub wall: f64,
     /// How the chamber comes into the body.
     pub method: Method,
+    /// Tags of the chambers, in the order of their cores.
+    #[serde(default)]
+    pub chambers: Vec<String>,
+    /// Whether each core fits into its own socket only, and there one way only.
+    #[serde(default = "yes")]
+    pub one_way: bool,
+    /// Whether several cores and their sockets carry numbers.
+    #[serde(default)]
+    pub numbered: bool,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
@@ -186,6 +195,9 @@ impl MoldReport {
             plastic_saved: mold.saved() * MM.powi(3),
             wall: config.wall * MM,
             method: mold.method,
+            chambers: mold.chambers.clone(),
+            one_way: mold.one_way,
+            numbered: mold.numbered,
             parts: Vec::new(),
             cast: Cast {
                 file: CAST.into(),
@@ -308,6 +320,11 @@ impl MoldReport {
         let references = [self.cast.file.as_str(), self.outside.as_str()];
         self.parts.iter().map(|p| p.file.as_str()).chain(references)
     }
+}
+
+/// What molds of older programs said of themselves.
+fn yes() -> bool {
+    true
 }
 
 /// Handles of the largest body: Booleans can leave films beside it, without volume, that

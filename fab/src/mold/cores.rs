@@ -8,8 +8,11 @@ use mesh::solid::Solid;
 use super::MoldError;
 use super::cast_body::{CastBody, Core};
 use super::features::core::{Print, drain};
+use super::features::keying::{self, Code};
+use super::features::number;
 use super::features::pin::{PinSpace, pin};
 use super::features::support::{self, Sag};
+use super::numbering::Numbers;
 use super::piece::{Feature, Piece, Purpose, cut};
 use crate::config::method::Method;
 use crate::config::{Config, Support};
@@ -26,12 +29,20 @@ pub struct Cores {
     pub pieces: Vec<Piece>,
     /// The shells, the last with sockets, all with holes for pins.
     pub shells: Vec<Piece>,
+    /// Outside of the closed mold, with the numbers of sockets.
+    pub outside: Solid,
     /// What is cast, without pins.
     pub cast: Solid,
     /// Sockets, bores for water and holes for pins.
     pub features: Vec<Feature>,
     /// What a person should know.
     pub findings: Vec<Finding>,
+    /// Whether each core fits into its own socket only, and there one way only.
+    pub one_way: bool,
+    /// Whether cores and sockets carry numbers.
+    pub numbered: bool,
+    /// Where its stubs stand, core by core [m].
+    stands: Vec<Vec<Print>>,
 }
 
 /// What surrounds the cores.
@@ -70,32 +81,70 @@ struct Bored {
 impl Cores {
     /// None: the shells as they are.
     #[must_use]
-    pub fn none(body: &CastBody, shells: Vec<Piece>) -> Self {
-        let (features, findings) = (Vec::new(), Vec::new());
-        Self { pieces: Vec::new(), shells, cast: body.cast.clone(), features, findings }
+    pub fn none(body: &CastBody, shells: Vec<Piece>, outside: &Solid) -> Self {
+        Self {
+            pieces: Vec::new(),
+            shells,
+            outside: outside.clone(),
+            cast: body.cast.clone(),
+            features: Vec::new(),
+            findings: Vec::new(),
+            one_way: true,
+            numbered: false,
+            stands: Vec::new(),
+        }
     }
 
     /// The cores of a body with their stubs, and sockets for these in the last of the shells.
     ///
     /// # Errors
-    /// If a stub does not fit its inlet, or a pin that was asked for finds no place.
+    /// If a stub does not fit its inlet, stubs cannot be told apart, or a pin that was asked for finds
+    /// no place.
     pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
-        let single = body.cores.len() == 1;
-        let none = Self::none(body, shells);
-        body.cores.iter().enumerate().try_fold(none, |cores, (i, core)| {
-            let name = if single { "core".into() } else { format!("core{}", i + 1) };
-            cores.and(name, core, mount)
-        })
+        let none = Self::none(body, shells, mount.outside);
+        if body.cores.len() < 2 {
+            let single = |cores: Self, core| cores.and("core".into(), core, None, mount);
+            return body.cores.iter().try_fold(none, single);
+        }
+        let keyed = keyed(&body.cores, mount)?;
+        let mut all = none;
+        for (i, core) in body.cores.iter().enumerate() {
+            let key = keyed.as_ref().map(|(codes, radius)| (codes[i], *radius));
+            all = all.and(format!("core{}", i + 1), core, key, mount)?;
+        }
+        all.one_way &= keyed.is_some();
+        Ok(if mount.config.labels && mount.method != Method::Wax { all.numbered() } else { all })
     }
 
-    /// These and one more.
-    fn and(self, name: String, core: &Core, mount: &Mount) -> Result<Self, MoldError> {
-        let Self { mut pieces, mut shells, mut cast, mut features, mut findings } = self;
+    /// These and one more, on stubs that have a code and are as for an inlet of that radius, or as wide as
+    /// each inlet allows.
+    fn and(
+        self,
+        name: String,
+        core: &Core,
+        key: Option<(Code, f64)>,
+        mount: &Mount,
+    ) -> Result<Self, MoldError> {
+        let Self {
+            mut pieces,
+            mut shells,
+            outside,
+            mut cast,
+            mut features,
+            mut findings,
+            mut one_way,
+            numbered,
+            mut stands,
+        } = self;
         let mut solid = core.solid.clone();
         let mut held = None;
+        stands.push(Vec::new());
         for inlet in &core.inlets {
-            let (centre, radius) = (inlet.centre, inlet.radius);
-            let print = Print::new(centre, radius, mount.floor, &cast, mount.config)?;
+            let (centre, radius) = (inlet.centre, key.map_or(inlet.radius, |(_, radius)| radius));
+            let code = key.map(|(code, _)| code);
+            let print = Print::new(centre, radius, mount.floor, &cast, code, mount.config)?;
+            one_way &= print.keeps_from_turning();
+            stands.last_mut().expect("it was pushed").push(print.clone());
             solid = solid.union(&print.stub_solid());
             let holder = shells.last_mut().expect("there are shells");
             holder.solid = holder.solid.difference(&print.socket_solid());
@@ -110,7 +159,7 @@ impl Cores {
             held = Some((centre, print));
         }
         if let Some((inlet, print)) = held {
-            let supported = supported(core, solid, &cast, (&inlet, &print), mount)?;
+            let supported = supported(&name, core, solid, &cast, (&inlet, &print), mount)?;
             solid = supported.solid;
             findings.extend(supported.finding);
             if let Some((pin, hole)) = supported.pin {
@@ -120,8 +169,46 @@ impl Cores {
             }
         }
         pieces.push(Piece { name, solid, demolding: -Vec3::z() });
-        Ok(Self { pieces, shells, cast, features, findings })
+        Ok(Self { pieces, shells, outside, cast, features, findings, one_way, numbered, stands })
     }
+
+    /// With its number on every stub, and below the piece that holds it beside every socket.
+    fn numbered(mut self) -> Self {
+        let holder = self.shells.last().expect("there are shells").solid.clone();
+        let mut numbers = Numbers::new(&holder, &self.stands);
+        for (k, prints) in self.stands.iter().enumerate() {
+            for print in prints {
+                if let Some(dots) = number::dots(k + 1, &print.front()) {
+                    self.pieces[k].solid = self.pieces[k].solid.difference(&dots);
+                } else {
+                    numbers.without(format!("the stub of core{}", k + 1));
+                }
+                numbers.add(k + 1, print);
+            }
+        }
+        let holder = self.shells.last_mut().expect("there are shells");
+        holder.solid = holder.solid.difference(&numbers.dots);
+        self.outside = self.outside.difference(&numbers.dots);
+        self.findings.extend(numbers.finding());
+        self.numbered = true;
+        self
+    }
+}
+
+/// The codes of several cores, and the radius of the narrowest inlet, for which all of their stubs are
+/// made; none if stubs shall be alike.
+fn keyed(cores: &[Core], mount: &Mount) -> Result<Option<(Vec<Code>, f64)>, MoldError> {
+    let config = mount.config;
+    if !config.core.keyed {
+        return Ok(None);
+    }
+    let inlets = || cores.iter().flat_map(|core| &core.inlets);
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
+    let radius = least(&mut inlets().map(|inlet| inlet.radius));
+    let length = least(&mut inlets().map(|inlet| inlet.centre.z))
+        - (mount.floor + config.stub_clearance());
+    let codes = keying::codes(cores.len(), config.stub_radius(radius), length, config)?;
+    Ok(Some((codes, radius)))
 }
 
 /// A soluble core with a bore for water along its stub.
@@ -157,6 +244,7 @@ fn bored(solid: Solid, print: &Print, core: &Core, config: &Config) -> Bored {
 /// channels and leaves walls of what is cast that are thick enough; between shells that part
 /// sideways it stands on their plane.
 fn supported(
+    name: &str,
     core: &Core,
     solid: Solid,
     cast: &Solid,
@@ -188,13 +276,13 @@ fn supported(
         Support::Stub => None,
     };
     let Some(pin) = found else {
-        return Ok(Supported { solid, pin: None, finding: moves(&sag, config.limits.sag) });
+        return Ok(Supported { solid, pin: None, finding: moves(name, &sag, config.limits.sag) });
     };
     let base = pin.base * 1e3;
     let finding = Finding {
         rule: "pin",
         message: format!(
-            "a pin of {:.1} mm radius holds the core at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
+            "a pin of {:.1} mm radius holds the {name} at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
              silicone",
             pin.base_radius * 1e3,
             base.x,
@@ -216,7 +304,7 @@ fn supported(
 }
 
 /// Reports how far a core may move that is held at one end.
-fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
+fn moves(name: &str, sag: &Sag, limit: f64) -> Option<Finding> {
     let Sag { lift, reach, bend, lean } = *sag;
     if bend.max(lean) <= limit {
         return None;
@@ -228,7 +316,7 @@ fn moves(sag: &Sag, limit: f64) -> Option<Finding> {
     Some(Finding {
         rule: "core support",
         message: format!(
-            "the core reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
+            "the {name} reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
              {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
             reach * 1e3,
             bend * 1e3,

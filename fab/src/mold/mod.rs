@@ -18,6 +18,7 @@ mod cores;
 mod division;
 pub mod features;
 mod height_field;
+mod numbering;
 pub mod parting;
 mod piece;
 pub mod venting;
@@ -39,6 +40,7 @@ use cores::{Cores, Mount};
 use division::{Blank, Division};
 use features::block::Block;
 use features::core::PrintError;
+use features::keying::KeyingError;
 use features::pin::PinError;
 pub use piece::{Feature, Piece, Purpose};
 use piece::{connected, cut};
@@ -66,6 +68,12 @@ pub struct Mold {
     pub shells: Vec<Piece>,
     /// One per connected chamber that is held on a stub.
     pub cores: Vec<Piece>,
+    /// Tags of the chambers, one for each core that the body has.
+    pub chambers: Vec<String>,
+    /// Whether it fits together one way only.
+    pub one_way: bool,
+    /// Whether several cores and their sockets carry numbers.
+    pub numbered: bool,
     /// What stands in the sprue while the mold is filled, and the volume it holds [m³].
     pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
@@ -85,6 +93,9 @@ pub enum MoldError {
     /// A core cannot be held.
     #[error(transparent)]
     Print(#[from] PrintError),
+    /// Cores would fit into each other's sockets.
+    #[error(transparent)]
+    Keying(#[from] KeyingError),
     /// The pin that was asked for has no place.
     #[error(transparent)]
     Pin(#[from] PinError),
@@ -164,7 +175,7 @@ impl Mold {
         };
         let cores = match portion {
             Portion::Whole => Cores::new(&body, division.shells, &mount)?,
-            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells),
+            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells, &outside),
         };
         let shells = cut(cores.shells, &channels.features);
         Ok(Self {
@@ -176,10 +187,13 @@ impl Mold {
             funnel: channels.funnel,
             frame,
             method,
+            outside: cores.outside,
+            chambers: boundary.cores.iter().map(|core| core.chamber.clone()).collect(),
+            one_way: cores.one_way,
+            numbered: cores.numbered,
             portion,
             open,
             block,
-            outside,
         })
     }
 

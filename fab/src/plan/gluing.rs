@@ -14,7 +14,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::direction;
 use super::undercut::{PartingHeight, View};
-use crate::body::boundary::{Boundary, Inlet};
+use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::config::GluingConfig;
 use crate::geometry::gap;
 
@@ -41,6 +41,9 @@ const SLIDING: f64 = 9e-3;
 /// Part of the area of the cores that may be blocked by the mold: facets at inlets.
 pub const CAUGHT: f64 = 1e-3;
 
+/// A core is carried by a plate if it reaches at least this far beyond the cut on both sides [m].
+const CARRIED: f64 = 1e-3;
+
 /// Flat walls that are considered, largest first.
 const WALLS: usize = 8;
 
@@ -53,6 +56,8 @@ pub struct Cut {
     pub offset: f64,
     /// Part of the area of the outside that is in undercuts [1].
     pub outside: f64,
+    /// Cores that it does not cut, which no plate carries.
+    pub missed: usize,
     /// Part of the area of the cores that is in undercuts [1].
     pub core: f64,
     /// Part of the area of the cores from which the straight line to the plane leaves the
@@ -91,29 +96,58 @@ pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3], peel: 
     let mut cuts: Vec<Cut> = normals
         .iter()
         .map(|normal| {
-            let heights = boundary.cores.iter().flat_map(|core| &core.surface.vertices);
-            let along: Vec<Vec3> = heights.map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
-            let (low, high) = bounds(&along);
             let all = || boundary.cast.vertices.iter().map(|p| p.dot(normal));
-            let middle = || gap::clear(all(), (low.x + high.x) / 2.0);
-            measured(boundary, *normal, gluing.offset.unwrap_or_else(middle))
+            let middle = || gap::clear(all(), middle(boundary, normal));
+            let offset = gluing.offset.unwrap_or_else(middle);
+            let carried = |[low, high]: [f64; 2]| low + CARRIED <= offset && offset <= high - CARRIED;
+            let missed = extents(boundary, normal).into_iter().filter(|e| !carried(*e)).count();
+            Cut { missed, ..measured(boundary, *normal, offset) }
         })
         .collect();
-    let hidden = |cut: &Cut| cut.outside + cut.core + cut.caught;
+    let hidden = |cut: &Cut| cut.outside + cut.core + cut.caught + cut.missed as f64;
     let least = cuts.iter().map(hidden).fold(f64::INFINITY, f64::min);
     let good = || cuts.iter().filter(|cut| hidden(cut) <= least + AS_GOOD);
     let thinnest = good().map(|cut| cut.thickness).fold(f64::INFINITY, f64::min);
     let thin = good().find(|cut| cut.thickness <= AS_THIN * thinnest);
     let mut cut = thin.expect("there is a normal").clone();
     cut.core_ratio = ratio(boundary, &cut);
-    if cut.caught > CAUGHT || cut.core_ratio > peel {
+    if cut.missed == 0 && (cut.caught > CAUGHT || cut.core_ratio > peel) {
         cuts.sort_by(|a, b| hidden(a).total_cmp(&hidden(b)));
-        let free = cuts.into_iter().filter(|cut| cut.caught <= CAUGHT);
+        let free = cuts.into_iter().filter(|cut| cut.missed == 0 && cut.caught <= CAUGHT);
         let mut measured = free.map(|cut| Cut { core_ratio: ratio(boundary, &cut), ..cut });
         cut = measured.find(|cut| cut.core_ratio <= peel).unwrap_or(cut);
     }
     cut.glued = glued(boundary, &cut);
     cut
+}
+
+/// From where to where each core reaches along a normal [m].
+fn extents(boundary: &Boundary, normal: &Vec3) -> Vec<[f64; 2]> {
+    let extent = |core: &CoreBoundary| extent(&core.surface, normal);
+    boundary.cores.iter().map(extent).collect()
+}
+
+fn extent(surface: &SurfaceMesh, normal: &Vec3) -> [f64; 2] {
+    let along: Vec<Vec3> =
+        surface.vertices.iter().map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
+    let (low, high) = bounds(&along);
+    [low.x, high.x]
+}
+
+/// The middle of what all cores have in common along a normal, or of all of them if they have nothing in
+/// common; of the body if it has no chamber [m].
+fn middle(boundary: &Boundary, normal: &Vec3) -> f64 {
+    let mut all = extents(boundary, normal);
+    if all.is_empty() {
+        all.push(extent(&boundary.filled, normal));
+    }
+    let fold = |k: usize, pick: fn(f64, f64) -> f64| all.iter().map(|e| e[k]).reduce(pick);
+    let [low, high] = [fold(0, f64::max), fold(1, f64::min)].map(|x| x.expect("there is one"));
+    let common = low + 2.0 * CARRIED <= high || all.len() == 1;
+    match common {
+        true => (low + high) / 2.0,
+        false => (fold(0, f64::min).unwrap_or(low) + fold(1, f64::max).unwrap_or(high)) / 2.0,
+    }
 }
 
 /// A flat wall of the chamber: all of it lies on one side of the wall's plane.
@@ -127,7 +161,8 @@ pub struct Flat {
     pub share: f64,
 }
 
-/// The flat wall that covers most of the chamber's outline.
+/// The flat wall that covers most of the chamber's outline, of several chambers one on which all of
+/// them stand if there is any.
 #[must_use]
 pub fn flattest(boundary: &Boundary) -> Option<Flat> {
     let flats = walls(boundary).into_iter().map(|normal| {
@@ -145,10 +180,14 @@ pub fn flattest(boundary: &Boundary) -> Option<Flat> {
                 .map(|t| area(&core.surface, t))
                 .sum::<f64>();
         }
-        (normal, offset, wall / outline)
+        let reaches = |[_, high]: &[f64; 2]| offset - high <= FLAT;
+        let missed = extents(boundary, &normal).iter().filter(|e| !reaches(e)).count();
+        (normal, offset, wall / outline, missed)
     });
-    let (normal, offset, share) = flats.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let mut cut = measured(boundary, normal, offset - ASIDE);
+    let better = |a: f64, b: f64| a.total_cmp(&b);
+    let (normal, offset, share, missed) =
+        flats.max_by(|a, b| b.3.cmp(&a.3).then(better(a.2, b.2)))?;
+    let mut cut = Cut { missed, ..measured(boundary, normal, offset - ASIDE) };
     cut.core_ratio = ratio(boundary, &cut);
     cut.glued = glued(boundary, &cut);
     Some(Flat { cut, beyond: offset + ASIDE, share })
@@ -198,6 +237,7 @@ fn measured(boundary: &Boundary, normal: Vec3, offset: f64) -> Cut {
         normal,
         offset,
         outside: view.undercut(plane).share,
+        missed: 0,
         core: core.fold(0.0, f64::max),
         caught: caught(boundary, &normal, offset),
         core_ratio: 0.0,
@@ -226,7 +266,7 @@ fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
         let inlets = core.inlets.iter().filter(|inlet| blocks(inlet, normal, offset));
         sum += inlets.map(|inlet| PI * inlet.radius.powi(2)).sum::<f64>();
     }
-    sum / total
+    if total > 0.0 { sum / total } else { 0.0 }
 }
 
 /// Whether the mold outside of an inlet holds the core when that leaves along a normal: it lies

@@ -38,6 +38,8 @@ pub struct Plan {
     pub verdicts: Vec<Verdict>,
     /// The undercuts along every direction.
     pub directions: Vec<DirectionUndercut>,
+    /// How many chambers the body has.
+    pub chambers: usize,
     /// What is cast of silicone.
     pub castings: Vec<Casting>,
 }
@@ -135,7 +137,7 @@ impl Plan {
         let up = layout::up(boundary, config);
         let directions = pull::directions(&boundary.filled, &up);
         let Judge { measures, verdicts, .. } = judge;
-        Ok(Self { method, chosen_by, reason, measures, verdicts, directions, castings })
+        Ok(Self { method, chosen_by, reason, measures, verdicts, directions, chambers: boundary.cores.len(), castings })
     }
 
     /// What to do with the castings, in order.

@@ -17,6 +17,15 @@ fn blocked(cut: &Cut) -> String {
     format!("the mold around the body stands in the way of {:.1} % of the core", 100.0 * cut.caught)
 }
 
+/// Why a plane does not open all chambers.
+fn missed(cut: &Cut, boundary: &Boundary) -> String {
+    format!(
+        "it does not open {} of {} chambers, whose cores the plate could not carry",
+        cut.missed,
+        boundary.cores.len()
+    )
+}
+
 /// Measures a body only as far as the judged methods need it.
 pub struct Judge<'a> {
     boundary: &'a Boundary,
@@ -40,7 +49,7 @@ impl<'a> Judge<'a> {
     /// The method that is preferred of those that can be used, and its castings. Wax is as good
     /// as a soluble core but takes one more casting: it is used only if it is asked for.
     pub fn first_possible(&mut self) -> Result<(Method, Vec<Casting>), PlanError> {
-        let wanted = Method::ALL.into_iter().filter(|&method| method != Method::Wax);
+        let wanted = self.candidates().into_iter().filter(|&method| method != Method::Wax);
         for method in wanted {
             if !self.judge(method).possible {
                 continue;
@@ -58,6 +67,20 @@ impl<'a> Judge<'a> {
         Err(PlanError::None { reasons: reasons.join("; ") })
     }
 
+    /// The methods that concern a body with chambers, or one without.
+    fn candidates(&self) -> Vec<Method> {
+        let solid = self.boundary.cores.is_empty();
+        let concerns = |method: &Method| match method {
+            Method::Solid => solid,
+            Method::Halves => true,
+            Method::PullOut | Method::OpenTop | Method::Soluble | Method::Wax => !solid,
+        };
+        let mut all = Method::ALL;
+        // What is simplest comes first.
+        all.sort_by_key(|method| *method != Method::Solid);
+        all.into_iter().filter(concerns).collect()
+    }
+
     /// Takes back that a method can be used.
     fn reject(&mut self, method: Method, error: &PlanError) {
         let verdict = self.verdicts.iter_mut().rfind(|verdict| verdict.method == method);
@@ -72,7 +95,7 @@ impl<'a> Judge<'a> {
         if verdict.possible {
             return Ok(method);
         }
-        let others = Method::ALL.into_iter().filter(|&other| other != method);
+        let others = self.candidates().into_iter().filter(|&other| other != method);
         let can: Vec<String> = others
             .filter(|&other| self.judge(other).possible)
             .map(|other| format!("\"{other}\""))
@@ -89,7 +112,7 @@ impl<'a> Judge<'a> {
         let (boundary, config) = (self.boundary, self.config);
         require_walls(&boundary.cast, config)?;
         match method {
-            Method::PullOut | Method::Soluble | Method::Wax => {
+            Method::Solid | Method::PullOut | Method::Soluble | Method::Wax => {
                 let up = layout::up(boundary, config);
                 let up = layout::require_inlets_down(boundary, up)?;
                 Ok(vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?])
@@ -119,8 +142,14 @@ impl<'a> Judge<'a> {
 
     fn judge(&mut self, method: Method) -> Verdict {
         let (possible, reason) = match method {
-            Method::Halves | Method::OpenTop if self.config.fitting.is_some() => {
-                (false, "the collar for a [fitting] is cast with the whole body".into())
+            Method::Solid => match self.boundary.cores.len() {
+                0 => (true, "the body has no chamber".into()),
+                n => (false, format!("the body has {n} chambers to be filled while it is cast")),
+            },
+            Method::PullOut | Method::OpenTop | Method::Soluble | Method::Wax
+                if self.boundary.cores.is_empty() =>
+            {
+                (false, "the body has no chamber".into())
             }
             Method::PullOut => self.pull_out(),
             Method::Soluble | Method::Wax => self.inlets(),
@@ -157,11 +186,13 @@ impl<'a> Judge<'a> {
         match layout::require_inlets_down(self.boundary, up) {
             Ok(_) => {
                 let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
+                let cores = match self.boundary.cores.len() {
+                    1 => "the core".into(),
+                    n => format!("{n} cores"),
+                };
                 (
                     true,
-                    format!(
-                        "the core can be held, and leave, through {count} inlets that face down"
-                    ),
+                    format!("{cores} can be held, and leave, through {count} inlets that face down"),
                 )
             }
             Err(error) => (false, error.to_string()),
@@ -225,6 +256,9 @@ impl<'a> Judge<'a> {
                     .into(),
         });
         let ratio = cut.core_ratio;
+        if cut.missed > 0 {
+            return (false, format!("{words}; {}", missed(cut, self.boundary)));
+        }
         let open = *share >= limit;
         if open && cut.caught > CAUGHT {
             return (false, format!("{words}; {}", blocked(cut)));
@@ -242,7 +276,8 @@ impl<'a> Judge<'a> {
     fn in_halves(&mut self) -> (bool, String) {
         let limit = self.config.limits.peel;
         let cut = self.halves();
-        let (ratio, caught, blocked) = (cut.core_ratio, cut.caught, blocked(cut));
+        let cut = cut.clone();
+        let (ratio, caught, blocked) = (cut.core_ratio, cut.caught, blocked(&cut));
         let words = format!(
             "{}; below the core silicone must give way by {ratio:.2} of its width, limits.peel is {limit:.2}",
             cut.describe()
@@ -256,6 +291,9 @@ impl<'a> Judge<'a> {
                 "depth of what is caught below a half core over its width; the limit is a judgement"
                     .into(),
         });
+        if cut.missed > 0 {
+            return (false, format!("{words}; {}", missed(&cut, self.boundary)));
+        }
         if caught > CAUGHT {
             return (false, format!("{words}; {blocked}"));
         }
@@ -299,10 +337,18 @@ fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
     (passage.ratio(), bottleneck)
 }
 
+/// How halves are glued.
+const GLUE_HALVES: &str = "Clean the cut faces with alcohol, wet both with a thin film of the same uncured silicone, and press them together until it has cured: within a day of casting, as cured silicone bonds badly.";
+
 /// What to do with the castings, in order.
 #[must_use]
 pub fn steps(plan: &Plan) -> Vec<String> {
     let steps: &[&str] = match plan.method {
+        Method::Solid => &["Close the mold and cast the body.", "Take the shells off."],
+        Method::Halves if plan.chambers == 0 => &[
+            "Cast both halves, each over its plate.",
+            GLUE_HALVES,
+        ],
         Method::PullOut => &[
             "Close the mold around the core and cast it.",
             "Take the shells off, then pull the core out through the inlet: it must stretch, so wet it with soapy water.",
@@ -319,7 +365,7 @@ pub fn steps(plan: &Plan) -> Vec<String> {
         ],
         Method::Halves => &[
             "Cast both halves, each over the plate that carries its half of the core.",
-            "Clean the cut faces with alcohol, wet both with a thin film of the same uncured silicone, and press them together until it has cured: within a day of casting, as cured silicone bonds badly.",
+            GLUE_HALVES,
             "A closed chamber takes its tube through a hole that is pierced afterwards, sealed with the same silicone.",
         ],
         Method::OpenTop => &[

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use mesh::SurfaceMesh;
-use mesh::io::read_tets;
 use mesh::measure::enclosed_volume;
-use mesh::topology;
 
 use super::{Line, fit, walls};
 use crate::body::source::CastPart;
@@ -28,21 +26,22 @@ pub fn checks(folder: &Path, plan: &PlanReport, design: Option<&Path>) -> Vec<Li
         return Vec::new();
     }
     let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
-    let mut design = match read_tets(&path) {
-        Ok(msh) => topology::boundary(&msh.mesh).surface(&msh.mesh).0,
-        Err(error) => {
-            return vec![Line::new("castings: design", false, error.to_string(), "the design")];
-        }
+    // In the millimetres of each mold, larger by what the silicone shrinks.
+    let designs: Result<Vec<SurfaceMesh>, String> =
+        reports.iter().map(|report| fit::whole(&path, report)).collect();
+    let designs = match designs {
+        Ok(designs) => designs,
+        Err(error) => return vec![Line::new("castings: design", false, error, "the design")],
     };
-    let volume = volume(&reports, &design);
-    // In the millimetres of the mold, larger by what the silicone shrinks.
-    design.vertices.iter_mut().for_each(|p| *p *= first.scale());
+    let design = &designs[0];
+    let volume = volume(&reports, &designs);
     let least = (first.casting.least_wall - ROUNDING) * MM;
-    vec![volume, walls::wall_line("castings: thinnest wall", &design, least)]
+    vec![volume, walls::wall_line("castings: thinnest wall", design, least)]
 }
 
-/// No two castings are the same, and their volumes add up to that of the design [m].
-fn volume(reports: &[MoldReport], design: &SurfaceMesh) -> Line {
+/// No two castings are the same, and their volumes add up to that of the design, which is given as it
+/// lies in each mold.
+fn volume(reports: &[MoldReport], designs: &[SurfaceMesh]) -> Line {
     let name = "castings: volume";
     let piece = |report: &MoldReport| (report.design_to_mold, report.input.part.clone());
     let again = |(i, report): (usize, &MoldReport)| {
@@ -51,8 +50,8 @@ fn volume(reports: &[MoldReport], design: &SurfaceMesh) -> Line {
     if reports.iter().enumerate().any(again) {
         return Line::new(name, false, "one piece twice".into(), "every piece once");
     }
-    let whole = enclosed_volume(design) * reports[0].scale().powi(3);
-    let sections = reports.iter().map(|report| fit::section(design, report));
+    let whole = enclosed_volume(&designs[0]);
+    let sections = reports.iter().zip(designs).map(|(report, design)| fit::section(design, report));
     let glued = sections.fold(0.0, f64::max);
     let sum: f64 = reports.iter().map(|report| report.cast.volume).sum();
     Line::at_most(name, (sum - whole).abs(), GLUE * glued, "mm³ off the design")

@@ -155,6 +155,8 @@ fn seated(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
     let depth = mold.cast.solid.bounds().0.z - mold.bounds.0.z;
     let below = Vec3::new(mold.bounds.1.x, mold.bounds.1.y, mold.bounds.0.z + depth);
     let hole = socket.intersection(&Solid::cube(&mold.bounds.0, &below));
+    // As it is cut: with the flats of its stub.
+    let hole = mold.shells.iter().fold(hole, |hole, shell| hole.difference(&shell.solid));
     let stubs = mold.cores.iter().map(|core| core.solid.intersection(&hole));
     let stub = stubs.max_by(|a, b| a.volume().total_cmp(&b.volume()));
     let (length, part) = stub.filter(|s| !s.is_empty()).map_or((0.0, 0.0), |stub| {

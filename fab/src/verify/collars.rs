@@ -1,15 +1,17 @@
 //! A tube is gripped by its collar.
 //!
-//! Measured half-way along the collar, on a slice of height h: the core there has the
-//! diameter d = 2 √(V / π h) of the bore, and the silicone around it a wall of
-//! (D − d) / 2, D likewise.
+//! Measured half-way along the collar, in a slice of the mold cavity: the nearest place of the
+//! silicone to the collar's axis is on its bore, the farthest on its outside. A casting that ends before a collar
+//! does not have it; one that is cut along its axis has a half.
 
+use mesh::Vec3;
 use mesh::solid::Solid;
 
 use super::Line;
 use super::closed_mold::ClosedMold;
+use crate::body::collar::Collar;
+use crate::body::source::CastPart;
 use crate::geometry::MM;
-use crate::mold::Purpose;
 
 /// Least and largest part of its diameter by which a tube is squeezed: judgements.
 const SQUEEZED: [f64; 2] = [0.02, 0.4];
@@ -17,10 +19,28 @@ const SQUEEZED: [f64; 2] = [0.02, 0.4];
 /// The slice that is measured, in parts of the collar's length.
 const SLICE: [f64; 2] = [0.45, 0.55];
 
-/// A core without its bore for water.
-fn filled(mold: &ClosedMold, core: &Solid) -> Solid {
-    let drains = mold.report.features.iter().filter(|f| f.purpose == Purpose::Drain);
-    drains.fold(core.clone(), |all, drain| all.union(&drain.exact()))
+/// Whether a casting has at least a part of a slice.
+fn belongs(part: &CastPart, slice: &Solid) -> bool {
+    match part {
+        CastPart::Above(height) => !slice.trim_by_plane(&Vec3::z(), *height).is_empty(),
+        CastPart::Below(height) => !slice.trim_by_plane(&-Vec3::z(), -height).is_empty(),
+        CastPart::Whole | CastPart::Core => true,
+    }
+}
+
+/// Radii of the bore and of the outside in a slice of what is cast; a bore without silicone around it has
+/// no radius [mm].
+fn radii(slice: &Solid, mold: &ClosedMold, collar: &Collar) -> [f64; 2] {
+    // Without the bore for water in its core.
+    let ring = slice.intersection(&mold.cavity).difference(&mold.channels).to_surface();
+    let along = collar.axis.normalize();
+    let radius = |p: &Vec3| {
+        let from = p - collar.base;
+        (from - along * from.dot(&along)).norm()
+    };
+    let all = || ring.vertices.iter().map(radius);
+    let nearest = all().fold(f64::INFINITY, f64::min);
+    [if nearest.is_finite() { nearest } else { 0.0 }, all().fold(0.0, f64::max)]
 }
 
 /// All checks of collars.
@@ -30,12 +50,11 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     for (i, tube) in mold.report.collars.iter().enumerate() {
         let collar = tube.collar();
         let slice = collar.slice(SLICE[0], SLICE[1]);
-        let height = collar.length * (SLICE[1] - SLICE[0]);
-        let area = |solid: &Solid| slice.intersection(solid).volume() / height;
-        let bore: f64 = mold.cores.iter().map(|core| area(&filled(mold, &core.solid))).sum();
-        let diameter = |area: f64| 2.0 * (area / std::f64::consts::PI).sqrt() / shrinks;
-        let inside = diameter(bore);
-        let wall = (diameter(bore + area(&mold.cast.solid)) - inside) / 2.0;
+        if !belongs(&mold.report.input.part, &slice) {
+            continue;
+        }
+        let [bore, outside] = radii(&slice, mold, &collar).map(|r| r / shrinks);
+        let (inside, wall) = (2.0 * bore, outside - bore);
         let squeezed = 1.0 - inside / tube.outer;
         let [least, most] = SQUEEZED;
         lines.push(Line::new(

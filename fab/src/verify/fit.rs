@@ -114,17 +114,25 @@ fn surface(mold: &ClosedMold, voids: &Solid, folder: &Path, design: Option<&Path
     lines
 }
 
+/// The whole body of a design with its collars, in the mold's millimetres.
+///
+/// # Errors
+/// If the design cannot be read, or its collars do not bound a solid with it.
+pub fn whole(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
+    let msh = read_tets(path).map_err(|e| e.to_string())?;
+    if !report.collars.is_empty() {
+        return collared(&msh, report);
+    }
+    Ok(placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report))
+}
+
 /// The surface that is to be cast, in the mold's millimetres.
 fn designed(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
     if report.input.part == CastPart::Core {
         let core = read_surface(path).map_err(|e| e.to_string())?;
         return Ok(placed(core, report));
     }
-    let msh = read_tets(path).map_err(|e| e.to_string())?;
-    if !report.collars.is_empty() {
-        return collared(&msh, report);
-    }
-    let whole = placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report);
+    let whole = whole(path, report)?;
     let cut = |up: f64, height: f64| {
         let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
         Ok(solid.trim_by_plane(&(Vec3::z() * up), up * height).to_surface())
@@ -136,10 +144,10 @@ fn designed(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
     }
 }
 
-/// Area of the section of a design at which a casting ends, in the mold [mm²].
+/// Area of the section of a design, in the mold's millimetres, at which a casting ends [mm²].
 pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
     let (CastPart::Above(height) | CastPart::Below(height)) = report.input.part else { return 0.0 };
-    let Ok(whole) = Solid::from_surface(&placed(design.clone(), report)) else { return 0.0 };
+    let Ok(whole) = Solid::from_surface(design) else { return 0.0 };
     let (above, below) = whole.split_by_plane(&Vec3::z(), height);
     // The section is added on both sides.
     (above.area() + below.area() - whole.area()) / 2.0

@@ -10,8 +10,8 @@
 //! A check that uses the same code as what it checks repeats its errors.
 //!
 //! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
-//!   collars, `demolding`, `filling`. They use the written surfaces. `fit` and `filling`
-//!   take the outlines of channels and gaps from the report.
+//!   collars, `demolding`, `filling`, `keying`. They use the written surfaces. `fit` and `filling`
+//!   take the outlines of channels and gaps from the report, `keying` where sockets are.
 //! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
 //!   bodies.
 //! - `channels`: places and sizes of features come from the report, and `pin::LAND` is the limit by
@@ -30,6 +30,7 @@ mod copies;
 mod demolding;
 mod filling;
 mod fit;
+mod keying;
 mod printing;
 mod release;
 mod surfaces;
@@ -230,6 +231,7 @@ fn shapes(
     progress.step("comparing with the design");
     let mut lines = fit::checks(mold, folder, design);
     lines.extend(channels::checks(mold));
+    lines.extend(keying::checks(mold));
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));

@@ -232,14 +232,20 @@ impl Sheet {
 pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
     let mut text = format!("# Casting\n\n{}\n\n## Molds\n\n", plan.reason);
     let mut silicone = 0.0;
+    let mut steps = plan.steps.clone();
     for entry in &plan.molds {
         let below = folder.join(&entry.folder);
-        let sheet = Sheet::new(&MoldReport::read(&below)?);
+        let report = MoldReport::read(&below)?;
+        let sheet = Sheet::new(&report);
         let sheet = sheet.map_err(|message| IoError::content(&below, message))?;
         let what = match entry.casts {
             plan::Material::Silicone => "silicone",
             plan::Material::Wax => "wax",
         };
+        // Tubes and the leak test of a body that is glued, once.
+        if steps::is_half(&report) && !report.chambers.is_empty() && steps.len() == plan.steps.len() {
+            steps.extend(steps::finish(sheet.leak_test_kpa, &report));
+        }
         silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };
         text += &format!(
             "- {}: {:.1} mL of {what}, see [{below}/{MARKDOWN}]({below}/{MARKDOWN})\n",
@@ -249,7 +255,7 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
         );
     }
     text += &format!("\n{silicone:.1} mL of silicone in all.\n\n## Do\n\n");
-    text += &list(plan.steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
+    text += &list(steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
     let text = text.trim_end().to_owned() + "\n";
     write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))
 }

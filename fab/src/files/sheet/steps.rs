@@ -23,7 +23,7 @@ pub fn is_wax(report: &MoldReport) -> bool {
 }
 
 /// Whether the casting is only a part of the body.
-fn is_half(report: &MoldReport) -> bool {
+pub fn is_half(report: &MoldReport) -> bool {
     matches!(report.input.part, CastPart::Above(_) | CastPart::Below(_))
 }
 
@@ -54,8 +54,8 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     if bolts.is_empty() && !report.open {
         add(2, "clamps that span the closed mold, or strong rubber bands".into());
     }
-    for collar in &report.collars {
-        add(1, collar.tube.clone());
+    if let Some(collar) = report.collars.first() {
+        add(report.collars.len(), collar.tube.clone());
     }
     let inlets = with(report, Purpose::Socket).count();
     if inlets > 0 && report.collars.is_empty() && !is_wax(report) {
@@ -83,10 +83,8 @@ fn with(report: &MoldReport, purpose: Purpose) -> impl Iterator<Item = &Outline>
 pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let shells = names(report, Role::Shell);
     let cores = names(report, Role::Core);
-    let mut steps = vec![
-        print(report),
-        "Put the mold together once while it is empty; it fits one way only.".into(),
-    ];
+    let mut steps = vec![print(report)];
+    steps.extend((!report.open).then(|| try_out(report, &cores)));
     if report.method == Method::Soluble && !cores.is_empty() {
         steps.push(format!("Print {} of a filament that water dissolves.", and(&cores)));
     }
@@ -103,14 +101,68 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
     }
-    match &report.collars[..] {
-        [] => steps.push("Glue the tube into the inlet.".into()),
-        collars => steps.extend(collars.iter().map(|collar| insert(collar, report))),
+    if !report.chambers.is_empty() {
+        steps.extend(finish(sheet.leak_test_kpa, report));
     }
-    let pressure = sheet.leak_test_kpa;
-    let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
-    steps.push(format!("Hold it under water at {pressure} for a minute: no bubble may rise."));
     steps
+}
+
+/// What is left to do once the body is whole: tubes and the leak test.
+pub fn finish(leak_test_kpa: Option<f64>, report: &MoldReport) -> Vec<String> {
+    let mut steps = Vec::new();
+    match &report.collars[..] {
+        [] if report.chambers.len() > 1 => {
+            steps.push("Glue a tube into each inlet, and write the number of its chamber on it.".into());
+        }
+        [] => steps.push("Glue the tube into the inlet.".into()),
+        [collar, ..] => steps.push(insert(collar, report)),
+    }
+    let pressure = leak_test_kpa;
+    let pressure = pressure.map_or("its working pressure".into(), |p| format!("{p:.1} kPa"));
+    let (each, others) = match report.chambers.len() {
+        1 => ("", ""),
+        _ => (
+            ", one chamber after the other",
+            ", and no other chamber may fill: hold the ends of their tubes under water, too",
+        ),
+    };
+    steps.push(format!(
+        "Hold it under water at {pressure} for a minute{each}: no bubble may rise{others}."
+    ));
+    steps
+}
+
+/// The mold is put together before it is needed, and whether that can be done wrong.
+fn try_out(report: &MoldReport, cores: &[&str]) -> String {
+    let once = "Put the mold together once while it is empty; ";
+    let ways = match (report.one_way, cores.len()) {
+        (true, 0 | 1) => "it fits one way only.",
+        (true, _) => "it fits one way only, and each core into its own socket only.",
+        (false, 1) => {
+            "its core can be turned in its socket: mark how it stands in assembled.png with a pen on both."
+        }
+        (false, _) => {
+            "its cores can be mixed up or turned in their sockets: mark how they stand in exploded.png with a pen \
+             on cores and sockets."
+        }
+    };
+    once.to_owned() + ways
+}
+
+/// Which core goes where.
+fn put(cores: &[&str], report: &MoldReport) -> String {
+    if let [core] = cores {
+        return format!(", put {core} into its socket");
+    }
+    let chamber = |k: usize| match report.chambers.get(k).map_or("", String::as_str) {
+        "" => String::new(),
+        tag => format!(" for `{tag}`"),
+    };
+    let each = cores.iter().enumerate();
+    let each: Vec<String> =
+        each.map(|(k, core)| format!("{core}{} into socket {}", chamber(k), k + 1)).collect();
+    let each: Vec<&str> = each.iter().map(String::as_str).collect();
+    format!(", put {}", and(&each))
 }
 
 fn print(report: &MoldReport) -> String {
@@ -143,13 +195,27 @@ fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
     let (holder, others) = shells.split_last().map_or(("", &[][..]), |(h, o)| (*h, o));
     let mut words = format!("Stand {holder} on the table");
     if !cores.is_empty() {
-        words += &format!(", put {} into its socket", and(cores));
+        words += &put(cores, report);
     }
     if !others.is_empty() {
         let fix = if with(report, Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
         words += &format!(", add {}, and {fix} them", and(others));
     }
-    if is_wax(report) { words + "." } else { spray + &words + "." }
+    if is_wax(report) {
+        return words + ".";
+    }
+    let numbers = match numbered(report, cores) {
+        true => format!(
+            " Numbers in dots are on the flat of each stub, and below {holder} beside each socket."
+        ),
+        false => String::new(),
+    };
+    spray + &words + "." + &numbers
+}
+
+/// Whether cores and sockets carry numbers.
+fn numbered(report: &MoldReport, cores: &[&str]) -> bool {
+    cores.len() > 1 && report.numbered
 }
 
 /// How a tube is put into its collar.
@@ -158,8 +224,12 @@ fn insert(collar: &FittedTube, report: &MoldReport) -> String {
     // What shrinks does so with its bore.
     let shrinks = report.scale() / MM;
     let bore = 2.0 * bore / shrinks;
+    let each = match report.collars.len() {
+        1 => "",
+        _ => "For each chamber, and with its number on the tube: ",
+    };
     format!(
-        "Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
+        "{each}Cut the {tube} straight, wet it with alcohol and push it {:.0} mm into the collar, to the inlet and no \
          farther: the bore of {bore:.2} mm grips it, being {:.0} % narrower. Tie a thread twice around \
          the collar; glue it with silicone if it must not come out.",
         length / shrinks,
@@ -219,21 +289,25 @@ fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         [one] => format!("Peel the casting out of {one}."),
         _ => format!("Take off {}, in this order.", taken.join(", ")),
     };
+    let (them, inlets) = match cores.len() {
+        1 => ("it", "the inlet"),
+        _ => ("them", "their inlets"),
+    };
     let out = match report.method {
         _ if cores.is_empty() || is_wax(report) => String::new(),
         Method::Soluble => format!(
-            " Leave the body in warm water, flushed through the bore of {}, until nothing of it \
+            " Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
              is left.",
             and(cores)
         ),
         Method::Wax => format!(
-            " Let {} melt out through the inlet, and rinse it with hot water; stay below what \
+            " Let {} melt out through {inlets}, and rinse with hot water; stay below what \
              softens the printed parts.",
             and(cores)
         ),
         _ => format!(
-            " Let soapy water or air in between {} and the silicone, and pull it out through \
-             the inlet.",
+            " Let soapy water or air in between {} and the silicone, and pull {them} out through \
+             {inlets}.",
             and(cores)
         ),
     };

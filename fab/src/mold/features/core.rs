@@ -7,8 +7,13 @@
 use mesh::Vec3;
 use mesh::solid::Solid;
 
+use super::keying::{self, Code};
+use super::label::Face;
 use crate::config::{Config, CoreConfig, STUB_FLAT};
 use crate::geometry::frustum::Frustum;
+
+/// A number on a stub keeps this far from its end and from the inlet [m].
+const EDGE: f64 = 3e-4;
 
 /// Tries to root the stub in the core, each half as deep as the one before.
 const TRIES: usize = 10;
@@ -22,6 +27,10 @@ pub struct Print {
     pub socket: Frustum,
     /// Gap between the flats [m].
     clearance: f64,
+    /// Height of the inlet [m].
+    inlet: f64,
+    /// What tells it from the stubs of other cores, if there are any.
+    code: Option<Code>,
 }
 
 /// Why an inlet cannot hold a stub.
@@ -42,7 +51,7 @@ pub enum PrintError {
 impl Print {
     /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m], at least
     /// [`Config::least_inlet`], down to just above `floor` [m], rooted in the core without
-    /// touching `cast`.
+    /// touching `cast`; with a `code` if there are several cores.
     ///
     /// # Errors
     /// [`PrintError`] if the chamber narrows behind the inlet.
@@ -51,6 +60,7 @@ impl Print {
         radius: f64,
         floor: f64,
         cast: &Solid,
+        code: Option<Code>,
         config: &Config,
     ) -> Result<Self, PrintError> {
         let clearance = config.stub_clearance();
@@ -68,6 +78,8 @@ impl Print {
                 stub: column(narrow, floor + clearance),
                 socket: column(narrow + clearance, floor - clearance),
                 clearance,
+                inlet: centre.z,
+                code,
             };
             if cast.intersection(&print.socket.solid()).is_empty() {
                 return Ok(print);
@@ -88,9 +100,39 @@ impl Print {
         self.flattened(&self.socket, self.clearance)
     }
 
+    /// Distance of the flat in front from the stub's axis [m].
+    fn flat(&self) -> f64 {
+        self.code.map_or(STUB_FLAT * self.stub.base_radius, |code| code.flat)
+    }
+
+    /// Whether its flat keeps the stub from turning in its socket.
+    #[must_use]
+    pub fn keeps_from_turning(&self) -> bool {
+        keying::keeps_from_turning(self.stub.base_radius, self.flat(), self.clearance)
+    }
+
+    /// The face of the flat below the inlet, as it stands on the printer.
+    #[must_use]
+    pub fn front(&self) -> Face {
+        let [top, end] = [self.inlet - EDGE, self.stub.base.z + self.stub.axis.z + EDGE];
+        let flat = self.flat();
+        // Half of its chord; a flat at the side leaves less.
+        let half = (self.stub.base_radius.powi(2) - flat * flat).sqrt().min(flat);
+        let middle = self.stub.base + Vec3::x() * flat;
+        Face {
+            middle: Vec3::new(middle.x, middle.y, (top + end) / 2.0),
+            along: Vec3::y(),
+            up: Vec3::z(),
+            size: [2.0 * half, top - end],
+            down: -Vec3::z(),
+        }
+    }
+
     fn flattened(&self, frustum: &Frustum, gap: f64) -> Solid {
-        let flat = self.stub.base.x + STUB_FLAT * self.stub.base_radius + gap;
-        frustum.solid().trim_by_plane(&-Vec3::x(), -flat)
+        let flat = self.stub.base.x + self.flat() + gap;
+        let front = frustum.solid().trim_by_plane(&-Vec3::x(), -flat);
+        let cuts = self.code.map(|code| code.cuts(frustum, self.inlet, gap));
+        cuts.into_iter().flatten().fold(front, |stub, cut| stub.difference(&cut))
     }
 }
 

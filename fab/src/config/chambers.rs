@@ -1,0 +1,60 @@
+//! `chamber`: the tags of the walls of the air chambers.
+
+use serde::{Deserialize, Serialize};
+
+/// Tags of the walls of air chambers, in the order in which cores are numbered; none for a body
+/// without a chamber. Written as one tag or as a list.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(from = "Written", into = "Written")]
+pub struct Chambers(Vec<String>);
+
+#[derive(Deserialize, Serialize)]
+#[serde(untagged, expecting = "the tag of the chamber's wall, or a list of such tags")]
+enum Written {
+    One(String),
+    List(Vec<String>),
+}
+
+impl Chambers {
+    /// A single chamber.
+    #[must_use]
+    pub fn one(tag: &str) -> Self {
+        Self(vec![tag.into()])
+    }
+
+    /// The tags.
+    #[must_use]
+    pub fn tags(&self) -> &[String] {
+        &self.0
+    }
+
+    /// Whether no tag is named twice.
+    ///
+    /// # Errors
+    /// The key, and the tag.
+    pub fn check(key: &str, chambers: &Self) -> Result<(), String> {
+        let twice = |(i, tag): &(usize, &String)| chambers.0[..*i].contains(tag);
+        match chambers.0.iter().enumerate().find(twice) {
+            Some((_, tag)) => Err(format!("{key} names {tag:?} twice")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl From<Written> for Chambers {
+    fn from(written: Written) -> Self {
+        match written {
+            Written::One(tag) => Self(vec![tag]),
+            Written::List(tags) => Self(tags),
+        }
+    }
+}
+
+impl From<Chambers> for Written {
+    fn from(Chambers(mut tags): Chambers) -> Self {
+        match tags.len() {
+            1 => Self::One(tags.remove(0)),
+            _ => Self::List(tags),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Each core fits into its own socket only, and there one way only.
+//!
+//! The written stubs of a core are put into the written sockets, its own and those of others: every stub on every
+//! socket, turned about its axis in steps of 15°, in the middle and pushed aside by its play. How far the
+//! core then stands proud is the least height by which it must be lifted so that it meets nothing of the
+//! piece with the sockets. The least of all these places is compared with what one sees.
+
+use std::f64::consts::TAU;
+
+use mesh::Vec3;
+use mesh::solid::Solid;
+use nalgebra::{Matrix3x4, Rotation3};
+
+use super::closed_mold::{Body, ClosedMold};
+use super::{Line, Status};
+use crate::mold::Purpose;
+
+/// Turns of a stub in its socket.
+const TURNS: usize = 24;
+
+/// Turns by less than this count as none [rad].
+const SAME: f64 = TAU / 12.0 - 1e-9;
+
+/// A core is seen to be in a wrong place if it stands proud by two layers of a filament printer and more [mm].
+const SEEN: f64 = 0.5;
+
+/// Halvings of the height in which the least is searched: to a hundredth of a millimetre.
+const HALVINGS: usize = 9;
+
+/// Parts that share no more than a cube of 0.2 mm touch [mm³].
+const TOUCHING: f64 = 1e-2;
+
+/// Part of its play by which a stub is pushed aside: both are polygons.
+const PLAY: f64 = 0.95;
+
+/// The stubs of a core.
+struct Stubs<'a> {
+    name: &'a str,
+    /// All of the core below the body.
+    solid: Solid,
+    /// The axes of its sockets, at their lower ends, and its play in each of them.
+    sockets: Vec<(Vec3, f64)>,
+}
+
+/// The checks of all cores that stand in sockets.
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
+    let Some(holder) = mold.shells.last() else { return Vec::new() };
+    let seat = mold.cast.solid.bounds().0.z;
+    let below = |solid: &Solid| solid.trim_by_plane(&-Vec3::z(), -seat);
+    let floor = below(&holder.solid);
+    let depth = seat - mold.bounds.0.z;
+    let cores: Vec<Stubs> =
+        mold.cores.iter().map(|core| stubs(mold, core, below(&core.solid))).collect();
+    let claimed = mold.report.one_way;
+    let line = |name: String, proud: f64, place: String| {
+        let found = format!("stands {proud:.2} mm proud{place}");
+        let mut line = Line::new(name, proud >= SEEN, found, &format!("at least {SEEN} mm"));
+        if line.status == Status::Fail && !claimed {
+            line.status = Status::Warn;
+        }
+        line
+    };
+    let mut lines = Vec::new();
+    for (i, core) in cores.iter().enumerate().filter(|(_, core)| !core.sockets.is_empty()) {
+        let own = core.proud(core, &floor, depth);
+        lines.push(line(format!("{}: one way only", core.name), own, " when turned".into()));
+        let others = cores.iter().enumerate().filter(|(j, other)| *j != i && !other.sockets.is_empty());
+        let others = others.map(|(_, other)| (core.proud(other, &floor, depth), other.name));
+        if let Some((proud, name)) = others.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            let place = format!(" in that of {name}");
+            lines.push(line(format!("{}: its socket only", core.name), proud, place));
+        }
+    }
+    lines
+}
+
+/// The stubs of a core, with the sockets in which most of it stands.
+fn stubs<'a>(mold: &ClosedMold, core: &'a Body, solid: Solid) -> Stubs<'a> {
+    let sockets = mold.report.features.iter().filter(|f| f.purpose == Purpose::Socket);
+    let share = |socket: &Solid, body: &Body| body.solid.intersection(socket).volume();
+    let own = sockets.filter_map(|socket| {
+        let hole = socket.exact();
+        let mine = share(&hole, core);
+        let most = mold.cores.iter().all(|other| share(&hole, other) <= mine);
+        let axis = Vec3::from(socket.base);
+        let stub = solid.intersection(&hole).to_surface();
+        let reach = stub.vertices.iter().map(|p| (p - axis).xy().norm()).fold(0.0, f64::max);
+        (most && mine > 0.0).then_some((axis, (socket.base_radius - reach).max(0.0)))
+    });
+    Stubs { name: &core.name, sockets: own.collect(), solid }
+}
+
+impl Stubs<'_> {
+    /// How far these stubs stand proud in the sockets of a core, or turned in their own [mm], at most `depth`.
+    fn proud(&self, of: &Self, floor: &Solid, depth: f64) -> f64 {
+        let same = std::ptr::eq(self, of);
+        let mut least = depth;
+        for (from, _) in &self.sockets {
+            for (to, play) in &of.sockets {
+                let here = same && from == to;
+                for turn in (0..TURNS).map(|k| TAU * k as f64 / TURNS as f64) {
+                    if here && turn.min(TAU - turn) < SAME {
+                        continue;
+                    }
+                    for aside in pushed(*play) {
+                        let placed = moved(&self.solid, from, &(to + aside), turn);
+                        least = lowered(&placed, floor, least);
+                    }
+                }
+            }
+        }
+        least
+    }
+}
+
+/// In the middle, and to six sides.
+fn pushed(play: f64) -> Vec<Vec3> {
+    let side = |k: usize| {
+        let angle = TAU * k as f64 / 6.0;
+        Vec3::new(angle.cos(), angle.sin(), 0.0) * (PLAY * play)
+    };
+    [Vec3::zeros()].into_iter().chain((0..6).map(side)).collect()
+}
+
+/// A solid turned about the upright line through a point, which is moved level to another.
+fn moved(solid: &Solid, from: &Vec3, to: &Vec3, turn: f64) -> Solid {
+    let rotation = Rotation3::from_axis_angle(&Vec3::z_axis(), turn);
+    let shift = Vec3::new(to.x, to.y, 0.0) - rotation * Vec3::new(from.x, from.y, 0.0);
+    let m = rotation.matrix();
+    solid.transform(&Matrix3x4::from_columns(&[
+        m.column(0).into_owned(),
+        m.column(1).into_owned(),
+        m.column(2).into_owned(),
+        shift,
+    ]))
+}
+
+/// The height from which stubs meet nothing of the floor, if it is below `least`; else that.
+fn lowered(stubs: &Solid, floor: &Solid, least: f64) -> f64 {
+    let free = |height: f64| {
+        stubs.translate(&(Vec3::z() * height)).intersection(floor).volume() <= TOUCHING
+    };
+    if !free(least) {
+        return least;
+    }
+    let (mut low, mut high) = (0.0, least);
+    if free(low) {
+        return low;
+    }
+    for _ in 0..HALVINGS {
+        let middle = (low + high) / 2.0;
+        if free(middle) { high = middle } else { low = middle }
+    }
+    high
+}
