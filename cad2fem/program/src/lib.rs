@@ -12,6 +12,7 @@ mod memory;
 mod nearest;
 mod progress;
 mod settings;
+mod shell;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::Process;
@@ -23,3 +24,4 @@ pub use memory::peak_rss_mb;
 pub use nearest::{did_you_mean, nearest};
 pub use progress::{Progress, Spinner};
 pub use settings::{Change, Changes, Keys, Settings, VERSION, read_checked, read_toml};
+pub use shell::parse;
