@@ -9,7 +9,7 @@ use clap::Args;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::merge::identity;
+use super::merge::{identity, shifted_value};
 use crate::nearest::did_you_mean;
 
 /// Values from outside in place of those of a file; flatten it into the arguments of a verb.
@@ -62,7 +62,7 @@ impl FromStr for Change {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let change = Self { prefix: "", text: text.to_owned() };
-        change.parsed(text)?;
+        change.parsed(text, 0)?;
         Ok(change)
     }
 }
@@ -80,27 +80,30 @@ impl Change {
         &self.text
     }
 
-    /// The steps and the value, with their places in `padded`, which ends with the text.
+    /// The steps and the value of `text`, which begins at `start`.
     pub(super) fn parsed<'a>(
         &self,
-        padded: &'a str,
+        text: &'a str,
+        start: usize,
     ) -> Result<(Steps<'a>, Spanned<DeValue<'a>>), String> {
         let expected = "expected PATH=VALUE, as in chamber.cavity.pressure=30e3";
-        if self.text.contains(['\n', '\r']) {
+        if text.contains(['\n', '\r']) {
             return Err(format!("a line break: {expected}"));
         }
-        let equals = padded.find('=').ok_or(expected)?;
-        let path = format!("{}=0", &padded[..equals]);
+        let equals = text.find('=').ok_or(expected)?;
+        let path = format!("{}=0", &text[..equals]);
         let table = DeTable::parse(&path).map_err(|_| expected)?.into_inner();
         let (steps, _) = flattened(table, usize::MAX).ok_or(expected)?;
         let owned = |step: Spanned<Cow<str>>| {
-            Spanned::new(step.span(), Cow::Owned(step.into_inner().into_owned()))
+            let place = step.span();
+            let key = Cow::Owned(step.into_inner().into_owned());
+            Spanned::new(start + place.start..start + place.end, key)
         };
-        let value = DeTable::parse(padded)
+        let value = DeTable::parse(text)
             .ok()
             .and_then(|table| flattened(table.into_inner(), steps.len()))
-            .map_or_else(|| text_after(padded, equals), |(_, value)| value);
-        Ok((steps.into_iter().map(owned).collect(), value))
+            .map_or_else(|| text_after(text, equals), |(_, value)| value);
+        Ok((steps.into_iter().map(owned).collect(), shifted_value(value, start)))
     }
 }
 
@@ -118,10 +121,10 @@ fn flattened<'a>(mut table: DeTable<'a>, most: usize) -> Option<(Steps<'a>, Span
     }
 }
 
-fn text_after(padded: &str, equals: usize) -> Spanned<DeValue<'_>> {
-    let text = &padded[equals + 1..];
-    let start = equals + 1 + (text.len() - text.trim_start().len());
-    Spanned::new(start..start + text.trim().len(), DeValue::String(text.trim().into()))
+fn text_after(text: &str, equals: usize) -> Spanned<DeValue<'_>> {
+    let after = &text[equals + 1..];
+    let start = equals + 1 + (after.len() - after.trim_start().len());
+    Spanned::new(start..start + after.trim().len(), DeValue::String(after.trim().into()))
 }
 
 /// Puts a value where a path leads. `named` are tables that get no new keys.

@@ -37,6 +37,30 @@ pub fn overlay<'a>(
     }
 }
 
+/// The same table from a text that begins later.
+pub fn shifted(table: DeTable, by: usize) -> DeTable {
+    let mut moved = DeTable::new();
+    for (key, value) in table {
+        let place = key.span();
+        let key = Spanned::new(place.start + by..place.end + by, key.into_inner());
+        moved.insert(key, shifted_value(value, by));
+    }
+    moved
+}
+
+/// The same value from a text that begins later.
+pub fn shifted_value(value: Spanned<DeValue>, by: usize) -> Spanned<DeValue> {
+    let place = value.span();
+    let moved = match value.into_inner() {
+        DeValue::Table(table) => DeValue::Table(shifted(table, by)),
+        DeValue::Array(list) => {
+            DeValue::Array(list.into_iter().map(|item| shifted_value(item, by)).collect())
+        }
+        other => other,
+    };
+    Spanned::new(place.start + by..place.end + by, moved)
+}
+
 /// What tells a table of a list from the others: its `name`, or else what it is `on`.
 pub fn identity<'b>(value: &'b DeValue<'_>) -> Option<&'b str> {
     let table = value.as_table()?;

@@ -22,8 +22,9 @@ pub use version::VERSION;
 
 use crate::InputFile;
 
-/// How deep files may include each other.
+/// How deep files may include each other, and how many there may be.
 const DEPTH: usize = 8;
+const MOST_FILES: usize = 100;
 
 /// What a format says of its keys, besides their types.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,11 +49,17 @@ pub struct Settings {
 #[derive(Clone, Debug)]
 struct Source {
     origin: Origin,
-    /// The text after so many line breaks as all before it are long: ranges are those of the
-    /// imaginary text.
-    padded: String,
+    text: String,
+    /// Where it begins in the imaginary text.
     start: usize,
     sha256: String,
+}
+
+impl Source {
+    /// Its range in the imaginary text, with a place behind its end.
+    fn range(&self) -> Range<usize> {
+        self.start..self.start + self.text.len() + 1
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -182,14 +189,19 @@ impl Settings {
     }
 
     fn add(&mut self, origin: Origin, text: &str) -> usize {
-        let start = self.sources.last().map_or(0, |last| last.padded.len() + 1);
-        let padded = "\n".repeat(start) + text.trim_start_matches('\u{feff}');
-        self.sources.push(Source { origin, padded, start, sha256: crate::sha256(text.as_bytes()) });
+        let start = self.sources.last().map_or(0, |last| last.range().end);
+        let sha256 = crate::sha256(text.as_bytes());
+        let text = text.trim_start_matches('\u{feff}').to_owned();
+        self.sources.push(Source { origin, text, start, sha256 });
         self.sources.len() - 1
     }
 
     /// Reads a file after all that it includes. `above` are those that include it.
     fn add_file(&mut self, path: &Path, folder: &Path, above: &mut Vec<PathBuf>) -> Result<usize> {
+        ensure!(
+            self.sources.len() < MOST_FILES,
+            "{MOST_FILES} files are included, no more are read"
+        );
         let text = read_text(path)?;
         let canonical = path.canonicalize().with_context(|| path.display().to_string())?;
         ensure!(
@@ -216,7 +228,7 @@ impl Settings {
 
     /// Range of everything.
     fn whole(&self) -> Range<usize> {
-        0..self.sources.last().map_or(0, |last| last.padded.len())
+        0..self.sources.last().map_or(0, |last| last.range().end)
     }
 
     /// The file over what it includes, with the changes.
@@ -224,10 +236,9 @@ impl Settings {
         let mut tree = self.file_tree(self.own)?;
         for source in &self.sources {
             if let Origin::Change(change) = &source.origin {
-                let (path, value) = change.parsed(&source.padded).map_err(|what| {
-                    let text = source.start..source.padded.len();
-                    self.refused(&what, Some(text))
-                })?;
+                let (path, value) = change
+                    .parsed(&source.text, source.start)
+                    .map_err(|what| self.refused(&what, Some(source.range())))?;
                 change::apply(&mut tree, &path, value, self.keys.named)
                     .map_err(|(what, span)| self.refused(&what, Some(span)))?;
             }
@@ -237,9 +248,12 @@ impl Settings {
 
     fn file_tree(&self, index: usize) -> Result<DeTable<'_>> {
         let source = &self.sources[index];
-        let mut own = DeTable::parse(&source.padded)
-            .map_err(|error| self.refused(error.message(), error.span()))?
-            .into_inner();
+        let start = source.start;
+        let own = DeTable::parse(&source.text).map_err(|error| {
+            let span = error.span().map(|span| start + span.start..start + span.end);
+            self.refused(error.message(), span)
+        })?;
+        let mut own = merge::shifted(own.into_inner(), start);
         let Origin::File { folder, includes, .. } = &source.origin else { bail!("not a file") };
         if let Some(version) = own.remove("puffer") {
             version::check(version.get_ref())
@@ -264,8 +278,12 @@ impl Settings {
         let tree = self.tree()?;
         for (i, source) in self.sources.iter().enumerate() {
             let Origin::File { path, .. } = &source.origin else { continue };
-            let range = source.start..source.padded.len() + 1;
-            if i != self.own && !merge::uses(&tree, &range) {
+            let again = self.sources[i + 1..].iter().any(|s| s.sha256 == source.sha256);
+            if i != self.own
+                && !again
+                && has_own(&source.text)
+                && !merge::uses(&tree, &source.range())
+            {
                 bail!(
                     "{}: nothing of {} is used, as the file that includes it gives all of it \
                      anew: leave it out there, or include both in a third file, this one last",
@@ -278,7 +296,8 @@ impl Settings {
     }
 
     fn is_inline(&self, span: &Range<usize>) -> bool {
-        let text = self.source_at(span.start).and_then(|source| source.padded.get(span.start..));
+        let source = self.source_at(span.start);
+        let text = source.and_then(|source| source.text.get(span.start - source.start..));
         text.is_some_and(|text| text.starts_with('{'))
     }
 
@@ -301,7 +320,7 @@ impl Settings {
             let name = self.name_of(self.own);
             return Placed(if name.is_empty() { what } else { format!("{name}: {what}") }).into();
         };
-        let text = &source.padded[source.start..];
+        let text = source.text.as_str();
         let place = place.start - source.start..place.end.saturating_sub(source.start);
         match &source.origin {
             Origin::File { path, .. } => {
@@ -309,7 +328,11 @@ impl Settings {
             }
             Origin::Change(change) => {
                 let name = format!("{}: --set {change}", self.name_of(self.own));
-                Placed(place::shown_alone(&name, text, place, &what)).into()
+                let mut shown = place::shown_alone(&name, text, place, &what);
+                if self.keys.paths.contains(&"scene") {
+                    shown += &format!("\n  for a key of its scene: --set scene.{change}");
+                }
+                Placed(shown).into()
             }
         }
     }
@@ -319,6 +342,15 @@ impl Settings {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Placed(String);
+
+/// Keys of every file.
+const OWN_KEYS: [&str; 2] = ["puffer", "include"];
+
+/// Whether a text has keys besides those of every file.
+fn has_own(text: &str) -> bool {
+    let keys = |tree: &DeTable| tree.keys().any(|key| !OWN_KEYS.contains(&key.get_ref().as_ref()));
+    DeTable::parse(text).is_ok_and(|tree| keys(tree.get_ref()))
+}
 
 /// The files that a text includes; none of one that is no TOML, which is refused later.
 fn included(text: &str) -> Vec<PathBuf> {

@@ -7,32 +7,28 @@ use toml::de::{DeTable, DeValue};
 
 use super::merge::identity;
 
-/// The place of an error: that of the key or value that is unknown, of the address at the beginning
-/// of its message, or else `span`, that of what did not fit.
+/// The place of an error. `span` is that of what did not fit: of a key or value it is the place, in
+/// a table it is looked for. Without one the whole file is. There it is the word that the message
+/// calls unknown, or the address that it begins or ends with.
 pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option<Range<usize>> {
-    let within = span.as_ref().and_then(|span| node(tree, span));
-    let around = within.unwrap_or(tree);
-    if let Some((_, word, _)) = crate::nearest::unknown(message) {
-        if let Some(found) = holds(around, &|key, value| {
-            (key == word).then_some(()).or((value.as_str() == Some(word)).then_some(()))
-        }) {
-            return Some(found);
-        }
-    }
-    // `toml` names the key last where it has no place
-    if let Some((_, keys)) = message.trim_end().rsplit_once("\nin `") {
-        if let Some(found) = address(around, &format!("{}:", keys.trim_end_matches('`'))) {
-            return Some(found);
-        }
-    }
-    let found = address(tree, message).or_else(|| address(around, message));
-    match (found, span) {
-        // the address may lead to the table, the span into it
-        (Some(found), Some(span)) if found.start <= span.start && span.end <= found.end => {
-            Some(span)
-        }
-        (found, span) => found.or(span),
-    }
+    let table = match &span {
+        None => tree,
+        Some(span) => match node(tree, span) {
+            None => return Some(span.clone()),
+            Some(table) => table,
+        },
+    };
+    let unknown = || holds(table, crate::nearest::unknown(message)?.1);
+    // `toml` names a key without a place last
+    let last = || {
+        let (_, key) = message.strip_suffix('`')?.rsplit_once("in `")?;
+        address(table, &format!("{key}:"))
+    };
+    unknown()
+        .or_else(last)
+        .or_else(|| address(tree, message))
+        .or_else(|| address(table, message))
+        .or(span)
 }
 
 /// The table at a place.
@@ -52,25 +48,21 @@ fn node_in<'t, 'a>(
     }
 }
 
-/// The first key and value, at any depth, that a condition holds for.
-fn holds(
-    table: &DeTable,
-    condition: &impl Fn(&str, &DeValue) -> Option<()>,
-) -> Option<Range<usize>> {
-    table.iter().find_map(|(key, value)| {
-        let here = condition(key.get_ref(), value.get_ref()).map(|()| match value.get_ref() {
-            DeValue::String(_) if condition("", value.get_ref()).is_some() => value.span(),
-            _ => key.span(),
-        });
-        here.or_else(|| match value.get_ref() {
-            DeValue::Table(below) => holds(below, condition),
-            DeValue::Array(list) => list.iter().find_map(|item| match item.get_ref() {
-                DeValue::Table(below) => holds(below, condition),
-                _ => None,
-            }),
-            _ => None,
-        })
+/// The first key or text of a table, at any depth, that is `word`.
+fn holds(table: &DeTable, word: &str) -> Option<Range<usize>> {
+    table.iter().find_map(|(key, value)| match key.get_ref() == word {
+        true => Some(key.span()),
+        false => value_holds(value, word),
     })
+}
+
+fn value_holds(value: &Spanned<DeValue>, word: &str) -> Option<Range<usize>> {
+    match value.get_ref() {
+        DeValue::String(text) if text == word => Some(value.span()),
+        DeValue::Table(below) => holds(below, word),
+        DeValue::Array(list) => list.iter().find_map(|item| value_holds(item, word)),
+        _ => None,
+    }
 }
 
 /// Follows the address that a message begins with: `[table]`, `[[table]] "name"`,

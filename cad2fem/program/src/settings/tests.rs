@@ -95,6 +95,13 @@ fn an_unknown_key_is_shown_with_its_place_and_the_nearest() {
     let folder = Folder::new(&[("sim.toml", "mesh = \"ä\" x\n")]);
     let message = folder.refuses("sim.toml", &[]);
     assert!(message.starts_with("sim.toml:1:12: "), "{message}");
+    // the table that it is in counts, although another has that key
+    let elsewhere = format!("{SCENE}[time]\ndegree = 2\n");
+    let message = Folder::new(&[("sim.toml", &elsewhere)]).refuses("sim.toml", &[]);
+    assert!(
+        message.starts_with("sim.toml:15:1: unknown field `degree`, expected `end`"),
+        "{message}"
+    );
     let missing = folder.read("no.toml", &[]).unwrap_err();
     assert!(format!("{missing:#}").contains("no.toml"), "{missing:#}");
 }
@@ -167,9 +174,10 @@ fn a_file_stands_over_what_it_includes() {
         ("in/sim.toml", SCENE),
         ("out/pressures.toml", pressures),
         ("out/parameters.toml", "[parameters]\npeak = 5.0\nother = 1.0\n"),
+        ("loads.toml", "include = ['out/pressures.toml', 'out/parameters.toml']"),
         (
             "both.toml",
-            "include = ['in/sim.toml', 'out/pressures.toml', 'out/parameters.toml']\ndegree = 3\n\
+            "include = ['in/sim.toml', 'loads.toml']\ndegree = 3\n\
              [parameters]\nother = 2.0\n",
         ),
     ]);
@@ -181,7 +189,7 @@ fn a_file_stands_over_what_it_includes() {
     assert!(scene.chamber[0].pressure.as_ref().unwrap().is_table());
     assert_eq!((scene.parameters["peak"], scene.parameters["other"]), (5.0, 2.0));
     let included: Vec<PathBuf> = settings.included().into_iter().map(|f| f.path).collect();
-    assert_eq!(included.len(), 3);
+    assert_eq!(included.len(), 4);
     assert!(included[0].ends_with("in/sim.toml"));
 }
 
