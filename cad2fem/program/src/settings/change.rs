@@ -231,7 +231,7 @@ fn element(
 fn nothing<'b>(table: &str, wanted: &str, known: impl Iterator<Item = &'b str>) -> String {
     let known: Vec<&str> = known.collect();
     let proposal = did_you_mean(wanted, known.iter().copied());
-    let there = if known.is_empty() { "nothing with a name".into() } else { known.join(", ") };
+    let there = if known.is_empty() { "nothing".into() } else { known.join(", ") };
     let separator = if proposal.is_empty() { ";" } else { "" };
     format!("{table} has no {wanted}{proposal}{separator} it has {there}")
 }

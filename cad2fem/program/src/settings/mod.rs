@@ -284,11 +284,10 @@ impl Settings {
                 && has_own(&source.text)
                 && !merge::uses(&tree, &source.range())
             {
+                let (own, other) = (self.name_of(self.own), path.display());
                 bail!(
-                    "{}: nothing of {} is used, as the file that includes it gives all of it \
-                     anew: leave it out there, or include both in a third file, this one last",
-                    self.name_of(self.own),
-                    path.display()
+                    "{own}: nothing of {other} is used, as {own} or a later file gives all of it \
+                     again: take it out there, or include both in a third file, {other} last"
                 );
             }
         }
