@@ -9,21 +9,39 @@ SHELL := /bin/bash
 PYTHON ?= python3
 BIN := target/release
 DENY := 0.20.2
-SCENES := frog finger beam chamber
+PREFIX ?= /usr/local
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean arm compression gripper worm-segment robust validation $(SCENES)
+# Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
+# cad2fem.paper.toml have finer settings, too. Gripper and arm have rules of their own.
+BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))
+FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(wildcard pipelines/*/cad2fem.paper.toml))
+SCENES := $(filter-out gripper arm,$(BODIES))
+
+# One elsewhere: `make body DIR=...`
+FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
+ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
+
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
+	@$(foreach body,$(BODIES),grep --quiet '^$(body):' Makefile || printf "  make %-13s the body in pipelines/$(body)\n" $(body);)
 
-frog: build/frog$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
-finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)
-gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
-beam: build/beam/done  ## the same for a small beam, in a minute
-chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
-worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
-arm: build/arm/done  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
-compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
+frog:  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
+finger:  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)
+gripper:  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
+beam:  ## the same for a small beam, in a minute
+chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
+worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
+arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
+compression:  ## press a cube with a cavity, closed and vented, and plot the forces
+blank:  ## blow up a post, and make its mold: what cad2fem new begins with
+
+$(filter-out $(FINER),$(BODIES)): %: build/%/done
+$(FINER): %: build/%$(if $(filter paper,$(QUALITY)),/paper)/done
+
+body: $(addsuffix /build/done,$(ELSEWHERE)) $(patsubst pipelines/%,build/%/done,$(filter pipelines/%,$(FOLDER)))  ## the same of a folder anywhere, such as cad2fem new writes (DIR=mine)
+	@$(if $(FOLDER),:,echo "make body: which? Give DIR=folder, as cad2fem new writes one"; exit 1)
 
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 
@@ -32,6 +50,12 @@ validation: build/validation/done  ## simulate bodies that were measured by othe
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"
 	@cargo build --release --locked
+
+install: setup  ## programs, man pages and completions into PREFIX, /usr/local if not given; the checkout must stay
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/puffer
+	install $(addprefix $(BIN)/,cad2fem tagger solver fab) $(DESTDIR)$(PREFIX)/bin
+	ln -sfn $(CURDIR) $(DESTDIR)$(PREFIX)/lib/puffer/checkout
+	@for program in cad2fem tagger solver fab; do $(BIN)/$$program shell-files $(DESTDIR)$(PREFIX)/share; done
 
 test: setup  ## all tests that take seconds
 	@.ci/test

@@ -5,6 +5,9 @@
 #                         tagged.msh or optimize/design.msh -> mold -> mold.checks.txt
 #                                                   all of a scene -> report.html
 #
+# A body is called by its name in these rules. It is a folder in pipelines, with results in build;
+# one elsewhere is called by its path, and has a folder build of its own (make body DIR=...).
+#
 # The programs are order-only prerequisites: results follow their inputs. After a change of
 # a program, `make clean` starts over.
 
@@ -14,6 +17,12 @@ build/%/model/model.json: pipelines/%/model.toml | setup
 build/%/model/model.json: pipelines/%/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
 
+build/%/model/model.json: pipelines/%/model.step | setup
+	$(BIN)/cad2fem model $< -o $(@D)
+
+from = $(or $(from.$(1)),pipelines/$(1))
+to = $(or $(to.$(1)),build/$(1))
+
 # All results of a scene on one page. What is to be on it are its prerequisites, below.
 build/%/report.html: | setup
 	$(BIN)/cad2fem report $(@D) --title "$*" -o $@
@@ -22,49 +31,65 @@ build/%/done: build/%/report.html
 	@touch $@
 	@echo "$*: results in $(@D), all to be seen in $<"
 
+# The same of a body $(1) elsewhere, whose model is $(2).
+define elsewhere
+from.$(1) := $(1)
+to.$(1) := $(1)/build
+
+$(1)/build/model/model.json: $(2) | setup
+	$(BIN)/cad2fem model $$< $(if $(filter %.geo,$(2)),--unit mm) -o $$(@D)
+
+$(1)/build/report.html: | setup
+	$(BIN)/cad2fem report $$(@D) --title "$(notdir $(1))" -o $$@
+
+$(1)/build/done: $(1)/build/report.html
+	@touch $$@
+	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<"
+endef
+
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
-$(2)/volume.msh: build/$(1)/model/model.json pipelines/$(1)/cad2fem$(3).toml | setup
-	$(BIN)/cad2fem tetmesh build/$(1)/model/model.stl --config pipelines/$(1)/cad2fem$(3).toml -o $$@
+$(2)/volume.msh: $(call to,$(1))/model/model.json $(call from,$(1))/cad2fem$(3).toml | setup
+	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl --config $(call from,$(1))/cad2fem$(3).toml -o $$@
 
-$(2)/tagged.msh: $(2)/volume.msh pipelines/$(1)/tags.toml | setup
-	$(BIN)/tagger tag $$< --config pipelines/$(1)/tags.toml --patches build/$(1)/model/patches -o $$@
+$(2)/tagged.msh: $(2)/volume.msh $(call from,$(1))/tags.toml | setup
+	$(BIN)/tagger tag $$< --config $(call from,$(1))/tags.toml --patches $(call to,$(1))/model/patches -o $$@
 endef
 
 # Scene $(1), its results in $(2), suffix of its settings $(3).
 define simulate
 $(call mesh,$(1),$(2),$(3))
 
-$(2)/baseline/report.json: pipelines/$(1)/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 
-$(2)/pictures/model.png: build/$(1)/model/model.json | setup
-	$(BIN)/cad2fem picture build/$(1)/model/patches/*.stl --together $(VIEW) --title "$(1): regions" -o $$@
+$(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
+	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together $(VIEW) --title "$(notdir $(1)): regions" -o $$@
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
-	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(1): tetrahedra" -o $$@
+	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@
 
 $(2)/pictures/baseline.png: $(2)/baseline/report.json | setup
-	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(1), inflated" -o $$@
+	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(notdir $(1)), inflated" -o $$@
 
 $(2)/report.html: $(addprefix $(2)/pictures/,model.png mesh.png baseline.png)
 endef
 
 # The same, for a scene with a design problem.
 define optimize
-$(2)/optimize/report.json: pipelines/$(1)/design$(3).toml pipelines/$(1)/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/optimize/report.json: $(call from,$(1))/design$(3).toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
 	$(BIN)/solver optimize $$< -o $$(@D)
 
 $(2)/optimized/report.json: $(2)/optimize/report.json | setup
-	$(BIN)/solver simulate pipelines/$(1)/sim$(3).toml --mesh $(2)/optimize/design.msh -o $$(@D)
+	$(BIN)/solver simulate $(call from,$(1))/sim$(3).toml --mesh $(2)/optimize/design.msh -o $$(@D)
 
 $(2)/pictures/optimized.png: $(2)/baseline/report.json $(2)/optimized/report.json | setup
 	$(BIN)/cad2fem picture $(2)/baseline/result.vtu $(2)/optimized/result.vtu --color displacement \
-		$(VIEW) --captions "baseline,optimised" --title "$(1), inflated" -o $$@
+		$(VIEW) --captions "baseline,optimised" --title "$(notdir $(1)), inflated" -o $$@
 
 $(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
 	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh $(SECTION) \
-		--captions "baseline,optimised" --title "$(1), at rest" -o $$@
+		--captions "baseline,optimised" --title "$(notdir $(1)), at rest" -o $$@
 
 $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
 	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --x-title "accepted shapes" -o $$@
@@ -75,8 +100,8 @@ endef
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
 # its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
-$(2)/mold/plan.json: $(4) pipelines/$(1)/mold.toml | setup
-	$(BIN)/fab mold $(3) --config pipelines/$(1)/mold.toml -o $$(@D)
+$(2)/mold/plan.json: $(4) $(call from,$(1))/mold.toml | setup
+	$(BIN)/fab mold $(3) --config $(call from,$(1))/mold.toml -o $$(@D)
 
 $(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup
 	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) | tee $$@
@@ -91,13 +116,13 @@ $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
 $(2)/report.html: $(2)/mold.checks.txt $(2)/pictures/mold.png
 endef
 
-# Scene $(1), its results in $(2), suffix of its settings $(3).
+# Scene $(1), its results in $(2), suffix of its settings $(3): what its folder has files for.
 define scene
 $(call simulate,$(1),$(2),$(3))
-$(if $(wildcard pipelines/$(1)/design$(3).toml),
-$(call optimize,$(1),$(2),$(3))
+$(if $(wildcard $(call from,$(1))/design$(3).toml),$(call optimize,$(1),$(2),$(3)))
+$(if $(wildcard $(call from,$(1))/mold.toml),$(if $(wildcard $(call from,$(1))/design$(3).toml),
 $(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json,$(2)/optimized),
-$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh))
+$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh)))
 endef
 
 # Force against displacement, with the cavity closed and vented.
@@ -313,10 +338,10 @@ SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
-$(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
-$(eval $(call simulate,compression,build/compression,))
-$(eval $(call simulate,worm-segment,build/worm-segment,))
-$(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
+$(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
+$(foreach d,$(ELSEWHERE),\
+$(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step)))))\
+$(eval $(call scene,$(d),$(d)/build,)))
 $(eval $(call simulate,arm,build/arm,))
 $(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))

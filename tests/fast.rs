@@ -41,6 +41,8 @@ mod resume;
 mod resume_in_time;
 #[path = "fast/scenarios.rs"]
 mod scenarios;
+#[path = "fast/set_from_outside.rs"]
+mod set_from_outside;
 #[path = "fast/solver_bad_input.rs"]
 mod solver_bad_input;
 #[path = "fast/solver_cli.rs"]

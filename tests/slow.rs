@@ -19,17 +19,20 @@ mod frog;
 #[path = "slow/molds.rs"]
 mod molds;
 
+#[path = "slow/new.rs"]
+mod new;
+
 #[path = "slow/validation.rs"]
 mod validation;
 
-/// Runs `make GOAL` in this checkout, one at a time, and returns what it printed.
+/// Runs `make` with a goal, and values for it after blanks, in this checkout, one at a time, and returns what it printed.
 fn make(goal: &str) -> String {
     static ONE: Mutex<()> = Mutex::new(());
     let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut command = Command::new("make");
     // a make that runs these tests must not hand its own flags down
     command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
-    run(command.arg(goal).current_dir(repository()))
+    run(command.args(goal.split_whitespace()).current_dir(repository()))
 }
 
 /// Runs a command to its good end and returns what it printed.

@@ -85,7 +85,7 @@ impl Tetmesh {
     pub fn tet_mesher(&self) -> Result<&'static dyn TetMesher> {
         MESHERS.iter().find(|m| m.name() == self.mesher).copied().with_context(|| {
             let known: Vec<&str> = MESHERS.iter().map(|m| m.name()).collect();
-            format!("unknown mesher {:?}; known: {}", self.mesher, known.join(", "))
+            format!("unknown mesher {:?}; expected one of {}", self.mesher, known.join(", "))
         })
     }
 

@@ -12,6 +12,7 @@
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes kept from earlier runs
 //! - [`checkout`]: where the program was built
+//! - [`template`]: bodies to begin with
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
 //! model file.
@@ -29,6 +30,7 @@ pub mod mesher;
 pub mod offset;
 pub mod planar;
 pub mod report;
+pub mod template;
 pub mod tetrahedralize;
 pub mod units;
 

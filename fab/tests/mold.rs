@@ -234,7 +234,10 @@ fn assert_refused(output: &Output, message: &str) {
 #[test]
 fn bad_configurations() {
     for (config, message) in [
-        ("wal = 1", "unknown field `wal`, expected one of `chamber`, `method`, `limits`"),
+        (
+            "wal = 1",
+            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `limits`",
+        ),
         (
             "chamber = \"hole\"",
             "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)",

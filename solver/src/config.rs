@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use program::{Change, Keys, Settings};
 use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
@@ -38,6 +39,8 @@ pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
+
+const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters"] };
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -106,8 +109,24 @@ impl SimConfig {
     /// # Errors
     /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
-        superseded::refuse_in_scene(path)?;
-        program::read_toml(path)
+        Self::of(&Self::settings(path, &[])?)
+    }
+
+    /// A scene's file with changes from outside.
+    ///
+    /// # Errors
+    /// As for [`Settings::read`].
+    pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
+        Settings::read(path, changes, SCENE_KEYS)
+    }
+
+    /// The scene in a file.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn of(settings: &Settings) -> Result<Self> {
+        superseded::refuse_in_scene(settings)?;
+        settings.parse()
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].

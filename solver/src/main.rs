@@ -13,7 +13,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Finite elements of pressurised silicone, and designs by their gradient
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "solver", version)]
 struct Program {
     #[command(subcommand)]
     verb: Verb,
@@ -42,7 +42,10 @@ fn main() -> ExitCode {
     unsafe {
         libmimalloc_sys::mi_option_set_default(PURGE_DELAY, KEEP_FREE_MEMORY);
     }
-    let program = Program::parse();
+    let program: Program = match program::parse() {
+        Ok(program) => program,
+        Err(code) => return code,
+    };
     program::run("solver", program.verbosity, || {
         if let Some(threads) = program.threads {
             rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;

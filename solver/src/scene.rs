@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
+use program::{Change, Settings};
 
 use crate::body::{Body, Part};
 use crate::config::{
@@ -39,6 +40,8 @@ const WATER: f64 = 1000.0;
 pub struct Scene {
     /// Where it came from.
     pub path: PathBuf,
+    /// The file, for errors and hashes.
+    pub file: Settings,
     /// The settings.
     pub config: SimConfig,
     /// What each body is made of, in the order of the body's parts.
@@ -68,16 +71,25 @@ impl Scene {
     /// # Errors
     /// With the file, what was found and what was needed.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::read_with(path, &[])
+        Self::read_with(path, &[], &[])
     }
 
     /// Reads a scene with other meshes in place of its own: (name of the body, path),
-    /// without a name where there is only one body.
+    /// without a name where there is only one body; and with other values.
     ///
     /// # Errors
     /// With the file, what was found and what was needed.
-    pub fn read_with(path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
-        let mut config = SimConfig::read(path)?;
+    pub fn read_with(
+        path: &Path,
+        others: &[(Option<String>, PathBuf)],
+        changes: &[Change],
+    ) -> Result<Self> {
+        let file = SimConfig::settings(path, changes)?;
+        file.checked(|file| Self::of(file, path, others))
+    }
+
+    fn of(file: &Settings, path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
+        let mut config = SimConfig::of(file)?;
         let context = || path.display().to_string();
         config.check().with_context(context)?;
         let bodies = config.bodies().with_context(context)?;
@@ -126,7 +138,15 @@ impl Scene {
         }
         let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
         let membranes = membranes.with_context(context)?;
-        Ok(Self { path: path.to_path_buf(), config, parts, membranes, body, certify: true })
+        Ok(Self {
+            path: path.to_path_buf(),
+            file: file.clone(),
+            config,
+            parts,
+            membranes,
+            body,
+            certify: true,
+        })
     }
 
     /// The same scene with the degree and the time steps of a level of a design.
@@ -181,6 +201,10 @@ impl Scene {
     /// When a tag is missing, a pressure wall is open with a free rim, or the
     /// memory is too small.
     pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
+        self.file.checked(|_| self.discretised(body))
+    }
+
+    fn discretised(&self, body: &Body) -> Result<(Problem, Workspace)> {
         let context = || self.path.display().to_string();
         let (degree, exact) = (self.config.degree, self.config.quadrature);
         let vertices = body.mesh.vertices.len();

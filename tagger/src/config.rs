@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use program::{parse_toml, read_checked};
+use program::{Keys, Settings};
 use serde::Deserialize;
 
 use crate::select::SELECTORS;
 
 /// Keys of a `[[tag]]` besides the selectors.
 const TAG_KEYS: [&str; 3] = ["name", "pressure", "rim"];
+
+const KEYS: Keys = Keys { paths: &["patch", "surface", "volume"], named: &[] };
 
 /// A tag file.
 #[derive(Debug)]
@@ -85,11 +87,11 @@ impl Config {
     /// If the file cannot be read, a key is unknown or has a wrong value, a
     /// name is used twice or a rim names no tag.
     pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::parse)
+        Settings::read(path, &[], KEYS)?.checked(Self::of)
     }
 
-    fn parse(text: &str) -> Result<Self> {
-        let file: File = parse_toml(text)?;
+    fn of(settings: &Settings) -> Result<Self> {
+        let file: File = settings.parse()?;
         ensure!(!file.tag.is_empty(), "no [[tag]]: at least one selection is needed");
         let epsilon = Epsilon::of(&file)?;
         let tags: Vec<Tag> = file
@@ -107,7 +109,7 @@ impl Tag {
     fn parse(mut table: toml::Table) -> Result<Self> {
         let keys: Vec<&str> = TAG_KEYS.into_iter().chain(SELECTORS.iter().map(|s| s.key)).collect();
         if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
-            bail!("unknown key `{key}`; known: {}", keys.join(", "));
+            bail!("unknown key `{key}`, expected one of {}", keys.join(", "));
         }
         let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
         let (selector, second) = (given.next(), given.next());
@@ -157,11 +159,11 @@ mod tests {
 
     #[test]
     fn reads_selectors_in_order() {
-        let config = Config::parse(
+        let config = Config::of(&Settings::of_text(
             "epsilon = 2e-4\n\
              [[tag]]\nname = \"seat\"\npatch = \"seat.stl\"\n\
              [[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\nrim = \"seat\"\n",
-        )
+        ))
         .unwrap();
         assert_eq!(config.epsilon, Epsilon::Absolute(2e-4));
         let read: Vec<_> = config.tags.iter().map(|t| (t.name.as_str(), t.selector)).collect();
@@ -176,7 +178,10 @@ mod tests {
             ("sigma = 1\n", "unknown field `sigma`"),
             ("epsilon = -1.0\n[[tag]]\nname = \"a\"\ncomponent = 0\n", "must be positive"),
             ("epsilon = 1\nrelative_epsilon = 1\n[[tag]]\n", "give one of them"),
-            ("[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n", "known: name, pressure, rim, patch"),
+            (
+                "[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n",
+                "expected one of name, pressure, rim, patch",
+            ),
             ("[[tag]]\nname = \"a\"\n", "no selector; one of"),
             ("[[tag]]\nname = \"a\"\ncomponent = 0\npatch = \"a\"\n", "exactly one selector"),
             ("[[tag]]\ncomponent = 0\n", "`name` is missing"),
@@ -191,7 +196,7 @@ mod tests {
             ),
         ];
         for (text, expected) in cases {
-            let message = format!("{:#}", Config::parse(text).unwrap_err());
+            let message = format!("{:#}", Config::of(&Settings::of_text(text)).unwrap_err());
             assert!(message.contains(expected), "{text:?} gave: {message}");
         }
     }

@@ -69,7 +69,7 @@ fn what_cannot_be_compared_is_refused() {
     // another mesh in the place of the one that was used
     let kept = std::fs::read(dir.path("body.msh")).unwrap();
     std::fs::write(dir.path("body.msh"), [&kept[..], b"\n"].concat()).unwrap();
-    compare("P2 P1").assert_refused(2, &["P2/report.json", "body.msh", "simulate again"]);
+    compare("P2 P1").assert_refused(2, &["P2/report.json", "body.msh", "make it again"]);
     std::fs::write(dir.path("body.msh"), &kept).unwrap();
 
     // another state than the report's

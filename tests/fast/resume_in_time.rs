@@ -8,7 +8,7 @@ use solver::math::random::Random;
 use tests::fall::{STEPS, workdir};
 use tests::workdir::Workdir;
 
-const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
+pub const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
 
 /// What must be the same, byte for byte.
 fn results(dir: &Workdir) -> (Vec<u8>, String, u64) {
@@ -77,7 +77,7 @@ fn killed_at_random_times() {
 }
 
 /// A folder with a run that was killed after some steps.
-fn unfinished() -> Workdir {
+pub fn unfinished() -> Workdir {
     let dir = workdir();
     let mut child = dir.command(COMMAND).stderr(Stdio::null()).spawn().unwrap();
     while !dir.path("out/checkpoint.json").exists() {

@@ -30,10 +30,14 @@ fn scenes() {
         "simulate",
         "sim.toml",
         &[
-            ("degree", "degre", &["unknown field `degre`", "`degree`", "`chamber`", "line 3"]),
+            (
+                "degree",
+                "degre",
+                &["unknown field `degre`", "did you mean `degree`", "`chamber`", "sim.toml:3:1"],
+            ),
             ("c1 =", "c9 =", &["unknown parameter \"c9\"", "c1 [Pa]", "d1 [Pa]"]),
             ("mooney-rivlin", "rubber", &["\"rubber\"", "mooney-rivlin, ", "neo-hookean"]),
-            ("degree = 2", "degree = \"two\"", &["line 3", "invalid type", "two"]),
+            ("degree = 2", "degree = \"two\"", &["sim.toml:3:10", "invalid type", "two"]),
             ("degree = 2", "degree = 4", &["degree = 4", "1, 2 or 3"]),
             ("d1 = 1e6", "", &["no \"d1\"", "d1 [Pa]"]),
             ("c1 = 55e3", "c1 = -55e3", &["shear = 2 (c1 + c2) = -100000 Pa"]),
@@ -75,7 +79,7 @@ fn schedules() {
                 "pressure = \"8e3*sn(t)\"",
                 &[
                     "pressure = ",
-                    "line 1",
+                    "p1.toml:1",
                     "\"8e3*sn(t)\"",
                     "\"sn\"",
                     "character 5",

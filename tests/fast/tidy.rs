@@ -260,7 +260,8 @@ fn make_help_lists_every_goal_with_one_line() {
         word.then(|| name.to_owned())
     };
     let goals: BTreeSet<String> = makefile.lines().filter_map(written).collect();
-    assert_eq!(goals, phony);
+    // every folder in pipelines is a goal
+    assert!(goals.is_subset(&phony), "{:?}", goals.difference(&phony));
     let help = make(&["help"]);
     let listed: Vec<String> = help
         .lines()
@@ -272,8 +273,8 @@ fn make_help_lists_every_goal_with_one_line() {
             goal
         })
         .collect();
-    assert_eq!(listed.len(), goals.len(), "{help}");
-    assert_eq!(listed.into_iter().collect::<BTreeSet<_>>(), goals);
+    assert_eq!(listed.len(), phony.len(), "{help}");
+    assert_eq!(listed.into_iter().collect::<BTreeSet<_>>(), phony);
 }
 
 fn make(arguments: &[&str]) -> String {

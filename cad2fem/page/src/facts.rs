@@ -215,7 +215,9 @@ pub fn provenance(survey: &Survey) -> Result<String> {
         let report = read_json(path)?;
         let kinds = report["inputs"].as_object().into_iter().flatten().map(|(_, kind)| kind);
         let all = kinds.chain([&report["input"]]).flat_map(inputs);
-        let inputs: Vec<String> = all.map(input).collect();
+        let set = report["set"].as_array().into_iter().flatten();
+        let set = set.map(|change| format!("--set <code>{}</code>", text(change)));
+        let inputs: Vec<String> = all.map(input).chain(set).collect();
         let number =
             |key: &str, unit| report[key].as_f64().map(|v| format!("{} {unit}", digits(v)));
         let time = number("wall_s", "s").or_else(|| number("wall_s_of_this_run", "s"));

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, ensure};
 use mesh::Vec3;
 use mesh::io::read_tets;
 use mesh::io::vtu::{Field, Grid, read_vtu};
-use program::sha256_file;
+use program::{InputFile, sha256_file};
 use serde_json::{Value, json};
 
 use crate::solid::{Solid, TagsByPlace};
@@ -82,7 +82,7 @@ impl Source {
         }
         let failed = folder.join("not_full_load.vtu");
         states.extend(failed.exists().then_some((failed, None)));
-        let meshes = meshes(&report, known);
+        let meshes = meshes(&report, folder, known);
         Ok(Self { folder: folder.to_owned(), report, states, meshes })
     }
 
@@ -153,13 +153,13 @@ impl Source {
 }
 
 /// The meshes of a report: by their hash, wherever they are now.
-fn meshes(report: &Value, known: &[Known]) -> Vec<Part> {
+fn meshes(report: &Value, folder: &Path, known: &[Known]) -> Vec<Part> {
     let part = |(i, input): (usize, &Value)| {
-        let (path, hash) = (input["path"].as_str()?, input["sha256"].as_str()?);
+        let input: InputFile = serde_json::from_value(input.clone()).ok()?;
         let body = &report["config"]["body"][i];
         let along = |c: usize| body["translate"][c].as_f64().unwrap_or(0.0);
         Some(Part {
-            mesh: find(path, hash, known)?,
+            mesh: find(&input, folder, known)?,
             body: body["name"].as_str().map(str::to_owned),
             shift: Vec3::new(along(0), along(1), along(2)),
         })
@@ -167,14 +167,12 @@ fn meshes(report: &Value, known: &[Known]) -> Vec<Part> {
     inputs(&report["inputs"]["mesh"]).iter().enumerate().filter_map(part).collect()
 }
 
-fn find(path: &str, hash: &str, known: &[Known]) -> Option<Known> {
-    let here = known.iter().find(|k| k.sha256 == hash).cloned();
-    let there = || {
-        let there = Known { path: PathBuf::from(path), sha256: hash.to_owned() };
-        sha256_file(&there.path).is_ok_and(|found| found == hash).then_some(there)
-    };
+fn find(input: &InputFile, folder: &Path, known: &[Known]) -> Option<Known> {
+    let here = known.iter().find(|k| k.sha256 == input.sha256).cloned();
+    let there = || Some(Known { path: input.find(folder).ok()?, sha256: input.sha256.clone() });
     let found = here.or_else(there);
     if found.is_none() {
+        let path = input.path.display();
         log::warn!("{path}: not where the report has it, or another by now: no tags from it");
     }
     found

@@ -4,18 +4,24 @@
 mod checkpoint;
 mod child;
 mod cli;
-mod configuration;
 mod hash;
+mod input;
 mod interrupt;
 mod lock;
 mod memory;
+mod nearest;
 mod progress;
+mod settings;
+mod shell;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::Process;
 pub use cli::{Unusable, Verbosity, run};
-pub use configuration::{parse_toml, read_checked, read_toml};
 pub use hash::{sha256, sha256_file};
+pub use input::{InputFile, relative};
 pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
+pub use nearest::{did_you_mean, nearest};
 pub use progress::{Progress, Spinner};
+pub use settings::{Change, Changes, Keys, Settings, VERSION, read_checked, read_toml};
+pub use shell::parse;

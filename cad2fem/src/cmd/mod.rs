@@ -1,7 +1,9 @@
 //! The verbs, one per file.
 
+pub mod doctor;
 pub mod info;
 pub mod model;
+pub mod new;
 pub mod offset;
 pub mod picture;
 pub mod remesh;
@@ -14,6 +16,10 @@ use clap::Subcommand;
 /// What `cad2fem` can do.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
+    /// A folder with all files of a body, to begin with
+    New(new::Args),
+    /// What this machine lacks, and how to get it
+    Doctor(doctor::Args),
     /// Implicit model or CAD file → closed surface and one patch per region
     Model(model::Args),
     /// Open patch → closed selection volume of thickness ±distance
@@ -37,6 +43,8 @@ impl Verb {
     /// What the verb says.
     pub fn run(&self) -> Result<()> {
         match self {
+            Self::New(args) => new::run(args),
+            Self::Doctor(args) => doctor::run(args),
             Self::Model(args) => model::run(args),
             Self::Offset(args) => offset::run(args),
             Self::Tetmesh(args) => tetmesh::run(args),

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
-use program::{parse_toml, read_checked};
+use program::{Settings, read_checked};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -144,7 +144,7 @@ impl ModelFile {
     /// If the file cannot be read, has an unknown or missing key, or a value
     /// that makes no sense.
     pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::parse)
+        read_checked(path, Self::of)
     }
 
     /// Reads and checks the text of a model file.
@@ -152,8 +152,12 @@ impl ModelFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(text: &str) -> Result<Self> {
-        let model: Model = parse_toml(text)?;
-        let mut table: Table = parse_toml(text)?;
+        Settings::of_text(text).checked(Self::of)
+    }
+
+    fn of(file: &Settings) -> Result<Self> {
+        let model: Model = file.parse()?;
+        let mut table: Table = file.parse()?;
         table.remove("variant");
         require_finite("", &Value::Table(table.clone()))?;
         model.check()?;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::checkout::checkout;
 
@@ -29,6 +29,28 @@ impl Python {
         };
         log::info!("Python of the meshers: {}", path.display());
         Ok(Self { path })
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Loads a package: libraries of the system that it needs may be missing.
+    ///
+    /// # Errors
+    /// If it cannot be loaded; the message is the last line of Python's.
+    pub fn import(&self, package: &str) -> Result<()> {
+        let script = "import importlib, sys; importlib.import_module(sys.argv[1])";
+        let output = Command::new(&self.path)
+            .args(["-I", "-c", script, package])
+            .output()
+            .with_context(|| format!("cannot run {}", self.path.display()))?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.trim_end().lines().last().unwrap_or("it says nothing");
+        ensure!(output.status.success(), "cannot be loaded: {last}");
+        Ok(())
     }
 
     /// The installed version of a package.

@@ -1,9 +1,9 @@
 //! From which file a body came, and which part of it is cast.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use mesh::io::IoError;
-use program::sha256_file;
+use program::{relative, sha256_file};
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;
@@ -59,28 +59,5 @@ impl Input {
     pub fn new(path: &Path, folder: &Path, chamber: &Chambers, part: CastPart) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
         Ok(Self { path: relative(path, folder), sha256, chamber: chamber.clone(), part })
-    }
-}
-
-/// `path` as seen from `folder`; unchanged if the two have no common root.
-fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let (Ok(to), Ok(from)) = (std::path::absolute(path), std::path::absolute(folder)) else {
-        return path.to_path_buf();
-    };
-    let common = to.components().zip(from.components()).take_while(|(a, b)| a == b).count();
-    let up = from.components().skip(common).map(|_| Component::ParentDir);
-    up.chain(to.components().skip(common)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_relative_to_the_folder() {
-        let path = relative(Path::new("/a/b/design.msh"), Path::new("/a/mold"));
-        assert_eq!(path, Path::new("../b/design.msh"));
-        let path = relative(Path::new("/a/mold/design.msh"), Path::new("/a/mold"));
-        assert_eq!(path, Path::new("design.msh"));
     }
 }

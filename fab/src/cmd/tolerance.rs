@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use library::printers;
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::measure;
+use program::Changes;
 
 use crate::tolerance::offset::offset;
 use crate::tolerance::run::Solver;
@@ -20,6 +21,9 @@ pub struct Args {
     /// Scene for `solver simulate`
     #[arg(long)]
     pub scene: PathBuf,
+    /// Other values of the scene
+    #[command(flatten)]
+    pub changes: Changes,
     /// Body of the scene that the mesh replaces, if the scene has several
     #[arg(long)]
     pub body: Option<String>,
@@ -53,7 +57,8 @@ pub fn run(args: &Args) -> Result<()> {
     );
     let beside = || std::env::current_exe().map(|path| path.with_file_name("solver"));
     let program = args.solver.clone().map_or_else(beside, Ok)?;
-    let solver = Solver { program, scene: args.scene.clone(), body: args.body.clone() };
+    let (scene, body) = (args.scene.clone(), args.body.clone());
+    let solver = Solver { program, scene, body, changes: args.changes.set.clone() };
     let msh = read_tets(&args.mesh)?;
     let mut volumes = [0.0; 3];
     let mut runs = Vec::new();

@@ -24,7 +24,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 use library::{Chemistry, printers, silicones};
-use program::{parse_toml, read_checked};
+use program::{Settings, read_checked};
 use serde::{Deserialize, Deserializer};
 
 pub use casting::CastingConfig;
@@ -134,7 +134,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is not TOML, has an unknown key or a value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::parse)
+        read_checked(path, Self::of)
     }
 
     /// Reads and checks the text of a file.
@@ -142,10 +142,14 @@ impl Config {
     /// # Errors
     /// As for [`Config::read`].
     pub fn parse(text: &str) -> Result<Self> {
-        if let Some(tag) = parse_toml::<toml::Table>(text)?.get("cavity") {
+        Settings::of_text(text).checked(Self::of)
+    }
+
+    fn of(file: &Settings) -> Result<Self> {
+        if let Some(tag) = file.parse::<toml::Table>()?.get("cavity") {
             bail!("the key `cavity` is now called `chamber`: write chamber = {tag}");
         }
-        let config: Self = parse_toml(text)?;
+        let config: Self = file.parse()?;
         config.check()?;
         Ok(config)
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use program::Process;
+use program::{Change, Process};
 use serde::Deserialize;
 
 /// How to simulate a body.
@@ -18,6 +18,8 @@ pub struct Solver {
     pub scene: PathBuf,
     /// The body of the scene, if it has several.
     pub body: Option<String>,
+    /// Other values of the scene.
+    pub changes: Vec<Change>,
 }
 
 /// What is read of the solver's report.
@@ -52,6 +54,9 @@ impl Solver {
         };
         let mut command = Command::new(&self.program);
         command.arg("simulate").arg(&self.scene).args(["--mesh", &mesh, "-o"]).arg(folder);
+        for change in &self.changes {
+            command.arg("--set").arg(change.to_string());
+        }
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let process = Process::spawn(&mut command).with_context(|| {
             format!("{}: cannot be run; give its place with --solver", self.program.display())

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use nalgebra::{DMatrix, DVector};
+use program::{Change, Changes, Keys, Settings};
 use serde::Deserialize;
 
 use crate::config::beside;
@@ -22,6 +23,8 @@ use crate::sensitivity::{Walls, sensitivities};
 use crate::validation::table::{Table, unit};
 use least_squares::Residuals;
 pub use number::Number;
+
+const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[] };
 
 /// Memory for the states of a run; others lie on disk [B].
 const STATE_MEMORY: f64 = 4e9;
@@ -107,6 +110,8 @@ pub struct Calibration {
     pub experiments: Vec<Experiment>,
     /// Their scenes, each once.
     pub scenes: Vec<Scene>,
+    /// What was set from outside.
+    pub set: Vec<String>,
     /// Of each scene, where walls are moved.
     walls: Vec<Option<Walls>>,
 }
@@ -117,7 +122,21 @@ impl Calibration {
     /// # Errors
     /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
-        let config: Config = program::read_toml(path)?;
+        Self::read_with(path, &Changes::default())
+    }
+
+    /// The same with other values; those of `scene.` are for all its scenes.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn read_with(path: &Path, changes: &Changes) -> Result<Self> {
+        let (own, of_scenes) = changes.own_and_scene();
+        let file = Settings::read(path, &own, KEYS)?;
+        file.checked(|file| Self::of(file, path, &of_scenes))
+    }
+
+    fn of(file: &Settings, path: &Path, of_scenes: &[Change]) -> Result<Self> {
+        let config: Config = file.parse()?;
         let context = || path.display().to_string();
         ensure!(!config.number.is_empty(), "{}: no [[number]]; expected what is sought", context());
         ensure!(!config.experiment.is_empty(), "{}: no [[experiment]]", context());
@@ -129,7 +148,7 @@ impl Calibration {
             let known = paths.iter().position(|known| *known == scene);
             let index = known.unwrap_or(scenes.len());
             if known.is_none() {
-                scenes.push(Scene::read(&scene)?);
+                scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
             let title = format!("[[experiment]] \"{}\"", own.name);
@@ -143,7 +162,9 @@ impl Calibration {
         let moves = numbers.iter().any(|number| matches!(number, Number::Wall(_)));
         let walls = scenes.iter().map(|scene| moves.then(|| Walls::new(&scene.body)).transpose());
         let walls = walls.collect::<Result<_>>()?;
-        Ok(Self { numbers, start, experiments, scenes, walls })
+        let set =
+            file.changes().into_iter().chain(of_scenes.iter().map(Change::to_string)).collect();
+        Ok(Self { numbers, start, experiments, scenes, set, walls })
     }
 
     /// Values of all measured points, experiment by experiment, in the units of the probes, and

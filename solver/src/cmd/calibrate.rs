@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use program::Unusable;
+use program::{Changes, Unusable};
 use serde_json::{Value, json};
 
 use crate::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
@@ -22,7 +22,7 @@ use crate::scene::SceneMembrane;
 /// numbers that are sought: factors on modulus and density, offsets of pressures and walls, or
 /// parameters of a law. Writes to the output folder calibration.json, with standard errors,
 /// correlations and what each experiment tells; residuals.svg; and, where the material was
-/// sought, material.toml, to be pasted into a scene.
+/// sought, material.toml, to be included by a scene.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What is sought, and from what (TOML)
@@ -30,10 +30,12 @@ pub struct Arguments {
     /// Folder for the results; made if missing
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let calibration = Calibration::read(&arguments.config)?;
+    let calibration = Calibration::read_with(&arguments.config, &arguments.changes)?;
     let start: Vec<f64> = calibration.start.iter().map(|(_, value)| *value).collect();
     let mut before = Vec::new();
     let observe = |iteration: usize, values: &[f64], residuals: &Residuals| {
@@ -211,6 +213,7 @@ fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value
     let row = |i: usize| (0..count).map(|j| correlation(found, i, j)).collect::<Vec<f64>>();
     json!({
         "program": crate::report::PROGRAM,
+        "set": calibration.set,
         "numbers": (0..count).map(one).collect::<Vec<_>>(),
         "correlations": (0..count).map(row).collect::<Vec<_>>(),
         "chi2": found.residuals.chi2(),

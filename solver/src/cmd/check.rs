@@ -5,9 +5,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use program::Unusable;
+use program::{Changes, Unusable};
 
-use super::optimize::read;
+use super::optimize::{Problem, read};
 use crate::config::{HandlesConfig, LevelConfig, VerticesConfig};
 use crate::math::linear::dot;
 use crate::math::random::Random;
@@ -71,11 +71,15 @@ pub struct Arguments {
     /// Number of step lengths, each half the one before
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(i32).range(3..=30))]
     steps: i32,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let (design, scene) = read(&arguments.design, &arguments.mesh)?;
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
+    let Problem { file, design, scene } =
+        read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let objectives =
+        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
     let mut settings = design.levels()[0].clone();
     if let Some(handles) = arguments.handles {
         let (handles, vertices) =
@@ -83,12 +87,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
-        .map_err(|error| super::in_file(error, &arguments.design))?;
+        .map_err(|error| file.place(error))?;
     let theta = vec![0.0; level.variables()];
     level
         .admit(&level.body.mesh.vertices)
         .context("the starting shape")
-        .map_err(|error| super::in_file(error, &arguments.design))?;
+        .map_err(|error| file.place(error))?;
     let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;

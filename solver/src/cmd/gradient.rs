@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use mesh::io::vtu;
-use program::Unusable;
+use program::{Changes, Unusable};
 use serde_json::json;
 
-use super::optimize::read;
+use super::optimize::{Problem, read};
 use crate::element::FunctionSpace;
 use crate::math::linear::sum;
 use crate::optimize::{Level, Parameter, Start};
@@ -30,14 +30,18 @@ pub struct Arguments {
     /// At this tagged mesh, such as an optimised design.msh, in place of the scene's
     #[arg(long, value_parser = super::other_mesh)]
     mesh: Vec<super::OtherMesh>,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let (design, scene) = read(&arguments.design, &arguments.mesh)?;
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
+    let Problem { file, design, scene } =
+        read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let objectives =
+        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
     let settings = design.levels()[0].clone();
     let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
-        .map_err(|error| super::in_file(error, &arguments.design))?;
+        .map_err(|error| file.place(error))?;
     let theta = vec![0.0; level.variables()];
     let at = level
         .evaluate(&theta, Start::Rest)

@@ -13,7 +13,7 @@ mod plot;
 mod simulate;
 mod validate;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -57,12 +57,6 @@ impl Verb {
             Self::Mirror(arguments) => mirror::run(arguments),
         }
     }
-}
-
-/// The error with the file that it is about, unless it names that already.
-fn in_file(error: anyhow::Error, file: &Path) -> anyhow::Error {
-    let file = file.display().to_string();
-    if format!("{error:#}").contains(&file) { error } else { error.context(file) }
 }
 
 /// A mesh in place of a scene's, and the name of its body if there are several.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use mesh::io::vtu;
-use program::{FolderLock, Unusable};
+use program::{Changes, FolderLock, Settings, Unusable};
 use serde_json::{Value, json};
 
 use crate::config::{DesignConfig, beside};
@@ -31,16 +31,19 @@ pub struct Arguments {
     /// Begin anew, whatever the folder holds
     #[arg(long)]
     restart: bool,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let (design, scene) = read(&arguments.design, &[])?;
+    let Problem { file, design, scene } = read(&arguments.design, &[], &arguments.changes)?;
     scene.body.log_share();
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
-    let objectives = ObjectiveBuilder::new(&arguments.design, &design.objective, &scene)?;
-    let inputs = hash_inputs(&arguments.design, &design, &scene)?;
+    let objectives =
+        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
+    let inputs = hash_inputs(&file, &design, &scene)?;
     if arguments.restart || outdated(folder, &inputs)? {
         if folder.join("report.json").exists() && !failed(folder)? {
             log::warn!("{}: the finished design there is replaced", folder.display());
@@ -58,10 +61,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let finished = cascade.run().map_err(|error| {
         // the first error is the one that counts
         let _ = forget_start(folder);
-        super::in_file(error, &arguments.design)
+        file.place(error)
     })?;
     write(folder, &scene, &finished)?;
-    let report = report(folder, &finished, start)?;
+    let mut report = report(folder, &finished, start)?;
+    let files = [("design", &file), ("scene", &scene.file)];
+    let (inputs, set) = results::provenance(folder, &files, &scene)?;
+    (report["inputs"], report["set"]) = (inputs, json!(set));
     results::write_json(&folder.join("report.json"), &report)?;
     let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
     let (before, after) = (objective("objective_before"), objective("objective_after"));
@@ -78,11 +84,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A design file and its scene, perhaps with another mesh.
-pub fn read(path: &Path, others: &[super::OtherMesh]) -> Result<(DesignConfig, Scene)> {
-    let design = DesignConfig::read(path)?;
-    let scene = Scene::read_with(&beside(path, &design.scene), others)?;
-    Ok((design, scene))
+/// A design problem and its scene.
+pub struct Problem {
+    pub file: Settings,
+    pub design: DesignConfig,
+    pub scene: Scene,
+}
+
+/// A design file and its scene, perhaps with another mesh and other values.
+pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Result<Problem> {
+    let (own, of_scene) = changes.own_and_scene();
+    let file = DesignConfig::settings(path, &own)?;
+    let design = DesignConfig::of(&file)?;
+    let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
+    Ok(Problem { file, design, scene })
 }
 
 /// Whether the folder holds an optimisation of other inputs that is finished or
@@ -155,14 +170,15 @@ fn remove(folder: &Path, names: &[&str]) -> Result<()> {
 }
 
 /// A checkpoint is only good for the problem it was made for.
-fn hash_inputs(path: &Path, design: &DesignConfig, scene: &Scene) -> Result<String> {
-    let mut hashes = vec![program::sha256_file(path)?, program::sha256_file(&scene.path)?];
+fn hash_inputs(file: &Settings, design: &DesignConfig, scene: &Scene) -> Result<String> {
+    let mut hashes = vec![file.hash(), scene.file.hash()];
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
+    let path = file.file().path;
     for objective in &design.objective {
-        for file in objective.files() {
-            hashes.push(program::sha256_file(&beside(path, file))?);
+        for target in objective.files() {
+            hashes.push(program::sha256_file(&beside(&path, target))?);
         }
     }
     Ok(hashes.join(" "))

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
-use program::{FolderLock, Unusable};
+use program::{Changes, FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::energy::Iterate;
@@ -58,11 +58,13 @@ pub struct Arguments {
     /// Forget an interrupted run in the folder
     #[arg(long)]
     restart: bool,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh)?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
@@ -313,7 +315,7 @@ fn merge(report: &mut Value, more: &Value) {
 
 /// What the states depend on: the scene, its meshes and the changes to it.
 fn hash_inputs(scene: &Scene) -> Result<String> {
-    let mut hashes = vec![program::sha256_file(&scene.path)?, scene.config.degree.to_string()];
+    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string()];
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
@@ -345,10 +347,7 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
 }
 
 fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Value> {
-    let file = |path: &Path| -> Result<Value> {
-        Ok(json!({ "path": path, "sha256": program::sha256_file(path)? }))
-    };
-    let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
+    let (inputs, set) = results::provenance(&arguments.output, &[("scene", &scene.file)], scene)?;
     let materials = scene.parts.iter().map(|part| {
         let material = &part.material;
         let silicone = part.config.material.silicone().map(|named| named.report());
@@ -363,9 +362,10 @@ fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Val
         "status": "ok",
         "usable": true,
         "program": crate::report::PROGRAM,
-        "inputs": { "scene": file(&arguments.scene)?, "mesh": one_or_list(meshes) },
+        "inputs": inputs,
+        "set": set,
         "config": scene.config,
-        "material": one_or_list(materials.collect()),
+        "material": results::one_or_list(materials.collect()),
         "dofs": problem.dofs(),
         "tets": scene.body.mesh.tets.len(),
         "vertices": scene.body.mesh.vertices.len(),
@@ -374,11 +374,6 @@ fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Val
         header["symmetry"] = results::symmetry(&scene.body);
     }
     Ok(header)
-}
-
-/// What is reported of each body: alone where there is one.
-fn one_or_list(mut values: Vec<Value>) -> Value {
-    if values.len() == 1 { values.remove(0) } else { Value::Array(values) }
 }
 
 /// Principal stretches of the state, with warnings where the material was not tested or tears.

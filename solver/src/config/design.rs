@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
+use program::{Change, Keys, Settings};
 use serde::{Deserialize, Serialize};
 
 use super::{
     ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, scenario, superseded,
 };
 use crate::body::Names;
+
+const KEYS: Keys = Keys { paths: &["scene", "target"], named: &[] };
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -137,9 +140,25 @@ impl DesignConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
-        superseded::refuse_in_design(path)?;
-        let design: Self = program::read_toml(path)?;
-        design.check().with_context(|| path.display().to_string())?;
+        Self::of(&Self::settings(path, &[])?)
+    }
+
+    /// A design file with changes from outside.
+    ///
+    /// # Errors
+    /// As for [`Settings::read`].
+    pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
+        Settings::read(path, changes, KEYS)
+    }
+
+    /// The design problem in a file, checked.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn of(settings: &Settings) -> Result<Self> {
+        superseded::refuse_in_design(settings)?;
+        let design: Self = settings.parse()?;
+        settings.checked(|_| design.check())?;
         Ok(design)
     }
 

@@ -1,8 +1,7 @@
 //! Tables of older files: what to write in their place.
 
-use std::path::Path;
-
 use anyhow::{Result, bail};
+use program::Settings;
 use toml::{Table, Value};
 
 /// An old table: its name, and the new names of those of its keys that have one.
@@ -21,21 +20,20 @@ const DESIGN: &[Old] = &[("pressure", &[])];
 ///
 /// # Errors
 /// With the same tables in today's form.
-pub(super) fn refuse_in_scene(path: &Path) -> Result<()> {
-    refuse(path, SCENE)
+pub(super) fn refuse_in_scene(settings: &Settings) -> Result<()> {
+    refuse(settings, SCENE)
 }
 
 /// Refuses a design with tables of an older form.
 ///
 /// # Errors
 /// With the same tables in today's form.
-pub(super) fn refuse_in_design(path: &Path) -> Result<()> {
-    refuse(path, DESIGN)
+pub(super) fn refuse_in_design(settings: &Settings) -> Result<()> {
+    refuse(settings, DESIGN)
 }
 
-fn refuse(path: &Path, old: &[Old]) -> Result<()> {
-    // text that is no TOML is refused by the reader that follows
-    let Ok(file) = program::read_toml::<Table>(path) else { return Ok(()) };
+fn refuse(settings: &Settings, old: &[Old]) -> Result<()> {
+    let file: Table = settings.parse()?;
     let found: Vec<&Old> = old.iter().filter(|(name, _)| file.contains_key(*name)).collect();
     if found.is_empty() {
         return Ok(());
@@ -44,7 +42,7 @@ fn refuse(path: &Path, old: &[Old]) -> Result<()> {
     let tables: Vec<String> = found.iter().flat_map(|old| today(&file, old)).collect();
     bail!(
         "{}: {} {} now [[chamber]]: write\n\n{}",
-        path.display(),
+        settings.file().path.display(),
         names.join(" and "),
         if names.len() == 1 { "is" } else { "are" },
         tables.join("\n")

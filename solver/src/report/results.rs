@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use mesh::Vec3;
 use mesh::io::{npy, vtu};
+use program::{InputFile, Settings};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -48,6 +49,34 @@ pub struct ChamberReport {
     pub pressure: f64,
     /// Whether the wall is closed.
     pub closed: bool,
+}
+
+/// What a report in a folder says of the files that the result was made from, each by its kind,
+/// and of what was set from outside.
+///
+/// # Errors
+/// When a mesh cannot be read.
+pub fn provenance(
+    folder: &Path,
+    files: &[(&str, &Settings)],
+    scene: &Scene,
+) -> Result<(Value, Vec<String>)> {
+    let meshes = scene.parts.iter().map(|part| InputFile::new(&part.mesh_path, folder));
+    let mut inputs = json!({ "mesh": one_or_list(meshes.collect::<Result<Vec<_>, _>>()?) });
+    let mut included = Vec::new();
+    for (kind, file) in files {
+        inputs[*kind] = json!(file.file().seen_from(folder));
+        included.extend(file.included().iter().map(|file| file.seen_from(folder)));
+    }
+    if !included.is_empty() {
+        inputs["included"] = json!(included);
+    }
+    Ok((inputs, files.iter().flat_map(|(_, file)| file.changes()).collect()))
+}
+
+/// What is reported of each body: alone where there is one.
+pub fn one_or_list<T: Serialize>(values: Vec<T>) -> Value {
+    if let [one] = &values[..] { json!(one) } else { json!(values) }
 }
 
 /// Measures every tag that has facets at an equilibrium.

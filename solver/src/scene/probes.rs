@@ -1,6 +1,6 @@
 //! The probes of a scene.
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
 use super::Scene;
 use crate::body::Body;
@@ -17,15 +17,18 @@ impl Scene {
         if self.config.probe.is_empty() {
             return Ok(Vec::new());
         }
-        let context = || self.path.display().to_string();
+        self.file.checked(|_| self.built_probes(body, space))
+    }
+
+    fn built_probes(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Probe>> {
         let (fixed, moments) = (self.fixed(body), self.config.moments());
-        let supports = Supports::new(&fixed, &moments, body, space).with_context(context)?.by_tag();
+        let supports = Supports::new(&fixed, &moments, body, space)?.by_tag();
         let site = Site { body, space, supports: &supports };
         let probes = self.config.probe.iter().map(|config| {
             let (name, kind, quantity) =
                 (config.name().to_owned(), config.kind(), config.build(&site)?);
             Ok(Probe { name, kind, quantity })
         });
-        probes.collect::<Result<_>>().with_context(context)
+        probes.collect()
     }
 }

@@ -39,6 +39,7 @@ impl Verb {
 /// What `tags.json` says about each tag, in order of ids from 1.
 #[derive(Serialize)]
 struct Legend<'a> {
+    program: &'static str,
     names: &'a [String],
     ids: Vec<u32>,
     /// Number of facets.
@@ -53,6 +54,7 @@ fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
     let facets: Vec<_> = ids.iter().map(|&id| tags.facets_of(id)).collect();
     let area = |f: &Vec<_>| measure::area(&topology::submesh(&mesh.vertices, f).0);
     let legend = Legend {
+        program: concat!("tagger ", env!("CARGO_PKG_VERSION")),
         names: &tags.names,
         ids,
         facets: facets.iter().map(Vec::len).collect(),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use mesh::io::npy;
 use mesh::{TetMesh, Vec3};
+use program::InputFile;
 use serde_json::Value;
 
 use super::Patches;
@@ -29,8 +30,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Reads the folder of a finished `solver simulate`. The mesh is read from
-    /// where that found it, relative to the working directory.
+    /// Reads the folder of a finished `solver simulate`, and its mesh from where that found it.
     ///
     /// # Errors
     /// When a file is missing, the run has no equilibrium, or the mesh is not
@@ -49,7 +49,7 @@ impl Run {
         let degree = entry(report, "/config/degree")?.as_u64().unwrap_or(0) as usize;
         ensure!((1..=3).contains(&degree), "config.degree is {degree}: 1, 2 and 3 exist");
         let time = entry(report, "/equilibrium_s")?.as_f64().context("equilibrium_s")?;
-        let mesh = read_mesh(entry(report, "/inputs/mesh")?)?;
+        let mesh = read_mesh(folder, entry(report, "/inputs/mesh")?)?;
         let boundary = mesh::topology::boundary(&mesh).facets;
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
         let file = folder.join("displacement.npy");
@@ -111,20 +111,11 @@ fn entry<'a>(report: &'a Value, pointer: &str) -> Result<&'a Value> {
     })
 }
 
-/// The mesh that a report names, if it is still the same.
-fn read_mesh(input: &Value) -> Result<TetMesh> {
-    let (Some(path), Some(expected)) = (input["path"].as_str(), input["sha256"].as_str()) else {
-        bail!("inputs.mesh has no path and sha256");
-    };
-    let path = Path::new(path);
-    let context = "the mesh of the run; compare reads it from the folder in which simulate was run";
-    let found = program::sha256_file(path).context(context)?;
-    ensure!(
-        found == expected,
-        "{} is not the mesh of this run (sha256 {found}, it was {expected}); simulate again",
-        path.display()
-    );
-    Ok(mesh::io::read_tets(path)?.mesh)
+/// The mesh that a report in a folder names, if it is still the same.
+fn read_mesh(folder: &Path, input: &Value) -> Result<TetMesh> {
+    let input: InputFile =
+        serde_json::from_value(input.clone()).context("inputs.mesh has no path and sha256")?;
+    Ok(mesh::io::read_tets(&input.find(folder)?)?.mesh)
 }
 
 /// A scene without what may differ between runs of one problem.

@@ -1,0 +1,186 @@
+//! Where in a file an error is, and how that is shown.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::merge::identity;
+
+/// The place of an error. `span` is that of what did not fit: of a key or value it is the place, in
+/// a table it is looked for. Without one the whole file is. There it is the word that the message
+/// calls unknown, or the address that it begins or ends with.
+pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option<Range<usize>> {
+    let table = match &span {
+        None => tree,
+        Some(span) => match node(tree, span) {
+            None => return Some(span.clone()),
+            Some(table) => table,
+        },
+    };
+    let unknown = || holds(table, crate::nearest::unknown(message)?.1);
+    // `toml` names a key without a place last
+    let last = || {
+        let (_, key) = message.strip_suffix('`')?.rsplit_once("in `")?;
+        address(table, &format!("{key}:"))
+    };
+    unknown()
+        .or_else(last)
+        .or_else(|| address(tree, message))
+        .or_else(|| address(table, message))
+        .or(span)
+}
+
+/// The table at a place.
+fn node<'t, 'a>(tree: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
+    tree.iter().find_map(|(_, value)| node_in(value, span))
+}
+
+fn node_in<'t, 'a>(
+    value: &'t Spanned<DeValue<'a>>,
+    span: &Range<usize>,
+) -> Option<&'t DeTable<'a>> {
+    match value.get_ref() {
+        DeValue::Table(table) if value.span() == *span => Some(table),
+        DeValue::Table(table) => node(table, span),
+        DeValue::Array(list) => list.iter().find_map(|item| node_in(item, span)),
+        _ => None,
+    }
+}
+
+/// The first key or text of a table, at any depth, that is `word`.
+fn holds(table: &DeTable, word: &str) -> Option<Range<usize>> {
+    table.iter().find_map(|(key, value)| match key.get_ref() == word {
+        true => Some(key.span()),
+        false => value_holds(value, word),
+    })
+}
+
+fn value_holds(value: &Spanned<DeValue>, word: &str) -> Option<Range<usize>> {
+    match value.get_ref() {
+        DeValue::String(text) if text == word => Some(value.span()),
+        DeValue::Table(below) => holds(below, word),
+        DeValue::Array(list) => list.iter().find_map(|item| value_holds(item, word)),
+        _ => None,
+    }
+}
+
+/// Follows the address that a message begins with: `[table]`, `[[table]] "name"`,
+/// `[[table]] on "tag"`, `[[table]] 2`, `table "name"`, and keys before `:`, ` =` or ` is`.
+fn address(tree: &DeTable, message: &str) -> Option<Range<usize>> {
+    let (mut table, mut rest, mut found) = (tree, message, None);
+    loop {
+        rest = rest.trim_start_matches([' ', ':', ',', '\n']);
+        let Some(step) = step(rest) else { return found };
+        let Some((key, value)) = entry(table, step.name) else { return found };
+        let (mut place, mut next) = (key.start..end_on_its_line(&key, value), value);
+        rest = step.rest;
+        if let DeValue::Array(list) = value.get_ref() {
+            if let Some((item, after)) = item(list, rest) {
+                (place, next, rest) = (item.span(), item, after);
+            }
+        }
+        found = Some(place);
+        let DeValue::Table(below) = next.get_ref() else { return found };
+        table = below;
+    }
+}
+
+struct Step<'m> {
+    name: &'m str,
+    rest: &'m str,
+}
+
+fn step(message: &str) -> Option<Step<'_>> {
+    for (open, close) in [("[[", "]]"), ("[", "]")] {
+        if let Some(inside) = message.strip_prefix(open) {
+            let (name, rest) = inside.split_once(close)?;
+            return Some(Step { name, rest });
+        }
+    }
+    let end = message.find(|c: char| !(c.is_alphanumeric() || "_-.".contains(c)))?;
+    let (name, rest) = message.split_at(end);
+    let follows = [":", " =", " is ", " \""].iter().any(|after| rest.starts_with(after));
+    (end > 0 && follows).then_some(Step { name, rest })
+}
+
+/// The entry of a dotted key: the place of the last key, and the value.
+fn entry<'t, 'a>(
+    table: &'t DeTable<'a>,
+    name: &str,
+) -> Option<(Range<usize>, &'t Spanned<DeValue<'a>>)> {
+    if let Some((key, value)) = table.get_key_value(name) {
+        return Some((key.span(), value));
+    }
+    let (first, rest) = name.split_once('.')?;
+    match table.get(first)?.get_ref() {
+        DeValue::Table(below) => entry(below, rest),
+        _ => None,
+    }
+}
+
+/// The item of a list that ` "name"`, ` on "tag"` or ` 2`, counted from 1, stands for.
+fn item<'t, 'a, 'm>(
+    list: &'t [Spanned<DeValue<'a>>],
+    message: &'m str,
+) -> Option<(&'t Spanned<DeValue<'a>>, &'m str)> {
+    let rest = message.strip_prefix(' ')?;
+    let rest = rest.strip_prefix("on ").unwrap_or(rest);
+    if let Some((name, after)) = rest.strip_prefix('"').and_then(|rest| rest.split_once('"')) {
+        let found = list.iter().find(|item| identity(item.get_ref()) == Some(name))?;
+        return Some((found, after));
+    }
+    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let number: usize = rest[..digits].parse().ok()?;
+    Some((list.get(number.checked_sub(1)?)?, &rest[digits..]))
+}
+
+/// Where a key and its value end, if both are in one line; else where the key ends.
+fn end_on_its_line(key: &Range<usize>, value: &Spanned<DeValue>) -> usize {
+    match value.get_ref() {
+        DeValue::Table(_) | DeValue::Array(_) => key.end,
+        _ => value.span().end.max(key.end),
+    }
+}
+
+/// The error with the name of its file, line and column, and the line with carets.
+pub fn shown(file: &str, text: &str, place: Range<usize>, what: &str) -> String {
+    let (line, column) = position(text, place.start);
+    let file = if file.is_empty() { "line " } else { &format!("{file}:") };
+    let gutter = " ".repeat(line.to_string().len());
+    format!(
+        "{file}{line}:{column}: {what}\n{gutter} |\n{line} | {}",
+        underlined(text, place, &format!("{gutter} | "))
+    )
+}
+
+/// The error in a text that has one line and no file.
+pub fn shown_alone(name: &str, text: &str, place: Range<usize>, what: &str) -> String {
+    format!("{name}: {what}\n  | {}", underlined(text, place, "  | "))
+}
+
+/// Line and column, counted from 1.
+fn position(text: &str, at: usize) -> (usize, usize) {
+    let before = &text[..floor(text, at)];
+    let line = before.matches('\n').count() + 1;
+    let column = before.rsplit('\n').next().map_or(0, |line| line.chars().count()) + 1;
+    (line, column)
+}
+
+/// The line of a place, and carets under it.
+fn underlined(text: &str, place: Range<usize>, margin: &str) -> String {
+    let at = floor(text, place.start);
+    let begin = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let end = text[begin..].find(['\n', '\r']).map_or(text.len(), |length| begin + length);
+    let line = &text[begin..end];
+    // tabs stay tabs, so that the carets stand below
+    let indent: String =
+        text[begin..at.min(end)].chars().map(|c| if c == '\t' { c } else { ' ' }).collect();
+    let until = floor(text, place.end.clamp(at.min(end), end));
+    let count = text[at.min(until)..until].chars().count().max(1);
+    format!("{line}\n{margin}{indent}{}", "^".repeat(count))
+}
+
+fn floor(text: &str, at: usize) -> usize {
+    (0..=at.min(text.len())).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
+}

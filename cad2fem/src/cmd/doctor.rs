@@ -1,0 +1,118 @@
+//! `cad2fem doctor`: what this machine lacks.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use program::Unusable;
+
+use crate::checkout::checkout;
+use crate::mesher::python::Python;
+
+/// Prints what the programs need and whether it is there, and how to get what is missing; exit
+/// code 1 if anything is
+#[derive(Debug, clap::Args)]
+pub struct Args {}
+
+/// Something that is needed.
+struct Finding {
+    what: String,
+    /// What was found, or how to get it.
+    found: Result<String, String>,
+    /// What cannot be done without it.
+    for_what: &'static str,
+}
+
+/// Packages that the meshers are called with: as pip and as Python name them.
+const PACKAGES: [(&str, &str); 3] =
+    [("wildmeshing", "cad2fem tetmesh"), ("gmsh", "CAD files"), ("numpy", "both meshers")];
+
+/// What gmsh loads, which a Debian without a desktop lacks.
+const LIBRARIES: &str = "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1";
+
+/// Memory below which the frog's design does not fit [MB].
+const MEMORY: u64 = 2000;
+
+/// Runs the verb.
+///
+/// # Errors
+/// If something is missing.
+pub fn run(_: &Args) -> Result<()> {
+    let findings = findings();
+    let mut out = std::io::stdout().lock();
+    for Finding { what, found, for_what } in &findings {
+        match found {
+            Ok(found) => writeln!(out, "ok       {what:<14} {found}")?,
+            Err(remedy) => writeln!(out, "missing  {what:<14} for {for_what}: {remedy}")?,
+        }
+    }
+    let missing = findings.iter().filter(|finding| finding.found.is_err()).count();
+    if missing > 0 {
+        return Err(Unusable(format!("{missing} of {} are missing", findings.len())).into());
+    }
+    Ok(())
+}
+
+fn findings() -> Vec<Finding> {
+    let mut all = Vec::new();
+    let mut add = |what: &str, for_what, found| {
+        all.push(Finding { what: what.to_owned(), found, for_what });
+    };
+    for name in ["tagger", "solver", "fab"] {
+        add(name, "the chain from a model to a mold", beside(name));
+    }
+    let source = checkout().map(|folder| folder.display().to_string());
+    let remedy = "clone it and run `make setup` there, then `make install PREFIX=...`";
+    add("checkout", "make, and the Python of the meshers", source.ok_or_else(|| remedy.into()));
+    add("make", "make body, make frog", in_path("make", "apt install make"));
+    match Python::find() {
+        Err(error) => add("Python", "meshes", Err(format!("{error:#}"))),
+        Ok(python) => {
+            add("Python", "meshes", Ok(python.name()));
+            for (package, for_what) in PACKAGES {
+                add(package, for_what, importable(&python, package));
+            }
+        }
+    }
+    add("memory", "designs of the frog's size", memory());
+    all
+}
+
+/// The program of this name beside this one.
+fn beside(name: &str) -> Result<String, String> {
+    let path = std::env::current_exe().map(|own| own.with_file_name(name)).unwrap_or_default();
+    let found = path.is_file().then(|| path.display().to_string());
+    found.ok_or_else(|| format!("{} is not there; run `make setup`", path.display()))
+}
+
+/// A program in a folder of PATH.
+fn in_path(name: &str, remedy: &str) -> Result<String, String> {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let found: Option<PathBuf> =
+        std::env::split_paths(&folders).map(|folder| folder.join(name)).find(|p| p.is_file());
+    found.map(|path| path.display().to_string()).ok_or_else(|| remedy.to_owned())
+}
+
+fn importable(python: &Python, package: &str) -> Result<String, String> {
+    let version = python.version_of(package).map_err(|error| format!("{error:#}"))?;
+    match python.import(package).context(package.to_owned()) {
+        Ok(()) => Ok(version),
+        Err(error) => {
+            let why = format!("{error:#}");
+            let is_library = why.contains(".so");
+            Err(if is_library { format!("{why}: {LIBRARIES}") } else { why })
+        }
+    }
+}
+
+/// Memory that is free [MB], from the system's table.
+fn memory() -> Result<String, String> {
+    let table = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let line = table.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    let kilobytes = line.and_then(|l| l.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    match kilobytes.map(|kilobytes| kilobytes / 1000) {
+        Some(free) if free < MEMORY => Err(format!("{free} MB are free, {MEMORY} needed")),
+        Some(free) => Ok(format!("{free} MB free")),
+        None => Ok("not known on this system".into()),
+    }
+}

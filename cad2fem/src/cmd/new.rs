@@ -1,0 +1,125 @@
+//! `cad2fem new`: a folder to begin with.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use mesh::io::write_atomic;
+
+use crate::checkout::checkout;
+use crate::template::Template;
+
+/// Writes a folder with all files of a body, which can be made at once and then changed
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder to write; its name is that of the body
+    folder: PathBuf,
+    /// Body to begin with: blank, beam or finger
+    #[arg(long, value_name = "BODY", default_value = "blank", value_parser = Template::find)]
+    like: &'static Template,
+}
+
+/// Runs the verb; prints what to do next.
+///
+/// # Errors
+/// If the folder exists, its name cannot be used, or it cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let (folder, template) = (&args.folder, args.like);
+    let name = folder.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    ensure!(
+        !name.is_empty() && name.chars().all(plain) && !name.starts_with('-'),
+        "{}: a body is called by letters, digits, - and _, as make has no other names",
+        folder.display()
+    );
+    ensure!(
+        !folder.exists(),
+        "{}: is there already; give another name, or remove it",
+        folder.display()
+    );
+    let place = Place::of(folder, name);
+    for (file, text) in template.files_for(&place.results()) {
+        write_atomic(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
+    }
+    let readme = readme(name, template, &place);
+    write_atomic(&folder.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
+    writeln!(
+        std::io::stdout().lock(),
+        "{} is like {}: {}.\nmake it:        {}\nand open:       {}",
+        folder.display(),
+        template.name,
+        template.about,
+        place.command,
+        place.page.display()
+    )
+    .context("standard output")
+}
+
+/// Where a body is, and so its results.
+struct Place {
+    /// Whether it lies in `pipelines` of a checkout, whose results are in `build`.
+    in_pipelines: bool,
+    /// What makes it.
+    command: String,
+    /// What is made of it.
+    page: PathBuf,
+    name: String,
+}
+
+impl Place {
+    fn of(folder: &Path, name: &str) -> Self {
+        let full = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+        let above = full.parent().unwrap_or(Path::new("/"));
+        let here = std::env::current_dir().ok();
+        let from = |top: &Path, command: String| match here.as_deref() == Some(top) {
+            true => format!("make {command}"),
+            false => format!("make -C {} {command}", top.display()),
+        };
+        if let (true, Some(top)) = (above.join("rules.mk").is_file(), above.parent()) {
+            return Self {
+                in_pipelines: true,
+                command: from(top, name.to_owned()),
+                page: top.join("build").join(name).join("report.html"),
+                name: name.to_owned(),
+            };
+        }
+        let top = checkout().unwrap_or_else(|| PathBuf::from("CHECKOUT"));
+        let dir = if here.as_deref() == Some(&top) { folder } else { &full };
+        Self {
+            in_pipelines: false,
+            command: from(&top, format!("body DIR={}", dir.display())),
+            page: folder.join("build/report.html"),
+            name: name.to_owned(),
+        }
+    }
+
+    /// The folder of results, as seen from that of the body.
+    fn results(&self) -> String {
+        if self.in_pipelines { format!("../../build/{}", self.name) } else { "build".into() }
+    }
+}
+
+fn readme(name: &str, template: &Template, place: &Place) -> String {
+    let results = place.results();
+    let design = template.files.iter().any(|(file, _)| *file == "design.toml");
+    let design = if design {
+        "| `design.toml` | `solver optimize` | what of the shape may change, and what for |\n"
+    } else {
+        ""
+    };
+    format!(
+        "# {name}\n\n\
+         Written by `cad2fem new --like {}`: {}.\n\n\
+         ```\n{}\n```\n\n\
+         makes everything that is not there yet or older than what it is made from, and \
+         `{results}/report.html`, a page of all results.\n\n\
+         | file | read by | contains |\n|-|-|-|\n\
+         | `model.toml` | `cad2fem model` | the body and its regions |\n\
+         | `cad2fem.toml` | `cad2fem tetmesh` | sizes of the tetrahedra |\n\
+         | `tags.toml` | `tagger tag` | the name of each part of the boundary |\n\
+         | `sim.toml` | `solver simulate` | material, supports, pressure |\n\
+         {design}\
+         | `mold.toml` | `fab mold` | how the body is cast |\n",
+        template.name, template.about, place.command
+    )
+}
