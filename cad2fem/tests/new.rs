@@ -14,26 +14,28 @@ fn every_template_is_written_with_its_results_beside_it() {
         run.succeeds();
         assert!(run.stdout.contains("body DIR="), "{}", run.stdout);
         for file in template.files.iter().map(|(file, _)| *file).chain(["README.md"]) {
-            let text = fs::read_to_string(dir.path(template.name).join(file)).unwrap();
+            let text =
+                fs::read_to_string(dir.path(template.name).join(file)).expect("a file of the test");
             assert!(!text.contains("../../build"), "{}/{file}: {text}", template.name);
             assert!(!text.is_empty(), "{}/{file}", template.name);
         }
         let model = format!("{}/model.toml", template.name);
         dir.run(&["model", &model, "-o", &format!("{}/build/model", template.name)]).succeeds();
     }
-    let scene = fs::read_to_string(dir.path("blank/sim.toml")).unwrap();
+    let scene = fs::read_to_string(dir.path("blank/sim.toml")).expect("a file of the test");
     assert!(scene.contains("mesh = \"build/tagged.msh\""), "{scene}");
 }
 
 #[test]
 fn a_body_in_pipelines_has_its_results_in_build() {
     let dir = Workdir::new();
-    fs::create_dir(dir.path("pipelines")).unwrap();
+    fs::create_dir(dir.path("pipelines")).expect("a file of the test");
     dir.write("pipelines/rules.mk", "");
     let run = dir.run(&["new", "pipelines/mine"]);
     run.succeeds();
     assert!(run.stdout.contains("make mine\n"), "{}", run.stdout);
-    let scene = fs::read_to_string(dir.path("pipelines/mine/sim.toml")).unwrap();
+    let scene =
+        fs::read_to_string(dir.path("pipelines/mine/sim.toml")).expect("a file of the test");
     assert!(scene.contains("mesh = \"../../build/mine/tagged.msh\""), "{scene}");
 }
 

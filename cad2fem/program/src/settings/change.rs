@@ -182,8 +182,7 @@ fn in_value<'a>(
         DeValue::Table(below) => in_table(name, below, steps, value, named),
         DeValue::Array(list) => {
             let (index, used) = element(name, list, steps)?;
-            list.iter_mut()
-                .nth(index)
+            list.get_mut(index)
                 .map_or(Ok(()), |item| in_value(name, item, &steps[used..], value, named))
         }
         _ => Err((String::new(), steps[0].span())),

@@ -75,10 +75,10 @@ fn address(tree: &DeTable, message: &str) -> Option<Range<usize>> {
         let Some((key, value)) = entry(table, step.name) else { return found };
         let (mut place, mut next) = (key.start..end_on_its_line(&key, value), value);
         rest = step.rest;
-        if let DeValue::Array(list) = value.get_ref() {
-            if let Some((item, after)) = item(list, rest) {
-                (place, next, rest) = (item.span(), item, after);
-            }
+        if let DeValue::Array(list) = value.get_ref()
+            && let Some((item, after)) = item(list, rest)
+        {
+            (place, next, rest) = (item.span(), item, after);
         }
         found = Some(place);
         let DeValue::Table(below) = next.get_ref() else { return found };
