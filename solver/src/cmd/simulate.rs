@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     remove_stale(folder, done)?;
-    let silicones = scene.parts.iter().filter_map(|part| part.config.material.silicone());
+    let silicones = scene.laws.iter().filter_map(|law| law.config.silicone());
     for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
         log::info!("{line}");
     }
@@ -349,15 +349,19 @@ fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Val
         Ok(json!({ "path": path, "sha256": program::sha256_file(path)? }))
     };
     let meshes = scene.parts.iter().map(|part| file(&part.mesh_path)).collect::<Result<_>>()?;
-    let materials = scene.parts.iter().map(|part| {
-        let material = &part.material;
-        let silicone = part.config.material.silicone().map(|named| named.report());
-        json!({
+    let materials = scene.laws.iter().map(|law| {
+        let material = &law.material;
+        let silicone = law.config.silicone().map(|named| named.report());
+        let mut report = json!({
             "kind": material.law.key,
             "parameters": material.law.table(&material.values),
             "moduli": material.moduli(),
             "silicone": silicone,
-        })
+        });
+        if law.volume.is_some() {
+            report["on"] = json!(scene.law_name(law));
+        }
+        report
     });
     let mut header = json!({
         "status": "ok",
