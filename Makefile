@@ -11,7 +11,7 @@ BIN := target/release
 DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper pneunet worm-segment robust validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -21,6 +21,7 @@ finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a 
 gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
+pneunet: build/pneunet/done  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 

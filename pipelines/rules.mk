@@ -22,10 +22,14 @@ build/%/done: build/%/report.html
 	@touch $@
 	@echo "$*: results in $(@D), all to be seen in $<"
 
+# Patches of a body that lie inside it, which its mesh keeps.
+inside.pneunet := paper marks
+
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
 $(2)/volume.msh: build/$(1)/model/model.json pipelines/$(1)/cad2fem$(3).toml | setup
-	$(BIN)/cad2fem tetmesh build/$(1)/model/model.stl --config pipelines/$(1)/cad2fem$(3).toml -o $$@
+	$(BIN)/cad2fem tetmesh build/$(1)/model/model.stl $(inside.$(1):%=--inside build/$(1)/model/patches/%.stl) \
+		--config pipelines/$(1)/cad2fem$(3).toml -o $$@
 
 $(2)/tagged.msh: $(2)/volume.msh pipelines/$(1)/tags.toml | setup
 	$(BIN)/tagger tag $$< --config pipelines/$(1)/tags.toml --patches build/$(1)/model/patches -o $$@
@@ -252,6 +256,20 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/report.html: build/finger/pictures/target.png
 
+# The PneuNet without the paper in its floor, on the same mesh.
+build/pneunet/bare/report.json: pipelines/pneunet/sim.bare.toml build/pneunet/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pneunet/pictures/bending.svg: build/pneunet/baseline/report.json build/pneunet/bare/report.json | setup
+	$(BIN)/solver plot $^ --x "chambers.cavity.pressure*1e-3" --y probes.bending --labels "with paper,without" \
+		--x-title "gauge pressure [kPa]" --y-title "bending [degrees]" -o $@
+
+build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pneunet/bare/report.json | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
+		--captions "with paper,without" --title "PneuNet at 60 kPa" -o $@
+
+build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
+
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
 # the force on the cylinder (optimize) and by shape alone (shape).
 build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
@@ -287,6 +305,7 @@ view.frog := -60,20
 view.chamber := 60,10
 view.finger := front
 view.gripper := -20,12
+view.pneunet := -60,20
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
@@ -296,6 +315,8 @@ $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(eval $(call simulate,compression,build/compression,))
 $(eval $(call simulate,worm-segment,build/worm-segment,))
 $(eval $(call cast,worm-segment,build/worm-segment,build/worm-segment/tagged.msh,build/worm-segment/tagged.msh))
+$(eval $(call simulate,pneunet,build/pneunet,))
+$(eval $(call cast,pneunet,build/pneunet,build/pneunet/tagged.msh,build/pneunet/tagged.msh,build/pneunet/baseline))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))

@@ -478,7 +478,7 @@ fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
         }
         if body.has_tags_inside(part) {
             log::info!(
-                "the interior is not re-meshed: facets inside have tags, or volumes meet there"
+                "the interior is not re-meshed: facets inside the body have tags, or volumes meet there"
             );
             continue;
         }
