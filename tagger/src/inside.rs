@@ -43,13 +43,13 @@ pub fn select(
         .map(|t| seen(&(mesh.corners(t).iter().sum::<Vec3>() / 4.0)).0)
         .collect();
     let (mut on, mut beside) = (Vec::new(), Vec::new());
-    for (facet, [above, below]) in between(mesh, &heights) {
+    for facet in between(mesh, &heights) {
         let corners = facet.map(|v| seen(&mesh.vertices[v]));
         let farthest = corners.iter().map(|&(_, d)| d).fold(0.0, f64::max);
         let along = |&(height, distance): &(f64, f64)| height.abs() >= ALONG * distance;
         if farthest <= epsilon {
             on.push(facet);
-        } else if corners.iter().all(along) && heights[above] != heights[below] {
+        } else if corners.iter().all(along) {
             beside.push(farthest);
         }
     }
@@ -70,8 +70,8 @@ pub fn select(
     Ok(on)
 }
 
-/// Facets whose tetrahedra have heights of different signs, with the two.
-fn between(mesh: &TetMesh, heights: &[f64]) -> Vec<([usize; 3], [usize; 2])> {
+/// Facets whose tetrahedra have heights of different signs.
+fn between(mesh: &TetMesh, heights: &[f64]) -> Vec<[usize; 3]> {
     let mut first = BTreeMap::new();
     let mut found = Vec::new();
     for (t, tet) in mesh.tets.iter().enumerate() {
@@ -80,7 +80,7 @@ fn between(mesh: &TetMesh, heights: &[f64]) -> Vec<([usize; 3], [usize; 2])> {
             if let Some(other) = first.insert(facet, t)
                 && (heights[t] > 0.0) != (heights[other] > 0.0)
             {
-                found.push((facet, [other, t]));
+                found.push(facet);
             }
         }
     }

@@ -94,6 +94,17 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         files.prove(&entry.name, &task.mesh, &planned, progress)?;
         molds.push((entry, files));
     }
+    let laid = |layer: &&Layer| {
+        molds.iter().any(|(_, files)| files.report.layers.iter().any(|one| one.tag == layer.tag))
+    };
+    if let Some(layer) = layers.iter().find(|layer| !laid(layer)) {
+        let message = format!(
+            "layers: {:?} lies in none of the castings, but where they are glued: lay it in there, and \
+             leave it out of `layers`",
+            layer.tag
+        );
+        return task.named(Err(Unusable(message)));
+    }
     progress.step("writing");
     remove_old(&task.output)?;
     let written = write_all(&molds, &folder, &planned, &config, args, progress);
