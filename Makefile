@@ -12,10 +12,10 @@ DENY := 0.20.2
 PREFIX ?= /usr/local
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
-# cad2fem.paper.toml have finer settings, too. Gripper and arm have rules of their own.
+# cad2fem.paper.toml have finer settings, too. Gripper, arm and pneunet have rules of their own.
 BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))
 FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(wildcard pipelines/*/cad2fem.paper.toml))
-SCENES := $(filter-out gripper arm,$(BODIES))
+SCENES := $(filter-out gripper arm pneunet,$(BODIES))
 
 # One elsewhere: `make body DIR=...`
 FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
@@ -32,6 +32,7 @@ finger:  ## optimise a finger that bends and make its molds (QUALITY=paper likew
 gripper:  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
 beam:  ## the same for a small beam, in a minute
 chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
+pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces

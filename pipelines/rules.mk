@@ -47,10 +47,14 @@ $(1)/build/done: $(1)/build/report.html
 	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<"
 endef
 
+# Patches of a body that lie inside it, which its mesh keeps.
+inside.pneunet := paper marks
+
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
 $(2)/volume.msh: $(call to,$(1))/model/model.json $(call from,$(1))/cad2fem$(3).toml | setup
-	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl --config $(call from,$(1))/cad2fem$(3).toml -o $$@
+	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl $(inside.$(1):%=--inside $(call to,$(1))/model/patches/%.stl) \
+		--config $(call from,$(1))/cad2fem$(3).toml -o $$@
 
 $(2)/tagged.msh: $(2)/volume.msh $(call from,$(1))/tags.toml | setup
 	$(BIN)/tagger tag $$< --config $(call from,$(1))/tags.toml --patches $(call to,$(1))/model/patches -o $$@
@@ -277,6 +281,20 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/report.html: build/finger/pictures/target.png
 
+# The PneuNet without the paper in its floor, on the same mesh.
+build/pneunet/bare/report.json: pipelines/pneunet/sim.bare.toml build/pneunet/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pneunet/pictures/bending.svg: build/pneunet/baseline/report.json build/pneunet/bare/report.json | setup
+	$(BIN)/solver plot $^ --x "chambers.cavity.pressure*1e-3" --y probes.bending --labels "with paper,without" \
+		--x-title "gauge pressure [kPa]" --y-title "bending [degrees]" -o $@
+
+build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pneunet/bare/report.json | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
+		--captions "with paper,without" --title "PneuNet at 60 kPa" -o $@
+
+build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
+
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
 # the force on the cylinder (optimize) and by shape alone (shape).
 build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
@@ -333,6 +351,7 @@ view.chamber := 60,10
 view.finger := front
 view.gripper := -20,12
 view.arm := 30,55
+view.pneunet := -60,20
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
@@ -344,6 +363,8 @@ $(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml
 $(eval $(call scene,$(d),$(d)/build,)))
 $(eval $(call simulate,arm,build/arm,))
 $(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
+$(eval $(call simulate,pneunet,build/pneunet,))
+$(eval $(call cast,pneunet,build/pneunet,build/pneunet/tagged.msh,build/pneunet/tagged.msh,build/pneunet/baseline))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))

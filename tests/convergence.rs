@@ -12,6 +12,8 @@ mod dynamics;
 mod hertz;
 #[path = "convergence/land.rs"]
 mod land;
+#[path = "convergence/layers.rs"]
+mod layers;
 #[path = "convergence/loads.rs"]
 mod loads;
 #[path = "convergence/manufactured.rs"]

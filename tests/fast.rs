@@ -17,6 +17,8 @@ mod error_bars;
 mod failures;
 #[path = "fast/import.rs"]
 mod import;
+#[path = "fast/materials.rs"]
+mod materials;
 #[path = "fast/measured_rubber.rs"]
 mod measured_rubber;
 #[path = "fast/membranes.rs"]

@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use mesh::check::orient_by_nesting;
+use mesh::topology::submesh;
 
 use crate::labelled::LabelledSurface;
-use crate::mesher::gmsh::mesh_faces;
+use crate::mesher::gmsh::{Faces, mesh_faces};
 use crate::mesher::python::Python;
 use crate::units::Unit;
 
@@ -28,7 +29,8 @@ pub struct CadOptions {
 }
 
 /// Meshes the faces of a CAD file; one region per physical surface, of a STEP file
-/// one per face. Outer shells face outward, cavities inward.
+/// one per face. Outer shells face outward, cavities inward. Physical surfaces between two volumes
+/// or embedded in one are inside; of each physical volume there is the boundary.
 ///
 /// # Errors
 /// If the unit is not clear, or gmsh cannot run or mesh the file.
@@ -37,13 +39,43 @@ pub fn read(path: &Path, options: &CadOptions) -> Result<LabelledSurface> {
     let python = Python::find()?;
     let edge_length = options.edge_length.map(|h| h / scale);
     let (numbers, trust) = (&options.numbers, options.trust);
-    let faces = mesh_faces(&python, path, numbers, edge_length, trust, options.timeout)?;
-    let mut surface = faces.surface;
-    for v in &mut surface.vertices {
+    let mut faces = mesh_faces(&python, path, numbers, edge_length, trust, options.timeout)?;
+    for v in &mut faces.surface.vertices {
         *v *= scale;
     }
+    Ok(labelled(&faces))
+}
+
+/// The boundary of the body in its regions, the surfaces inside, and the volumes.
+fn labelled(faces: &Faces) -> LabelledSurface {
+    let part = |triangles: &[usize]| {
+        let triangles: Vec<_> = triangles.iter().map(|&t| faces.surface.triangles[t]).collect();
+        submesh(&faces.surface.vertices, &triangles).0
+    };
+    let all = 0..faces.patch.len();
+    let skin: Vec<usize> = all.clone().filter(|&t| !faces.inside[t]).collect();
+    let mut names = Vec::new();
+    let mut inside = Vec::new();
+    let mut place = vec![None; faces.names.len()];
+    for (i, name) in faces.names.iter().enumerate() {
+        let own = |t: &usize| faces.inside[*t] && faces.patch[*t] == Some(i);
+        let triangles: Vec<usize> = all.clone().filter(own).collect();
+        if triangles.is_empty() {
+            place[i] = Some(names.len());
+            names.push(name.clone());
+        } else {
+            inside.push((name.clone(), part(&triangles)));
+        }
+    }
+    let mut surface = part(&skin);
     orient_by_nesting(&mut surface);
-    Ok(LabelledSurface { surface, names: faces.names, region: faces.patch })
+    let region = skin.iter().map(|&t| faces.patch[t].and_then(|patch| place[patch])).collect();
+    let volumes = faces.volumes.iter().map(|(name, triangles)| {
+        let mut volume = part(triangles);
+        orient_by_nesting(&mut volume);
+        (name.clone(), volume)
+    });
+    LabelledSurface { surface, names, region, inside, volumes: volumes.collect() }
 }
 
 /// Metres per unit of what gmsh returns.

@@ -1,5 +1,6 @@
 //! A closed surface whose triangles carry the name of a region, and its files:
-//! `model.stl`, `patches/<region>.stl` and the report `model.json`, written last.
+//! `model.stl`, `patches/<region>.stl`, of surfaces inside the body as well, `volumes/<volume>.stl`
+//! and the report `model.json`, written last.
 
 use std::path::Path;
 use std::time::Instant;
@@ -25,6 +26,10 @@ pub struct LabelledSurface {
     pub names: Vec<String>,
     /// For each triangle its region.
     pub region: Vec<Option<usize>>,
+    /// Surfaces inside the body by their names [m].
+    pub inside: Vec<(String, SurfaceMesh)>,
+    /// Boundaries of parts of the body by their names [m].
+    pub volumes: Vec<(String, SurfaceMesh)>,
 }
 
 /// Content of `model.json`.
@@ -41,6 +46,10 @@ pub struct Report {
     /// Corners of the bounding box [m].
     bounds: [[f64; 3]; 2],
     regions: Vec<RegionReport>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    inside: Vec<RegionReport>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    volumes: Vec<VolumeReport>,
     /// What no region took.
     unassigned: PatchReport,
     wall_s: f64,
@@ -51,6 +60,14 @@ struct RegionReport {
     name: String,
     #[serde(flatten)]
     patch: PatchReport,
+}
+
+#[derive(Debug, Serialize)]
+struct VolumeReport {
+    name: String,
+    triangles: usize,
+    /// [m³]
+    volume: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -95,6 +112,12 @@ impl LabelledSurface {
         self.require_sound(&model)?;
         let patches = folder.join("patches");
         let regions = self.write_patches(&patches)?;
+        let write_inside = |(name, patch): &(String, SurfaceMesh)| -> Result<RegionReport> {
+            write_surface(&patches.join(format!("{name}.stl")), patch)?;
+            Ok(RegionReport { name: name.clone(), patch: PatchReport::of(patch) })
+        };
+        let inside = self.inside.iter().map(write_inside).collect::<Result<_>>()?;
+        let volumes = self.write_volumes(&folder.join("volumes"))?;
         let (min, max) = bounds(&self.surface.vertices);
         let report = Report {
             program: crate::PROGRAM.into(),
@@ -105,6 +128,8 @@ impl LabelledSurface {
             volume: enclosed_volume(&self.surface),
             bounds: [min.into(), max.into()],
             regions,
+            inside,
+            volumes,
             unassigned: PatchReport::of(&self.patch(None)),
             wall_s: start.elapsed().as_secs_f64(),
         };
@@ -121,6 +146,16 @@ impl LabelledSurface {
         }
         std::fs::remove_file(model)?;
         Err(Unusable(format!("the surface is not usable:{}", findings(&found))).into())
+    }
+
+    fn write_volumes(&self, folder: &Path) -> Result<Vec<VolumeReport>> {
+        remove_output_folder(folder)?;
+        let one = |(name, surface): &(String, SurfaceMesh)| {
+            write_surface(&folder.join(format!("{name}.stl")), surface)?;
+            let (triangles, volume) = (surface.triangles.len(), enclosed_volume(surface));
+            Ok(VolumeReport { name: name.clone(), triangles, volume })
+        };
+        self.volumes.iter().map(one).collect()
     }
 
     fn write_patches(&self, folder: &Path) -> Result<Vec<RegionReport>> {
@@ -156,6 +191,17 @@ impl Report {
                 patch.components,
                 patch.loops
             );
+        }
+        for RegionReport { name, patch } in &self.inside {
+            log::info!(
+                "  {name:<12} {:>6} triangles  {:>8.2} cm2  inside: cad2fem tetmesh --inside \
+                 patches/{name}.stl",
+                patch.triangles,
+                patch.area * 1e4
+            );
+        }
+        for VolumeReport { name, triangles, volume } in &self.volumes {
+            log::info!("  volume {name:<12} {triangles:>6} triangles  {:>8.3} cm3", volume * 1e6);
         }
         if self.unassigned.triangles > 0 {
             log::warn!(

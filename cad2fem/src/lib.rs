@@ -6,6 +6,7 @@
 //! - [`geo`]: what a gmsh script may do
 //! - [`labelled`]: a surface in regions and its files
 //! - [`offset`]: open patch → closed selection volume
+//! - [`layers`]: surfaces inside a body that its mesh keeps
 //! - [`tetrahedralize`]: checks around a mesher, and its report
 //! - [`mesher`]: the external programs
 //! - [`fragments`]: removes small components that a mesher has cut off, and spikes
@@ -26,6 +27,7 @@ pub mod fragments;
 pub mod geo;
 pub mod implicit;
 pub mod labelled;
+pub mod layers;
 pub mod mesher;
 pub mod offset;
 pub mod planar;

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
 use mesh::check::{check_tets, orient_by_nesting, run};
-use mesh::improve::improve_interior;
+use mesh::improve::{improve_around, improve_interior};
 use mesh::measure::{Quality, area, enclosed_volume, hausdorff, quality, tet_volume, volume};
 use mesh::topology::{boundary, components, is_manifold, submesh};
 use mesh::{SurfaceMesh, TetMesh};
@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::cache::{Cache, key};
 use crate::fragments::{remove_fragments, remove_spikes};
+use crate::layers::{Layers, exact_facets};
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
 use crate::planar::flatten;
@@ -35,8 +36,10 @@ pub struct Request<'a> {
     pub mesher: &'a dyn TetMesher,
     /// What is asked of it.
     pub options: Options,
-    /// Passes of our own improvement afterwards.
+    /// Passes of our own improvement afterwards; none where a mesher has moved surfaces inside.
     pub improve_passes: usize,
+    /// Surfaces inside that become facets.
+    pub layers: Layers,
     /// Where meshes are kept.
     pub cache: Option<Cache>,
     /// Longest time the mesher may take.
@@ -52,6 +55,9 @@ pub struct Outcome {
     pub options: Options,
     /// Passes of our own improvement.
     pub improve_passes: usize,
+    /// Triangles of surfaces inside that it was asked to keep.
+    #[serde(skip_serializing_if = "is_none")]
+    pub triangles_inside: usize,
     /// Whether the mesh came from the cache.
     pub cached: bool,
     /// Vertices.
@@ -128,10 +134,9 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
     let start = Instant::now();
     let version = request.python.version_of(request.mesher.package())?;
     let mesher = format!("{} ({} {version})", request.mesher.name(), request.mesher.package());
-    let key = key(
-        surface,
-        &(REVISION, &mesher, request.mesher.script(), &request.options, request.improve_passes),
-    )?;
+    let (all, inside) = request.layers.beside(surface);
+    let script = request.mesher.script(inside > 0);
+    let key = key(&all, &(REVISION, &mesher, script, &request.options, request.improve_passes))?;
     let kept = request.cache.as_ref().and_then(|cache| cache.get(&key));
     let cached = kept.is_some();
     let (mesh, mut outcome) = match kept {
@@ -156,8 +161,8 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
 fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMesh, Outcome)> {
     let mut attempt = 1;
     loop {
-        let mut mesh =
-            request.mesher.mesh(&request.python, surface, &request.options, request.timeout)?;
+        let Request { python, options, layers, timeout, .. } = request;
+        let mut mesh = request.mesher.mesh(python, surface, layers, options, *timeout)?;
         finish(&mut mesh, surface, request);
         match verify(&mesh, surface, request, mesher.to_owned()) {
             Ok(outcome) => return Ok((mesh, outcome)),
@@ -188,7 +193,15 @@ fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
     if flattened.left > 0 {
         log::warn!("{} vertices stay beside a planar face", flattened.left);
     }
-    improve_interior(mesh, request.improve_passes);
+    if request.layers.is_empty() {
+        improve_interior(mesh, request.improve_passes);
+    } else if let Some(inside) = exact_facets(&request.layers, mesh) {
+        improve_around(mesh, &inside, request.improve_passes);
+    }
+}
+
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 fn make_positive(mesh: &mut TetMesh) {
@@ -223,10 +236,12 @@ fn verify(
              than area × envelope = {tolerance:.1e} m3 apart"
         )
     })?;
+    let inside = request.layers.beside(surface).1;
     Ok(Outcome {
         mesher,
         options: request.options.clone(),
         improve_passes: request.improve_passes,
+        triangles_inside: inside,
         cached: false,
         vertices: mesh.vertices.len(),
         tets: mesh.tets.len(),

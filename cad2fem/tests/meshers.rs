@@ -6,6 +6,7 @@
 use std::fs;
 
 use crate::support::{Workdir, python_with, scene};
+use mesh::TetMesh;
 use mesh::check::check_surface;
 use mesh::io::{read_surface, read_tets};
 use mesh::measure::{area, enclosed_volume, quality, volume};
@@ -180,4 +181,60 @@ fn a_library_that_gmsh_misses_is_named_with_its_package() {
         &["model", &scene("chamber", "model.geo"), "--unit", "mm", "-o", "model"],
     )
     .fails(2, "apt-get install libglu1-mesa");
+}
+
+/// Two boxes of 20 × 10 mm, 2 and 4 mm high, on each other.
+const LAYERED: &str = r#"
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 20, 10, 2};
+Box(2) = {0, 0, 2, 20, 10, 4};
+BooleanFragments{ Volume{1, 2}; Delete; }{}
+sheet() = Surface In BoundingBox{-0.1, -0.1, 1.9, 20.1, 10.1, 2.1};
+skin() = CombinedBoundary{ Volume{:}; };
+Physical Surface("sheet") = {sheet()};
+Physical Surface("skin") = {skin()};
+Physical Volume("floor") = {1};
+Physical Volume("roof") = {2};
+Mesh.MeshSizeMax = 3;
+"#;
+
+#[test]
+fn surfaces_inside_are_facets_of_both_meshers() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    dir.write("layered.geo", LAYERED);
+    let made = run(&["model", "layered.geo", "--unit", "mm", "-o", "model"]);
+    made.succeeds();
+    made.says("inside: cad2fem tetmesh --inside");
+    let read = |name: &str| read_surface(&dir.path(&format!("model/{name}.stl"))).unwrap();
+    // Binary STL rounds coordinates to 6e-8.
+    assert!((area(&read("patches/sheet")) / 2e-4 - 1.0).abs() < 1e-6);
+    assert!((enclosed_volume(&read("model")) / 1.2e-6 - 1.0).abs() < 1e-6);
+    assert!((enclosed_volume(&read("volumes/floor")) / 4e-7 - 1.0).abs() < 1e-6);
+    let below = |mesh: &TetMesh| {
+        let in_floor = |t: &usize| mesh.corners(*t).iter().all(|p| p.z < 2.02e-3);
+        let tets = (0..mesh.tets.len()).filter(in_floor).map(|t| mesh.tets[t]).collect();
+        volume(&TetMesh { vertices: mesh.vertices.clone(), tets })
+    };
+    for mesher in ["gmsh", "ftetwild"] {
+        if mesher == "ftetwild" && python_with("wildmeshing").is_none() {
+            continue;
+        }
+        // The sheet, and the boundary of a part, most of which is on that of the body.
+        for inside in ["model/patches/sheet.stl", "model/volumes/floor.stl"] {
+            let edge = ["--mesher", mesher, "--edge-length", "0.003", "--inside", inside];
+            let mesh = [&["tetmesh", "model/model.stl", "-o", "out.msh"][..], &edge].concat();
+            run(&mesh).succeeds();
+            let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
+            // the envelope of fTetWild, 0.02 mm, on the area of the sheet
+            assert!((below(&tets) - 4e-7).abs() < 2e-4 * 2e-5, "{mesher}: {:e}", below(&tets));
+        }
+    }
+    let across = "Box(1) = {5, 5, 1, 30, 30, 2}; Mesh.MeshSizeMax = 9;";
+    dir.write("across.geo", &format!("SetFactory(\"OpenCASCADE\"); {across}"));
+    run(&["model", "across.geo", "--unit", "mm", "-o", "across"]).succeeds();
+    let crossing = ["tetmesh", "model/model.stl", "--mesher", "gmsh", "-o", "never.msh"];
+    let crossing = [&crossing[..], &["--inside", "across/model.stl"]].concat();
+    run(&crossing).fails(2, "surfaces inside cross each other or the boundary");
 }

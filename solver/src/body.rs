@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::topology::TET_FACETS;
-use mesh::{Tags, TetMesh, facet_key};
+use mesh::{Tags, TetMesh, Volumes, facet_key};
 use serde::{Deserialize, Serialize};
 
 use crate::symmetry::{self, Plane};
@@ -95,6 +95,12 @@ impl Body {
                 tags.set(facet.map(|v| v - vertex), *own);
             }
         }
+        for (volume, tets) in self.volumes(part) {
+            if let Some(own) = volume.strip_prefix(&prefix) {
+                tags.volumes.of.extend(tets.map(|_| tags.volumes.names.len()));
+                tags.volumes.names.push(own.to_owned());
+            }
+        }
         (Some(name.clone()), TetMesh { vertices, tets: tets.collect() }, tags)
     }
 
@@ -125,6 +131,15 @@ impl Body {
             for (facet, id) in own.facets {
                 tags.set(facet.map(|v| v + vertex), id + before);
             }
+            let Volumes { mut names, mut of } = own.volumes;
+            if names.is_empty() {
+                (names, of) = (vec![name.clone()], vec![0; mesh.tets.len() - tet]);
+            } else {
+                names.iter_mut().for_each(|volume| *volume = format!("{name}.{volume}"));
+            }
+            let before = tags.volumes.names.len();
+            tags.volumes.names.extend(names);
+            tags.volumes.of.extend(of.into_iter().map(|volume| volume + before));
             let (vertices, tets) = (vertex..mesh.vertices.len(), tet..mesh.tets.len());
             parts.push(Part { name: Some(name), tets, vertices });
         }
@@ -185,6 +200,30 @@ impl Body {
         &self.boundary
     }
 
+    /// The volumes of one of several bodies, or of the only one, as far as they have names: one
+    /// after the other in the order of tetrahedra.
+    fn volumes(&self, part: &Part) -> Vec<(&str, Range<usize>)> {
+        let Volumes { names, of } = &self.tags.volumes;
+        let own = of.get(part.tets.clone()).unwrap_or_default();
+        let mut start = part.tets.start;
+        let one = |run: &[usize]| {
+            start += run.len();
+            (names[run[0]].as_str(), start - run.len()..start)
+        };
+        own.chunk_by(|a, b| a == b).map(one).collect()
+    }
+
+    /// The tetrahedra of a volume of a body, by its place among all; none where there is no volume
+    /// of this name.
+    #[must_use]
+    pub fn volume(&self, part: usize, name: &str) -> Range<usize> {
+        let part = &self.parts[part];
+        let full =
+            part.name.as_ref().map_or_else(|| name.to_owned(), |body| format!("{body}.{name}"));
+        let mut all = self.volumes(part).into_iter();
+        all.find(|(volume, _)| *volume == full).map_or(0..0, |(_, tets)| tets)
+    }
+
     /// The body that a vertex belongs to.
     #[must_use]
     pub fn part_of(&self, vertex: usize) -> usize {
@@ -219,9 +258,13 @@ impl Body {
         Ok(facets)
     }
 
-    /// Whether facets inside a body have a tag, so that its interior must stay as it is.
+    /// Whether facets inside a body have a tag, or volumes meet there, so that its interior must
+    /// stay as it is.
     #[must_use]
     pub fn has_tags_inside(&self, part: &Part) -> bool {
+        if self.volumes(part).len() > 1 {
+            return true;
+        }
         let own = |facet: &&[usize; 3]| part.vertices.contains(&facet[0]);
         let skin = self.skin.iter().filter(own).filter(|&&f| self.tags.get(f).is_some()).count();
         self.tags.facets.keys().filter(own).count() > skin

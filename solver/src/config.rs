@@ -264,7 +264,8 @@ fn quintic() -> usize {
 #[serde(
     untagged,
     expecting = "expected the name of a silicone, as in \
-    material = \"ecoflex-00-30\", or a table [material] with kind and parameters"
+    material = \"ecoflex-00-30\", a table [material] with kind and parameters, or tables \
+    [[material]] with on, a volume of the mesh, for each"
 )]
 pub enum MaterialConfig {
     /// A row of `solver list --silicones`.
@@ -272,6 +273,36 @@ pub enum MaterialConfig {
     /// `kind`, the parameters of that law in `solver list`, and optionally
     /// `density` [kg/m³], `stretch_range` and `stretch_at_break` [1].
     Law(toml::Table),
+    /// One for each volume of the mesh.
+    Volumes(Vec<VolumeMaterial>),
+}
+
+/// `[[material]]`: what a volume of the mesh is made of.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VolumeMaterial {
+    /// Name of the volume.
+    pub on: String,
+    /// `silicone` alone, or the keys of a law.
+    #[serde(flatten)]
+    pub keys: toml::Table,
+}
+
+impl VolumeMaterial {
+    /// The same as it is written for a whole body.
+    ///
+    /// # Errors
+    /// When there are keys beside `silicone`.
+    pub fn material(&self) -> Result<MaterialConfig> {
+        match self.keys.get("silicone") {
+            None => Ok(MaterialConfig::Law(self.keys.clone())),
+            Some(toml::Value::String(name)) if self.keys.len() == 1 => {
+                Ok(MaterialConfig::Silicone(name.clone()))
+            }
+            Some(_) => {
+                bail!("silicone: expected the name of one of the library, without other keys")
+            }
+        }
+    }
 }
 
 impl MaterialConfig {
@@ -283,6 +314,7 @@ impl MaterialConfig {
         match self {
             Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
             Self::Law(table) => Specification::read(table).context("[material]"),
+            Self::Volumes(_) => bail!("[[material]]: expected a law of one volume"),
         }
     }
 
@@ -291,7 +323,18 @@ impl MaterialConfig {
     pub fn silicone(&self) -> Option<silicone::Named> {
         match self {
             Self::Silicone(name) => silicone::find(name).ok(),
-            Self::Law(_) => None,
+            Self::Law(_) | Self::Volumes(_) => None,
+        }
+    }
+
+    /// Whether all of it are silicones that are named.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        match self {
+            Self::Volumes(volumes) => {
+                volumes.iter().all(|v| v.material().is_ok_and(|material| material.is_named()))
+            }
+            one => one.silicone().is_some(),
         }
     }
 }

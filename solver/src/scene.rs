@@ -4,11 +4,13 @@
 mod changes;
 mod chambers;
 mod contact;
+mod laws;
 mod membranes;
 mod objectives;
 mod probes;
 mod symmetry;
 
+pub use laws::SceneLaw;
 pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
@@ -19,14 +21,13 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::Vec3;
 use program::{Change, Settings};
 
-use crate::body::{Body, Part};
+use crate::body::Body;
 use crate::config::{
     BodyConfig, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
 };
 use crate::element::FunctionSpace;
 use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
 use crate::forward::{Integrator, Newton, Problem, State, Stepping, Workspace};
-use crate::material::Specification;
 use crate::memory;
 use crate::schedule::Field;
 use crate::stretch::Limits;
@@ -44,8 +45,10 @@ pub struct Scene {
     pub file: Settings,
     /// The settings.
     pub config: SimConfig,
-    /// What each body is made of, in the order of the body's parts.
+    /// The settings of each body, in the order of the body's parts.
     pub parts: Vec<ScenePart>,
+    /// What they are made of, body by body, in the order of tetrahedra.
+    pub laws: Vec<SceneLaw>,
     /// The thin sheets.
     pub membranes: Vec<SceneMembrane>,
     /// The bodies.
@@ -59,8 +62,6 @@ pub struct Scene {
 pub struct ScenePart {
     /// The settings.
     pub config: BodyConfig,
-    /// Law and parameters.
-    pub material: Specification,
     /// The mesh file that was read.
     pub mesh_path: PathBuf,
 }
@@ -113,16 +114,17 @@ impl Scene {
             other.map_or_else(|| beside(path, &body.mesh), |(_, mesh)| mesh.clone())
         };
         let paths: Vec<PathBuf> = bodies.iter().map(mesh_of).collect();
-        let (mut parts, mut meshes) = (Vec::new(), Vec::new());
+        let (mut parts, mut meshes, mut all_laws) = (Vec::new(), Vec::new(), Vec::new());
         for (body, mesh_path) in bodies.into_iter().zip(paths) {
-            let material = body.material.specification().with_context(context)?;
             let mut file = mesh::io::read_tets(&mesh_path)?;
             if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
                 bail!("{}: {}", mesh_path.display(), finding.message);
             }
             file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
+            let own = laws::laws(parts.len(), &body, &mut file.mesh, &mut file.tags);
+            all_laws.extend(own.with_context(context)?);
             meshes.push((body.name.clone(), file.mesh, file.tags));
-            parts.push(ScenePart { config: body, material, mesh_path });
+            parts.push(ScenePart { config: body, mesh_path });
         }
         let body = match meshes.pop() {
             Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
@@ -143,6 +145,7 @@ impl Scene {
             file: file.clone(),
             config,
             parts,
+            laws: all_laws,
             membranes,
             body,
             certify: true,
@@ -168,13 +171,14 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Density of a body [kg/m³].
-    fn density(&self, part: &ScenePart) -> Result<f64> {
-        part.material.density.with_context(|| {
+    /// Density of a body or volume [kg/m³].
+    fn density(&self, law: &SceneLaw) -> Result<f64> {
+        law.material.density.with_context(|| {
             format!(
-                "body \"{}\": inertia and gravity need the density of its material; add density \
+                "{} \"{}\": inertia and gravity need the density of its material; add density \
                  = ... [kg/m³] to its table, about 1000 to 1100 for silicone{}",
-                part.config.name,
+                if law.volume.is_some() { "volume" } else { "body" },
+                self.law_name(law),
                 if self.config.method().has_inertia() {
                     ", or neglect inertia by method = \"quasistatic\" in [time]"
                 } else {
@@ -187,7 +191,7 @@ impl Scene {
     /// How far all materials may be stretched, as far as it is known.
     #[must_use]
     pub fn stretch_limits(&self) -> Limits {
-        let materials = || self.parts.iter().map(|part| &part.material);
+        let materials = || self.laws.iter().map(|law| &law.material);
         let ranges = materials().filter_map(|material| material.stretch_range);
         Limits {
             fitted: ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]),
@@ -269,11 +273,11 @@ impl Scene {
         Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
     }
 
-    /// Whether the density of a body matters.
+    /// Whether the density of a law matters, by its place among all.
     #[must_use]
-    pub fn weighs(&self, part: usize) -> bool {
+    pub fn weighs(&self, law: usize) -> bool {
         let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
-        let known = self.parts[part].material.density.is_some();
+        let known = self.laws[law].material.density.is_some();
         known && (falls || self.config.method().has_inertia())
     }
 
@@ -284,8 +288,8 @@ impl Scene {
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<Energies> {
-        let bodies = self.parts.iter().zip(&body.parts);
-        let bodies = bodies.map(|(part, own)| self.body_energies(part, own, space, supports));
+        let laws = self.laws.iter();
+        let bodies = laws.map(|law| self.law_energies(law, body, space, supports));
         let mut energies = Energies::bodies(bodies.collect::<Result<_>>()?);
         energies.membranes = self.sheets(body, space)?;
         for (name, chamber) in self.chambers(body, space)? {
@@ -314,29 +318,29 @@ impl Scene {
         Ok(energies)
     }
 
-    /// The terms of one body.
-    fn body_energies(
+    /// The terms of a body, or of one of its volumes.
+    fn law_energies(
         &self,
-        part: &ScenePart,
-        own: &Part,
+        law: &SceneLaw,
+        body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<BodyEnergies> {
-        let (gravity, tets) = (&self.config.gravity, own.tets.clone());
+        let (gravity, tets) = (&self.config.gravity, law.elements(body));
         let falls = gravity.0.iter().any(|g| !g.is_zero());
         let weight = falls.then(|| {
-            let density = self.density(part)?;
+            let density = self.density(law)?;
             Ok::<_, anyhow::Error>(BodyForce::weight(gravity.clone(), density, tets.clone()))
         });
         let inertia = if self.config.method().has_inertia() {
-            Some(Inertia::new(space, self.density(part)?, tets.clone()))
-        } else if supports.leave_loose(space, &own.vertices) {
-            let density = part.material.density.unwrap_or(WATER);
+            Some(Inertia::new(space, self.density(law)?, tets.clone()))
+        } else if supports.leave_loose(space, &body.parts[law.part].vertices) {
+            let density = law.material.density.unwrap_or(WATER);
             Some(Inertia::tiny(space, density, tets.clone()))
         } else {
             None
         };
-        let elastic = Elastic::part(part.material.build(), tets);
+        let elastic = Elastic::part(law.material.build(), tets);
         Ok(BodyEnergies { elastic, weight: weight.transpose()?, inertia })
     }
 

@@ -1,7 +1,7 @@
 //! Derivatives of probes by numbers of a scene: one sweep of the adjoint for each probe.
 //!
-//! modulus    all parameters of all laws that are stresses, by one factor      [1]
-//! law        one parameter of the law of a body                               [its unit]
+//! modulus    all parameters of all laws, or of one, that are stresses, by one factor  [1]
+//! law        one parameter of the law of a body or volume                     [its unit]
 //! wall       the boundary, or the part with a tag, outward by a distance      [m]
 //! pressure   pressure or fill of a chamber, by a difference                   [Pa]
 //! density    of all bodies, by one factor                                     [1]
@@ -106,27 +106,28 @@ pub fn sensitivities(
     Ok(found)
 }
 
-/// By one factor on all parameters of all laws that are stresses [1].
+/// By one factor on all parameters of each law that are stresses, with its name [1].
 #[must_use]
-pub fn by_modulus(scene: &Scene, by: &Gradient) -> f64 {
-    let by_stresses = |part: usize| -> f64 {
-        let material = &scene.parts[part].material;
-        let by = by.parameters.total(ParameterId::Material(part));
+pub fn by_moduli(scene: &Scene, by: &Gradient) -> Vec<(String, f64)> {
+    let by_stresses = |law: usize| -> f64 {
+        let material = &scene.laws[law].material;
+        let by = by.parameters.total(ParameterId::Material(law));
         let pairs = material.law.named(&material.values).into_iter().zip(material.law.named(&by));
         let stresses = pairs.filter(|((parameter, _), _)| parameter.unit == "Pa");
         stresses.flat_map(|((_, p), (_, by))| p.into_iter().zip(by)).map(|(p, by)| p * by).sum()
     };
-    (0..scene.parts.len()).map(by_stresses).sum()
+    let laws = scene.laws.iter().enumerate();
+    laws.map(|(i, law)| (scene.law_name(law), by_stresses(i))).collect()
 }
 
 /// By one factor on the density of all bodies [1].
 #[must_use]
 pub fn by_density(scene: &Scene, by: &Gradient) -> f64 {
-    let of = |part: usize| -> f64 {
-        let density = scene.parts[part].material.density.unwrap_or(0.0);
-        by.parameters.total(ParameterId::Density(part)).iter().map(|by| by * density).sum()
+    let of = |law: usize| -> f64 {
+        let density = scene.laws[law].material.density.unwrap_or(0.0);
+        by.parameters.total(ParameterId::Density(law)).iter().map(|by| by * density).sum()
     };
-    (0..scene.parts.len()).map(of).sum()
+    (0..scene.laws.len()).map(of).sum()
 }
 
 /// By a factor on the thickness of each sheet, with the tag that it is on [1].

@@ -3,7 +3,7 @@
 //! To first order, δq = (∂q/∂p) δp for each number p on its own. One sweep of the adjoint per
 //! probe q gives its derivatives by all p, for the run as it is:
 //!
-//! modulus    all parameters of all laws that are stresses, by one factor      [1]
+//! modulus    all parameters of all laws that are stresses, or of one volume, by one factor  [1]
 //! wall       the boundary, or the part with a tag, outward by a distance      [m]
 //! pressure   pressure or fill of all chambers, or of one, by a difference     [Pa]
 //! density    of all bodies, by one factor                                     [1]
@@ -23,9 +23,7 @@ use crate::energy::ParameterId;
 use crate::forward::{Problem, Trajectory, Workspace};
 use crate::probe::Probe;
 use crate::scene::Scene;
-use crate::sensitivity::{
-    Walls, by_density, by_membranes, by_modulus, by_pressures, sensitivities,
-};
+use crate::sensitivity::{Walls, by_density, by_membranes, by_moduli, by_pressures, sensitivities};
 
 /// What a probe changes by.
 #[derive(Clone, Debug, Serialize)]
@@ -45,7 +43,7 @@ pub struct ErrorBars {
 pub struct ErrorBar {
     /// `modulus`, `wall`, `pressure`, `density`, `membrane` or `friction`.
     pub of: &'static str,
-    /// Tag of the wall, the chamber or the sheet, where it is of that alone.
+    /// Tag of the wall, the chamber or the sheet, or volume, where it is of that alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
     /// Unit of the number.
@@ -117,7 +115,12 @@ fn numbers(
             Modulus::Part(part) => both(*part),
             Modulus::Sources(_) => range_of_sources(scene),
         };
-        bars.push(ErrorBar::new("modulus", "1", by_modulus(scene, swept), off));
+        let each = by_moduli(scene, swept);
+        let all = each.iter().map(|(_, by)| by).sum();
+        bars.push(ErrorBar::new("modulus", "1", all, off));
+        let several = scene.laws.iter().any(|law| law.volume.is_some());
+        let bar = |(on, by)| ErrorBar { on: Some(on), ..ErrorBar::new("modulus", "1", by, off) };
+        bars.extend(each.into_iter().filter(|_| several).map(bar));
     }
     if let Some(off) = config.pressure {
         let each = by_pressures(problem, swept);
@@ -151,7 +154,7 @@ fn numbers(
 /// the widest of several silicones.
 fn range_of_sources(scene: &Scene) -> [f64; 2] {
     let mut off = [0.0_f64; 2];
-    for named in scene.parts.iter().filter_map(|part| part.config.material.silicone()) {
+    for named in scene.laws.iter().filter_map(|law| law.config.silicone()) {
         let [low, high] = named.silicone.entry.shear_moduli();
         let own = named.fit.entry.shear_modulus;
         off = [off[0].min(low / own - 1.0), off[1].max(high / own - 1.0)];

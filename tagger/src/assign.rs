@@ -1,11 +1,12 @@
 //! Selections in order → one owner per facet.
 
-use anyhow::{Context as _, Result, anyhow};
-use mesh::Tags;
+use anyhow::{Context as _, Result, anyhow, ensure};
+use mesh::{Tags, TetMesh};
 use program::Unusable;
 
 use crate::config::{Config, Tag};
 use crate::facets::Facets;
+use crate::inside;
 use crate::select::{SELECTORS, Selector, Sources, nearest_patches};
 use crate::wall;
 
@@ -18,6 +19,8 @@ pub struct Assignment {
     pub owners: Vec<Option<usize>>,
     /// Per tag: how it got its facets.
     pub tallies: Vec<Tally>,
+    /// Facets inside the body, with the index of their tag.
+    pub inside: Vec<([usize; 3], usize)>,
 }
 
 /// How one tag got its facets.
@@ -61,6 +64,11 @@ impl Assignment {
                 tags.set(*triangle, id);
             }
         }
+        for &(facet, owner) in &self.inside {
+            if let Some(id) = tags.id(&config.tags[owner].name) {
+                tags.set(facet, id);
+            }
+        }
         tags
     }
 }
@@ -71,17 +79,30 @@ impl Assignment {
 /// # Errors
 /// If a selection cannot be read; [`Unusable`] if a tag is empty or a pressure
 /// wall is not a manifold patch whose rim is fixed.
-pub fn assign(config: &Config, facets: &Facets, mut sources: Sources) -> Result<Assignment> {
+pub fn assign(
+    config: &Config,
+    mesh: &TetMesh,
+    facets: &Facets,
+    mut sources: Sources,
+) -> Result<Assignment> {
     let selectors = config
         .tags
         .iter()
-        .map(|tag| build(tag, &mut sources).with_context(|| label(tag)))
+        .map(|tag| {
+            let selector = (!tag.inside).then(|| build(tag, &mut sources)).transpose();
+            selector.with_context(|| label(tag))
+        })
         .collect::<Result<Vec<_>>>()?;
     sources.nearest = nearest_patches(facets, &sources);
 
     let mut owners = vec![None; facets.len()];
-    let mut tallies = Vec::new();
+    let (mut tallies, mut inside) = (Vec::new(), Vec::new());
     for (index, (tag, selector)) in config.tags.iter().zip(&selectors).enumerate() {
+        let Some(selector) = selector else {
+            let tally = claim_inside(index, tag, mesh, &sources, &mut inside);
+            tallies.push(tally.with_context(|| label(tag))?);
+            continue;
+        };
         let selected = selector.select(facets, &sources).with_context(|| label(tag))?;
         let mut tally = claim(index, &selected, &mut owners);
         if tally.selected == tally.contested {
@@ -104,7 +125,33 @@ pub fn assign(config: &Config, facets: &Facets, mut sources: Sources) -> Result<
             tallies[*o].area += area;
         }
     }
-    Ok(Assignment { owners, tallies })
+    Ok(Assignment { owners, tallies, inside })
+}
+
+/// Takes the facets inside that lie on the patch of a tag.
+fn claim_inside(
+    index: usize,
+    tag: &Tag,
+    mesh: &TetMesh,
+    sources: &Sources,
+    all: &mut Vec<([usize; 3], usize)>,
+) -> Result<Tally> {
+    let name: String =
+        tag.value.clone().try_into().context("`patch` must be the file of an open surface")?;
+    let path = sources.folder.join(name);
+    let patch = mesh::io::read_surface(&path)?;
+    let found = inside::select(mesh, &patch, &path, sources.epsilon)?;
+    let selected = found.len();
+    let free: Vec<_> =
+        found.into_iter().filter(|facet| !all.iter().any(|(taken, _)| taken == facet)).collect();
+    ensure!(
+        !free.is_empty(),
+        Unusable(format!("all {selected} facets on {} have earlier tags", path.display()))
+    );
+    let (contested, area) = (selected - free.len(), inside::area(mesh, &free));
+    all.extend(free.into_iter().map(|facet| (facet, index)));
+    let expected_area = Some(mesh::measure::area(&patch));
+    Ok(Tally { selected, contested, area, expected_area, ..Tally::default() })
 }
 
 fn label(tag: &Tag) -> String {

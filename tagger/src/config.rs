@@ -9,7 +9,10 @@ use serde::Deserialize;
 use crate::select::SELECTORS;
 
 /// Keys of a `[[tag]]` besides the selectors.
-const TAG_KEYS: [&str; 3] = ["name", "pressure", "rim"];
+const TAG_KEYS: [&str; 4] = ["name", "pressure", "rim", "inside"];
+
+/// Keys of a `[[volume]]` besides the selectors.
+const VOLUME_KEYS: [&str; 1] = ["name"];
 
 const KEYS: Keys = Keys { paths: &["patch", "surface", "volume"], named: &[] };
 
@@ -22,6 +25,19 @@ pub struct Config {
     pub surface: Option<PathBuf>,
     /// Selections; the first that holds a facet wins.
     pub tags: Vec<Tag>,
+    /// Selections of tetrahedra, which have none in common.
+    pub volumes: Vec<Volume>,
+}
+
+/// One `[[volume]]`.
+#[derive(Debug)]
+pub struct Volume {
+    /// Name, unique in the file.
+    pub name: String,
+    /// Key of the selector, a row of [`SELECTORS`].
+    pub selector: &'static str,
+    /// Value of that key.
+    pub value: toml::Value,
 }
 
 /// Selection distance ε, which must exceed the envelope of the mesher.
@@ -68,6 +84,8 @@ pub struct Tag {
     pub pressure: bool,
     /// Name of the fixed tag that holds the rim of an open pressure wall.
     pub rim: Option<String>,
+    /// Whether it is a surface inside the body.
+    pub inside: bool,
 }
 
 #[derive(Deserialize)]
@@ -78,6 +96,8 @@ struct File {
     surface: Option<PathBuf>,
     #[serde(default)]
     tag: Vec<toml::Table>,
+    #[serde(default)]
+    volume: Vec<toml::Table>,
 }
 
 impl Config {
@@ -101,33 +121,63 @@ impl Config {
             .map(|(i, table)| Tag::parse(table).with_context(|| format!("[[tag]] {}", i + 1)))
             .collect::<Result<_>>()?;
         check_names(&tags)?;
-        Ok(Self { epsilon, surface: file.surface, tags })
+        let volumes: Vec<Volume> = file
+            .volume
+            .into_iter()
+            .enumerate()
+            .map(|(i, table)| Volume::parse(table).with_context(|| format!("[[volume]] {}", i + 1)))
+            .collect::<Result<_>>()?;
+        for (i, volume) in volumes.iter().enumerate() {
+            let twice = volumes[..i].iter().any(|other| other.name == volume.name);
+            ensure!(!twice, "the name `{}` of a [[volume]] is used twice", volume.name);
+        }
+        Ok(Self { epsilon, surface: file.surface, tags, volumes })
     }
 }
 
 impl Tag {
     fn parse(mut table: toml::Table) -> Result<Self> {
-        let keys: Vec<&str> = TAG_KEYS.into_iter().chain(SELECTORS.iter().map(|s| s.key)).collect();
-        if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
-            bail!("unknown key `{key}`, expected one of {}", keys.join(", "));
-        }
-        let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
-        let (selector, second) = (given.next(), given.next());
-        if let (Some(a), Some(b)) = (selector, second) {
-            bail!("both `{a}` and `{b}`: a tag has exactly one selector");
-        }
-        let forms = || SELECTORS.iter().map(|s| format!("\n  {} = {}", s.key, s.meaning));
-        let selector = selector
-            .ok_or_else(|| anyhow!("no selector; one of:{}", forms().collect::<String>()))?;
-        let name = take::<String>(&mut table, "name")?
-            .filter(|name| !name.is_empty())
-            .ok_or_else(|| anyhow!("`name` is missing"))?;
+        let (selector, name) = selector_and_name(&mut table, &TAG_KEYS)?;
         let pressure = take(&mut table, "pressure")?.unwrap_or(false);
         let rim: Option<String> = take(&mut table, "rim")?;
         ensure!(rim.is_none() || pressure, "`rim` needs `pressure = true`");
+        let inside = take(&mut table, "inside")?.unwrap_or(false);
+        ensure!(
+            !inside || (selector == "patch" && !pressure),
+            "`inside = true` is for a `patch`, without `pressure`"
+        );
         let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
-        Ok(Self { name, selector, value, pressure, rim })
+        Ok(Self { name, selector, value, pressure, rim, inside })
     }
+}
+
+impl Volume {
+    fn parse(mut table: toml::Table) -> Result<Self> {
+        let (selector, name) = selector_and_name(&mut table, &VOLUME_KEYS)?;
+        let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
+        Ok(Self { name, selector, value })
+    }
+}
+
+/// The one selector of a table that has no keys but these and those of selectors, and its name.
+fn selector_and_name(table: &mut toml::Table, others: &[&str]) -> Result<(&'static str, String)> {
+    let selectors = SELECTORS.iter().map(|s| s.key);
+    let keys: Vec<&str> = others.iter().copied().chain(selectors).collect();
+    if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
+        bail!("unknown key `{key}`, expected one of {}", keys.join(", "));
+    }
+    let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
+    let (selector, second) = (given.next(), given.next());
+    if let (Some(a), Some(b)) = (selector, second) {
+        bail!("both `{a}` and `{b}`: there is exactly one selector");
+    }
+    let forms = || SELECTORS.iter().map(|s| format!("\n  {} = {}", s.key, s.meaning));
+    let selector =
+        selector.ok_or_else(|| anyhow!("no selector; one of:{}", forms().collect::<String>()))?;
+    let name = take::<String>(table, "name")?
+        .filter(|name| !name.is_empty())
+        .ok_or_else(|| anyhow!("`name` is missing"))?;
+    Ok((selector, name))
 }
 
 /// Removes and converts the value of a key.
@@ -180,11 +230,15 @@ mod tests {
             ("epsilon = 1\nrelative_epsilon = 1\n[[tag]]\n", "give one of them"),
             (
                 "[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n",
-                "expected one of name, pressure, rim, patch",
+                "expected one of name, pressure, rim, inside, patch",
             ),
             ("[[tag]]\nname = \"a\"\n", "no selector; one of"),
             ("[[tag]]\nname = \"a\"\ncomponent = 0\npatch = \"a\"\n", "exactly one selector"),
             ("[[tag]]\ncomponent = 0\n", "`name` is missing"),
+            (
+                "[[tag]]\nname = \"a\"\ncomponent = 0\ninside = true\n",
+                "`inside = true` is for a `patch`",
+            ),
             ("[[tag]]\nname = \"a\"\ncomponent = 0\nrim = \"b\"\n", "needs `pressure = true`"),
             (
                 "[[tag]]\nname = \"a\"\ncomponent = 0\npressure = true\nrim = \"b\"\n",

@@ -382,3 +382,93 @@ fn tags_follow_a_new_interior_but_not_a_new_boundary() {
     assert!(message.contains("boundary facets have no exact twin"), "{message}");
     assert!(!scene.path("never.msh").exists());
 }
+
+/// Two triangles across the block at a height [m].
+fn sheet(z: f64) -> SurfaceMesh {
+    let end = CUBES as f64 * SIDE;
+    let corners = [(0.0, 0.0), (end, 0.0), (end, end), (0.0, end)];
+    let vertices = corners.map(|(x, y)| Vec3::new(x, y, z)).to_vec();
+    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+const SHEET: &str = "[[tag]]\nname = \"sheet\"\npatch = \"sheet.obj\"\ninside = true\n";
+
+#[test]
+fn a_sheet_inside_is_one_layer_of_facets() {
+    let scene = Scene::new();
+    scene.write_patch("sheet.obj", &sheet(4.0 * SIDE));
+    let message = succeeded(&scene.tag(&format!("{PATCHES}{SHEET}")));
+    assert!(message.contains("sheet: 50 facets inside, 25.000 mm²"), "{message}");
+    let tagged = scene.path("tagged.msh");
+    // two triangles per square, and the boundary as without it
+    let counts = ["seat", "cavity", "skin", "sheet"].map(|name| facet_count(&tagged, name));
+    assert_eq!(counts, [48, 26, 250, 50]);
+    // its facets are none of a mesh with another interior
+    let output = scene.run(&["transfer", "tagged.msh", "volume.msh", "-o", "never.msh"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("50 tagged facets inside and 0 volumes would be lost"));
+    // above the hole it is a part of the boundary, and no sheet; the rest of its plane is
+    scene.write_patch("sheet.obj", &sheet(3.0 * SIDE));
+    let message = succeeded(&scene.tag(&format!("{PATCHES}{SHEET}")));
+    assert!(message.contains("sheet: 48 facets inside, 24.000 mm²"), "{message}");
+}
+
+#[test]
+fn a_mesh_that_does_not_follow_a_sheet_is_refused() {
+    let scene = Scene::new();
+    scene.write_patch("sheet.obj", &sheet(3.5 * SIDE));
+    let output = scene.tag(&format!("{PATCHES}{SHEET}"));
+    let words =
+        ["[[tag]] `sheet`", "0 facets inside", "does not follow", "tetmesh SURFACE --inside"];
+    scene.fails(&output, 1, &words);
+    let output = scene.tag(&SHEET.replace("patch = \"sheet.obj\"", "component = 0"));
+    scene.fails(&output, 2, &["`inside = true` is for a `patch`"]);
+}
+
+const VOLUMES: &str = r#"
+    [[volume]]
+    name = "floor"
+    box = { min = [-1, -1, -1], max = [1, 1, 0.001] }
+    [[volume]]
+    name = "roof"
+    plane = { point = [0, 0, 0.004], normal = [0, 0, 1] }
+"#;
+
+#[test]
+fn tetrahedra_are_named_and_keep_their_names() {
+    let scene = Scene::new();
+    let message = succeeded(&scene.tag(&format!("{PATCHES}{VOLUMES}")));
+    // six per cube, and one cube less where the hole is
+    for line in ["floor: 144 tetrahedra, 24.000 mm³", "roof: 150 tetrahedra, 25.000 mm³"] {
+        assert!(message.contains(line), "{message}");
+    }
+    assert!(!message.contains("cross its surface"), "{message}");
+    let count = |name: &str| {
+        let volumes = io::read_tets(&scene.path(name)).unwrap().tags.volumes;
+        let count = |i: usize| volumes.of.iter().filter(|&&of| of == i).count();
+        volumes.names.iter().enumerate().map(|(i, n)| (n.clone(), count(i))).collect::<Vec<_>>()
+    };
+    let expected = [("floor", 144), ("roof", 150), ("body", 6 * 122 - 294)];
+    let expected = expected.map(|(name, count)| (name.to_owned(), count));
+    assert_eq!(count("tagged.msh"), expected);
+    // tagged again without volumes it keeps those that it has
+    fs::rename(scene.path("tagged.msh"), scene.path("volume.msh")).unwrap();
+    succeeded(&scene.tag(PATCHES));
+    assert_eq!(count("tagged.msh"), expected);
+}
+
+#[test]
+fn volumes_that_overlap_are_refused_and_rough_ones_told() {
+    let scene = Scene::new();
+    let output = scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0.004]", "0.0005]"));
+    let words = ["[[volume]] `floor` and [[volume]] `roof` overlap", "mm³, are in both"];
+    scene.fails(&output, 1, &words);
+    let output = scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0, 0, 0.004", "0, 0, 0.4"));
+    scene.fails(&output, 1, &["[[volume]] `roof`: no centroid"]);
+    let output = scene.tag(&format!("{PATCHES}[[volume]]\nname = \"a\"\npatch = \"seat.obj\"\n"));
+    scene.fails(&output, 2, &["[[volume]] `a`", "expected `volume`, `box` or `plane`"]);
+    let message = succeeded(
+        &scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0, 0, 0.004", "0, 0, 0.0035")),
+    );
+    assert!(message.contains("volume roof") && message.contains("cross its surface"), "{message}");
+}

@@ -61,7 +61,7 @@ fn pressed(friction: f64, cells: usize) -> Motion {
 /// ∫ P N dA over the facets of a tag, from the stress in their elements [N].
 fn traction(motion: &Motion, name: &str) -> Vec3 {
     let (space, body) = (&motion.problem.space, &motion.scene.body);
-    let law = motion.scene.parts[0].material.build();
+    let law = motion.scene.laws[0].material.build();
     let facets = body.facets(name).unwrap();
     let n = space.nodes_per_element();
     let on_facet = triangle(5);

@@ -155,7 +155,7 @@ fn what_cannot_be_calibrated_is_refused() {
         (all(&["of = \"mu\""]), "mooney-rivlin: c1, c2, c3, d1"),
         (all(&["of = \"modulus\"", "of = \"c1\""]), "not told apart"),
         (all(&["of = \"wall\"\non = \"left\""]), "wall of left: no scene has it"),
-        (all(&["of = \"modulus\"\non = \"cavity\""]), "on is for membrane, pressure and wall"),
+        (all(&["of = \"density\"\non = \"cavity\""]), "on is for modulus, membrane, pressure"),
         (all(&["of = \"wall\"", "of = \"wall\""]), "given twice"),
         (modulus().replace("syringe", "camera"), "[[experiment]] \"camera\" is given twice"),
         (modulus().replace("\"top\"", "\"tip\""), "no [[probe]] of this name; there are: top, air"),

@@ -60,7 +60,7 @@ fn simulate(scene: &Scene) -> BTreeMap<String, f64> {
 /// The scene with a number changed.
 fn changed(path: &Path, of: &str, on: Option<&str>, by: f64) -> Scene {
     let mut scene = Scene::read(path).unwrap();
-    let material = &mut scene.parts[0].material;
+    let material = &mut scene.laws[0].material;
     match of {
         "modulus" => material.values.iter_mut().for_each(|p| *p *= 1.0 + by),
         "density" => material.density = material.density.map(|d| d * (1.0 + by)),

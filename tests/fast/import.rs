@@ -163,7 +163,7 @@ fn the_walker_as_a_slab() {
         assert!((pressure(&scene, "walker.s2", t) - wave(t - 0.3)).abs() < 1e-3, "{t}");
     }
     assert_eq!(scene.config.gravity.at(Vec3::zeros(), 1.0), Vec3::new(0.0, -1.0, 0.0));
-    let moduli = scene.parts[0].material.moduli();
+    let moduli = scene.laws[0].material.moduli();
     close(moduli.shear, 37037.04, 1e-7);
     close(moduli.bulk - 2.0 / 3.0 * moduli.shear, 39886.04, 1e-7);
     assert_eq!((scene.times().len(), scene.end()), (200, 4.0));

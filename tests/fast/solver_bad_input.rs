@@ -272,7 +272,7 @@ fn a_tag_without_facets_does_no_harm() {
     let file = read_tets(&dir.path("body.msh")).unwrap();
     let mut names = file.tags.names.clone();
     names.push("nothing".to_owned());
-    let tags = Tags { names, facets: file.tags.facets };
+    let tags = Tags { names, ..file.tags };
     write_tets(&dir.path("body.msh"), &file.mesh, &tags).unwrap();
     dir.solver("simulate p1.toml -o out").assert_good();
     assert_eq!(dir.json("out/report.json")["status"], "ok");

@@ -23,7 +23,7 @@ mod tags;
 mod tet;
 
 pub use surface::SurfaceMesh;
-pub use tags::{Tags, facet_key};
+pub use tags::{Tags, Volumes, facet_key};
 pub use tet::TetMesh;
 
 /// A point or a vector [m].

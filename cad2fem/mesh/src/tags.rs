@@ -1,8 +1,8 @@
-//! Names for parts of a boundary.
+//! Names for parts of a boundary, for surfaces inside and for volumes.
 
 use std::collections::BTreeMap;
 
-/// Facet tags of a tetrahedral mesh: facet → id ↔ name.
+/// Facet tags of a tetrahedral mesh: facet → id ↔ name; and its volumes.
 ///
 /// Ids start at 1 in the order in which the names were declared. A facet is
 /// known by its three vertex ids in ascending order, so that its orientation
@@ -13,6 +13,17 @@ pub struct Tags {
     pub names: Vec<String>,
     /// Sorted facet → id.
     pub facets: BTreeMap<[usize; 3], u32>,
+    /// Parts of the tetrahedra with a name.
+    pub volumes: Volumes,
+}
+
+/// Volumes of a mesh: one for each tetrahedron, or none at all.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Volumes {
+    /// Their names.
+    pub names: Vec<String>,
+    /// For each tetrahedron the index of its name; empty if there are none.
+    pub of: Vec<usize>,
 }
 
 /// The key of a facet: its vertex ids in ascending order.
@@ -26,7 +37,7 @@ impl Tags {
     /// No facets yet, ids in the order of `names`.
     #[must_use]
     pub fn new(names: Vec<String>) -> Self {
-        Self { names, facets: BTreeMap::new() }
+        Self { names, ..Self::default() }
     }
 
     /// The id of a name.

@@ -198,7 +198,6 @@ mod tests {
         MshFile {
             mesh: TetMesh { vertices, tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]] },
             tags,
-            bodies: vec![0, 0],
         }
     }
 

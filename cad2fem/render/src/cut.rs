@@ -116,7 +116,8 @@ fn fan(polygon: &[Corner], like: &Facet) -> Vec<Facet> {
 /// Sections of all tetrahedra that the plane meets.
 fn sections(cells: &Cells, plane: &Plane) -> Vec<Facet> {
     let mut facets = Vec::new();
-    for (nodes, values) in cells.nodes.iter().zip(&cells.values) {
+    let all = cells.nodes.iter().zip(&cells.values).zip(&cells.colors);
+    for ((nodes, values), color) in all {
         let points: Vec<Vec3> = nodes.iter().map(|&v| cells.points[v]).collect();
         if !may_meet(&points, plane) {
             continue;
@@ -130,7 +131,7 @@ fn sections(cells: &Cells, plane: &Plane) -> Vec<Facet> {
         } else {
             split_tet(&points, values)
         };
-        facets.extend(tets.iter().flat_map(|tet| slice(tet, plane, section(cells.color))));
+        facets.extend(tets.iter().flat_map(|tet| slice(tet, plane, section(*color))));
     }
     facets
 }
@@ -210,7 +211,7 @@ mod tests {
             points: vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()],
             nodes: vec![vec![0, 1, 2, 3]],
             values: vec![vec![0.0, 1.0, 0.0, 0.0]],
-            color: material(),
+            colors: vec![material()],
         }
     }
 

@@ -36,8 +36,8 @@ pub struct Cells {
     pub nodes: Vec<Vec<usize>>,
     /// Field value at each node of each tetrahedron; NaN for none.
     pub values: Vec<Vec<f64>>,
-    /// Colour where there is no field value.
-    pub color: Rgb,
+    /// Colour of each tetrahedron where there is no field value.
+    pub colors: Vec<Rgb>,
 }
 
 /// A surface and, if it bounds a mesh, the solid inside.

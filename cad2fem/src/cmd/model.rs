@@ -13,7 +13,8 @@ use crate::labelled::{LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
-/// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, `DIR/model.json`, and the same in
+/// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, of CAD `DIR/volumes/<volume>.stl`,
+/// `DIR/model.json`, and the same in
 /// `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -78,7 +79,9 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let fields = Fields::new(model, args.fine);
     let skin = surface(model, &fields).with_context(|| args.file.display().to_string())?;
     let region = assign(model, &fields, &skin);
-    let labelled = LabelledSurface { surface: skin.surface, names: model.region_names(), region };
+    let (surface, names) = (skin.surface, model.region_names());
+    let (inside, volumes) = (Vec::new(), Vec::new());
+    let labelled = LabelledSurface { surface, names, region, inside, volumes };
     finish(args, &labelled, folder, input.clone(), start)
 }
 

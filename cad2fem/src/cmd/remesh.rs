@@ -1,16 +1,17 @@
 //! `cad2fem remesh`: better tetrahedra inside, the surface untouched.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::check::check_tets;
-use mesh::improve::improve_interior;
+use mesh::improve::improve_around;
 use mesh::io::{read_tets, write_tets};
 use mesh::measure::Quality;
 
 use crate::report::findings;
 
-/// Boundary vertices, facets and their tags stay as they are, bit for bit
+/// Boundary vertices and facets, those inside with a tag, and tags stay as they are, bit for bit
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Tetrahedral mesh (.msh)
@@ -33,7 +34,15 @@ pub fn run(args: &Args) -> Result<()> {
     if !found.is_empty() {
         bail!("{}: not a valid mesh:{}", args.mesh.display(), findings(&found));
     }
-    let report = improve_interior(&mut file.mesh, args.passes);
+    ensure!(
+        file.tags.volumes.names.is_empty(),
+        "{}: it has the volumes {}, which other tetrahedra do not have; mesh its surface anew: cad2fem \
+         tetmesh",
+        args.mesh.display(),
+        file.tags.volumes.names.join(", ")
+    );
+    let tagged: BTreeSet<[usize; 3]> = file.tags.facets.keys().copied().collect();
+    let report = improve_around(&mut file.mesh, &tagged, args.passes);
     log_quality("before", &report.before);
     log_quality("after", &report.after);
     log::info!("{} moves, {} flips", report.moved, report.flips);

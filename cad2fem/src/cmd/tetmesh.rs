@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
+use crate::layers::Layers;
 use crate::mesher::python::Python;
 use crate::report::{Input, remark_on_size};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
@@ -21,6 +22,10 @@ use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
 pub struct Args {
     /// Closed surface [m]
     surface: PathBuf,
+    /// Surface inside the body, open or closed, whose triangles become facets of tetrahedra; again
+    /// for each
+    #[arg(long = "inside", value_name = "FILE")]
+    inside: Vec<PathBuf>,
     /// Mesh to write (.msh)
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
@@ -74,16 +79,17 @@ pub fn run(args: &Args) -> Result<()> {
     let input = Input::of(&args.surface)?;
     let mut surface = read_surface(&args.surface)?;
     remark_on_size(&args.surface, &surface);
+    let place = || args.surface.display().to_string();
+    prepare(&mut surface, args.orient).with_context(place)?;
     let request = Request {
         python: Python::find()?,
         mesher: settings.tet_mesher().with_context(of_config)?,
         options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
         improve_passes: settings.improve_passes,
+        layers: Layers::read(&args.inside, &surface)?,
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),
     };
-    let place = || args.surface.display().to_string();
-    prepare(&mut surface, args.orient).with_context(place)?;
     let (mesh, outcome) = tetrahedralize(&surface, &request).with_context(place)?;
     outcome.log();
     write_tets(&args.output, &mesh, &Tags::default())?;

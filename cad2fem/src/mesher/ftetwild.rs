@@ -5,16 +5,19 @@
 //! surface and is not the input surface. Not deterministic: the order in which it
 //! inserts triangles is random.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use anyhow::Result;
+use mesh::inside::WindingNumber;
 use mesh::measure::diagonal;
-use mesh::{SurfaceMesh, TetMesh};
+use mesh::{SurfaceMesh, TetMesh, Vec3};
 use serde_json::json;
 
 use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
+use crate::layers::Layers;
 
 /// The mesher.
 pub struct FTetWild;
@@ -28,19 +31,25 @@ impl TetMesher for FTetWild {
         "wildmeshing"
     }
 
-    fn script(&self) -> &'static str {
-        include_str!("ftetwild.py")
+    fn script(&self, inside: bool) -> &'static str {
+        if inside {
+            concat!(include_str!("ftetwild.py"), include_str!("ftetwild_inside.py"))
+        } else {
+            include_str!("ftetwild.py")
+        }
     }
 
     fn mesh(
         &self,
         python: &Python,
         surface: &SurfaceMesh,
+        layers: &Layers,
         options: &Options,
         timeout: Duration,
     ) -> Result<TetMesh> {
         let job = Job::new("fTetWild")?;
-        job.put_surface(surface)?;
+        let (all, inside) = layers.beside(surface);
+        job.put_surface(&all)?;
         let size = diagonal(&surface.vertices);
         let settings = json!({
             // It has absolute tolerances meant for sizes near one; a power of two
@@ -55,7 +64,21 @@ impl TetMesher for FTetWild {
             "coarsen": options.coarsen,
             "max_threads": options.threads,
         });
-        job.run(python, self.script(), &settings, timeout)?;
-        Ok(TetMesh { vertices: job.points("points.npy")?, tets: job.indices("tets.npy")? })
+        job.run(python, self.script(inside > 0), &settings, timeout)?;
+        let mesh = TetMesh { vertices: job.points("points.npy")?, tets: job.indices("tets.npy")? };
+        Ok(if inside > 0 { in_body(&mesh, surface) } else { mesh })
+    }
+}
+
+/// The tetrahedra whose centroids a closed surface encloses, with the vertices that they use.
+fn in_body(mesh: &TetMesh, surface: &SurfaceMesh) -> TetMesh {
+    let winding = WindingNumber::new(surface);
+    let inside = |t: &usize| winding.contains(&(mesh.corners(*t).iter().sum::<Vec3>() / 4.0));
+    let tets: Vec<[usize; 4]> = (0..mesh.tets.len()).filter(inside).map(|t| mesh.tets[t]).collect();
+    let used: BTreeSet<usize> = tets.iter().flatten().copied().collect();
+    let number: BTreeMap<usize, usize> = used.iter().copied().zip(0..).collect();
+    TetMesh {
+        vertices: used.iter().map(|&v| mesh.vertices[v]).collect(),
+        tets: tets.iter().map(|tet| tet.map(|v| number[&v])).collect(),
     }
 }

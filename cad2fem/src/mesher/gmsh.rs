@@ -18,6 +18,7 @@ use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
 use crate::geo::without_reach;
+use crate::layers::{Layers, require_conforming};
 
 /// The mesher.
 pub struct Gmsh;
@@ -31,7 +32,7 @@ impl TetMesher for Gmsh {
         "gmsh"
     }
 
-    fn script(&self) -> &'static str {
+    fn script(&self, _inside: bool) -> &'static str {
         concat!(include_str!("gmsh_import.py"), include_str!("gmsh_volume.py"))
     }
 
@@ -39,17 +40,23 @@ impl TetMesher for Gmsh {
         &self,
         python: &Python,
         surface: &SurfaceMesh,
+        layers: &Layers,
         options: &Options,
         timeout: Duration,
     ) -> Result<TetMesh> {
         let job = Job::new("gmsh")?;
-        job.put_surface(surface)?;
+        let (all, inside) = layers.beside(surface);
+        if inside > 0 {
+            require_conforming(&all)?;
+        }
+        job.put_surface(&all)?;
         let settings = json!({
+            "inside": inside,
             "threads": options.threads,
             "edge_length": options.edge_length,
             "refine": options.refine,
         });
-        job.run(python, self.script(), &settings, timeout)?;
+        job.run(python, self.script(inside > 0), &settings, timeout)?;
         Ok(TetMesh { vertices: job.points("points.npy")?, tets: job.indices("tets.npy")? })
     }
 }
@@ -62,6 +69,10 @@ pub struct Faces {
     pub names: Vec<String>,
     /// For each triangle its patch.
     pub patch: Vec<Option<usize>>,
+    /// Whether each triangle is inside the body: between two volumes or embedded in one.
+    pub inside: Vec<bool>,
+    /// Names of physical volumes, and the triangles of their boundaries.
+    pub volumes: Vec<(String, Vec<usize>)>,
 }
 
 /// Meshes the faces of a CAD file with `numbers` set in a script, and no edge
@@ -90,15 +101,25 @@ pub fn mesh_faces(
     });
     let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
     job.run(python, script, &settings, timeout)?;
-    let names = std::fs::read_to_string(job.file("patches.json"))?;
-    let patch = mesh::io::npy::read_f64(&job.file("patch.npy"))?.0;
+    let names = |file: &str| -> Result<Vec<String>> {
+        Ok(serde_json::from_str(&std::fs::read_to_string(job.file(file))?)?)
+    };
+    let column =
+        |file: &str| -> Result<Vec<f64>> { Ok(mesh::io::npy::read_f64(&job.file(file))?.0) };
+    let triangles_of = |(i, name): (usize, String)| {
+        let rows = column(&format!("volume-{i}.npy"))?;
+        Ok((name, rows.into_iter().map(|row| row as usize).collect()))
+    };
+    let volumes = names("volumes.json")?.into_iter().enumerate().map(triangles_of);
     Ok(Faces {
         surface: SurfaceMesh {
             vertices: job.points("points.npy")?,
             triangles: job.indices("triangles.npy")?,
         },
-        names: serde_json::from_str(&names)?,
-        patch: patch.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
+        names: names("patches.json")?,
+        patch: column("patch.npy")?.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
+        inside: column("inside.npy")?.into_iter().map(|flag| flag > 0.0).collect(),
+        volumes: volumes.collect::<Result<_>>()?,
     })
 }
 

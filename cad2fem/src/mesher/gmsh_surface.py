@@ -1,5 +1,6 @@
 # Meshes the faces of a CAD file; leaves points.npy, triangles.npy, patch.npy (the
-# patch of each triangle) and patches.json (their names).
+# patch of each triangle), inside.npy (1 where it is no part of the boundary), patches.json
+# (their names), volumes.json (names of physical volumes) and volume-N.npy (their triangles).
 arguments = ["cad2fem"]
 for name, value in settings["numbers"].items():
     if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"], errors="replace").read()):
@@ -34,8 +35,25 @@ if not groups:
         name = gmsh.model.getEntityName(2, face).split("/")[-1]
         groups.append((name or f"face-{face}", [face]))
 
-names, corners, patch = [], [], []
+# Faces between two volumes, or embedded in one, are inside the body.
+embedded = {face for _, volume in gmsh.model.getEntities(3)
+            for dim, face in gmsh.model.mesh.getEmbedded(3, volume) if dim == 2}
+between = {face for _, face in gmsh.model.getEntities(2)
+           if len(gmsh.model.getAdjacencies(2, face)[0]) > 1}
+within = embedded | between
+
+names, corners, patch, inside, rows = [], [], [], [], {}
 seen = set()
+
+
+def take(face, index):
+    _, triangles = gmsh.model.mesh.getElementsByType(2, face)
+    rows[face] = range(len(patch), len(patch) + len(triangles) // 3)
+    corners.append(triangles.reshape(-1, 3))
+    patch.extend([index] * len(corners[-1]))
+    inside.extend([float(face in within)] * len(corners[-1]))
+
+
 for name, faces in groups:
     name = file_name(name)
     if name not in names:
@@ -44,15 +62,24 @@ for name, faces in groups:
         if face in seen:
             explain(f"{settings['shown']}: face {face} is in two physical surfaces")
         seen.add(face)
-        _, triangles = gmsh.model.mesh.getElementsByType(2, face)
-        corners.append(triangles.reshape(-1, 3))
-        patch += [names.index(name)] * len(corners[-1])
+        take(face, names.index(name))
+    if len({face in within for face in faces}) > 1:
+        explain(f"{settings['shown']}: physical surface {name} has faces on the boundary and inside; "
+                "make it two")
 left_over = [face for _, face in gmsh.model.getEntities(2)
              if face not in seen and len(gmsh.model.getAdjacencies(2, face)[0]) > 0]
 for face in left_over:
-    _, triangles = gmsh.model.mesh.getElementsByType(2, face)
-    corners.append(triangles.reshape(-1, 3))
-    patch += [-1] * len(corners[-1])
+    take(face, -1)
+
+volumes = []
+for _, tag in gmsh.model.getPhysicalGroups(3):
+    solids = [(3, solid) for solid in gmsh.model.getEntitiesForPhysicalGroup(3, tag)]
+    faces = [abs(face) for _, face in gmsh.model.getBoundary(solids, combined=True, oriented=False)]
+    name = file_name(gmsh.model.getPhysicalName(3, tag) or f"volume-{tag}")
+    if name in volumes:
+        explain(f"{settings['shown']}: two physical volumes are called {name}")
+    numpy.save(f"volume-{len(volumes)}.npy", numpy.array([[float(r)] for f in faces for r in rows[f]]))
+    volumes.append(name)
 
 if sum(len(c) for c in corners) == 0:
     explain(f"{settings['shown']}: no faces found")
@@ -64,5 +91,7 @@ row[tags.astype(numpy.int64)] = numpy.arange(len(tags))
 numpy.save("points.npy", points.reshape(-1, 3)[row[used]])
 numpy.save("triangles.npy", numpy.searchsorted(used, corners).astype(float))
 numpy.save("patch.npy", numpy.array(patch, dtype=float).reshape(-1, 1))
+numpy.save("inside.npy", numpy.array(inside, dtype=float).reshape(-1, 1))
 json.dump(names, open("patches.json", "w"))
+json.dump(volumes, open("volumes.json", "w"))
 gmsh.finalize()

@@ -1,12 +1,16 @@
-# Fills the closed surface vertices.npy, triangles.npy; leaves points.npy, tets.npy.
+# Fills the closed surface vertices.npy, triangles.npy, of which the last `inside` triangles are
+# surfaces inside that become facets; leaves points.npy, tets.npy.
 gmsh.initialize(readConfigFiles=False)
 gmsh.option.setNumber("General.NumThreads", settings["threads"])
-gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT
+inside = settings["inside"]
+# HXT knows no surfaces inside, Delaunay does.
+gmsh.option.setNumber("Mesh.Algorithm3D", 1 if inside else 10)
 gmsh.option.setNumber("Mesh.Optimize", 1)
 gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.4)
 gmsh.option.setNumber("Mesh.MeshSizeMax", settings["edge_length"])
 vertices = numpy.load("vertices.npy")
 triangles = numpy.load("triangles.npy").astype(numpy.int64)
+triangles, layers = numpy.split(triangles, [len(triangles) - inside])
 
 # The triangles themselves become the boundary of the volume.
 surface = gmsh.model.addDiscreteEntity(2)
@@ -14,8 +18,12 @@ numbers = numpy.arange(1, len(vertices) + 1)
 gmsh.model.mesh.addNodes(2, surface, numbers, vertices.ravel())
 gmsh.model.mesh.addElementsByType(surface, 2, [], (triangles + 1).ravel())
 loop = gmsh.model.geo.addSurfaceLoop([surface])
-gmsh.model.geo.addVolume([loop])
+volume = gmsh.model.geo.addVolume([loop])
 gmsh.model.geo.synchronize()
+if inside:
+    layer = gmsh.model.addDiscreteEntity(2)
+    gmsh.model.mesh.addElementsByType(layer, 2, [], (layers + 1).ravel())
+    gmsh.model.mesh.embed(2, [layer], 3, volume)
 fields = []
 for ball in settings["refine"]:
     field = gmsh.model.mesh.field.add("Ball")

@@ -11,6 +11,7 @@ use anyhow::Result;
 use mesh::{SurfaceMesh, TetMesh};
 use serde::{Deserialize, Serialize};
 
+use crate::layers::Layers;
 use python::Python;
 
 /// What is asked of a tetrahedral mesher; everything that decides its result.
@@ -51,10 +52,10 @@ pub trait TetMesher: Sync {
     fn name(&self) -> &'static str;
     /// Python package that carries it.
     fn package(&self) -> &'static str;
-    /// Script that drives it; part of what decides the result.
-    fn script(&self) -> &'static str;
-    /// Meshes a closed surface whose shells are oriented by nesting; positive
-    /// volumes are up to the caller.
+    /// Script that drives it, with or without surfaces inside; part of what decides the result.
+    fn script(&self, inside: bool) -> &'static str;
+    /// Meshes a closed surface whose shells are oriented by nesting; of `layers` the triangles
+    /// become facets of tetrahedra. Positive volumes are up to the caller.
     ///
     /// # Errors
     /// If the program cannot run, fails or does not end within `timeout`.
@@ -62,6 +63,7 @@ pub trait TetMesher: Sync {
         &self,
         python: &Python,
         surface: &SurfaceMesh,
+        layers: &Layers,
         options: &Options,
         timeout: Duration,
     ) -> Result<TetMesh>;

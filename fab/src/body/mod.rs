@@ -1,7 +1,8 @@
 //! The body that is to be molded: its boundary and chambers as closed surfaces, collars around its
-//! inlets, which way it stands in a mold, and from which file it came.
+//! inlets, sheets laid into it, which way it stands in a mold, and from which file it came.
 
 pub mod collar;
+pub mod layer;
 pub mod layout;
 pub mod orientation;
 pub mod boundary;

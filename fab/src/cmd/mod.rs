@@ -8,13 +8,14 @@ pub mod verify;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
 use program::Progress;
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
+use crate::body::layer::Layer;
 use crate::body::source::{CastPart, Input};
 use crate::config::Config;
 use crate::plan::Plan;
@@ -60,6 +61,8 @@ pub struct Planned {
     pub report: PlanReport,
     /// Around its inlets.
     pub collars: Vec<Collar>,
+    /// Sheets that are laid in.
+    pub layers: Vec<Layer>,
     /// Logs what the run is doing.
     pub progress: Progress,
 }
@@ -71,7 +74,10 @@ impl Task {
     /// If the mesh or the configuration cannot be used, or the body cannot be molded.
     pub fn plan(&self) -> Result<Planned> {
         let config = self.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
-        let boundary = self.named(Boundary::new(&read_tets(&self.mesh)?, &config.chamber))?;
+        let file = read_tets(&self.mesh)?;
+        let boundary = self.named(Boundary::new(&file, &config.chamber))?;
+        let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
+        let layers = self.named(config.layers.iter().map(layer).collect::<Result<_>>())?;
         let triangles = boundary.cast.triangles.len();
         let progress = Progress::new(triangles);
         progress.step(&format!("measuring a body of {triangles} triangles"));
@@ -81,7 +87,7 @@ impl Task {
         let molds = entries(&plan, boundary.cores.len());
         let input = self.input(&self.output, &config, CastPart::Whole)?;
         let report = PlanReport::new(&plan, input, molds);
-        Ok(Planned { config, boundary, plan, report, collars, progress })
+        Ok(Planned { config, boundary, plan, report, collars, layers, progress })
     }
 
     /// What is asked for, in words.

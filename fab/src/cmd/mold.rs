@@ -11,6 +11,7 @@ use program::{FolderLock, Progress, Unusable, peak_rss_mb};
 use super::{Planned, Task};
 use crate::body::boundary::Boundary;
 use crate::body::collar::{Collar, FittedTube};
+use crate::body::layer::{LaidIn, Layer};
 use crate::body::orientation::Portion;
 use crate::body::source::{CastPart, Input};
 use crate::config::fitting::Tube;
@@ -73,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// Makes the molds and replaces older ones by them.
 fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
     let task = &args.task;
-    let Planned { config, boundary, collars, plan, report: planned, progress } = planned;
+    let Planned { config, boundary, collars, layers, plan, report: planned, progress } = planned;
     let folder = |entry: &Entry| task.output.join(&entry.folder);
     for entry in &planned.molds {
         remove_litter(&folder(entry));
@@ -89,8 +90,20 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         let input = task.input(&folder(entry), &config, CastPart::of(mold.portion))?;
         let mut files = MoldFiles::new(&mold, input, &config)?;
         files.report.collars = fitted_tubes(&collars, &mold, &config);
+        files.report.layers = task.named(laid_in(&layers, &mold, &casting.name))?;
         files.prove(&entry.name, &task.mesh, &planned, progress)?;
         molds.push((entry, files));
+    }
+    let laid = |layer: &&Layer| {
+        molds.iter().any(|(_, files)| files.report.layers.iter().any(|one| one.tag == layer.tag))
+    };
+    if let Some(layer) = layers.iter().find(|layer| !laid(layer)) {
+        let message = format!(
+            "layers: {:?} lies in none of the castings, but where they are glued: lay it in there, and \
+             leave it out of `layers`",
+            layer.tag
+        );
+        return task.named(Err(Unusable(message)));
     }
     progress.step("writing");
     remove_old(&task.output)?;
@@ -122,6 +135,31 @@ fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedT
     let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
     let fitted = |tube: &Tube| collars.iter().map(|c| c.fitted_tube(tube, &mold.frame)).collect();
     tube.as_ref().map_or(Vec::new(), fitted)
+}
+
+/// The sheets that lie in what a mold casts, for mold.json.
+fn laid_in(layers: &[Layer], mold: &Mold, name: &str) -> Result<Vec<LaidIn>> {
+    let (low, high) = mold.cast.bounds();
+    let within = |layer: &&Layer| {
+        let [bottom, top] = layer.heights(&mold.frame);
+        low.z < top && bottom < high.z
+    };
+    let place = |layer: &Layer| {
+        if !mold.open {
+            let message = format!(
+                "layers: {:?} lies in the {name}, which is cast in a closed mold: nothing can be laid \
+                 in there; method = \"open-top\" casts what is below a flat wall of the chamber as a \
+                 sheet in an open tray",
+                layer.tag
+            );
+            return Err(Unusable(message).into());
+        }
+        let [bottom, top] = layer.heights(&mold.frame);
+        let below = mold.cast.trim_by_plane(&-Vec3::z(), -(bottom + top) / 2.0).volume();
+        let laid = layer.laid_in(&mold.frame, low.z, below);
+        laid.map_err(|message| Unusable(message).into())
+    };
+    layers.iter().filter(within).map(place).collect()
 }
 
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.

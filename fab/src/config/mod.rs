@@ -66,6 +66,9 @@ table! {
         /// chooses by what is measured.
         #[serde(deserialize_with = "method_or_auto")]
         method: Option<Method> = None => "\"auto\"", any;
+        /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
+        /// casting that is open on top, and level there.
+        layers: Vec<String> = Vec::new() => "none", any;
         /// What decides between methods and partings.
         limits: LimitsConfig = LimitsConfig::default() => "a table", any;
         /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by

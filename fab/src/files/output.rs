@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use mesh::io::IoError;
+use mesh::io::{IoError, write_atomic};
 use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
 
+use crate::body::layer::LaidIn;
 use crate::files::assembly::{Member, assembly};
 use crate::files::picture;
 use crate::files::report::{MoldReport, Part, Role};
@@ -38,7 +39,8 @@ pub fn threemf_file(part: &Part) -> String {
 pub fn files(report: &MoldReport) -> Vec<String> {
     let parts = report.parts.iter().flat_map(|part| [threemf_file(part), slicer::file(part)]);
     let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, sheet::JSON, sheet::MARKDOWN];
-    parts.chain(others.map(str::to_owned)).collect()
+    let templates = report.layers.iter().map(LaidIn::file);
+    parts.chain(templates).chain(others.map(str::to_owned)).collect()
 }
 
 /// Writes the parts and their assembly as 3MF, how parts are sliced, the assembly for
@@ -58,6 +60,9 @@ pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Re
         threemf::write(&folder.join(threemf_file(part)), &part.name, &[alone])?;
     }
     slicer::write(folder, report)?;
+    for layer in &report.layers {
+        write_atomic(&folder.join(layer.file()), |out| out.write_all(layer.svg().as_bytes()))?;
+    }
     let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
     threemf::write(&folder.join(ASSEMBLY), "closed mold", &closed)?;
     picture::grid(&folder.join(GRID), &assembly(report, surfaces))?;

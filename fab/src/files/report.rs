@@ -11,6 +11,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
+use crate::body::layer::LaidIn;
 use crate::body::source::{CastPart, Input};
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
@@ -70,6 +71,9 @@ pub struct MoldReport {
     /// Collars for tubes, which are cast and are not part of the design.
     #[serde(default)]
     pub collars: Vec<FittedTube>,
+    /// Sheets that are laid in, from below.
+    #[serde(default)]
+    pub layers: Vec<LaidIn>,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -207,6 +211,7 @@ impl MoldReport {
             },
             casting: config.casting.clone(),
             collars: Vec::new(),
+            layers: Vec::new(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings

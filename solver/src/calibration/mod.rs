@@ -237,7 +237,8 @@ impl Calibration {
 /// Unit and value of each number, which all scenes that have it must share.
 fn starts(numbers: &[Number], scenes: &[Scene]) -> Result<Vec<(&'static str, f64)>> {
     let of_law = |number: &&Number| matches!(number, Number::Law { .. });
-    if let (true, Some(number)) = (numbers.contains(&Number::Modulus), numbers.iter().find(of_law))
+    if let (true, Some(number)) =
+        (numbers.iter().any(|n| matches!(n, Number::Modulus(_))), numbers.iter().find(of_law))
     {
         bail!(
             "modulus and {}: a factor on all stresses and a stress are not told apart; expected \

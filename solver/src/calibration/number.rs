@@ -7,15 +7,15 @@ use crate::adjoint::Gradient;
 use crate::config::{ChamberConfig, is_pressure};
 use crate::energy::ParameterId;
 use crate::forward::Problem;
-use crate::scene::Scene;
-use crate::sensitivity::{Walls, by_density, by_membranes, by_modulus, by_pressures};
+use crate::scene::{Scene, SceneLaw};
+use crate::sensitivity::{Walls, by_density, by_membranes, by_moduli, by_pressures};
 
 /// `[[number]]`: what is sought.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Written")]
 pub enum Number {
-    /// One factor on all stresses of all materials [1].
-    Modulus,
+    /// One factor on all stresses of all materials, or of those of a body or volume [1].
+    Modulus(Option<String>),
     /// One factor on the density of all bodies [1].
     Density,
     /// Factor on the thickness of the sheets on a tag, or of all [1].
@@ -24,11 +24,11 @@ pub enum Number {
     Pressure(Option<String>),
     /// Outward offset of the wall with a tag, or of all [m].
     Wall(Option<String>),
-    /// A parameter of the law of a body.
+    /// A parameter of the law of a body or volume.
     Law {
         /// Its name.
         parameter: String,
-        /// The body; may be left out where there is one.
+        /// The body or volume; may be left out where there is one law.
         body: Option<String>,
     },
 }
@@ -40,9 +40,9 @@ struct Written {
     /// `modulus`, `density`, `membrane`, `pressure`, `wall`, or the name of a parameter of the
     /// law.
     of: String,
-    /// The chamber, or the tag of the wall or the sheet.
+    /// The chamber, the tag of the wall or the sheet, or the body or volume of the modulus.
     on: Option<String>,
-    /// The body with that law.
+    /// The body or volume with that law.
     body: Option<String>,
 }
 
@@ -51,18 +51,18 @@ impl TryFrom<Written> for Number {
 
     fn try_from(Written { of, on, body }: Written) -> Result<Self> {
         let number = match of.as_str() {
-            "modulus" => Self::Modulus,
+            "modulus" => Self::Modulus(on.clone()),
             "density" => Self::Density,
             "membrane" => Self::Membrane(on.clone()),
             "pressure" => Self::Pressure(on.clone()),
             "wall" => Self::Wall(on.clone()),
             _ => Self::Law { parameter: of, body: body.clone() },
         };
-        let chosen = matches!(number, Self::Membrane(_) | Self::Pressure(_) | Self::Wall(_));
+        let chosen = !matches!(number, Self::Density | Self::Law { .. });
         let of_law = matches!(number, Self::Law { .. });
         ensure!(
             chosen || on.is_none(),
-            "{}: on is for membrane, pressure and wall",
+            "{}: on is for modulus, membrane, pressure and wall",
             number.title()
         );
         ensure!(of_law || body.is_none(), "{}: body is for parameters of a law", number.title());
@@ -75,7 +75,7 @@ impl Number {
     #[must_use]
     pub fn title(&self) -> String {
         let (of, on) = match self {
-            Self::Modulus => ("modulus", &None),
+            Self::Modulus(on) => ("modulus", on),
             Self::Density => ("density", &None),
             Self::Membrane(on) => ("membrane", on),
             Self::Pressure(on) => ("pressure", on),
@@ -89,7 +89,7 @@ impl Number {
     #[must_use]
     pub fn meaning(&self) -> &'static str {
         match self {
-            Self::Modulus => "factor on all stresses",
+            Self::Modulus(_) => "factor on all stresses",
             Self::Density => "factor",
             Self::Membrane(_) => "factor on the thickness",
             Self::Pressure(_) => "offset",
@@ -104,9 +104,12 @@ impl Number {
     /// When no scene can have it.
     pub fn start(&self, scene: &Scene) -> Result<Option<(&'static str, f64)>> {
         Ok(match self {
-            Self::Modulus => Some(("1", 1.0)),
+            Self::Modulus(on) => {
+                let known = |law: &SceneLaw| is_law_on(scene, on, law);
+                scene.laws.iter().any(known).then_some(("1", 1.0))
+            }
             Self::Density => {
-                scene.parts.iter().any(|part| part.material.density.is_some()).then_some(("1", 1.0))
+                scene.laws.iter().any(|law| law.material.density.is_some()).then_some(("1", 1.0))
             }
             Self::Membrane(on) => {
                 scene.membranes.iter().any(|m| is_on(on, &m.config.on)).then_some(("1", 1.0))
@@ -120,13 +123,13 @@ impl Number {
                 on.as_ref().is_none_or(is_tag).then_some(("m", 0.0))
             }
             Self::Law { parameter, body } => {
-                let (part, place, unit) = self.place(parameter, body.as_ref(), scene)?;
-                Some((unit, scene.parts[part].material.values[place]))
+                let (law, place, unit) = self.place(parameter, body.as_ref(), scene)?;
+                Some((unit, scene.laws[law].material.values[place]))
             }
         })
     }
 
-    /// Of a parameter: its body, its place among the values of the law, and its unit.
+    /// Of a parameter: its law, its place among the values of that, and its unit.
     fn place(
         &self,
         wanted: &str,
@@ -134,15 +137,24 @@ impl Number {
         scene: &Scene,
     ) -> Result<(usize, usize, &'static str)> {
         let named = |name: &String| {
-            let found = scene.parts.iter().position(|part| part.config.name == *name);
-            found.with_context(|| format!("{}: no body has this name", self.title()))
+            let found = scene.laws.iter().position(|law| scene.law_name(law) == *name);
+            let all = || scene.laws.iter().map(|law| scene.law_name(law)).collect::<Vec<_>>();
+            found.with_context(|| {
+                format!(
+                    "{}: no body or volume has this name; there are: {}",
+                    self.title(),
+                    all().join(", ")
+                )
+            })
         };
-        let part = match body {
+        let law = match body {
             Some(name) => named(name)?,
-            None if scene.parts.len() == 1 => 0,
-            None => bail!("{wanted}: there are several bodies; name one by body = \"…\""),
+            None if scene.laws.len() == 1 => 0,
+            None => {
+                bail!("{wanted}: there are several laws; name a body or volume by body = \"…\"")
+            }
         };
-        let material = &scene.parts[part].material;
+        let material = &scene.laws[law].material;
         let mut place = 0;
         for (parameter, values) in material.law.named(&material.values) {
             if parameter.name == wanted {
@@ -152,7 +164,7 @@ impl Number {
                      another law",
                     self.title()
                 );
-                return Ok((part, place, parameter.unit));
+                return Ok((law, place, parameter.unit));
             }
             place += values.len();
         }
@@ -171,7 +183,7 @@ impl Number {
     /// When the scene does not admit the value.
     pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         match self {
-            Self::Modulus => scene.scale_stresses(value),
+            Self::Modulus(on) => scene.scale_stresses(on.as_deref(), value),
             Self::Density => scene.scale_density(value),
             Self::Membrane(on) => scene.scale_membranes(on.as_deref(), value),
             Self::Pressure(on) => scene.add_pressure(on.as_deref(), value),
@@ -184,8 +196,8 @@ impl Number {
                 Ok(())
             }
             Self::Law { parameter, body } => {
-                let (part, place, _) = self.place(parameter, body.as_ref(), scene)?;
-                let material = &mut scene.parts[part].material;
+                let (law, place, _) = self.place(parameter, body.as_ref(), scene)?;
+                let material = &mut scene.laws[law].material;
                 material.values[place] = value;
                 Ok(material.law.check(&material.values)?)
             }
@@ -204,7 +216,11 @@ impl Number {
         value: f64,
     ) -> Result<f64> {
         Ok(match self {
-            Self::Modulus => by_modulus(scene, by) / value,
+            Self::Modulus(on) => {
+                let laws = scene.laws.iter().zip(by_moduli(scene, by));
+                let own = laws.filter(|(law, _)| is_law_on(scene, on, law));
+                own.map(|(_, (_, by))| by).sum::<f64>() / value
+            }
             Self::Density => by_density(scene, by) / value,
             Self::Membrane(on) => {
                 let sheets = by_membranes(scene, by).into_iter();
@@ -220,11 +236,16 @@ impl Number {
                 all.into_iter().filter(|(tag, _)| tag == on).map(|(_, by)| by).sum()
             }
             Self::Law { parameter, body } => {
-                let (part, place, _) = self.place(parameter, body.as_ref(), scene)?;
-                by.parameters.total(ParameterId::Material(part))[place]
+                let (law, place, _) = self.place(parameter, body.as_ref(), scene)?;
+                by.parameters.total(ParameterId::Material(law))[place]
             }
         })
     }
+}
+
+/// Whether a law is of the body or volume that is named, or none is.
+fn is_law_on(scene: &Scene, named: &Option<String>, law: &SceneLaw) -> bool {
+    named.as_ref().is_none_or(|on| scene.is_law_of(law, on))
 }
 
 /// Whether a tag is the one that is named, or none is.

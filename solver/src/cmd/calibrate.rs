@@ -253,12 +253,15 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         let (columns, file) = (own.columns.join(", "), own.measured.display());
         writeln!(text, "# {}: {columns} of {file}, probe {}", own.name, own.probe)?;
     }
-    for part in &scene.parts {
+    for law in &scene.laws {
         if scene.parts.len() > 1 {
-            writeln!(text, "# body \"{}\"", part.config.name)?;
+            writeln!(text, "# body \"{}\"", scene.parts[law.part].config.name)?;
         }
-        let material = &part.material;
+        let material = &law.material;
         let mut keys = toml::Table::new();
+        if let Some(volume) = &law.volume {
+            keys.insert("on".to_owned(), volume.clone().into());
+        }
         keys.insert("kind".to_owned(), material.law.key.into());
         keys.extend(material.law.table(&material.values));
         if let Some(density) = material.density {
@@ -270,7 +273,8 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         if let Some(stretch) = material.stretch_at_break {
             keys.insert("stretch_at_break".to_owned(), stretch.into());
         }
-        writeln!(text, "[material]\n{keys}")?;
+        let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
+        writeln!(text, "{title}\n{keys}")?;
     }
     let as_found = |membrane: &SceneMembrane| MembraneConfig {
         thickness: membrane.thickness,
@@ -285,5 +289,5 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
 
 /// Whether a number changes a law.
 fn is_of_material(number: &Number) -> bool {
-    matches!(number, Number::Modulus | Number::Law { .. } | Number::Membrane(_))
+    matches!(number, Number::Modulus(_) | Number::Law { .. } | Number::Membrane(_))
 }

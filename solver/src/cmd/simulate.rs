@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     remove_stale(folder, done)?;
-    let silicones = scene.parts.iter().filter_map(|part| part.config.material.silicone());
+    let silicones = scene.laws.iter().filter_map(|law| law.config.silicone());
     for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
         log::info!("{line}");
     }
@@ -348,15 +348,19 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
 
 fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Value> {
     let (inputs, set) = results::provenance(&arguments.output, &[("scene", &scene.file)], scene)?;
-    let materials = scene.parts.iter().map(|part| {
-        let material = &part.material;
-        let silicone = part.config.material.silicone().map(|named| named.report());
-        json!({
+    let materials = scene.laws.iter().map(|law| {
+        let material = &law.material;
+        let silicone = law.config.silicone().map(|named| named.report());
+        let mut report = json!({
             "kind": material.law.key,
             "parameters": material.law.table(&material.values),
             "moduli": material.moduli(),
             "silicone": silicone,
-        })
+        });
+        if law.volume.is_some() {
+            report["on"] = json!(scene.law_name(law));
+        }
+        report
     });
     let mut header = json!({
         "status": "ok",

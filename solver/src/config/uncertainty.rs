@@ -52,7 +52,7 @@ impl UncertaintyConfig {
                 bail!("modulus = \"{word}\": expected a part such as 0.12, or \"sources\"")
             }
             Some(Modulus::Sources(_)) => {
-                let named = |b: &super::BodyConfig| b.material.silicone().is_some();
+                let named = |b: &super::BodyConfig| b.material.is_named();
                 ensure!(
                     scene.bodies()?.iter().all(named),
                     "modulus = \"sources\": the range of its sources is known of a silicone of \

@@ -19,19 +19,33 @@ pub struct Context<'a> {
     pub body: &'a Body,
     /// Topology and basis of its displacement.
     pub space: &'a FunctionSpace,
-    /// Name and law of each body, in the order of the body's parts.
-    pub bodies: &'a [(&'a str, &'a Specification)],
+    /// Name of each body, in the order of the body's parts.
+    pub bodies: &'a [&'a str],
+    /// All laws, with the body or volume and the elements of each.
+    pub laws: &'a [Law<'a>],
     /// Times at which the term counts [s].
     pub times: &'a [f64],
     /// What the scene's probes measure, by their names.
     pub probes: &'a BTreeMap<String, Arc<dyn Objective>>,
 }
 
+/// The law of a body or volume.
+pub struct Law<'a> {
+    /// Name of the body.
+    pub body: &'a str,
+    /// Name of the volume, or again of the body.
+    pub name: String,
+    /// Law and parameters.
+    pub material: &'a Specification,
+    /// The tetrahedra that have it.
+    pub elements: Range<usize>,
+}
+
 impl Context<'_> {
     /// Whether a body has this name.
     #[must_use]
     pub fn is_body(&self, name: &str) -> bool {
-        self.bodies.iter().any(|(body, _)| *body == name)
+        self.bodies.contains(&name)
     }
 
     /// The facets of each tag or body.
@@ -65,19 +79,19 @@ impl Context<'_> {
         }
     }
 
-    /// Law and elements of one body, or of all.
+    /// Laws and elements of one body or volume, or of all.
     ///
     /// # Errors
-    /// When there is no such body.
+    /// When there is no such body or volume.
     pub fn parts(&self, name: Option<&str>) -> Result<Vec<(&Specification, Range<usize>)>> {
-        let all = self.bodies.iter().zip(&self.body.parts);
-        let wanted = all.filter(|((body, _), _)| name.is_none_or(|name| *body == name));
-        let found: Vec<_> = wanted.map(|((_, law), part)| (*law, part.tets.clone())).collect();
+        let is_of = |law: &&Law| name.is_none_or(|name| law.body == name || law.name == name);
+        let wanted = self.laws.iter().filter(is_of);
+        let found: Vec<_> = wanted.map(|law| (law.material, law.elements.clone())).collect();
         ensure!(
             !found.is_empty(),
-            "on = \"{}\": no body is called that; there are: {}",
+            "on = \"{}\": no body or volume is called that; there are: {}",
             name.unwrap_or_default(),
-            self.bodies.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+            self.laws.iter().map(|law| law.name.clone()).collect::<Vec<_>>().join(", ")
         );
         Ok(found)
     }

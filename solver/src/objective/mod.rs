@@ -32,7 +32,7 @@ use crate::element::{FunctionSpace, at};
 pub use clearance::Clearance;
 pub use contact_force::{ContactForce, Resultant};
 pub use contact_proxy::{ContactProxy, PartsTouch};
-pub use context::Context;
+pub use context::{Context, Law};
 pub use distance_field::{DistanceField, DistanceKind};
 pub use integral::TimeIntegral;
 pub use kind::{Builder, COMMON_KEYS, Kind, Specification, from_keys, refuse_unknown};

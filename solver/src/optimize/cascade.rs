@@ -477,7 +477,9 @@ fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
             continue;
         }
         if body.has_tags_inside(part) {
-            log::info!("the interior is not re-meshed: facets inside the body have tags");
+            log::info!(
+                "the interior is not re-meshed: facets inside the body have tags, or volumes meet there"
+            );
             continue;
         }
         let report = mesh::improve::improve_interior(mesh, REMESH_PASSES);

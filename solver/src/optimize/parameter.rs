@@ -17,9 +17,9 @@ pub enum Parameter {
     Shape,
     /// Design variables of the loads [m].
     Loads,
-    /// Parameters of a body's law, each relative to itself.
+    /// Parameters of the law of a body or volume, each relative to itself.
     Material(usize),
-    /// Density of a body, relative to itself.
+    /// Its density, relative to itself.
     Density(usize),
     /// Thickness of a sheet and parameters of its law, each relative to itself.
     Membrane(usize),
@@ -37,14 +37,14 @@ impl Parameter {
         let shape = level.map().shape_variables();
         all.extend((shape > 0).then_some(Self::Shape));
         all.extend((level.variables() > shape).then_some(Self::Loads));
-        for part in 0..scene.parts.len() {
-            all.push(Self::Material(part));
-            if scene.weighs(part) {
-                all.push(Self::Density(part));
+        for law in 0..scene.laws.len() {
+            all.push(Self::Material(law));
+            if scene.weighs(law) {
+                all.push(Self::Density(law));
             }
-            if scene.config.method().has_inertia() {
-                all.push(Self::Velocity(part));
-            }
+        }
+        if scene.config.method().has_inertia() {
+            all.extend((0..scene.parts.len()).map(Self::Velocity));
         }
         all.extend((0..scene.membranes.len()).map(Self::Membrane));
         let has_friction = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
@@ -55,15 +55,15 @@ impl Parameter {
     /// Its name in reports.
     #[must_use]
     pub fn name(&self, scene: &Scene) -> String {
-        let body = |part: usize| &scene.parts[part].config.name;
+        let law = |i: usize| scene.law_name(&scene.laws[i]);
         match self {
             Self::Shape => "shape".to_owned(),
             Self::Loads => "loads".to_owned(),
-            Self::Material(part) => format!("material of {}", body(*part)),
-            Self::Density(part) => format!("density of {}", body(*part)),
+            Self::Material(i) => format!("material of {}", law(*i)),
+            Self::Density(i) => format!("density of {}", law(*i)),
             Self::Membrane(i) => format!("membrane {} on {}", i + 1, scene.membranes[*i].config.on),
             Self::Friction => "friction".to_owned(),
-            Self::Velocity(part) => format!("velocity of {}", body(*part)),
+            Self::Velocity(part) => format!("velocity of {}", scene.parts[*part].config.name),
         }
     }
 
@@ -74,7 +74,7 @@ impl Parameter {
         match self {
             Self::Shape => shape,
             Self::Loads => level.variables() - shape,
-            Self::Material(part) => scene.parts[*part].material.values.len(),
+            Self::Material(law) => scene.laws[*law].material.values.len(),
             Self::Membrane(i) => scene.membranes[*i].numbers().len(),
             Self::Density(_) | Self::Friction => 1,
             Self::Velocity(_) => 3,
@@ -86,26 +86,25 @@ impl Parameter {
     pub fn gradient(&self, level: &Level, swept: &[Gradient]) -> Vec<f64> {
         let shape = level.map().shape_variables();
         let by_variables = || level.pull_back(&vec![0.0; level.variables()], swept);
-        let relative = |of: fn(&Scenario, usize) -> Vec<f64>, part: usize, id: ParameterId| {
+        let relative = |of: fn(&Scenario, usize) -> Vec<f64>, place: usize, id: ParameterId| {
             let one = |(scenario, by): (&Scenario, &Gradient)| -> Vec<f64> {
                 let by = by.parameters.total(id);
-                by.iter().zip(of(scenario, part)).map(|(by, value)| by * value).collect()
+                by.iter().zip(of(scenario, place)).map(|(by, value)| by * value).collect()
             };
             sum(level.scenarios().iter().zip(swept).map(one))
         };
         match self {
             Self::Shape => by_variables()[..shape].to_vec(),
             Self::Loads => by_variables()[shape..].to_vec(),
-            Self::Material(part) => {
-                let values =
-                    |s: &Scenario, part: usize| s.scene.parts[part].material.values.clone();
-                relative(values, *part, ParameterId::Material(*part))
+            Self::Material(law) => {
+                let values = |s: &Scenario, law: usize| s.scene.laws[law].material.values.clone();
+                relative(values, *law, ParameterId::Material(*law))
             }
-            Self::Density(part) => {
-                let density = |s: &Scenario, part: usize| {
-                    vec![s.scene.parts[part].material.density.unwrap_or(0.0)]
+            Self::Density(law) => {
+                let density = |s: &Scenario, law: usize| {
+                    vec![s.scene.laws[law].material.density.unwrap_or(0.0)]
                 };
-                relative(density, *part, ParameterId::Density(*part))
+                relative(density, *law, ParameterId::Density(*law))
             }
             Self::Membrane(i) => {
                 let numbers = |s: &Scenario, i: usize| s.scene.membranes[i].numbers();
@@ -161,15 +160,15 @@ impl Perturbed<'_> {
                 theta[shape..].copy_from_slice(by);
                 return Ok(level.evaluate(&theta, near)?);
             }
-            Parameter::Material(part) => {
+            Parameter::Material(law) => {
                 let mut scene = self.scene.clone();
-                let values = &mut scene.parts[*part].material.values;
+                let values = &mut scene.laws[*law].material.values;
                 values.iter_mut().zip(by).for_each(|(p, by)| *p *= 1.0 + by);
                 scene
             }
-            Parameter::Density(part) => {
+            Parameter::Density(law) => {
                 let mut scene = self.scene.clone();
-                let density = &mut scene.parts[*part].material.density;
+                let density = &mut scene.laws[*law].material.density;
                 *density = density.map(|d| d * (1.0 + by[0]));
                 scene
             }

@@ -87,7 +87,8 @@ fn derivatives_belong_to_the_value() {
             let config: ObjectiveConfig = toml::from_str(&wanted).expect("sound");
             let probes = BTreeMap::from([("q".to_owned(), probe)]);
             let (body, space) = (&body(&case), &case.space);
-            let context = Context { body, space, bodies: &[], times: &[1.0], probes: &probes };
+            let context =
+                Context { body, space, bodies: &[], laws: &[], times: &[1.0], probes: &probes };
             let builder = config.prepare("".as_ref()).expect("no files");
             // another pair of points becomes the closest one a step of 1e-4 away
             let near = if keys.contains("'gap'") { 2e-5 } else { 1e-4 };

@@ -29,6 +29,8 @@ pub fn mirror_body(mesh: &TetMesh, tags: &Tags, plane: &Plane) -> (TetMesh, Tags
             whole.set(facet_key(facet.map(|v| image[v])), id);
         }
     }
+    whole.volumes = tags.volumes.clone();
+    whole.volumes.of.extend(&tags.volumes.of);
     (TetMesh { vertices, tets }, whole)
 }
 

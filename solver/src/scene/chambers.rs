@@ -66,7 +66,7 @@ impl Scene {
         energies: &Energies,
     ) -> Vec<Multiplier> {
         let nodes = space.node_positions(&body.mesh.vertices);
-        let shears = self.parts.iter().map(|part| part.material.moduli().shear);
+        let shears = self.laws.iter().map(|law| law.material.moduli().shear);
         let shear = shears.fold(0.0, f64::max);
         let one = |chamber: &Chamber| Multiplier {
             pressure: 0.0,

@@ -6,20 +6,22 @@ use super::Scene;
 use crate::config::{ScenarioConfig, is_pressure};
 
 impl Scene {
-    /// Multiplies all parameters of all laws that are stresses.
+    /// Multiplies all parameters that are stresses, of all laws or of those of a body or volume.
     ///
     /// # Errors
     /// When a law does not admit them.
-    pub fn scale_stresses(&mut self, factor: f64) -> Result<()> {
-        for part in &mut self.parts {
-            let law = part.material.law;
+    pub fn scale_stresses(&mut self, on: Option<&str>, factor: f64) -> Result<()> {
+        let all = self.laws.iter().map(|law| on.is_none_or(|on| self.is_law_of(law, on)));
+        let wanted: Vec<bool> = all.collect();
+        for (one, _) in self.laws.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
+            let law = one.material.law;
             let mut values = Vec::new();
-            for (parameter, own) in law.named(&part.material.values) {
+            for (parameter, own) in law.named(&one.material.values) {
                 let factor = if parameter.unit == "Pa" { factor } else { 1.0 };
                 values.extend(own.into_iter().map(|v| factor * v));
             }
             law.check(&values)?;
-            part.material.values = values;
+            one.material.values = values;
         }
         Ok(())
     }
@@ -30,8 +32,8 @@ impl Scene {
     /// When the factor is not positive.
     pub fn scale_density(&mut self, factor: f64) -> Result<()> {
         ensure!(factor > 0.0, "a density must be positive");
-        for part in &mut self.parts {
-            part.material.density = part.material.density.map(|density| density * factor);
+        for law in &mut self.laws {
+            law.material.density = law.material.density.map(|density| density * factor);
         }
         Ok(())
     }
@@ -87,10 +89,10 @@ impl Scene {
         }
         scene.config.check()?;
         if let Some(factor) = modulus {
-            scene.scale_stresses(*factor)?;
+            scene.scale_stresses(None, *factor)?;
         }
         if let Some(factor) = density {
-            let known = self.parts.iter().any(|part| part.material.density.is_some());
+            let known = self.laws.iter().any(|law| law.material.density.is_some());
             ensure!(known, "density: no material of the scene has one");
             scene.scale_density(*factor)?;
         }

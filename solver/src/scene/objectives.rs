@@ -8,8 +8,7 @@ use super::Scene;
 use crate::body::Body;
 use crate::config::ObjectiveConfig;
 use crate::element::FunctionSpace;
-use crate::material::Specification;
-use crate::objective::{Builder, Context, Objective};
+use crate::objective::{Builder, Context, Law, Objective};
 
 /// A term with its factors.
 pub struct Weighted {
@@ -75,9 +74,15 @@ impl<'a> ObjectiveBuilder<'a> {
         body: &Body,
         space: &FunctionSpace,
     ) -> Result<Vec<Weighted>> {
-        let parts = scene.parts.iter();
-        let bodies: Vec<(&str, &Specification)> =
-            parts.map(|part| (part.config.name.as_str(), &part.material)).collect();
+        let name = |part: usize| scene.parts[part].config.name.as_str();
+        let bodies: Vec<&str> = (0..scene.parts.len()).map(name).collect();
+        let laws = scene.laws.iter().map(|law| Law {
+            body: name(law.part),
+            name: scene.law_name(law),
+            material: &law.material,
+            elements: law.elements(body),
+        });
+        let laws: Vec<Law> = laws.collect();
         let ends = scene.times();
         let probes = scene.probes(body, space)?;
         let probes = probes.into_iter().map(|probe| (probe.name, probe.quantity)).collect();
@@ -85,7 +90,8 @@ impl<'a> ObjectiveBuilder<'a> {
             let (name, factors) = (term.config.name(), factors(term.config, scene)?);
             let times = [0.0].iter().chain(&ends).zip(&factors);
             let times: Vec<f64> = times.filter(|(_, f)| **f != 0.0).map(|(t, _)| *t).collect();
-            let context = Context { body, space, bodies: &bodies, times: &times, probes: &probes };
+            let (bodies, laws) = (&bodies[..], &laws[..]);
+            let context = Context { body, space, bodies, laws, times: &times, probes: &probes };
             let objective =
                 (term.build)(name, &context).with_context(|| format!("objective \"{name}\""))?;
             Ok(Weighted { weight: term.config.weight(), factors, objective })

@@ -1,13 +1,14 @@
 //! `tagger show`: a table of the tags of a mesh.
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::io::vtu::{self, CellType, Field, Grid};
-use mesh::{Tags, TetMesh, io, measure, topology};
+use mesh::{Tags, TetMesh, Volumes, facet_key, io, measure, topology};
 
-/// Prints tag, id, facets, area, components and boundary loops.
+/// Prints tag, id, facets, area, components and boundary loops; then the volumes.
 #[derive(clap::Args)]
 pub struct Args {
     /// Tagged mesh (Gmsh .msh with physical groups of triangles).
@@ -43,6 +44,7 @@ pub fn run(args: &Args) -> Result<()> {
         .collect();
     rows.retain(|row| row.id > 0 || row.facets > 0);
     print(&rows)?;
+    print_volumes(&file)?;
     if let Some(path) = &args.vtu {
         vtu::write_vtu(path, &grid(&file.mesh, &boundary, &file.tags))?;
     }
@@ -50,8 +52,10 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags) -> Row {
-    let facets: Vec<[usize; 3]> =
+    let mut facets: Vec<[usize; 3]> =
         boundary.iter().copied().filter(|&f| tags.get(f).unwrap_or(0) == id).collect();
+    let on_boundary: BTreeSet<[usize; 3]> = facets.iter().copied().map(facet_key).collect();
+    facets.extend(tags.facets_of(id).into_iter().filter(|f| !on_boundary.contains(f)));
     Row {
         name: name.to_owned(),
         id,
@@ -76,6 +80,21 @@ fn print(rows: &[Row]) -> std::io::Result<()> {
             out,
             "{name:width$}  {id:>3}  {facets:>7}  {area:>12.3}  {components:>10}  {loops:>5}"
         )?;
+    }
+    out.flush()
+}
+
+/// Volumes with their tetrahedra, where there are any.
+fn print_volumes(file: &io::MshFile) -> std::io::Result<()> {
+    let Volumes { names, of } = &file.tags.volumes;
+    let mut out = std::io::stdout().lock();
+    for (i, name) in names.iter().enumerate() {
+        let own = (0..of.len()).filter(|&t| of[t] == i).map(|t| {
+            let [a, b, c, d] = file.mesh.corners(t);
+            measure::tet_volume(a, b, c, d)
+        });
+        let (count, size) = own.fold((0, 0.0), |(n, sum), volume| (n + 1, sum + volume));
+        writeln!(out, "volume {name}: {count} tetrahedra, {:.3} mm³", 1e9 * size)?;
     }
     out.flush()
 }

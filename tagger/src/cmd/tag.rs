@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
-use mesh::{io, measure};
+use mesh::{Tags, io, measure};
 
 use crate::assign::{self, Assignment};
 use crate::config::Config;
 use crate::facets::Facets;
 use crate::select::Sources;
+use crate::volumes;
 
 /// Gives every boundary facet to the first selection that holds its centroid.
 #[derive(clap::Args)]
@@ -33,7 +34,7 @@ pub struct Args {
 /// If an input is bad, a tag is empty or a pressure wall cannot be simulated.
 pub fn run(args: &Args) -> Result<()> {
     let config = Config::read(&args.config)?;
-    let mesh = io::read_tets(&args.volume)?.mesh;
+    let io::MshFile { mesh, tags: before } = io::read_tets(&args.volume)?;
     if mesh.tets.is_empty() {
         bail!("{}: no tetrahedra, so there is no boundary to tag", args.volume.display());
     }
@@ -46,18 +47,24 @@ pub fn run(args: &Args) -> Result<()> {
         sources.surface = Some(io::read_surface(&folder.join(surface))?);
     }
     info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
-    let assignment = assign::assign(&config, &facets, sources)
-        .with_context(|| args.config.display().to_string())?;
+    let of_config = || args.config.display().to_string();
+    let volumes = volumes::assign(&config, &mesh, &before.volumes, &facets, &mut sources);
+    let volumes = volumes.with_context(of_config)?;
+    let assignment = assign::assign(&config, &mesh, &facets, sources).with_context(of_config)?;
     report(&config, &assignment, &facets);
-    super::write_tagged(&args.output, &mesh, &assignment.tags(&config, &facets))
+    let tags = Tags { volumes, ..assignment.tags(&config, &facets) };
+    super::write_tagged(&args.output, &mesh, &tags)
 }
 
 fn report(config: &Config, assignment: &Assignment, facets: &Facets) {
     for (index, (tag, tally)) in config.tags.iter().zip(&assignment.tallies).enumerate() {
-        let count = assignment.owners.iter().filter(|&&o| o == Some(index)).count();
+        let on_boundary = assignment.owners.iter().filter(|&&o| o == Some(index)).count();
+        let inside = assignment.inside.iter().filter(|&&(_, owner)| owner == index).count();
+        let count = on_boundary + inside;
         info!(
-            "{}: {count} facets, {:.3} mm², {} contested, {} pinholes filled",
+            "{}: {count} facets{}, {:.3} mm², {} contested, {} pinholes filled",
             tag.name,
+            if tag.inside { " inside" } else { "" },
             1e6 * tally.area,
             tally.contested,
             tally.pinholes

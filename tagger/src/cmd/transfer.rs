@@ -37,6 +37,16 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: no tagged facets; make them with: tagger tag",
         args.tagged.display()
     );
+    let boundary = topology::boundary(&old.mesh).facets;
+    let on_boundary = boundary.iter().filter(|&&f| old.tags.get(f).is_some()).count();
+    let inside = old.tags.facets.len() - on_boundary;
+    ensure!(
+        inside == 0 && old.tags.volumes.names.is_empty(),
+        "{}: {inside} tagged facets inside and {} volumes would be lost, as the interior differs; tag the new \
+         mesh from its selections instead: tagger tag",
+        args.tagged.display(),
+        old.tags.volumes.names.len()
+    );
     let tags = transfer(&old.mesh, &old.tags, &new.mesh)
         .with_context(|| differ(&args.tagged, &args.volume))?;
     info!("{} tagged facets carried over", tags.facets.len());

@@ -36,6 +36,12 @@ impl Selector for Cuboid {
         Ok(facets.centroids.iter().map(inside).collect())
     }
 
+    fn signed_distance(&self, p: &Vec3) -> Option<f64> {
+        let beyond = Vec3::from_fn(|i, _| (self.min[i] - p[i]).max(p[i] - self.max[i]));
+        let inside = beyond.max().min(0.0);
+        Some(beyond.map(|x| x.max(0.0)).norm() + inside)
+    }
+
     fn advice(&self, facets: &Facets, _: &Sources) -> String {
         format!("no centroid lies inside the box; {}", extent(facets))
     }

@@ -1,4 +1,5 @@
-//! Selectors: rules that say which boundary facets belong to a tag.
+//! Selectors: rules that say which boundary facets belong to a tag, and which tetrahedra to a
+//! volume.
 //!
 //! All of them test the centroid of a facet. Testing its three vertices loses
 //! whole rims: the vertices of a rim lie on the side wall of an offset body.
@@ -28,6 +29,12 @@ pub trait Selector {
 
     /// Area that the selection should have [m²], where the input knows it.
     fn expected_area(&self, _sources: &Sources) -> Option<f64> {
+        None
+    }
+
+    /// Distance of a point from the surface of the selection, negative inside [m]; none where it
+    /// selects facets only.
+    fn signed_distance(&self, _point: &Vec3) -> Option<f64> {
         None
     }
 

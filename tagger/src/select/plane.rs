@@ -37,6 +37,10 @@ impl Selector for Plane {
         Ok(facets.centroids.iter().map(beyond).collect())
     }
 
+    fn signed_distance(&self, p: &Vec3) -> Option<f64> {
+        Some(Vec3::from(self.normal).normalize().dot(&(Vec3::from(self.point) - p)))
+    }
+
     fn advice(&self, facets: &Facets, _: &Sources) -> String {
         format!("no centroid lies on or beyond the plane; {}", extent(facets))
     }

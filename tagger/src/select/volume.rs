@@ -6,8 +6,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::{io, topology};
+use mesh::{Vec3, io, topology};
 
 use super::{Entry, Selector, Sources, extent, path_of, point};
 use crate::facets::Facets;
@@ -22,6 +23,7 @@ pub const ENTRY: Entry = Entry {
 struct Volume {
     path: PathBuf,
     winding: WindingNumber,
+    bvh: SurfaceBvh,
 }
 
 fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
@@ -40,12 +42,18 @@ fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>
             path.with_extension("obj").display(),
         );
     }
-    Ok(Box::new(Volume { winding: WindingNumber::new(&surface), path }))
+    let (winding, bvh) = (WindingNumber::new(&surface), SurfaceBvh::new(&surface));
+    Ok(Box::new(Volume { path, winding, bvh }))
 }
 
 impl Selector for Volume {
     fn select(&self, facets: &Facets, _: &Sources) -> Result<Vec<bool>> {
         Ok(facets.centroids.iter().map(|c| self.winding.at(c).abs() > 0.5).collect())
+    }
+
+    fn signed_distance(&self, p: &Vec3) -> Option<f64> {
+        let sign = if self.winding.at(p).abs() > 0.5 { -1.0 } else { 1.0 };
+        Some(sign * self.bvh.closest(p).distance)
     }
 
     fn advice(&self, facets: &Facets, _: &Sources) -> String {

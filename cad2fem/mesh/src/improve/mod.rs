@@ -11,6 +11,7 @@ mod complex;
 mod flip;
 mod resample;
 mod shape;
+mod slit;
 mod smooth;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ use crate::TetMesh;
 use crate::measure::{Quality, quality};
 use complex::Complex;
 use serde::Serialize;
+pub use slit::improve_around;
 
 /// Tetrahedra below this shape have their edges and facets exchanged; the shape of
 /// a regular one is 1.

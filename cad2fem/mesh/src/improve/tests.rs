@@ -7,7 +7,7 @@ use crate::measure::{tet_volume, volume};
 use crate::topology::{TET_FACETS, boundary, tet_edges, vertex_neighbours};
 use crate::{Vec3, facet_key};
 use nalgebra::{Matrix3, matrix};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A box of ±30 mm with a ball of 15 mm cut out of it: `n` × `n` squares on each
@@ -275,5 +275,29 @@ fn published_meshes_are_not_made_worse_and_keep_their_boundary() {
         let (before, after) = (&report.before, &report.after);
         assert!(after.radius_ratio_min >= before.radius_ratio_min, "{name} {report:?}");
         assert!(after.radius_ratio_p1 > before.radius_ratio_p1 + 0.02, "{name} {report:?}");
+    }
+}
+
+#[test]
+fn facets_inside_stay_bit_for_bit() {
+    // a surface that divides the mesh, and half of it, whose rim lies inside
+    for whole in [true, false] {
+        let (mut mesh, count) = hollow_box(6, 3);
+        // the layer with the number 2, the first one inside
+        let inside = |v: &usize| (2 * count..3 * count).contains(v);
+        let keys = |tet: &[usize; 4]| TET_FACETS.map(|f| facet_key(f.map(|c| tet[c])));
+        let facets = mesh.tets.iter().flat_map(keys).filter(|f| f.iter().all(inside));
+        let wanted = |f: &[usize; 3]| whole || f.iter().all(|&v| mesh.vertices[v].z > 0.0);
+        let facets: BTreeSet<[usize; 3]> = facets.filter(wanted).collect();
+        let places: Vec<_> = mesh.vertices.clone();
+        let (before, filled) = (mesh.clone(), volume(&mesh));
+        let report = improve_around(&mut mesh, &facets, 10);
+        assert!(report.moved + report.flips > 0 && mesh != before);
+        assert!(report.after.radius_ratio_min >= report.before.radius_ratio_min);
+        let after: BTreeSet<[usize; 3]> = mesh.tets.iter().flat_map(keys).collect();
+        assert!(facets.iter().all(|facet| after.contains(facet)));
+        assert!(facets.iter().flatten().all(|&v| mesh.vertices[v] == places[v]));
+        assert_eq!(boundary(&mesh).facets, boundary(&before).facets);
+        assert!((volume(&mesh) / filled - 1.0).abs() < 1e-12);
     }
 }

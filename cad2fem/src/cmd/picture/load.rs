@@ -89,10 +89,21 @@ fn tagged(path: &Path, paint: &Paint) -> Result<Loaded> {
             names.push(("no tag".into(), color::untagged()));
         }
     }
+    let volumes = &file.tags.volumes;
+    let of_volume = |i: usize| color::palette(file.tags.names.len() + i);
+    let inside = |t: usize| match volumes.of.get(t) {
+        Some(&volume) if paint.tags => of_volume(volume),
+        _ if named => color::untagged(),
+        _ => paint.color,
+    };
+    if paint.tags {
+        let volumes = volumes.names.iter().enumerate();
+        names.extend(volumes.map(|(i, name)| (format!("{name} (volume)"), of_volume(i))));
+    }
     let cells = Cells {
         nodes: file.mesh.tets.iter().map(|t| t.to_vec()).collect(),
         values: vec![vec![f64::NAN; 4]; file.mesh.tets.len()],
-        color: if named { color::untagged() } else { paint.color },
+        colors: (0..file.mesh.tets.len()).map(inside).collect(),
         points: file.mesh.vertices,
     };
     let facets = shade(&cells.points, &triangles);
@@ -109,7 +120,7 @@ fn result(grid: &Grid, paint: &Paint) -> Result<Loaded> {
             points: points.clone(),
             nodes: cells.iter().map(|c| c.to_vec()).collect(),
             values: values.clone(),
-            color: paint.color,
+            colors: vec![paint.color; cells.len()],
         };
         (Some(solid), outer_faces(&cells, &values))
     } else {

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
+use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
 use crate::config::method::Method;
 use crate::files::report::{MoldReport, Outline, Role};
@@ -32,6 +33,10 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     let mut items: Vec<Item> = Vec::new();
     let mut add = |count, what: String| items.push(Item { count, what });
     add(1, format!("{:.0} g of {plastic}, if printed solid", sheet.plastic_g));
+    for layer in &report.layers {
+        let [width, depth] = layer.size();
+        add(1, format!("{}, cut by `{}`: {width:.1} × {depth:.1} mm", layer.tag, layer.file()));
+    }
     if report.method == Method::Soluble {
         add(1, "filament that water dissolves (PVA or BVOH), for the core".into());
     }
@@ -253,6 +258,7 @@ fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let stand = (!funnels.is_empty()).then_some(stand);
     let vents = with(report, Purpose::Vent).count();
     let pour = match vents {
+        _ if !report.layers.is_empty() => lay_in(sheet, report),
         _ if report.open => {
             "Pour a thin stream into one corner, up to the brim, and level it.".into()
         }
@@ -271,6 +277,22 @@ fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
                  fallen back and only few bubbles come."
         .into();
     [mixing(sheet), degas].into_iter().chain(stand).chain([pour, cure]).collect()
+}
+
+/// Pouring in turns with the sheets that are laid in.
+fn lay_in(sheet: &Sheet, report: &MoldReport) -> String {
+    let grams = sheet.silicone.as_ref().and_then(|s| s.mass_g).map(|mass| mass / sheet.mix_ml);
+    let mut words = String::new();
+    for LaidIn { tag, height, below_ml, .. } in &report.layers {
+        let mass = grams.map_or(String::new(), |density| format!(" ({:.1} g)", density * below_ml));
+        words += &format!(
+            "Pour {below_ml:.2} mL{mass} in a thin stream into one corner of the {}, until it stands {height:.1} mm \
+             high, and level it. Lay {tag} onto it from one end to the other, so that no air stays below; it \
+             must be soaked, and flat. ",
+            and(&names(report, Role::Shell))
+        );
+    }
+    words + "Pour the rest, up to the brim, and level it."
 }
 
 fn mixing(sheet: &Sheet) -> String {

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-use super::{MshFile, Raw};
+use super::{BODY, MshFile, Raw};
 use crate::io::{Parsed, require_finite};
 use crate::measure::tet_volume;
 use crate::topology::TET_FACETS;
-use crate::{Tags, TetMesh, facet_key};
+use crate::{Tags, TetMesh, Volumes, facet_key};
 
 /// The mesh, and warnings.
 pub fn assemble(raw: Raw) -> Parsed<(MshFile, Vec<String>)> {
@@ -24,9 +24,9 @@ pub fn assemble(raw: Raw) -> Parsed<(MshFile, Vec<String>)> {
     if turned > 0 {
         log::debug!("turned {turned} of {} tetrahedra", mesh.tets.len());
     }
-    let tags = tags_of(&raw, &mesh, &index)?;
-    let bodies = raw.tets.iter().map(|&(_, group)| group).collect();
-    Ok((MshFile { mesh, tags, bodies }, notes))
+    let mut tags = tags_of(&raw, &mesh, &index)?;
+    tags.volumes = volumes_of(&raw)?;
+    Ok((MshFile { mesh, tags }, notes))
 }
 
 /// Keeps the nodes that tetrahedra use, in the order of the file; also returns
@@ -110,6 +110,27 @@ fn tags_of(raw: &Raw, mesh: &TetMesh, index: &HashMap<u64, usize>) -> Parsed<Tag
         ));
     }
     Ok(tags)
+}
+
+fn volumes_of(raw: &Raw) -> Parsed<Volumes> {
+    let named: BTreeMap<i32, &String> =
+        raw.volume_names.iter().map(|(n, name)| (*n, name)).collect();
+    let groups: BTreeSet<i32> = raw.tets.iter().map(|&(_, group)| group).collect();
+    let name = |n: &i32| match named.get(n) {
+        Some(&name) => name.clone(),
+        None if *n == 0 => BODY.to_owned(),
+        None => n.to_string(),
+    };
+    let names: Vec<String> = groups.iter().map(name).collect();
+    if let Some(i) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        return Err(format!("two physical groups of tetrahedra are called {:?}", names[i]));
+    }
+    let anonymous = groups.iter().all(|n| named.get(n).is_none_or(|name| *name == BODY));
+    if groups.len() == 1 && anonymous {
+        return Ok(Volumes::default());
+    }
+    let place: BTreeMap<i32, usize> = groups.into_iter().zip(0..).collect();
+    Ok(Volumes { names, of: raw.tets.iter().map(|(_, group)| place[group]).collect() })
 }
 
 fn tet_facets(mesh: &TetMesh) -> HashSet<[usize; 3]> {

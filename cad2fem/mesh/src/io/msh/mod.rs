@@ -19,15 +19,16 @@ use crate::{Tags, TetMesh};
 
 pub use write::write_tets;
 
+/// Name of the tetrahedra that are in no volume with another name.
+pub const BODY: &str = "body";
+
 /// What a Gmsh file holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MshFile {
     /// The tetrahedra, all of positive volume; vertices in the order of the file.
     pub mesh: TetMesh,
-    /// Physical groups of triangles; empty if there are none.
+    /// Physical groups of triangles, and of tetrahedra; empty if there are none.
     pub tags: Tags,
-    /// Physical group of each tetrahedron, 0 if it has none.
-    pub bodies: Vec<i32>,
 }
 
 /// Reads a tetrahedral mesh from a Gmsh file.
@@ -35,7 +36,8 @@ pub struct MshFile {
 /// Vertices keep the order of the file; those that no tetrahedron uses are left
 /// out with a warning. Tetrahedra of negative volume are turned. The physical
 /// groups of triangles become tags in the order of their numbers, called by
-/// their physical name or else by their number.
+/// their physical name or else by their number, and those of tetrahedra volumes,
+/// unless all are in one group without a name, or called [`BODY`].
 ///
 /// # Errors
 /// If the file cannot be read, is truncated or malformed, has coordinates that
@@ -66,6 +68,8 @@ struct Raw {
     tets: Vec<([u64; 4], i32)>,
     /// Number and name of the physical groups of dimension 2.
     names: Vec<(i32, String)>,
+    /// The same of dimension 3.
+    volume_names: Vec<(i32, String)>,
 }
 
 fn parse(bytes: &[u8]) -> Parsed<Raw> {
@@ -75,7 +79,9 @@ fn parse(bytes: &[u8]) -> Parsed<Raw> {
     let mut groups = v4::Groups::default();
     while let Some(section) = source.next_section()? {
         let read = match (section.as_str(), version) {
-            ("PhysicalNames", _) => source.physical_names().map(|names| raw.names = names),
+            ("PhysicalNames", _) => {
+                source.physical_names().map(|names| [raw.names, raw.volume_names] = names)
+            }
             ("Nodes", 2) => v2::nodes(&mut source).map(|nodes| raw.nodes = nodes),
             ("Elements", 2) => v2::elements(&mut source, &mut raw),
             ("Entities", 4) => v4::entities(&mut source).map(|found| groups = found),

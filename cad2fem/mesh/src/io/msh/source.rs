@@ -96,21 +96,23 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Number and name of the groups of dimension 2 in `$PhysicalNames`, which is
-    /// text in binary files, too.
-    pub fn physical_names(&mut self) -> Parsed<Vec<(i32, String)>> {
+    /// Number and name of the groups of dimension 2, then of those of dimension 3, in
+    /// `$PhysicalNames`, which is text in binary files, too.
+    pub fn physical_names(&mut self) -> Parsed<[Vec<(i32, String)>; 2]> {
         let count = self.text_count()?;
-        let mut names = Vec::new();
+        let [mut surfaces, mut volumes] = [Vec::new(), Vec::new()];
         for _ in 0..count {
             let line = self.cursor.line().ok_or("the file is truncated")?;
             let line = std::str::from_utf8(line).map_err(|_| "a physical name is not UTF-8")?;
             let (dimension, number, name) = physical_name(line)
                 .ok_or_else(|| format!("{line:?} is not of the form: dimension number \"name\""))?;
-            if dimension == 2 {
-                names.push((number, name.to_string()));
+            match dimension {
+                2 => surfaces.push((number, name.to_string())),
+                3 => volumes.push((number, name.to_string())),
+                _ => {}
             }
         }
-        Ok(names)
+        Ok([surfaces, volumes])
     }
 
     pub fn is_binary(&self) -> bool {

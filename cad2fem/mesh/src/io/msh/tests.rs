@@ -1,9 +1,9 @@
 //! Gmsh files: ours, hand-made ones and those of published scenes.
 
 use super::*;
-use crate::Vec3;
 use crate::check::check_tets;
 use crate::measure::volume;
+use crate::{Vec3, Volumes};
 
 /// Two tetrahedra on a common facet, with coordinates that need all 53 bits.
 fn mesh() -> TetMesh {
@@ -43,7 +43,19 @@ fn what_is_written_comes_back_bit_for_bit() {
     assert_eq!(file.mesh, mesh());
     assert!(file.mesh.vertices[1].z.is_sign_negative());
     assert_eq!(file.tags, tags());
-    assert_eq!(file.bodies, [1, 1]);
+}
+
+#[test]
+fn volumes_come_back_by_their_names() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.msh");
+    let mut tags = tags();
+    tags.volumes = Volumes { names: vec!["floor".into(), "walls".into()], of: vec![1, 0] };
+    write_tets(&path, &mesh(), &tags).expect("writable");
+    assert_eq!(read_tets(&path).expect("what was written").tags, tags);
+    tags.volumes.of.pop();
+    let message = write_tets(&path, &mesh(), &tags).expect_err("one is missing").to_string();
+    assert!(message.contains("volumes of 1 tetrahedra by 2 names, there are 2"), "{message}");
 }
 
 #[test]
@@ -66,7 +78,8 @@ fn corrupted_bytes_are_errors_or_other_meshes_but_never_panics() {
                 corrupted[i] = value;
                 if let Ok(file) = read(&corrupted) {
                     assert!(file.mesh.vertices.iter().flatten().all(|x| x.is_finite()));
-                    assert_eq!(file.mesh.tets.len(), file.bodies.len());
+                    let volumes = file.tags.volumes.of.len();
+                    assert!(volumes == 0 || volumes == file.mesh.tets.len());
                 }
             }
         }
@@ -135,7 +148,7 @@ fn second_order_binary_41_yields_its_corners_groups_and_a_positive_volume() {
     assert_eq!(volume(&file.mesh), 1.0 / 6.0);
     assert_eq!(file.tags.names, ["inner wall"]);
     assert_eq!(file.tags.get([0, 1, 2]), Some(1));
-    assert_eq!(file.bodies, [4]);
+    assert_eq!(file.tags.volumes, Volumes::default());
 }
 
 #[test]

@@ -3,10 +3,12 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::BODY;
 use crate::io::{IoError, require_finite, write_atomic};
-use crate::{Tags, TetMesh};
+use crate::{Tags, TetMesh, Volumes};
 
-/// Writes a tetrahedral mesh with its tags as physical groups of triangles.
+/// Writes a tetrahedral mesh with its tags as physical groups of triangles, and its volumes as
+/// those of tetrahedra.
 ///
 /// Coordinates are written with as many digits as it takes to read back the same
 /// bits. All tag names are kept, also those without facets.
@@ -36,7 +38,12 @@ fn require_sound(mesh: &TetMesh, tags: &Tags) -> Result<(), String> {
             ));
         }
     }
-    match tags.names.iter().find(|name| name.contains(['"', '\n', '\r'])) {
+    let Volumes { names, of } = &tags.volumes;
+    if !names.is_empty() && (of.len() != mesh.tets.len() || of.iter().any(|&i| i >= names.len())) {
+        let (known, named, all) = (of.len(), names.len(), mesh.tets.len());
+        return Err(format!("volumes of {known} tetrahedra by {named} names, there are {all}"));
+    }
+    match tags.names.iter().chain(names).find(|name| name.contains(['"', '\n', '\r'])) {
         Some(name) => Err(format!("the tag name {name:?} contains a quote or a line end")),
         None => Ok(()),
     }
@@ -44,11 +51,17 @@ fn require_sound(mesh: &TetMesh, tags: &Tags) -> Result<(), String> {
 
 fn write(mesh: &TetMesh, tags: &Tags, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "$MeshFormat\n2.2 0 8\n$EndMeshFormat")?;
-    writeln!(out, "$PhysicalNames\n{}", tags.names.len() + 1)?;
+    let body = [BODY.to_owned()];
+    let Volumes { names: volumes, of } = &tags.volumes;
+    let volumes = if volumes.is_empty() { &body } else { &volumes[..] };
+    writeln!(out, "$PhysicalNames\n{}", tags.names.len() + volumes.len())?;
     for (name, id) in tags.names.iter().zip(1..) {
         writeln!(out, "2 {id} \"{name}\"")?;
     }
-    writeln!(out, "3 1 \"body\"\n$EndPhysicalNames")?;
+    for (name, id) in volumes.iter().zip(1..) {
+        writeln!(out, "3 {id} \"{name}\"")?;
+    }
+    writeln!(out, "$EndPhysicalNames")?;
     writeln!(out, "$Nodes\n{}", mesh.vertices.len())?;
     for (v, number) in mesh.vertices.iter().zip(1..) {
         writeln!(out, "{number} {:?} {:?} {:?}", v.x, v.y, v.z)?;
@@ -59,9 +72,10 @@ fn write(mesh: &TetMesh, tags: &Tags, out: &mut dyn Write) -> io::Result<()> {
         let [a, b, c] = facet.map(|v| v + 1);
         writeln!(out, "{number} 2 2 {id} {id} {a} {b} {c}")?;
     }
-    for (tet, number) in mesh.tets.iter().zip(tags.facets.len() + 1..) {
+    for (t, (tet, number)) in mesh.tets.iter().zip(tags.facets.len() + 1..).enumerate() {
         let [a, b, c, d] = tet.map(|v| v + 1);
-        writeln!(out, "{number} 4 2 1 1 {a} {b} {c} {d}")?;
+        let id = of.get(t).map_or(1, |volume| volume + 1);
+        writeln!(out, "{number} 4 2 {id} {id} {a} {b} {c} {d}")?;
     }
     writeln!(out, "$EndElements")
 }

@@ -1,0 +1,117 @@
+//! What the bodies of a scene are made of: one law for each, or one for each volume of its mesh.
+
+use std::ops::Range;
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::{Tags, TetMesh, Volumes};
+
+use super::Scene;
+use crate::body::Body;
+use crate::config::{BodyConfig, MaterialConfig};
+use crate::material::Specification;
+
+/// The law of a body or of one of its volumes.
+#[derive(Clone)]
+pub struct SceneLaw {
+    /// The body, by its place among all.
+    pub part: usize,
+    /// The volume; none where the body has one law.
+    pub volume: Option<String>,
+    /// The settings, of this law alone.
+    pub config: MaterialConfig,
+    /// Law and parameters.
+    pub material: Specification,
+}
+
+impl SceneLaw {
+    /// The tetrahedra that have this law, on a body with the volumes of the scene.
+    #[must_use]
+    pub fn elements(&self, body: &Body) -> Range<usize> {
+        match &self.volume {
+            None => body.parts[self.part].tets.clone(),
+            Some(volume) => body.volume(self.part, volume),
+        }
+    }
+}
+
+impl Scene {
+    /// What reports and messages call a law: as the body or its volume; `body.volume` where there
+    /// are several bodies.
+    #[must_use]
+    pub fn law_name(&self, law: &SceneLaw) -> String {
+        let body = &self.parts[law.part].config.name;
+        match &law.volume {
+            None => body.clone(),
+            Some(volume) if self.parts.len() == 1 => volume.clone(),
+            Some(volume) => format!("{body}.{volume}"),
+        }
+    }
+
+    /// Whether a law is called so, or is of a body that is.
+    #[must_use]
+    pub fn is_law_of(&self, law: &SceneLaw, name: &str) -> bool {
+        self.law_name(law) == name || self.parts[law.part].config.name == name
+    }
+}
+
+/// The laws of one body. Tetrahedra of each volume with a law of its own follow each other from now
+/// on; names of volumes that share one law are dropped.
+///
+/// # Errors
+/// When a volume of the mesh has no law or two, or a law is of none.
+pub(super) fn laws(
+    part: usize,
+    config: &BodyConfig,
+    mesh: &mut TetMesh,
+    tags: &mut Tags,
+) -> Result<Vec<SceneLaw>> {
+    let MaterialConfig::Volumes(materials) = &config.material else {
+        tags.volumes = Volumes::default();
+        let material = config.material.specification()?;
+        let config = config.material.clone();
+        return Ok(vec![SceneLaw { part, volume: None, config, material }]);
+    };
+    if tags.volumes.names.is_empty() {
+        let names = vec![mesh::io::msh::BODY.to_owned()];
+        tags.volumes = Volumes { names, of: vec![0; mesh.tets.len()] };
+    }
+    let names = &tags.volumes.names;
+    for (i, material) in materials.iter().enumerate() {
+        ensure!(
+            names.contains(&material.on),
+            "[[material]] on \"{}\": unknown volume; the mesh has: {}",
+            material.on,
+            names.join(", ")
+        );
+        ensure!(
+            materials[..i].iter().all(|other| other.on != material.on),
+            "[[material]] on \"{}\" is given twice; a volume has one law",
+            material.on
+        );
+    }
+    let mut found = Vec::new();
+    for (id, name) in names.iter().enumerate() {
+        let Some(material) = materials.iter().find(|material| material.on == *name) else {
+            let count = tags.volumes.of.iter().filter(|&&i| i == id).count();
+            bail!(
+                "the volume \"{name}\" of the mesh, {count} of {} tetrahedra, has no law; add \
+                 [[material]] with on = \"{name}\"",
+                mesh.tets.len()
+            );
+        };
+        let context = || format!("[[material]] on \"{name}\"");
+        let config = material.material().with_context(context)?;
+        let material = config.specification().with_context(context)?;
+        found.push(SceneLaw { part, volume: Some(name.clone()), config, material });
+    }
+    sort_by_volume(mesh, &mut tags.volumes);
+    Ok(found)
+}
+
+/// Puts the tetrahedra of each volume together, otherwise in their order.
+fn sort_by_volume(mesh: &mut TetMesh, volumes: &mut Volumes) {
+    let mut order: Vec<usize> = (0..mesh.tets.len()).collect();
+    order.sort_by_key(|&t| volumes.of[t]);
+    mesh.tets = order.iter().map(|&t| mesh.tets[t]).collect();
+    volumes.of.sort_unstable();
+}

@@ -1,0 +1,250 @@
+//! `[[material]]`: volumes of a mesh with laws of their own, in scenes, error bars, scenarios,
+//! calibration and designs; and what is refused.
+
+use mesh::Volumes;
+use mesh::io::{read_tets, write_tets};
+use tests::workdir::Workdir;
+use tests::{block, chamber, tag};
+
+const ONE: &str = r#"[material]
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+"#;
+
+const TWO: &str = r#"[[material]]
+on = "floor"
+kind = "neo-hookean"
+young = 600e3
+poisson = 0.45
+
+[[material]]
+on = "walls"
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+"#;
+
+const BARS: &str = r#"
+[uncertainty]
+modulus = 0.1
+
+[solver]
+relative_tolerance = 1e-13
+absolute_tolerance = 1e-12
+"#;
+
+/// Calls the tetrahedra of `body.msh` below 10 mm the floor, and the others walls.
+fn name_volumes(dir: &Workdir) {
+    let mut file = read_tets(&dir.path("body.msh")).unwrap();
+    let height = |t: usize| file.mesh.corners(t).iter().map(|p| p.z).sum::<f64>() / 4.0;
+    let of = (0..file.mesh.tets.len()).map(|t| usize::from(height(t) > 0.01)).collect();
+    file.tags.volumes = Volumes { names: vec!["floor".to_owned(), "walls".to_owned()], of };
+    write_tets(&dir.path("body.msh"), &file.mesh, &file.tags).unwrap();
+}
+
+/// The chamber with linear elements and a stiff floor.
+fn workdir(materials: &str) -> Workdir {
+    let dir = chamber::workdir();
+    name_volumes(&dir);
+    let scene = dir.text("p1.toml").replace(ONE, materials);
+    dir.write("p1.toml", &(scene + chamber::PROBES + BARS));
+    dir
+}
+
+fn top(dir: &Workdir, folder: &str) -> f64 {
+    dir.json(&format!("{folder}/report.json"))["probes"]["top"]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn a_stiff_floor_is_reported_with_error_bars_of_each_volume() {
+    let dir = workdir(TWO);
+    dir.solver("simulate p1.toml -o two").assert_good();
+    let report = dir.json("two/report.json");
+    let laws = report["material"].as_array().unwrap();
+    let names: Vec<_> = laws.iter().map(|law| law["on"].as_str().unwrap()).collect();
+    assert_eq!(names, ["floor", "walls"]);
+    assert!(report["force_balance"]["out_of_balance"].as_f64().unwrap() < 1e-9);
+
+    let bars = report["error_bars"]["top"]["bars"].as_array().unwrap();
+    let derivative = |on: Option<&str>| {
+        let own = |bar: &&serde_json::Value| bar["of"] == "modulus" && bar["on"].as_str() == on;
+        bars.iter().find(own).unwrap()["derivative"].as_f64().unwrap()
+    };
+    let sum = derivative(Some("floor")) + derivative(Some("walls"));
+    assert!((sum / derivative(None) - 1.0).abs() < 1e-12);
+    let stiffer = |factor: f64| {
+        let young = format!("young = {:e}", 600e3 * factor);
+        dir.write("other.toml", &dir.text("p1.toml").replace("young = 600e3", &young));
+        dir.solver("simulate other.toml -o other").assert_good();
+        top(&dir, "other")
+    };
+    let step = 1e-3;
+    let difference = (stiffer(1.0 + step) - stiffer(1.0 - step)) / (2.0 * step);
+    let slope = derivative(Some("floor"));
+    // of second order in the step
+    assert!((difference / slope - 1.0).abs() < 1e-5, "{difference} {slope}");
+}
+
+#[test]
+fn one_law_in_two_volumes_is_that_of_the_body() {
+    let walls = &TWO[TWO.find("on = \"walls\"").unwrap() + "on = \"walls\"\n".len()..];
+    let same =
+        format!("[[material]]\non = \"floor\"\n{walls}\n[[material]]\non = \"walls\"\n{walls}");
+    let dir = workdir(&same);
+    dir.solver("simulate p1.toml -o two").assert_good();
+    let bare = workdir(ONE);
+    bare.solver("simulate p1.toml -o one").assert_good();
+    assert!((top(&dir, "two") / top(&bare, "one") - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn gradients_by_shape_and_both_laws_pass_their_test() {
+    let dir = workdir(TWO);
+    let run = dir.solver("check design.toml --handles 1 --random 1");
+    run.assert_good();
+    for name in ["material of floor", "material of walls"] {
+        assert!(run.stdout.contains(name), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn a_design_keeps_its_volumes() {
+    let dir = workdir(TWO);
+    let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
+    dir.write("design.toml", &(design + "\n[[scenario]]\nname = \"soft\"\nmodulus = 0.9\n"));
+    let run = dir.solver("optimize design.toml -o design");
+    run.assert_good();
+    assert!(run.stderr.contains("or volumes meet there"), "{}", run.stderr);
+    let before = read_tets(&dir.path("body.msh")).unwrap().tags.volumes;
+    let after = read_tets(&dir.path("design/design.msh")).unwrap().tags.volumes;
+    let count = |v: &Volumes, i: usize| v.of.iter().filter(|&&own| own == i).count();
+    assert_eq!(before.names, after.names);
+    assert_eq!([0, 1].map(|i| count(&before, i)), [0, 1].map(|i| count(&after, i)));
+    dir.solver("simulate p1.toml --mesh design/design.msh -o last").assert_good();
+}
+
+#[test]
+fn the_modulus_of_one_volume_is_found_from_a_measurement() {
+    let dir = workdir(TWO);
+    dir.write("real.toml", &dir.text("p1.toml").replace("600e3", "750e3"));
+    dir.solver("simulate real.toml -o real").assert_good();
+    dir.write("top.csv", &format!("height [mm]\n{:e}\n", 1e3 * top(&dir, "real")));
+    let experiment = r#"
+[[experiment]]
+name = "camera"
+scene = "p1.toml"
+probe = "top"
+measured = "top.csv"
+columns = ["height [mm]"]
+uncertainty = 0.001
+"#;
+    for (number, truth) in
+        [("of = \"modulus\"\non = \"floor\"", 1.25), ("of = \"young\"\nbody = \"floor\"", 750e3)]
+    {
+        dir.write("calibrate.toml", &format!("[[number]]\n{number}\n{experiment}"));
+        dir.solver("calibrate calibrate.toml -o out").assert_good();
+        let found = dir.json("out/calibration.json")["numbers"][0]["value"].as_f64().unwrap();
+        assert!((found / truth - 1.0).abs() < 1e-6, "{number}: {found}");
+        let material: toml::Table = dir.text("out/material.toml").parse().unwrap();
+        let floor = &material["material"][0];
+        assert_eq!(floor["on"].as_str(), Some("floor"));
+        assert!((floor["young"].as_float().unwrap() / 750e3 - 1.0).abs() < 1e-6);
+    }
+    dir.write("calibrate.toml", &format!("[[number]]\nof = \"young\"\n{experiment}"));
+    let words = ["several laws", "body or volume"];
+    dir.solver("calibrate calibrate.toml -o out").assert_refused(2, &words);
+}
+
+#[test]
+fn what_cannot_be_used_is_refused() {
+    for (from, to, words) in [
+        ("\"floor\"", "\"roof\"", &["on \"roof\": unknown volume", "floor, walls"][..]),
+        ("\"floor\"", "\"walls\"", &["[[material]] on \"walls\" is given twice"]),
+        (
+            &TWO[..TWO.find("[[material]]\non = \"walls\"").unwrap()],
+            "",
+            &["the volume \"floor\"", "has no law", "add [[material]] with on = \"floor\""],
+        ),
+        ("young = 600e3\n", "", &["[[material]] on \"floor\"", "young"]),
+        ("on = \"floor\"\n", "", &["[[material]] with on"]),
+    ] {
+        let dir = workdir(&TWO.replace(from, to));
+        let run = dir.solver("simulate p1.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["p1.toml"]);
+    }
+    // a mesh without volumes
+    let dir = chamber::workdir();
+    dir.write("p1.toml", &dir.text("p1.toml").replace(ONE, TWO));
+    let words = ["on \"floor\": unknown volume; the mesh has: body"];
+    dir.solver("simulate p1.toml -o out").assert_refused(2, &words);
+}
+
+/// Young's moduli of two halves of a block [Pa].
+const SOFT: f64 = 1e5;
+const STIFF: f64 = 4e5;
+
+/// Force on a block of 20 × 20 × 20 mm that is pressed by 0.2 mm, whose halves differ along an axis
+/// [N]. Without lateral contraction its state is uniform in each half, and linear elements are exact.
+fn pressed(axis: usize) -> f64 {
+    let dir = Workdir::new();
+    let mesh = block([2, 2, 2], 0.01, |_| false, |p| p);
+    let body = tag(mesh, &[("bottom", &|p| p.z < 1e-9), ("top", &|p| p.z > 0.02 - 1e-9)]);
+    let mut tags = body.tags.clone();
+    let at = |t: usize| body.mesh.corners(t).iter().map(|p| p[axis]).sum::<f64>() / 4.0;
+    // not in the order of the volumes
+    let of = (0..body.mesh.tets.len()).map(|t| usize::from(at(t) < 0.01)).collect();
+    tags.volumes = Volumes { names: vec!["stiff".to_owned(), "soft".to_owned()], of };
+    write_tets(&dir.path("body.msh"), &body.mesh, &tags).unwrap();
+    let scene = format!(
+        r#"
+mesh = "body.msh"
+degree = 1
+
+[[material]]
+on = "soft"
+kind = "linear-elastic"
+young = {SOFT:e}
+poisson = 0.0
+
+[[material]]
+on = "stiff"
+kind = "linear-elastic"
+young = {STIFF:e}
+poisson = 0.0
+
+[[fixed]]
+on = "bottom"
+
+[[fixed]]
+on = "top"
+displacement = [0, 0, -2e-4]
+
+[[probe]]
+name = "force"
+kind = "reaction"
+on = "bottom"
+axis = [0, 0, 1]
+"#
+    );
+    dir.write("sim.toml", &scene);
+    dir.solver("simulate sim.toml -o out").assert_good();
+    dir.json("out/report.json")["probes"]["force"]["value"].as_f64().unwrap()
+}
+
+/// Springs of area A and height h: A δ/(h/E₁ + h/E₂) in series, A δ (E₁ + E₂)/2h in parallel.
+#[test]
+fn halves_of_a_block_are_springs_in_series_and_in_parallel() {
+    let (area, press) = (4e-4, 2e-4);
+    let series = area * press / (0.01 / SOFT + 0.01 / STIFF);
+    let parallel = area / 2.0 * press / 0.02 * (SOFT + STIFF);
+    let found = [pressed(2), pressed(0)];
+    eprintln!("halves in series, in parallel: {found:?} N, springs {:?} N", [series, parallel]);
+    assert!((found[0] / series - 1.0).abs() < 1e-9, "{found:?} {series}");
+    assert!((found[1] / parallel - 1.0).abs() < 1e-9, "{found:?} {parallel}");
+}
