@@ -11,7 +11,7 @@ BIN := target/release
 DENY := 0.20.2
 SCENES := frog finger beam chamber
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper worm-segment robust validation $(SCENES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean compression gripper walker worm worm-segment check-results robust validation $(SCENES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -21,6 +21,8 @@ finger: build/finger$(if $(filter paper,$(QUALITY)),/paper)/done  ## optimise a 
 gripper: build/gripper/done  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
 beam: build/beam/done  ## the same for a small beam, in a minute
 chamber: build/chamber/done  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
+walker: build/walker/done  ## design the pressures over time of a walker for its way in 4 s, upright
+worm: build/worm/done  ## design the chambers and the upper side of a worm for its way in a period
 worm-segment: build/worm-segment/done  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 compression: build/compression/done  ## press a cube with a cavity, closed and vented, and plot the forces
 
@@ -37,6 +39,9 @@ test: setup  ## all tests that take seconds
 
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
+
+check-results: setup  ## simulate the kept designs again and compare with their results.json
+	cargo test --release --locked -p tests --test slow -- --ignored --nocapture results_of_designs
 
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together or CASES=1000000 for each, SEED=1)
 	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \

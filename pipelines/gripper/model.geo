@@ -5,13 +5,13 @@ SetFactory("OpenCASCADE");
 
 DefineConstant[ h = {6, Name "Longest edge"} ];       // --set h=3.5
 
-floor = 5;                  // thickness; the axis of the bellows is in its back
-outer_crest = 16;           // radii
-outer_valley = 11.5;
-inner_crest = 10.5;
-inner_valley = 5.5;
-n = 7;                      // bellows
-period = 12;
+floor = 4;                  // thickness; the axis of the bellows is in its back
+outer_crest = 17;           // radii
+outer_valley = 10;
+inner_crest = 11.5;
+inner_valley = 4.5;
+n = 6;                      // bellows
+period = 14;
 flat = 1.2;                 // half width of outer crests and inner valleys
 edge = 1;                   // half width of outer valleys and inner crests
 base = 14;                  // height of the first valley
@@ -93,6 +93,10 @@ face() = Surface In BoundingBox{-w, -t, -t, w, t, top + t};
 cut() = Surface In BoundingBox{-t, -t, -t, t, 100, top + t};
 cavity() = Surface In BoundingBox{-t, floor - t, -t, inner_crest + t, floor + inner_crest + t, end + 2 + t};
 cavity() -= {cut()};
+For k In {0:n}              // the box holds outer valleys, too
+  z = base + k * period;
+  cavity() -= {Surface In BoundingBox{-t, -t, z - edge - t, w, 100, z + edge + t}};
+EndFor
 outer() = Abs(Boundary{ Volume{gripper()}; });
 outer() -= {seat(), face(), cavity(), cut()};
 

@@ -199,8 +199,10 @@ impl LevelConfig {
     /// With what was found and what is needed.
     pub fn check_loads(&self, objectives: &[&str]) -> Result<()> {
         ensure!(
-            self.handles.is_none() && self.vertices == VerticesConfig::All(false),
-            "[[level]]: handles or vertices without [shape] on: nothing has a shape to change"
+            self.handles.is_none()
+                && self.vertices == VerticesConfig::All(false)
+                && self.motion == HandleMotion::Rigid,
+            "[[level]]: handles, vertices or motion without [shape] on: no shape may change"
         );
         self.check_problem(objectives).context("[[level]]")
     }
