@@ -347,7 +347,7 @@ view.gripper := -20,12
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
 section.walker = y=-1 --view front
-section.worm = y=-1 --view back
+section.worm = y=1 --view back
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))

@@ -1,17 +1,17 @@
 // Bellows gripper: half-round bellows on a thick floor. Filled with air, the bellows unfold,
-// the floor does not, and the gripper curls towards the face of its floor, y = 0. This is the half
-// x > 0. z points from the base to the tip, x across. Lengths in millimetres: --unit mm.
+// the floor does not, and the gripper curls towards the face of its floor, y = 0.
+// z points from the base to the tip, x across. Lengths in millimetres: --unit mm.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {6, Name "Longest edge"} ];       // --set h=3.5
+DefineConstant[ h = {4.5, Name "Longest edge"} ];       // --set h=3.5
 
-floor = 4;                  // thickness; the axis of the bellows is in its back
-outer_crest = 17;           // radii
-outer_valley = 10;
-inner_crest = 11.5;
-inner_valley = 4.5;
-n = 6;                      // bellows
-period = 14;
+floor = 7;                  // thickness; the axis of the bellows is in its back
+outer_crest = 16;           // radii
+outer_valley = 11.5;
+inner_crest = 10.5;
+inner_valley = 5.5;
+n = 7;                      // bellows
+period = 12;
 flat = 1.2;                 // half width of outer crests and inner valleys
 edge = 1;                   // half width of outer valleys and inner crests
 base = 14;                  // height of the first valley
@@ -78,10 +78,7 @@ hollow[] = Extrude { {0, 0, 1}, {0, floor, 0}, Pi } { Surface{inside}; };
 inlet = newv;
 Cylinder(inlet) = {0, floor + 1 + bore, -1, 0, 0, base, bore};
 air() = BooleanUnion{ Volume{hollow[1]}; Delete; }{ Volume{inlet}; Delete; };
-whole() = BooleanDifference{ Volume{body()}; Delete; }{ Volume{air()}; Delete; };
-other = newv;
-Box(other) = {-2 * outer_crest, -floor, -10, 2 * outer_crest, 100, end + 100};
-gripper() = BooleanDifference{ Volume{whole()}; Delete; }{ Volume{other}; Delete; };
+gripper() = BooleanDifference{ Volume{body()}; Delete; }{ Volume{air()}; Delete; };
 Recursive Delete { Surface{outside, inside}; }
 
 // Faces by where they are.
@@ -90,22 +87,15 @@ w = outer_crest + t;
 top = end + edge + ramp + tip;
 seat() = Surface In BoundingBox{-w, -t, -t, w, floor + w, t};
 face() = Surface In BoundingBox{-w, -t, -t, w, t, top + t};
-cut() = Surface In BoundingBox{-t, -t, -t, t, 100, top + t};
-cavity() = Surface In BoundingBox{-t, floor - t, -t, inner_crest + t, floor + inner_crest + t, end + 2 + t};
-cavity() -= {cut()};
-For k In {0:n}              // the box holds outer valleys, too
-  z = base + k * period;
-  cavity() -= {Surface In BoundingBox{-t, -t, z - edge - t, w, 100, z + edge + t}};
-EndFor
-outer() = Abs(Boundary{ Volume{gripper()}; });
-outer() -= {seat(), face(), cavity(), cut()};
+cavity() = Surface In BoundingBox{-inner_crest - t, floor - t, -t, inner_crest + t, floor + inner_crest + t, end + 2 + t};
+outer() = Boundary{ Volume{gripper()}; };
+outer() -= {seat(), face(), cavity()};
 
 Physical Surface("seat") = {seat()};
-Physical Surface("cut") = {cut()};
 Physical Surface("cavity") = {cavity()};
 Physical Surface("face") = {face()};
 Physical Surface("outer") = {outer()};
 
 Mesh.MeshSizeMax = h;
 Mesh.MeshSizeExtendFromBoundary = 0;        // short edges do not make large faces fine
-Mesh.MeshSizeFromCurvature = 60 / h;        // edges around a full circle
+Mesh.MeshSizeFromCurvature = 50 / h;        // edges around a full circle
