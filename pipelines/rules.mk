@@ -327,7 +327,7 @@ build/worm/pictures/optimized.png: $(patsubst %,build/worm/%/report.json,baselin
 		--captions "baseline,designed" --title "worm after two periods" -o $@
 
 build/worm/pictures/section.png: build/worm/tagged.msh build/worm/optimize/report.json | setup
-	$(BIN)/cad2fem picture $< build/worm/optimize/design.worm.msh --view back \
+	$(BIN)/cad2fem picture $< build/worm/optimize/design.worm.msh --view front \
 		--captions "baseline,designed" --title "worm, halves at rest" -o $@
 
 build/worm/pictures/way.svg: $(patsubst %,build/worm/%/report.json,baseline optimized) | setup
@@ -347,7 +347,7 @@ view.gripper := -20,12
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
 section.walker = y=-1 --view front
-section.worm = y=1 --view back
+section.worm = y=-1 --view front
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,frog finger,$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
