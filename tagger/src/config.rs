@@ -188,7 +188,8 @@ mod tests {
 
     #[test]
     fn a_rim_may_lie_on_several_tags() {
-        let tags = "[[tag]]\nname = \"seat\"\ncomponent = 0\n[[tag]]\nname = \"cut\"\ncomponent = 2\n";
+        let tags =
+            "[[tag]]\nname = \"seat\"\ncomponent = 0\n[[tag]]\nname = \"cut\"\ncomponent = 2\n";
         let wall = "[[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\n";
         let config = Config::parse(&format!("{tags}{wall}rim = [\"seat\", \"cut\"]\n")).unwrap();
         assert_eq!(config.tags[2].rim, ["seat", "cut"]);

@@ -130,7 +130,11 @@ fn a_design_of_loads_alone_has_levels_too() {
     assert!((peak / 8e3 - 1.0).abs() < 1e-3, "{early}");
 
     for (from, to, words) in [
-        ("[[level]]\niterations = 12", "[[level]]\nhandles = 1\niterations = 12", "[[level]]: handles"),
+        (
+            "[[level]]\niterations = 12",
+            "[[level]]\nhandles = 1\niterations = 12",
+            "[[level]]: handles",
+        ),
         ("first_step = 1.0", "iterations = 3", "beside [[level]]"),
     ] {
         let design = format!("{head}{levels}{parameter}{objectives}").replacen(from, to, 1);
