@@ -12,16 +12,16 @@ DENY := 0.20.2
 PREFIX ?= /usr/local
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
-# cad2fem.paper.toml have finer settings, too. Gripper, arm and pneunet have rules of their own.
+# cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
 BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))
 FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(wildcard pipelines/*/cad2fem.paper.toml))
-SCENES := $(filter-out gripper arm pneunet,$(BODIES))
+SCENES := $(filter-out gripper arm pneunet walker worm,$(BODIES))
 
 # One elsewhere: `make body DIR=...`
 FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
 ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body robust validation $(BODIES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -33,6 +33,8 @@ gripper:  ## optimise a gripper of bellows for its force on a cylinder and by sh
 beam:  ## the same for a small beam, in a minute
 chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
+walker:  ## design the pressures over time of a walker for its way in 4 s, upright
+worm:  ## design the chambers and the upper side of a worm for its way in a period
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
@@ -63,6 +65,9 @@ test: setup  ## all tests that take seconds
 
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
+
+check-results: setup  ## simulate the kept designs again and compare with their results.json
+	cargo test --release --locked -p tests --test slow -- --ignored --nocapture results_of_designs
 
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together or CASES=1000000 for each, SEED=1)
 	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \

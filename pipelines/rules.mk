@@ -344,26 +344,82 @@ build/arm/pictures/objective.svg: build/arm/optimize/report.json | setup
 	$(BIN)/solver plot $(@D)/../optimize/history.jsonl --y objective --log --x-title "accepted pressures" -o $@
 
 build/arm/report.html: $(addprefix build/arm/pictures/,reached.png objective.svg)
+# The walker's pressures over time are designed: the scene again with the numbers that were found.
+build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker/sim.toml \
+		pipelines/walker/floor.stl build/walker/tagged.msh | setup
+	$(BIN)/solver optimize $< -o $(@D)
+
+build/walker/sim.optimized.toml: pipelines/walker/sim.toml build/walker/optimize/report.json
+	sed -e '/^\[parameters\]/,/^$$/d' -e 's#../../build/walker/##' -e 's#"floor.stl"#"../../pipelines/walker/floor.stl"#' $< \
+		| cat - build/walker/optimize/parameters.toml > $@
+
+build/walker/optimized/report.json: build/walker/sim.optimized.toml | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+# Film strip of $(1), every second.
+define film
+build/walker/pictures/film-$(1).png: build/walker/$(1)/report.json | setup
+	$(BIN)/cad2fem picture $(patsubst %,build/walker/$(1)/step_%.vtu,000 025 050 075 100) --color displacement \
+		--view front --captions "0 s,1 s,2 s,3 s,4 s" --title "walker, $(1)" -o $$@
+
+build/walker/report.html: build/walker/pictures/film-$(1).png
+endef
+$(foreach r,baseline optimized,$(eval $(call film,$(r))))
+
+build/walker/pictures/way.svg: $(patsubst %,build/walker/%/report.json,baseline optimized) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.way*1e3" --labels "baseline,designed" --x-title "time [s]" \
+		--y-title "way [mm]" -o $@
+
+build/walker/pictures/pressures.svg: build/walker/optimized/report.json | setup
+	$(BIN)/solver plot $< --x t --y "chambers.walker.rear.pressure*1e-3,chambers.walker.front.pressure*1e-3" \
+		--labels "rear leg,front leg" --x-title "time [s]" --y-title "pressure [kPa]" -o $@
+
+build/walker/report.html: $(addprefix build/walker/pictures/,way.svg pressures.svg)
+
+# The worm is half a body; its pictures are those of the whole.
+build/worm/optimize/report.json: pipelines/worm/design.toml pipelines/worm/sim.toml pipelines/worm/floor.stl \
+		build/worm/tagged.msh | setup
+	$(BIN)/solver optimize $< -o $(@D)
+
+build/worm/optimized/report.json: build/worm/optimize/report.json | setup
+	$(BIN)/solver simulate pipelines/worm/sim.toml --mesh worm=build/worm/optimize/design.worm.msh -o $(@D)
+
+build/worm/pictures/optimized.png: $(patsubst %,build/worm/%/report.json,baseline optimized) | setup
+	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement.x --view front \
+		--captions "baseline,designed" --title "worm after two periods" -o $@
+
+build/worm/pictures/section.png: build/worm/tagged.msh build/worm/optimize/report.json | setup
+	$(BIN)/cad2fem picture $< build/worm/optimize/design.worm.msh --view front \
+		--captions "baseline,designed" --title "worm, halves at rest" -o $@
+
+build/worm/pictures/way.svg: $(patsubst %,build/worm/%/report.json,baseline optimized) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.way*1e3" --labels "baseline,designed" --x-title "time [s]" \
+		--y-title "way [mm]" -o $@
+
+build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg)
 
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
 view.finger := front
+view.walker := front
+view.worm := front
 view.gripper := -20,12
 view.arm := 30,55
 view.pneunet := -60,20
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 section.gripper := x=0 --view right
+section.walker = y=-1 --view front
+section.worm = y=-1 --view front
 
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(foreach d,$(ELSEWHERE),\
 $(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step)))))\
 $(eval $(call scene,$(d),$(d)/build,)))
-$(eval $(call simulate,arm,build/arm,))
+$(foreach s,arm pneunet walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
-$(eval $(call simulate,pneunet,build/pneunet,))
 $(eval $(call cast,pneunet,build/pneunet,build/pneunet/tagged.msh,build/pneunet/tagged.msh,build/pneunet/baseline))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))

@@ -1,5 +1,5 @@
 //! Tests that take minutes: the beam from model to molds, a design of the frog, the molds
-//! of all scenes, and simulations beside measurements.
+//! of all scenes, kept designs simulated again, and simulations beside measurements.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
@@ -21,6 +21,9 @@ mod molds;
 
 #[path = "slow/new.rs"]
 mod new;
+
+#[path = "slow/results.rs"]
+mod results;
 
 #[path = "slow/validation.rs"]
 mod validation;

@@ -82,8 +82,8 @@ pub struct Tag {
     pub value: toml::Value,
     /// Whether this is the wall of a pressurised cavity.
     pub pressure: bool,
-    /// Name of the fixed tag that holds the rim of an open pressure wall.
-    pub rim: Option<String>,
+    /// Names of the fixed tags and planes of symmetry that hold the rim of an open pressure wall.
+    pub rim: Vec<String>,
     /// Whether it is a surface inside the body.
     pub inside: bool,
 }
@@ -139,8 +139,8 @@ impl Tag {
     fn parse(mut table: toml::Table) -> Result<Self> {
         let (selector, name) = selector_and_name(&mut table, &TAG_KEYS)?;
         let pressure = take(&mut table, "pressure")?.unwrap_or(false);
-        let rim: Option<String> = take(&mut table, "rim")?;
-        ensure!(rim.is_none() || pressure, "`rim` needs `pressure = true`");
+        let rim = take::<Rim>(&mut table, "rim")?.map_or_else(Vec::new, Rim::all);
+        ensure!(rim.is_empty() || pressure, "`rim` needs `pressure = true`");
         let inside = take(&mut table, "inside")?.unwrap_or(false);
         ensure!(
             !inside || (selector == "patch" && !pressure),
@@ -180,6 +180,23 @@ fn selector_and_name(table: &mut toml::Table, others: &[&str]) -> Result<(&'stat
     Ok((selector, name))
 }
 
+/// `rim` as it is written.
+#[derive(serde::Deserialize)]
+#[serde(untagged, expecting = "expected the name of a tag, or a list of names")]
+enum Rim {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Rim {
+    fn all(self) -> Vec<String> {
+        match self {
+            Self::One(name) => vec![name],
+            Self::Several(names) => names,
+        }
+    }
+}
+
 /// Removes and converts the value of a key.
 fn take<T: serde::de::DeserializeOwned>(table: &mut toml::Table, key: &str) -> Result<Option<T>> {
     let Some(value) = table.remove(key) else { return Ok(None) };
@@ -190,7 +207,7 @@ fn check_names(tags: &[Tag]) -> Result<()> {
     let names: Vec<&str> = tags.iter().map(|t| t.name.as_str()).collect();
     for (i, tag) in tags.iter().enumerate() {
         ensure!(!names[..i].contains(&names[i]), "the name `{}` is used twice", names[i]);
-        if let Some(rim) = &tag.rim {
+        for rim in &tag.rim {
             ensure!(
                 names.contains(&rim.as_str()) && *rim != tag.name,
                 "[[tag]] `{}`: rim = \"{rim}\" is not another tag; tags: {}",
@@ -218,7 +235,19 @@ mod tests {
         assert_eq!(config.epsilon, Epsilon::Absolute(2e-4));
         let read: Vec<_> = config.tags.iter().map(|t| (t.name.as_str(), t.selector)).collect();
         assert_eq!(read, [("seat", "patch"), ("cavity", "component")]);
-        assert_eq!(config.tags[1].rim.as_deref(), Some("seat"));
+        assert_eq!(config.tags[1].rim, ["seat"]);
+    }
+
+    #[test]
+    fn a_rim_may_lie_on_several_tags() {
+        let tags =
+            "[[tag]]\nname = \"seat\"\ncomponent = 0\n[[tag]]\nname = \"cut\"\ncomponent = 2\n";
+        let wall = "[[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\n";
+        let read = |rim: &str| Config::of(&Settings::of_text(&format!("{tags}{wall}{rim}\n")));
+        let config = read("rim = [\"seat\", \"cut\"]").unwrap();
+        assert_eq!(config.tags[2].rim, ["seat", "cut"]);
+        let error = read("rim = [\"seat\", \"top\"]").unwrap_err();
+        assert!(format!("{error:#}").contains("rim = \"top\" is not another tag"), "{error:#}");
     }
 
     #[test]

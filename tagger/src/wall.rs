@@ -55,17 +55,18 @@ pub fn check(
     if loops.is_empty() {
         return Ok(());
     }
-    let Some(rim) = &config.tags[wall].rim else {
+    let rims = &config.tags[wall].rim;
+    if rims.is_empty() {
         return Err(format!(
             "the pressure wall is open: {} boundary loops{}\n  \
              name the fixed tag that closes it with `rim = \"...\"`, or select the whole wall",
             loops.len(),
             describe(facets, &loops, &vec![Vec::new(); loops.len()])
         ));
-    };
-    let fixed = config.tags.iter().position(|t| t.name == *rim).ok_or("its rim names no tag")?;
-    let fixed_edges: BTreeSet<[usize; 2]> = owned(facets, owners, fixed)
-        .into_iter()
+    }
+    let held = config.tags.iter().enumerate().filter(|(_, tag)| rims.contains(&tag.name));
+    let fixed_edges: BTreeSet<[usize; 2]> = held
+        .flat_map(|(tag, _)| owned(facets, owners, tag))
         .flat_map(topology::directed_edges)
         .map(sorted)
         .collect();
@@ -77,6 +78,7 @@ pub fn check(
     if count == 0 {
         return Ok(());
     }
+    let rim = rims.join("`, `");
     Err(format!(
         "{count} edges of the rim of the pressure wall do not lie on `{rim}`; {} boundary loops{}\n  \
          a rim that moves leaves the pressure volume undefined; extend `{rim}` up to the wall, \

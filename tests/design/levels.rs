@@ -94,6 +94,55 @@ fn weights_count_in_their_level_only() {
     assert_eq!([6, 3].map(Value::from), [0, 1].map(|line| history[line]["variables"].clone()));
 }
 
+/// A peak is sought at a third of the time, then at its end: a level's time and weights are its own.
+#[test]
+fn a_design_of_loads_alone_has_levels_too() {
+    let dir = with("[[shape.level]]\nhandles = 1\niterations = 1\n", "");
+    dir.solver("-q simulate sim.toml -o out").assert_good();
+    let steps = dir.text("out/steps.jsonl");
+    let volume = |line: usize| -> f64 {
+        let step: Value = serde_json::from_str(steps.lines().nth(line).unwrap()).unwrap();
+        step["chambers"]["cavity"]["volume"].as_f64().unwrap()
+    };
+    let objective = |name: &str, volume: f64| {
+        format!(
+            "[[objective]]\nkind = \"volume\"\nname = \"{name}\"\nweight = 1e14\n\
+             on = \"cavity\"\nvolume = {volume:e}\nmeasure = \"deformed\"\n"
+        )
+    };
+    let levels = "[[level]]\niterations = 12\ntime = { steps = 2, end = 0.333333333333 }\n\
+                  weights = { late = 0 }\n\
+                  [[level]]\niterations = 1\nweights = { early = 0 }\n";
+    let head = "scene = \"low.toml\"\n[optimizer]\nfirst_step = 1.0\n";
+    let parameter = "[[parameter]]\nname = \"peak\"\nbounds = [0, 2e4]\n";
+    let objectives = objective("early", volume(1)) + &objective("late", volume(5));
+    let low = dir.text("sim.toml").replace("peak = 8e3", "peak = 5e3");
+    dir.write("low.toml", &low);
+    dir.write("design.toml", &format!("{head}{levels}{parameter}{objectives}"));
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let of = |level: u64| history.iter().rfind(|line| line["level"] == level).unwrap();
+    // the first and the last level are the scene itself
+    assert_eq!([1, 2, 3].map(|l| of(l)["time_steps"].as_u64().unwrap()), [6, 2, 6]);
+    let early = of(2);
+    assert_eq!(early["terms"]["late"].as_f64(), Some(0.0));
+    let peak = early["parameters"]["peak"].as_f64().unwrap();
+    assert!((peak / 8e3 - 1.0).abs() < 1e-3, "{early}");
+
+    for (from, to, words) in [
+        (
+            "[[level]]\niterations = 12",
+            "[[level]]\nhandles = 1\niterations = 12",
+            "[[level]]: handles",
+        ),
+        ("first_step = 1.0", "iterations = 3", "beside [[level]]"),
+    ] {
+        let design = format!("{head}{levels}{parameter}{objectives}").replacen(from, to, 1);
+        dir.write("bad.toml", &design);
+        dir.solver("optimize bad.toml -o bad").assert_refused(2, &["bad.toml", words]);
+    }
+}
+
 #[test]
 fn a_level_that_does_not_fit_the_scene_is_refused_at_once() {
     let level = |more: &str| format!("[[shape.level]]\nhandles = 1\niterations = 1\n{more}\n");

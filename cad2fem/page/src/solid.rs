@@ -195,10 +195,7 @@ mod tests {
             vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(1.0, 1.0, 1.0)];
         let mut tags = Tags::new(vec!["floor".into(), "cavity".into()]);
         tags.set([0, 1, 2], 2);
-        MshFile {
-            mesh: TetMesh { vertices, tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]] },
-            tags,
-        }
+        MshFile { mesh: TetMesh { vertices, tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]] }, tags }
     }
 
     #[test]

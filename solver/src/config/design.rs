@@ -28,6 +28,10 @@ pub struct DesignConfig {
     /// Numbers in the scene's `[parameters]` that may change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameter: Vec<ParameterDesign>,
+    /// Levels of a design without a shape: what counts in them, and how finely the scene is
+    /// simulated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub level: Vec<LevelConfig>,
     /// Cases that the design must be good in; the scene alone without them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scenario: Vec<ScenarioConfig>,
@@ -45,7 +49,7 @@ pub struct DesignConfig {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimizerConfig {
-    /// Accepted iterations of a design without a shape, whose levels have their own.
+    /// Accepted iterations of a design without levels, which have their own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<usize>,
     /// How far the first step of a level moves a vertex, or a pressure by its
@@ -166,11 +170,12 @@ impl DesignConfig {
     /// simulate another problem than the scene's, the first and the last are the scene itself.
     #[must_use]
     pub fn levels(&self) -> Vec<LevelConfig> {
-        let iterations = self.optimizer.iterations.unwrap_or(0);
-        let Some(shape) = &self.shape else {
-            return vec![LevelConfig { iterations, ..Default::default() }];
-        };
-        let mut levels: Vec<_> = shape.level.iter().flat_map(LevelConfig::expand).collect();
+        let written = self.shape.as_ref().map_or(&self.level, |shape| &shape.level);
+        let mut levels: Vec<_> = written.iter().flat_map(LevelConfig::expand).collect();
+        if levels.is_empty() {
+            let iterations = self.optimizer.iterations.unwrap_or(0);
+            levels.push(LevelConfig { iterations, ..Default::default() });
+        }
         if levels.iter().any(LevelConfig::has_own_fidelity) {
             levels.insert(0, levels[0].at_full_fidelity());
             let last = &levels[levels.len() - 1];
@@ -210,15 +215,22 @@ impl DesignConfig {
             !self.objective.is_empty(),
             "no [[objective]]: expected at least one, to be minimised"
         );
+        let leveled = !self.level.is_empty();
         match (&self.shape, self.optimizer.iterations) {
             (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {
                 bail!("no [shape], [[chamber]] or [[parameter]]: expected one, to be changed")
             }
-            (None, None) => {
+            (None, None) if !leveled => {
                 bail!("no iterations in [optimizer]: a design without [shape] needs their number")
             }
             (Some(_), Some(_)) => {
                 bail!("iterations in [optimizer] beside [shape]: write them in [[shape.level]]")
+            }
+            (None, Some(_)) if leveled => {
+                bail!("iterations in [optimizer] beside [[level]]: write them in [[level]]")
+            }
+            (Some(_), None) if leveled => {
+                bail!("[[level]] beside [shape]: write it as [[shape.level]]")
             }
             _ => {}
         }
@@ -231,10 +243,11 @@ impl DesignConfig {
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
+        self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;
         for level in self.levels() {
             ensure!(
                 level.time.is_none() || self.chamber.is_empty(),
-                "[[shape.level]] time beside [[chamber]]: the slopes of a pressure belong to the \
+                "time of a level beside [[chamber]]: the slopes of a pressure belong to the \
                  time steps of the scene; design a [[parameter]] instead, or leave time out"
             );
             self.optimizer_of(&level).check()?;

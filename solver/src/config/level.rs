@@ -1,5 +1,5 @@
-//! `[[shape.level]]`: what moves in a level of the cascade, tag by tag, what counts, and how
-//! finely the scene is simulated.
+//! `[[shape.level]]`, or `[[level]]` of a design of loads alone: what moves in a level of the
+//! cascade, tag by tag, what counts, and how finely the scene is simulated.
 
 use std::collections::BTreeMap;
 
@@ -190,18 +190,36 @@ impl LevelConfig {
         for tag in freed {
             ensure!(on.contains(tag), "{title}: vertices of \"{tag}\": {}", expected(on));
         }
+        self.check_problem(objectives).context(title)
+    }
+
+    /// Checks a level of a design of loads alone, for the names of the objectives.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check_loads(&self, objectives: &[&str]) -> Result<()> {
+        ensure!(
+            self.handles.is_none()
+                && self.vertices == VerticesConfig::All(false)
+                && self.motion == HandleMotion::Rigid,
+            "[[level]]: handles, vertices or motion without [shape] on: no shape may change"
+        );
+        self.check_problem(objectives).context("[[level]]")
+    }
+
+    fn check_problem(&self, objectives: &[&str]) -> Result<()> {
         if let Some(LevelTime { steps, end }) = self.time {
             ensure!(
                 (1..=MOST_STEPS).contains(&steps),
-                "{title}: time: steps = {steps}: expected 1 to {MOST_STEPS}"
+                "time: steps = {steps}: expected 1 to {MOST_STEPS}"
             );
             ensure!(
                 end.is_none_or(|end| end.is_finite() && end > 0.0),
-                "{title}: time: end = {} s: must be positive",
+                "time: end = {} s: must be positive",
                 end.unwrap_or(f64::NAN)
             );
         }
-        check_weights(&self.weights, objectives).context(title)
+        check_weights(&self.weights, objectives)
     }
 
     /// What moves, for the log: "20 handles on left, vertices of skin".
