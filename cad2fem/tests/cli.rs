@@ -83,7 +83,7 @@ fn a_failed_model_leaves_no_stamp() {
 fn mistakes_in_a_model_file_are_shown_with_their_line() {
     let dir = Workdir::new();
     dir.write("model.toml", &DOME.replace("grid", "gird"));
-    dir.run(&["model", "model.toml", "-o", "out"]).fails(2, "line 3");
+    dir.run(&["model", "model.toml", "-o", "out"]).fails(2, "model.toml:3:");
     dir.run(&["model", "nothing.toml", "-o", "out"]).fails(2, "nothing.toml");
     dir.write("model.toml", DOME);
     dir.run(&["model", "model.toml", "-o", "out", "--unit", "mm"]).fails(2, "states its own");
@@ -213,7 +213,7 @@ fn bad_settings_are_refused() {
     dir.run(&[&arguments[..], &["--config", "cad2fem.toml"]].concat())
         .fails(2, "expected one of `mesher`, `edge_length`");
     arguments.extend(["--mesher", "netgen"]);
-    dir.run(&arguments).fails(2, "known: ftetwild, gmsh");
+    dir.run(&arguments).fails(2, "expected one of ftetwild, gmsh");
     dir.run(&["tetmesh", "cube.stl", "-o", "out.msh", "--edge-length", "9"]).fails(2, "diagonal");
 }
 
@@ -347,7 +347,7 @@ fn settings_are_refused_with_their_file() {
     let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--config", "cad2fem.toml"];
     for (setting, said) in [
         ("stop_energy = 2", "stop_energy must exceed 3"),
-        ("mesher = 'netgen'", "known: ftetwild, gmsh"),
+        ("mesher = 'netgen'", "expected one of ftetwild, gmsh"),
         ("threads = 100000", "up to 1024"),
         ("edge_length = -1", "between 0 and the diagonal"),
     ] {

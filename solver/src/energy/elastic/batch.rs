@@ -235,7 +235,7 @@ impl<const N: usize> WithSimd for Values<'_, N> {
                 }
             }
             // element by element, so that the sum is the same for any number of lanes
-            sum += values.iter().take(elements.len()).fold(0.0, |sum, v| sum + v);
+            values.iter().take(elements.len()).for_each(|value| sum += value);
         }
         if sum.is_finite() { sum } else { f64::INFINITY }
     }
