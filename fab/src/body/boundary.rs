@@ -306,7 +306,11 @@ fn require_apart(mesh: &TetMesh, walls: &[(&String, Facets)]) -> Result<(), Boun
             let first: &&String = owner.entry(v).or_insert(*chamber);
             if *first != *chamber {
                 let (first, second) = ((*first).clone(), (*chamber).clone());
-                return Err(BoundaryError::Touching { first, second, at: place(&mesh.vertices[v]) });
+                return Err(BoundaryError::Touching {
+                    first,
+                    second,
+                    at: place(&mesh.vertices[v]),
+                });
             }
         }
     }

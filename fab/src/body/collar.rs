@@ -142,7 +142,11 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
     let (filled, cast) = body(&filled, &solids, &collars);
     let cores = cores
         .into_iter()
-        .map(|(chamber, solid, inlets)| CoreBoundary { chamber, surface: solid.to_surface(), inlets })
+        .map(|(chamber, solid, inlets)| CoreBoundary {
+            chamber,
+            surface: solid.to_surface(),
+            inlets,
+        })
         .collect();
     let boundary = Boundary {
         filled: filled.to_surface(),

@@ -56,7 +56,12 @@ impl Input {
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn new(path: &Path, folder: &Path, chamber: &Chambers, part: CastPart) -> Result<Self, IoError> {
+    pub fn new(
+        path: &Path,
+        folder: &Path,
+        chamber: &Chambers,
+        part: CastPart,
+    ) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
         Ok(Self { path: relative(path, folder), sha256, chamber: chamber.clone(), part })
     }

@@ -205,8 +205,8 @@ fn keyed(cores: &[Core], mount: &Mount) -> Result<Option<(Vec<Code>, f64)>, Mold
     let inlets = || cores.iter().flat_map(|core| &core.inlets);
     let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
     let radius = least(&mut inlets().map(|inlet| inlet.radius));
-    let length = least(&mut inlets().map(|inlet| inlet.centre.z))
-        - (mount.floor + config.stub_clearance());
+    let length =
+        least(&mut inlets().map(|inlet| inlet.centre.z)) - (mount.floor + config.stub_clearance());
     let codes = keying::codes(cores.len(), config.stub_radius(radius), length, config)?;
     Ok(Some((codes, radius)))
 }

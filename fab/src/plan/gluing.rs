@@ -99,7 +99,8 @@ pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3], peel: 
             let all = || boundary.cast.vertices.iter().map(|p| p.dot(normal));
             let middle = || gap::clear(all(), middle(boundary, normal));
             let offset = gluing.offset.unwrap_or_else(middle);
-            let carried = |[low, high]: [f64; 2]| low + CARRIED <= offset && offset <= high - CARRIED;
+            let carried =
+                |[low, high]: [f64; 2]| low + CARRIED <= offset && offset <= high - CARRIED;
             let missed = extents(boundary, normal).into_iter().filter(|e| !carried(*e)).count();
             Cut { missed, ..measured(boundary, *normal, offset) }
         })

@@ -137,7 +137,16 @@ impl Plan {
         let up = layout::up(boundary, config);
         let directions = pull::directions(&boundary.filled, &up);
         let Judge { measures, verdicts, .. } = judge;
-        Ok(Self { method, chosen_by, reason, measures, verdicts, directions, chambers: boundary.cores.len(), castings })
+        Ok(Self {
+            method,
+            chosen_by,
+            reason,
+            measures,
+            verdicts,
+            directions,
+            chambers: boundary.cores.len(),
+            castings,
+        })
     }
 
     /// What to do with the castings, in order.

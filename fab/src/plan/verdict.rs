@@ -192,7 +192,9 @@ impl<'a> Judge<'a> {
                 };
                 (
                     true,
-                    format!("{cores} can be held, and leave, through {count} inlets that face down"),
+                    format!(
+                        "{cores} can be held, and leave, through {count} inlets that face down"
+                    ),
                 )
             }
             Err(error) => (false, error.to_string()),
@@ -345,10 +347,9 @@ const GLUE_HALVES: &str = "Clean the cut faces with alcohol, wet both with a thi
 pub fn steps(plan: &Plan) -> Vec<String> {
     let steps: &[&str] = match plan.method {
         Method::Solid => &["Close the mold and cast the body.", "Take the shells off."],
-        Method::Halves if plan.chambers == 0 => &[
-            "Cast both halves, each over its plate.",
-            GLUE_HALVES,
-        ],
+        Method::Halves if plan.chambers == 0 => {
+            &["Cast both halves, each over its plate.", GLUE_HALVES]
+        }
         Method::PullOut => &[
             "Close the mold around the core and cast it.",
             "Take the shells off, then pull the core out through the inlet: it must stretch, so wet it with soapy water.",

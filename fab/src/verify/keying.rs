@@ -64,7 +64,8 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     for (i, core) in cores.iter().enumerate().filter(|(_, core)| !core.sockets.is_empty()) {
         let own = core.proud(core, &floor, depth);
         lines.push(line(format!("{}: one way only", core.name), own, " when turned".into()));
-        let others = cores.iter().enumerate().filter(|(j, other)| *j != i && !other.sockets.is_empty());
+        let others =
+            cores.iter().enumerate().filter(|(j, other)| *j != i && !other.sockets.is_empty());
         let others = others.map(|(_, other)| (core.proud(other, &floor, depth), other.name));
         if let Some((proud, name)) = others.min_by(|a, b| a.0.total_cmp(&b.0)) {
             let place = format!(" in that of {name}");

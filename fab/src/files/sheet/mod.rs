@@ -243,7 +243,8 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
             plan::Material::Wax => "wax",
         };
         // Tubes and the leak test of a body that is glued, once.
-        if steps::is_half(&report) && !report.chambers.is_empty() && steps.len() == plan.steps.len() {
+        if steps::is_half(&report) && !report.chambers.is_empty() && steps.len() == plan.steps.len()
+        {
             steps.extend(steps::finish(sheet.leak_test_kpa, &report));
         }
         silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };

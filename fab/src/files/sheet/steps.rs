@@ -112,7 +112,9 @@ pub fn finish(leak_test_kpa: Option<f64>, report: &MoldReport) -> Vec<String> {
     let mut steps = Vec::new();
     match &report.collars[..] {
         [] if report.chambers.len() > 1 => {
-            steps.push("Glue a tube into each inlet, and write the number of its chamber on it.".into());
+            steps.push(
+                "Glue a tube into each inlet, and write the number of its chamber on it.".into(),
+            );
         }
         [] => steps.push("Glue the tube into the inlet.".into()),
         [collar, ..] => steps.push(insert(collar, report)),

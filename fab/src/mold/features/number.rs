@@ -118,9 +118,8 @@ mod tests {
             size: [size, size],
             down: -Vec3::z(),
         };
-        let volumes: Vec<f64> = [1, 2, 3, 7, 8]
-            .map(|n| dots(n, &face(5e-3)).unwrap().volume())
-            .into();
+        let volumes: Vec<f64> =
+            [1, 2, 3, 7, 8].map(|n| dots(n, &face(5e-3)).unwrap().volume()).into();
         for pair in volumes.windows(2) {
             assert!((pair[0] - pair[1]).abs() > 1e-3 * pair[0], "{volumes:?}");
         }
