@@ -84,7 +84,10 @@ fn stubs<'a>(mold: &ClosedMold, core: &'a Body, solid: Solid) -> Stubs<'a> {
         let mine = share(&hole, core);
         let most = mold.cores.iter().all(|other| share(&hole, other) <= mine);
         let axis = Vec3::from(socket.base);
-        let stub = solid.intersection(&hole).to_surface();
+        // of its lower half: above, the shoulder of the core may reach into the socket
+        let (low, high) = hole.bounds();
+        let half = hole.trim_by_plane(&-Vec3::z(), -(low.z + high.z) / 2.0);
+        let stub = solid.intersection(&half).to_surface();
         let reach = stub.vertices.iter().map(|p| (p - axis).xy().norm()).fold(0.0, f64::max);
         (most && mine > 0.0).then_some((axis, (socket.base_radius - reach).max(0.0)))
     });
