@@ -55,18 +55,6 @@ impl Kinematics {
         h + h.transpose() + h * h.transpose()
     }
 
-    /// I₁ − 3 = tr FᵀF − 3.
-    #[must_use]
-    pub fn i1_minus_3(&self) -> f64 {
-        2.0 * self.green.trace()
-    }
-
-    /// I₂ − 3 = ½(I₁² − tr (FᵀF)²) − 3.
-    #[must_use]
-    pub fn i2_minus_3(&self) -> f64 {
-        4.0 * (self.green.trace() + self.second())
-    }
-
     /// [I₁ − 3 − 2 ln J, I₂ − 3 − 4 ln J]: what of the invariants is of second
     /// order in strain.
     ///
@@ -97,8 +85,6 @@ mod tests {
         let i1 = c.trace();
         let i2 = 0.5 * (i1 * i1 - (c * c).trace());
         let log_j = k.f.determinant().ln();
-        assert!((k.i1_minus_3() - (i1 - 3.0)).abs() < 1e-14);
-        assert!((k.i2_minus_3() - (i2 - 3.0)).abs() < 1e-14);
         assert!((k.j() - k.f.determinant()).abs() < 1e-14);
         assert!((k.log_j() - log_j).abs() < 1e-14);
         assert!((k.left_minus_1() - (b - Mat3::identity())).norm() < 1e-14);
