@@ -43,6 +43,8 @@ mod resume;
 mod resume_in_time;
 #[path = "fast/scenarios.rs"]
 mod scenarios;
+#[path = "fast/schemas.rs"]
+mod schemas;
 #[path = "fast/set_from_outside.rs"]
 mod set_from_outside;
 #[path = "fast/solver_bad_input.rs"]

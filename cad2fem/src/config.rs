@@ -4,6 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use program::read_toml;
+use program::schema::one_of_these;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
 use crate::mesher::{MESHERS, Options, Refinement, TetMesher};
@@ -12,7 +14,7 @@ use crate::mesher::{MESHERS, Options, Refinement, TetMesher};
 const MOST_THREADS: usize = 1024;
 
 /// Content of `cad2fem.toml`.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
     /// Settings of `cad2fem tetmesh`.
@@ -21,10 +23,11 @@ pub struct Config {
 
 /// Settings of `cad2fem tetmesh`; lengths either absolute or relative to the
 /// diagonal of the bounding box of the input.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tetmesh {
     /// `ftetwild` or `gmsh`.
+    #[schemars(schema_with = "meshers")]
     pub mesher: String,
     /// Wanted edge length [m]; instead of `relative_edge_length`.
     pub edge_length: Option<f64>,
@@ -47,6 +50,10 @@ pub struct Tetmesh {
     pub improve_passes: usize,
     /// Most threads, 0 for all.
     pub threads: usize,
+}
+
+fn meshers(_: &mut SchemaGenerator) -> Schema {
+    one_of_these(MESHERS.iter().map(|mesher| mesher.name()))
 }
 
 impl Default for Tetmesh {

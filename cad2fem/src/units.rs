@@ -3,10 +3,13 @@
 //! Everything that `cad2fem` writes is in metres; a length is converted once,
 //! where it enters.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A unit of length.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq, clap::ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq, clap::ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
     /// Metre

@@ -6,6 +6,7 @@ use std::ops::Range;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::topology::TET_FACETS;
 use mesh::{Tags, TetMesh, Volumes, facet_key};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::symmetry::{self, Plane};
@@ -39,7 +40,7 @@ pub struct Part {
 }
 
 /// A name of a tag or a body, or several.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a name in quotes, or a list of names")]
 pub enum Names {
     /// One name.

@@ -6,6 +6,7 @@ mod chamber;
 mod check;
 mod design;
 mod level;
+mod material;
 mod membrane;
 mod objective;
 mod probe;
@@ -17,11 +18,13 @@ mod uncertainty;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use program::{Change, Keys, Settings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
+pub use material::{MaterialConfig, VolumeMaterial};
 pub use membrane::MembraneConfig;
 pub use objective::ObjectiveConfig;
 pub use probe::ProbeConfig;
@@ -30,9 +33,7 @@ pub use symmetry::SymmetryConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
-use crate::material::Specification;
 use crate::schedule::{Field, axes};
-use crate::silicone;
 pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
@@ -43,7 +44,7 @@ pub const BODY: &str = "body";
 const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters"] };
 
 /// A scene: a tagged body, its material, supports and loads.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimConfig {
     /// Tagged tetrahedral mesh of the one body, as `tagger` writes it.
@@ -181,7 +182,7 @@ impl SimConfig {
 
 /// One of several bodies. Its tags are called `name.tag`, and `name` is its whole
 /// boundary.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyConfig {
     /// What tags and reports call it.
@@ -199,7 +200,7 @@ pub struct BodyConfig {
 }
 
 /// A rigid surface, open or closed.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleConfig {
     /// What reports call it.
@@ -212,7 +213,7 @@ pub struct ObstacleConfig {
 }
 
 /// Contact and friction.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactConfig {
     /// Which sum over pairs of features.
@@ -237,7 +238,7 @@ pub struct ContactConfig {
 }
 
 /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeConfig {
     /// End of the last step [s].
@@ -259,88 +260,8 @@ fn quintic() -> usize {
     crate::element::quadrature::DEFAULT_DEGREE
 }
 
-/// The name of a silicone of the library, or a law with its parameters.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected the name of a silicone, as in \
-    material = \"ecoflex-00-30\", a table [material] with kind and parameters, or tables \
-    [[material]] with on, a volume of the mesh, for each"
-)]
-pub enum MaterialConfig {
-    /// A row of `solver list --silicones`.
-    Silicone(String),
-    /// `kind`, the parameters of that law in `solver list`, and optionally
-    /// `density` [kg/m³], `stretch_range` and `stretch_at_break` [1].
-    Law(toml::Table),
-    /// One for each volume of the mesh.
-    Volumes(Vec<VolumeMaterial>),
-}
-
-/// `[[material]]`: what a volume of the mesh is made of.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct VolumeMaterial {
-    /// Name of the volume.
-    pub on: String,
-    /// `silicone` alone, or the keys of a law.
-    #[serde(flatten)]
-    pub keys: toml::Table,
-}
-
-impl VolumeMaterial {
-    /// The same as it is written for a whole body.
-    ///
-    /// # Errors
-    /// When there are keys beside `silicone`.
-    pub fn material(&self) -> Result<MaterialConfig> {
-        match self.keys.get("silicone") {
-            None => Ok(MaterialConfig::Law(self.keys.clone())),
-            Some(toml::Value::String(name)) if self.keys.len() == 1 => {
-                Ok(MaterialConfig::Silicone(name.clone()))
-            }
-            Some(_) => {
-                bail!("silicone: expected the name of one of the library, without other keys")
-            }
-        }
-    }
-}
-
-impl MaterialConfig {
-    /// The law with its parameters.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
-    pub fn specification(&self) -> Result<Specification> {
-        match self {
-            Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
-            Self::Law(table) => Specification::read(table).context("[material]"),
-            Self::Volumes(_) => bail!("[[material]]: expected a law of one volume"),
-        }
-    }
-
-    /// The silicone that is named, if one is.
-    #[must_use]
-    pub fn silicone(&self) -> Option<silicone::Named> {
-        match self {
-            Self::Silicone(name) => silicone::find(name).ok(),
-            Self::Law(_) | Self::Volumes(_) => None,
-        }
-    }
-
-    /// Whether all of it are silicones that are named.
-    #[must_use]
-    pub fn is_named(&self) -> bool {
-        match self {
-            Self::Volumes(volumes) => {
-                volumes.iter().all(|v| v.material().is_ok_and(|material| material.is_named()))
-            }
-            one => one.silicone().is_some(),
-        }
-    }
-}
-
 /// A tag whose nodes do not move along some axes, or move as prescribed.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fixed {
     /// Tag name.
@@ -366,7 +287,7 @@ impl Fixed {
 }
 
 /// A force per rest volume.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyForceConfig {
     /// Force per volume, for gravity density times acceleration [N/m³].
@@ -374,7 +295,7 @@ pub struct BodyForceConfig {
 }
 
 /// A force per rest area.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TractionConfig {
     /// Tag name.
@@ -384,7 +305,7 @@ pub struct TractionConfig {
 }
 
 /// Numerical settings of the equilibrium.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SolverConfig {
     /// First load increment as a fraction of a time step, in a static scene of

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use program::schema::{Format, add_keys, one_of};
 use program::{Keys, Settings};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
+use serde_json::{Value, json};
 
-use crate::select::SELECTORS;
+use crate::select::{Entry, SELECTORS};
 
 /// Keys of a `[[tag]]` besides the selectors.
 const TAG_KEYS: [&str; 4] = ["name", "pressure", "rim", "inside"];
@@ -88,16 +91,65 @@ pub struct Tag {
     pub inside: bool,
 }
 
-#[derive(Deserialize)]
+/// A tag file as it is written.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct File {
+pub struct File {
+    /// Selection distance ε, which exceeds the envelope of the mesher [m]; instead of
+    /// `relative_epsilon`.
     epsilon: Option<f64>,
+    /// Selection distance, by default 1e-3 [diagonal].
     relative_epsilon: Option<f64>,
+    /// File of the whole model surface, which competes with the patches.
     surface: Option<PathBuf>,
+    /// Parts of the surface; the first that holds a facet wins.
     #[serde(default)]
+    #[schemars(schema_with = "tags")]
     tag: Vec<toml::Table>,
+    /// Parts of the body, which have no tetrahedra in common.
     #[serde(default)]
+    #[schemars(schema_with = "volumes")]
     volume: Vec<toml::Table>,
+}
+
+/// The schema of a tag file.
+pub const FORMAT: Format = Format::of::<File>("tags", "tags.toml");
+
+fn tags(generator: &mut SchemaGenerator) -> Schema {
+    let flag = |meaning: &str| json!({ "type": "boolean", "description": meaning });
+    let mut rim = Rim::json_schema(generator).to_value();
+    rim["description"] =
+        "Fixed tags or planes of symmetry that hold the rim of a pressure wall that \
+                          is open."
+            .into();
+    let more = [
+        ("pressure", flag("Whether it is the wall of a chamber."), false),
+        ("rim", rim, false),
+        ("inside", flag("Whether the patch is a surface inside the body."), false),
+    ];
+    selections(generator, &more)
+}
+
+fn volumes(generator: &mut SchemaGenerator) -> Schema {
+    selections(generator, &[])
+}
+
+/// A list of tables with a name, one selector and `more` keys.
+fn selections(generator: &mut SchemaGenerator, more: &[(&str, Value, bool)]) -> Schema {
+    let name =
+        json!({ "type": "string", "minLength": 1, "description": "Its name, unique in the file." });
+    let one = |selector: &Entry| {
+        let mut schema =
+            schemars::json_schema!({ "type": "object", "additionalProperties": false });
+        schema.insert("title".into(), format!("`{}`", selector.key).into());
+        let mut value = (selector.schema)(generator).to_value();
+        value["description"] = selector.meaning.into();
+        add_keys(&mut schema, &[("name", name.clone(), true), (selector.key, value, true)]);
+        add_keys(&mut schema, more);
+        schema
+    };
+    let items = one_of(SELECTORS.iter().map(one));
+    schemars::json_schema!({ "type": "array", "items": items })
 }
 
 impl Config {
@@ -181,7 +233,7 @@ fn selector_and_name(table: &mut toml::Table, others: &[&str]) -> Result<(&'stat
 }
 
 /// `rim` as it is written.
-#[derive(serde::Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected the name of a tag, or a list of names")]
 enum Rim {
     One(String),

@@ -11,6 +11,7 @@ mod lock;
 mod memory;
 mod nearest;
 mod progress;
+pub mod schema;
 mod settings;
 mod shell;
 

@@ -8,10 +8,12 @@ pub mod offset;
 pub mod picture;
 pub mod remesh;
 pub mod report;
+pub mod schema;
 pub mod tetmesh;
 
 use anyhow::Result;
 use clap::Subcommand;
+use program::schema::SchemaArguments;
 
 /// What `cad2fem` can do.
 #[derive(Debug, Subcommand)]
@@ -34,6 +36,8 @@ pub enum Verb {
     Picture(picture::Args),
     /// All results in a folder → one page to look at in a browser, without a network
     Report(report::Args),
+    /// The JSON Schema of a file that this program reads, for editors and other programs
+    Schema(SchemaArguments),
 }
 
 impl Verb {
@@ -52,6 +56,7 @@ impl Verb {
             Self::Info(args) => info::run(args),
             Self::Picture(args) => picture::run(args),
             Self::Report(args) => report::run(args),
+            Self::Schema(args) => args.print(schema::FORMATS),
         }
     }
 }

@@ -7,8 +7,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
+use program::schema::partial;
 use program::{Settings, read_checked};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
+use serde_json::json;
 use toml::{Table, Value};
 
 pub use super::shape::Bounds;
@@ -19,7 +22,7 @@ use crate::units::Unit;
 const MAX_CELLS: f64 = 3e7;
 
 /// An implicit model.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
     /// Unit of every length in the file.
@@ -39,13 +42,33 @@ pub struct Model {
     pub cut: Vec<Cut>,
     /// Named parts of the surface; a triangle belongs to the first that takes it.
     pub region: Vec<Region>,
-    /// Variants, see [`ModelFile`].
+    /// The same body with some primitives changed, each a surface of its own.
     #[serde(default)]
+    #[schemars(schema_with = "variants")]
     variant: Vec<Table>,
 }
 
+/// Any part of the keys of primitives, by their names.
+fn variants(generator: &mut SchemaGenerator) -> Schema {
+    let primitive = Primitive::json_schema(generator);
+    let changes = json!({
+        "type": "object",
+        "additionalProperties": partial(&primitive, generator.definitions()),
+    });
+    schemars::json_schema!({ "type": "array", "items": {
+        "type": "object",
+        "properties": {
+            "name": { "type": "string", "description": "Name of the surface that is written." },
+            "solid": changes,
+            "cavity": changes,
+        },
+        "required": ["name"],
+        "additionalProperties": false,
+    } })
+}
+
 /// One step in building a body.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Primitive {
     /// Name, by which regions and variants refer to it.
@@ -67,7 +90,7 @@ pub struct Primitive {
 }
 
 /// What a primitive does to the body built so far.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Op {
     /// Added.
@@ -87,7 +110,7 @@ pub enum Op {
 }
 
 /// A plane that cuts the body after meshing, so that the face is exactly planar.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cut {
     /// Name, by which regions refer to the face.
@@ -99,7 +122,7 @@ pub struct Cut {
 }
 
 /// A named part of the surface. A triangle is taken if all given conditions hold.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// Name of the patch file.
@@ -119,7 +142,7 @@ pub struct Region {
 }
 
 /// An axis-aligned box.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cuboid {
     /// Lower corner [unit].

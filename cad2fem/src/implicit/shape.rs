@@ -9,13 +9,14 @@
 
 use mesh::Vec3;
 use nalgebra::Matrix3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A box as its (min, max) corners [unit].
 pub type Bounds = (Vec3, Vec3);
 
 /// Geometry of one primitive.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
     /// A ball.
@@ -85,8 +86,9 @@ pub enum Shape {
 
 /// R = R_z(yaw) R_y(pitch) R_x(roll), written as [pitch, yaw, roll] in degrees;
 /// positive pitch turns +x towards −z.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(from = "[f64; 3]")]
+#[schemars(with = "[f64; 3]")]
 pub struct Rotation(Matrix3<f64>);
 
 impl From<[f64; 3]> for Rotation {

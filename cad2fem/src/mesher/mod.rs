@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use mesh::{SurfaceMesh, TetMesh};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::layers::Layers;
@@ -35,7 +36,7 @@ pub struct Options {
 
 /// A ball with shorter edges; from its surface on the edge length grows by half the
 /// distance, up to the general one.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
     /// Centre [m].

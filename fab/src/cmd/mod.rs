@@ -3,6 +3,7 @@
 pub mod keys;
 pub mod mold;
 pub mod plan;
+pub mod schema;
 pub mod tolerance;
 pub mod verify;
 
@@ -12,6 +13,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
 use program::Progress;
+use program::schema::SchemaArguments;
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
@@ -34,6 +36,8 @@ pub enum Verb {
     Tolerance(tolerance::Args),
     /// Print all keys of mold.toml with defaults and meanings, as a table in Markdown
     Keys,
+    /// The JSON Schema of a file that this program reads, for editors and other programs
+    Schema(SchemaArguments),
 }
 
 /// What is to be molded, and where to.
@@ -129,6 +133,7 @@ impl Verb {
             Self::Verify(args) => verify::run(args),
             Self::Tolerance(args) => tolerance::run(args),
             Self::Keys => keys::run(),
+            Self::Schema(args) => args.print(schema::FORMATS),
         }
     }
 }

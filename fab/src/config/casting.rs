@@ -1,6 +1,8 @@
 //! `[casting]`: what is cast, and what the mold is printed on.
 
 use library::{printers, silicones};
+use program::schema::one_of_these;
+use schemars::{Schema, SchemaGenerator};
 use serde::Serialize;
 
 use super::table::table;
@@ -11,9 +13,11 @@ table! {
     CastingConfig, "casting." {
         /// A silicone of [`silicones.toml`](../cad2fem/library/silicones.toml): for masses, times,
         /// moduli and warnings of `cast.md`.
+        #[schemars(schema_with = "silicone_names")]
         silicone: Option<String> = None => "none: volumes only", known_silicone;
         /// A printer of [`printers.toml`](../cad2fem/library/printers.toml): for gaps, build volume and overhangs, and a
         /// warning of resin.
+        #[schemars(schema_with = "printer_names")]
         printer: Option<String> = None => "none", known_printer;
         /// Silicone that stays in the cup, as a share of what fills the mold [1].
         waste: f64 = 0.2, share;
@@ -22,6 +26,14 @@ table! {
         /// Gauge pressure of the leak test [Pa].
         leak_test: Option<f64> = None => "the working pressure", pressure;
     }
+}
+
+fn silicone_names(_: &mut SchemaGenerator) -> Schema {
+    one_of_these(silicones().iter().map(|(key, _)| key))
+}
+
+fn printer_names(_: &mut SchemaGenerator) -> Schema {
+    one_of_these(printers().iter().map(|(key, _)| key))
 }
 
 fn known_silicone(key: &str, name: &Option<String>) -> Result<(), String> {

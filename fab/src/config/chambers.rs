@@ -1,14 +1,15 @@
 //! `chamber`: the tags of the walls of the air chambers.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Tags of the walls of air chambers, in the order in which cores are numbered; none for a body
 /// without a chamber. Written as one tag or as a list.
-#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(from = "Written", into = "Written")]
 pub struct Chambers(Vec<String>);
 
-#[derive(Deserialize, Serialize)]
+#[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(untagged, expecting = "the tag of the chamber's wall, or a list of such tags")]
 enum Written {
     One(String),

@@ -1,5 +1,6 @@
 //! `[core]`: how a core is held, and its bore.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Config;
@@ -16,7 +17,7 @@ const THINNEST: f64 = 5e-4;
 const FILLED: f64 = 0.51;
 
 /// Whether a core is held at a second place.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Support {
     /// By a pin if its neck bends more than `limits.sag`.

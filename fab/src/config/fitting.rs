@@ -1,6 +1,8 @@
 //! `[fitting]`: the tube that is put into the inlet, and the collar that holds it.
 
 use library::tubes;
+use program::schema::one_of_these;
+use schemars::{Schema, SchemaGenerator};
 
 use super::table::{any, table};
 
@@ -8,6 +10,7 @@ table! {
     /// A tube and its collar.
     FittingConfig, "fitting." {
         /// A tube of [`tubes.toml`](../cad2fem/library/tubes.toml), for which a collar is cast around each inlet.
+        #[schemars(schema_with = "tube_names")]
         name: Option<String> = None => "none: no collar", any;
         /// Outer diameter of the tube, instead of its name [m].
         outer: Option<f64> = None => "that of the named tube", any;
@@ -21,6 +24,10 @@ table! {
         /// `casting.least_wall` [m].
         wall: f64 = 2e-3, any;
     }
+}
+
+fn tube_names(_: &mut SchemaGenerator) -> Schema {
+    one_of_these(tubes().iter().map(|(key, _)| key))
 }
 
 fn squeeze(key: &str, interference: &f64) -> Result<(), String> {

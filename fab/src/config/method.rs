@@ -1,9 +1,12 @@
 //! How a chamber comes into a body.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The methods to make a chamber.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(
+    Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, PartialOrd, Ord, Serialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// A rigid core, pulled out through the inlet.

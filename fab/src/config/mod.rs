@@ -24,7 +24,9 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 use library::{Chemistry, printers, silicones};
+use program::schema::one_of_these;
 use program::{Settings, read_checked};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer};
 
 pub use casting::CastingConfig;
@@ -47,7 +49,7 @@ pub use vents::VentsConfig;
 const CLEARANCE: f64 = 2e-4;
 
 /// What the outside of the mold looks like.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsideShape {
     /// Planes around the part in 26 directions, with flanges.
@@ -65,6 +67,7 @@ table! {
         /// How the chamber comes into the body: one of the methods above, or `"auto"`, which
         /// chooses by what is measured.
         #[serde(deserialize_with = "method_or_auto")]
+        #[schemars(schema_with = "methods")]
         method: Option<Method> = None => "\"auto\"", any;
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
@@ -101,6 +104,10 @@ table! {
         /// What is cast, and what the mold is printed on.
         casting: CastingConfig = CastingConfig::default() => "a table", any;
     }
+}
+
+fn methods(_: &mut SchemaGenerator) -> Schema {
+    one_of_these(["auto"].into_iter().chain(Method::ALL.map(Method::name)))
 }
 
 fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {

@@ -1,11 +1,12 @@
 //! `[parting]`: where the shells separate.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::table::{Key, any, length, optional_direction, table};
 
 /// The surface between the two shells.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PartingConfig {
     /// Chosen by what is measured.

@@ -34,15 +34,16 @@ macro_rules! table {
             $(
                 $(#[doc = $doc:literal])+
                 $(#[serde($($serde:tt)+)])?
+                $(#[schemars($($schemars:tt)+)])?
                 $key:ident: $type:ty = $default:expr $(=> $words:literal)?, $range:expr;
             )+
         }
     ) => {
         $(#[doc = $about])+
-        #[derive(Clone, Debug, serde::Deserialize $($(, $derive)+)?)]
+        #[derive(Clone, Debug, serde::Deserialize, schemars::JsonSchema $($(, $derive)+)?)]
         #[serde(default, deny_unknown_fields)]
         pub struct $name {
-            $( $(#[doc = $doc])+ $(#[serde($($serde)+)])? pub $key: $type, )+
+            $( $(#[doc = $doc])+ $(#[serde($($serde)+)])? $(#[schemars($($schemars)+)])? pub $key: $type, )+
         }
 
         impl Default for $name {

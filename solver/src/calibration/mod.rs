@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use nalgebra::{DMatrix, DVector};
 use program::{Change, Changes, Keys, Settings};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::config::beside;
@@ -32,7 +33,7 @@ const STATE_MEMORY: f64 = 4e9;
 const SAME: f64 = 1e-6;
 
 /// What is sought, and from what: a file in TOML.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
     /// What is sought.
@@ -44,7 +45,7 @@ pub struct Config {
 }
 
 /// Measurements of one probe.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentConfig {
     /// Its name in tables and pictures.
@@ -57,6 +58,7 @@ pub struct ExperimentConfig {
     pub measured: PathBuf,
     /// Entries that its lines must have, by the titles of columns.
     #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub lines: BTreeMap<String, toml::Value>,
     /// Titles of the measured columns, with their unit: one, or several for repeated trials.
     pub columns: Vec<String>,
@@ -67,7 +69,7 @@ pub struct ExperimentConfig {
 }
 
 /// At which t of the scene.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Time {
     /// All lines [s].

@@ -1,6 +1,7 @@
 //! Numbers of scenes that measurements may determine.
 
 use anyhow::{Context, Error, Result, bail, ensure};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::adjoint::Gradient;
@@ -11,7 +12,7 @@ use crate::scene::{Scene, SceneLaw};
 use crate::sensitivity::{Walls, by_density, by_membranes, by_moduli, by_pressures};
 
 /// `[[number]]`: what is sought.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(try_from = "Written")]
 pub enum Number {
     /// One factor on all stresses of all materials, or of those of a body or volume [1].
@@ -34,7 +35,7 @@ pub enum Number {
 }
 
 /// A number as people write it.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Written {
     /// `modulus`, `density`, `membrane`, `pressure`, `wall`, or the name of a parameter of the

@@ -10,6 +10,7 @@ mod list;
 mod mirror;
 mod optimize;
 mod plot;
+pub mod schema;
 mod simulate;
 mod validate;
 
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Subcommand;
+use program::schema::SchemaArguments;
 
 /// What `solver` can do.
 #[derive(Subcommand)]
@@ -34,6 +36,7 @@ pub enum Verb {
     Calibrate(calibrate::Arguments),
     Validate(validate::Arguments),
     Mirror(mirror::Arguments),
+    Schema(SchemaArguments),
 }
 
 impl Verb {
@@ -55,6 +58,7 @@ impl Verb {
             Self::Calibrate(arguments) => calibrate::run(arguments),
             Self::Validate(arguments) => validate::run(arguments),
             Self::Mirror(arguments) => mirror::run(arguments),
+            Self::Schema(arguments) => arguments.print(schema::FORMATS),
         }
     }
 }

@@ -1,10 +1,15 @@
 //! `[[chamber]]`: a pressurised chamber, in scenes with its gas, in designs with what may
 //! change of its pressure.
 
+use std::borrow::Cow;
+
 use anyhow::{Result, ensure};
+use program::schema::add_keys;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::json;
 
 use crate::energy::GasLaw;
 use crate::energy::gas_law;
@@ -53,9 +58,22 @@ impl<'de> Deserialize<'de> for ChamberConfig {
     }
 }
 
+impl JsonSchema for ChamberConfig {
+    fn schema_name() -> Cow<'static, str> {
+        "ChamberConfig".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = gas_law::schema(generator);
+        let on = json!({ "type": "string", "description": "Tag of its wall." });
+        add_keys(&mut schema, &[("on", on, true)]);
+        schema
+    }
+}
+
 /// A chamber of a design: its pressure in the scene follows slopes over time, one for each
 /// time step.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChamberDesign {
     /// Tag of its wall; the scene prescribes the pressure there.

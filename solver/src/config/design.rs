@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use program::{Change, Keys, Settings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -14,7 +15,7 @@ use crate::body::Names;
 const KEYS: Keys = Keys { paths: &["scene", "target"], named: &[] };
 
 /// A design problem: the design variables of a scene and the objective function.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignConfig {
     /// The scene, a `sim.toml`.
@@ -46,7 +47,7 @@ pub struct DesignConfig {
 }
 
 /// How to go down, and when to stop.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimizerConfig {
     /// Accepted iterations of a design without levels, which have their own.
@@ -87,7 +88,7 @@ impl Default for OptimizerConfig {
 }
 
 /// A cascade of shape levels on one tag or several.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeConfig {
     /// Tags whose vertices move; their rims stay.
@@ -103,7 +104,7 @@ pub struct ShapeConfig {
 }
 
 /// How handles are spread over a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spread {
     /// Each as far from the others as can be.
@@ -114,7 +115,7 @@ pub enum Spread {
 }
 
 /// Vertices inside the body when its boundary moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interior {
     /// Follow the boundary, and the gradient accounts for it.
@@ -126,7 +127,7 @@ pub enum Interior {
 }
 
 /// A number of the scene that may change, such as a peak pressure or a delay.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterDesign {
     /// Its name in the scene's `[parameters]`.

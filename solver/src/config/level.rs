@@ -4,13 +4,14 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, bail, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::MOST_STEPS;
 use crate::body::Names;
 
 /// A level of the cascade, or several where its handles grow.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LevelConfig {
     /// Number of handles.
@@ -51,7 +52,7 @@ pub struct LevelConfig {
 }
 
 /// Time steps of equal length in a level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LevelTime {
     /// Their number.
@@ -62,7 +63,7 @@ pub struct LevelTime {
 }
 
 /// `handles` of a level.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum HandlesConfig {
     /// As many on each tag that moves.
@@ -74,7 +75,7 @@ pub enum HandlesConfig {
 }
 
 /// Numbers of handles n_i = n_0 a^i, rounded (Gjoka et al. 2024, section 4.5).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Growing {
     /// n_0.
@@ -86,7 +87,7 @@ pub struct Growing {
 }
 
 /// `vertices` of a level.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum VerticesConfig {
     /// All or none.
@@ -102,7 +103,7 @@ impl Default for VerticesConfig {
 }
 
 /// How a handle moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum HandleMotion {
     /// Translation and rotation: six variables.

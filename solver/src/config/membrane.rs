@@ -1,14 +1,17 @@
 //! `[[membrane]]`: a thin sheet that is bonded to a tag.
 
 use anyhow::{Context, Result, bail, ensure};
+use program::schema::one_of;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use super::SimConfig;
-use crate::material::sheet::Specification;
+use crate::material::Law;
+use crate::material::sheet::{LAWS, Specification};
 
 /// A sheet bonded to facets, on the boundary or inside.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MembraneConfig {
     /// Tag of the facets, or a body for its whole boundary.
@@ -16,10 +19,15 @@ pub struct MembraneConfig {
     /// Thickness at rest [m].
     pub thickness: f64,
     /// `kind` and the parameters of a law of `solver list --sheets`.
+    #[schemars(schema_with = "laws")]
     pub material: Value,
     /// Whether it wrinkles rather than carry compression.
     #[serde(default)]
     pub tension: bool,
+}
+
+fn laws(_: &mut SchemaGenerator) -> Schema {
+    one_of(LAWS.iter().map(Law::schema))
 }
 
 impl MembraneConfig {

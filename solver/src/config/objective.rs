@@ -1,10 +1,13 @@
 //! `[[objective]]`: a term of the objective function of a design. Its kinds are rows of
 //! [`KINDS`](crate::objective::KINDS).
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, ensure};
+use program::schema::{add_keys, one_of};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,7 +27,7 @@ pub struct ObjectiveConfig {
 }
 
 /// The keys of every kind, [`COMMON_KEYS`].
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 struct Common {
     name: String,
     weight: f64,
@@ -120,6 +123,26 @@ impl<'de> Deserialize<'de> for ObjectiveConfig {
             let title = name.map_or_else(String::new, |name| format!("objective \"{name}\": "));
             D::Error::custom(format!("{title}{}", format!("{what:#}").trim_end()))
         })
+    }
+}
+
+impl JsonSchema for ObjectiveConfig {
+    fn schema_name() -> Cow<'static, str> {
+        "ObjectiveConfig".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let common = Common::json_schema(generator).to_value();
+        one_of(KINDS.iter().map(|kind| {
+            let mut schema = kind.schema(generator);
+            let meanings = COMMON_KEYS.map(|(key, meaning)| {
+                let mut value = common["properties"][key].clone();
+                value["description"] = meaning.into();
+                (key, value, key != "over")
+            });
+            add_keys(&mut schema, &meanings);
+            schema
+        }))
     }
 }
 

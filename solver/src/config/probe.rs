@@ -1,16 +1,20 @@
 //! `[[probe]]`: a number that is measured at every reported step. Its kinds are rows of
 //! [`KINDS`](crate::probe::KINDS).
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow, ensure};
+use program::schema::{add_keys, one_of};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::json;
 use toml::Table;
 
 use crate::objective::Objective;
-use crate::probe::{Kind, Site, Specification};
+use crate::probe::{COMMON_KEYS, KINDS, Kind, Site, Specification};
 
 /// A probe of a scene.
 #[derive(Clone, Debug)]
@@ -97,5 +101,22 @@ impl<'de> Deserialize<'de> for ProbeConfig {
             let title = name.map_or_else(String::new, |name| format!(" \"{name}\""));
             D::Error::custom(format!("[[probe]]{title}: {}", format!("{what:#}").trim_end()))
         })
+    }
+}
+
+impl JsonSchema for ProbeConfig {
+    fn schema_name() -> Cow<'static, str> {
+        "ProbeConfig".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        one_of(KINDS.iter().map(|kind| {
+            let mut schema = kind.schema(generator);
+            for (key, meaning) in COMMON_KEYS {
+                let value = json!({ "type": "string", "description": meaning });
+                add_keys(&mut schema, &[(key, value, true)]);
+            }
+            schema
+        }))
     }
 }

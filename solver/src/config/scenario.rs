@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::level::check_weights;
@@ -12,7 +13,7 @@ use super::level::check_weights;
 pub const EXCESS: &str = "excess";
 
 /// A case that the design is simulated in. What is left out is as the scene has it.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioConfig {
     /// What histories call it.
@@ -47,7 +48,7 @@ pub struct ScenarioConfig {
 }
 
 /// `wall` of a scenario [m].
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a distance [m], or a table with one for each tag")]
 pub enum WallConfig {
     /// All.
@@ -57,7 +58,7 @@ pub enum WallConfig {
 }
 
 /// One objective from those of the scenarios: their mean without this table.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobustConfig {
     /// Standard deviations that are added to the mean [1].

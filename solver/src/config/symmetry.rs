@@ -1,6 +1,7 @@
 //! `[[symmetry]]`: a plane in which bodies are cut that are a part of symmetric ones.
 
 use anyhow::{Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
@@ -8,7 +9,7 @@ use crate::body::Names;
 use crate::symmetry::title;
 
 /// A plane of symmetry.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SymmetryConfig {
     /// Tags of the cut, all of which lie in the plane.

@@ -1,12 +1,13 @@
 //! `[uncertainty]`: how far numbers of the scene may be off.
 
 use anyhow::{Result, bail, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 
 /// How far numbers of a scene may be off, each to both sides.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertaintyConfig {
     /// All stresses of all materials, as a part of them.
@@ -30,7 +31,7 @@ pub struct UncertaintyConfig {
 }
 
 /// How far stresses may be off.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Modulus {
     /// As a part of them, to both sides.

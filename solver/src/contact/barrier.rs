@@ -7,12 +7,13 @@
 //! convergent form: Li et al. 2023, "Convergent Incremental Potential Contact",
 //! arXiv:2307.15908.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::density::{Density, Repulsion};
 
 /// How pairs are weighted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// By areas, so that the potential is that of a surface and converges as

@@ -11,10 +11,11 @@
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A function of a squared distance that is zero from the activation distance on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Density {
     /// A log barrier, infinite where surfaces touch or come closer than they may.

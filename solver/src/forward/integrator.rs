@@ -9,6 +9,7 @@
 //! The first steps use as many states as there are. Source: Hairer, Nørsett and
 //! Wanner, "Solving Ordinary Differential Equations I", III.1.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::energy::TimeStep;
@@ -21,7 +22,7 @@ const FORMULAS: [(&[f64], f64); 3] = [
 ];
 
 /// Time integration of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Inertia is neglected: an equilibrium at every time.

@@ -1,6 +1,9 @@
 //! A row of the table of laws.
 
 use anyhow::{Context, Result, bail, ensure};
+use program::schema::{add_keys, add_kind};
+use schemars::Schema;
+use serde_json::json;
 use toml::Value;
 
 use super::Material;
@@ -169,6 +172,28 @@ impl<M: ?Sized + 'static> Law<M> {
             moduli.bulk
         );
         Ok(())
+    }
+
+    /// The table of `kind` and parameters.
+    #[must_use]
+    pub fn schema(&self) -> Schema {
+        let limits = if self.limits.is_empty() { "" } else { ". Limits: " };
+        let about = format!(
+            "{}. Shear modulus at rest {}, bulk modulus {}{limits}{}. Source: {}.",
+            self.formula, self.shear, self.bulk, self.limits, self.source
+        );
+        let mut schema =
+            schemars::json_schema!({ "type": "object", "additionalProperties": false });
+        add_kind(&mut schema, self.key, &about, &[]);
+        for parameter in self.parameters {
+            let mut value = json!({ "type": "number" });
+            if parameter.list {
+                value = json!({ "type": "array", "items": value, "minItems": 1 });
+            }
+            value["description"] = format!("{} [{}]", parameter.meaning, parameter.unit).into();
+            add_keys(&mut schema, &[(parameter.name, value, true)]);
+        }
+        schema
     }
 
     /// Names and units of the parameters.

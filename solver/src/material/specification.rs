@@ -2,9 +2,12 @@
 //! table says it.
 
 use anyhow::{Context, Result, bail, ensure};
+use program::schema::add_keys;
+use schemars::Schema;
+use serde_json::json;
 use toml::Value;
 
-use super::{Law, Material, Moduli};
+use super::{LAWS, Law, Material, Moduli};
 
 /// A material of a scene.
 #[derive(Clone)]
@@ -41,6 +44,29 @@ impl Specification {
             parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
         let values = law.read(&parameters)?;
         Ok(Self { law, values, density, stretch_range, stretch_at_break })
+    }
+
+    /// The tables that [`Self::read`] takes, one for each law.
+    #[must_use]
+    pub fn schemas() -> Vec<Schema> {
+        let of = |law: &Law| {
+            let mut schema = law.schema();
+            let range = json!({
+                "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
+                "description": "Smallest and largest principal stretch that it was fitted to [1].",
+            });
+            let number = |meaning: &str| json!({ "type": "number", "description": meaning });
+            let at_break =
+                number("Uniaxial stretch at which it tears: 1 + elongation at break [1].");
+            let optional = [
+                ("density", number("Density [kg/m³]."), false),
+                ("stretch_range", range, false),
+                ("stretch_at_break", at_break, false),
+            ];
+            add_keys(&mut schema, &optional);
+            schema
+        };
+        LAWS.iter().map(of).collect()
     }
 
     /// The law, ready for use.

@@ -22,9 +22,10 @@ use std::path::Path;
 
 use anyhow::Result;
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, Specification, positive, read};
+use super::kind::{Builder, Kind, Specification, form, positive};
 use super::{Equilibrium, Objective};
 use crate::contact::candidates::close_within;
 use crate::contact::density::{Density, Repulsion};
@@ -40,10 +41,10 @@ pub(super) const KIND: Kind = Kind {
     keys: &[("activation", "distance below which it acts [m]")],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     activation: f64,

@@ -15,9 +15,10 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, Specification, TAGS, read};
+use super::kind::{Builder, Kind, Specification, TAGS, form};
 use super::{Equilibrium, Objective};
 use crate::body::Names;
 use crate::element;
@@ -33,10 +34,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: true,
     needs_contact: true,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Names,
@@ -46,7 +47,7 @@ struct Keys {
     direction: Option<[f64; 3]>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum Form {
     Along,

@@ -27,9 +27,10 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, Specification, positive, read};
+use super::kind::{Builder, Kind, Specification, form, positive};
 use super::{Equilibrium, Objective};
 use crate::body::Names;
 use crate::contact::barrier::Form;
@@ -53,10 +54,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: true,
     needs_contact: true,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Names,

@@ -23,6 +23,7 @@
 //! 0.11 mm): choose δ below a third of the smallest radius. Beyond the border of
 //! an open target the distance is to the border.
 
+use schemars::JsonSchema;
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -33,7 +34,9 @@ use mesh::{SurfaceMesh, Vec3};
 use crate::parallel::map_merge;
 
 /// What is interpolated between lattice points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum DistanceKind {
     /// The squared distance: smooth at the target.

@@ -8,13 +8,14 @@
 //! trapezoid   ω_n = (t_{n+1} − t_{n−1})/2, half a step at both ends         [s]
 //! simpson     Δt/3 (1, 4, 2, 4, …, 2, 4, 1) for an even number of equal steps [s]
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Relative difference of steps that count as equal.
 const EQUAL: f64 = 1e-9;
 
 /// Which sum.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeIntegral {
     /// The last state.

@@ -24,6 +24,7 @@ mod volume;
 mod wall_thickness;
 
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use crate::contact::density::{Density, Repulsion};
@@ -62,7 +63,7 @@ pub const KINDS: &[Kind] = &[
 ];
 
 /// Which shape areas, volumes and distances are of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
     /// That at rest.

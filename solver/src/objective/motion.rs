@@ -17,9 +17,10 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{AXES, Builder, Kind, MEASURE, Specification, TAGS, read};
+use super::kind::{AXES, Builder, Kind, MEASURE, Specification, TAGS, form};
 use super::surface_integral::{Density, Patch, Place};
 use super::{Equilibrium, Measure, Objective};
 use crate::body::Names;
@@ -34,7 +35,7 @@ pub(super) const DISPLACEMENT: Kind = Kind {
     keys: &[TAGS, ("displacement", WANTED), AXES, MEASURE],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<DisplacementKeys>,
+    form: form::<DisplacementKeys>(),
 };
 
 pub(super) const POSITION: Kind = Kind {
@@ -44,10 +45,10 @@ pub(super) const POSITION: Kind = Kind {
     keys: &[TAGS, ("position", WANTED), AXES, MEASURE],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<PositionKeys>,
+    form: form::<PositionKeys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct DisplacementKeys {
     on: Names,
@@ -58,7 +59,7 @@ struct DisplacementKeys {
     measure: Measure,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PositionKeys {
     on: Names,

@@ -12,9 +12,10 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, Specification, read};
+use super::kind::{Builder, Kind, Specification, form};
 use super::{Equilibrium, Objective};
 use crate::schedule::Schedule;
 
@@ -29,10 +30,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: true,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     probe: String,

@@ -21,9 +21,10 @@ use std::path::Path;
 
 use anyhow::Result;
 use mesh::{Vec3, topology};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, Specification, TAGS, read};
+use super::kind::{Builder, Kind, Specification, TAGS, form};
 use super::{Equilibrium, Objective};
 use crate::body::Names;
 use crate::symmetry::Plane;
@@ -35,10 +36,10 @@ pub(super) const KIND: Kind = Kind {
     keys: &[TAGS, ("form", "\"scale-invariant\" (default) or \"plain\"")],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Names,
@@ -57,7 +58,7 @@ impl Specification for Keys {
 }
 
 /// How the neighbour vector is normalised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SmoothnessForm {
     /// By the sum of the edge lengths.

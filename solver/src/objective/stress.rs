@@ -13,9 +13,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{BODY, Builder, Kind, Specification, read};
+use super::kind::{BODY, Builder, Kind, Specification, form};
 use super::{Equilibrium, Objective, solid_integral};
 use crate::material::{Kinematics, Material};
 use crate::math::tensor::{Mat3, vec9};
@@ -27,10 +28,10 @@ pub(super) const KIND: Kind = Kind {
     keys: &[BODY, ("power", "q ≥ 2 (2)")],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Option<String>,

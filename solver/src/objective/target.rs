@@ -12,9 +12,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 use mesh::SurfaceMesh;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, positive, read};
+use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, form, positive};
 use super::surface_integral::{Density, Patch, Place};
 use super::{DistanceField, DistanceKind, Equilibrium, Measure, Objective};
 use crate::body::Names;
@@ -32,10 +33,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Names,

@@ -10,9 +10,10 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, MEASURE, Specification, read};
+use super::kind::{Builder, Kind, MEASURE, Specification, form};
 use super::{Equilibrium, Measure, Objective};
 use crate::energy::Wall;
 
@@ -27,10 +28,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: true,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Option<String>,

@@ -31,9 +31,10 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, positive, read};
+use super::kind::{Builder, Kind, MEASURE, Specification, TAGS, form, positive};
 use super::{Equilibrium, Measure, Objective};
 use crate::body::Names;
 use crate::contact::candidates::{close_between, closest_between};
@@ -58,10 +59,10 @@ pub(super) const KIND: Kind = Kind {
     ],
     may_be_maximised: false,
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Names,

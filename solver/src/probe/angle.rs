@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, read};
+use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, form};
 use crate::element::{FunctionSpace, at};
 use crate::energy::Wall;
 use crate::objective::{Equilibrium, Measure, Objective};
@@ -22,13 +23,13 @@ pub(super) const KIND: Kind = Kind {
     unit: "deg",
     keys: &[TAG, OTHER_TAG],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
 /// |N| over the area below which a tag has no mean normal.
 const CLOSED: f64 = 1e-6;
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

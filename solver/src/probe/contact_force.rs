@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
-use super::kind::{AXIS, Kind, Site, Specification, read};
+use super::kind::{AXIS, Kind, Site, Specification, form};
 use crate::objective::{ContactForce, Objective, Resultant};
 
 pub(super) const KIND: Kind = Kind {
@@ -15,10 +16,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "N",
     keys: &[("on", "tag, or one of several bodies"), AXIS],
     needs_contact: true,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

@@ -12,9 +12,10 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Kind, Site, Specification, read};
+use super::kind::{Kind, Site, Specification, form};
 use super::means::{Means, OfMeans};
 use crate::objective::Objective;
 
@@ -25,10 +26,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "1/m",
     keys: &[("on", "three tags or more, in their order along the line")],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: Vec<String>,

@@ -5,10 +5,11 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
-use super::kind::{AXIS, Kind, Site, Specification, TAG, read};
+use super::kind::{AXIS, Kind, Site, Specification, TAG, form};
 use super::means::{Means, OfMeans};
 use crate::objective::Objective;
 
@@ -18,10 +19,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "m",
     keys: &[TAG, AXIS],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

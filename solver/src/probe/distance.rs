@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, read};
+use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, form};
 use super::means::{Means, OfMeans};
 use crate::objective::Objective;
 
@@ -18,10 +19,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "m",
     keys: &[TAG, OTHER_TAG],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

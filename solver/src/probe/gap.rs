@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, read};
+use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, form};
 use crate::contact::candidates::closest_between;
 use crate::contact::pairs::Features;
 use crate::contact::surface::Surface;
@@ -24,10 +25,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "m",
     keys: &[TAG, OTHER_TAG],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

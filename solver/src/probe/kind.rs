@@ -5,6 +5,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
+use program::schema::add_kind;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -34,8 +36,25 @@ pub struct Kind {
     pub keys: &'static [(&'static str, &'static str)],
     /// Whether it looks at forces between surfaces, so that it needs `[contact]`.
     pub needs_contact: bool,
-    /// Its own keys from a table of them, and the same with all defaults written.
-    pub(super) read: fn(toml::Table) -> Result<Read>,
+    /// How its own keys are read.
+    pub(super) form: Form,
+}
+
+/// The type that the keys of a kind are read into.
+#[derive(Debug)]
+pub(super) struct Form {
+    /// From a table of them, and the same with all defaults written.
+    read: fn(toml::Table) -> Result<Read>,
+    /// As a schema.
+    schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+/// The form of the type `S`.
+pub(super) const fn form<S>() -> Form
+where
+    S: Specification + Serialize + DeserializeOwned + JsonSchema + 'static,
+{
+    Form { read: read::<S>, schema: S::json_schema }
 }
 
 /// The keys of one kind, and the same as a table.
@@ -88,12 +107,21 @@ impl Kind {
     /// When one is unknown, missing or of the wrong type.
     pub fn read(&self, keys: toml::Table) -> Result<Read> {
         refuse_unknown(self.key, &keys, &COMMON_KEYS, self.keys)?;
-        (self.read)(keys).with_context(|| format!("kind = \"{}\"", self.key))
+        (self.form.read)(keys).with_context(|| format!("kind = \"{}\"", self.key))
+    }
+
+    /// The table of this kind, without [`COMMON_KEYS`].
+    #[must_use]
+    pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = (self.form.schema)(generator);
+        let about = format!("{} [{}].", self.formula, self.unit);
+        add_kind(&mut schema, self.key, &about, self.keys);
+        schema
     }
 }
 
 /// Reads the keys of a kind as `S`.
-pub(super) fn read<S>(keys: toml::Table) -> Result<Read>
+fn read<S>(keys: toml::Table) -> Result<Read>
 where
     S: Specification + Serialize + DeserializeOwned + 'static,
 {

@@ -22,10 +22,11 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
-use super::kind::{AXIS, Kind, Site, Specification, read};
+use super::kind::{AXIS, Kind, Site, Specification, form};
 use super::means::{Means, OfMeans};
 use crate::element::{add_at, at, weights};
 use crate::math::tensor::Mat3;
@@ -42,10 +43,10 @@ pub(super) const KIND: Kind = Kind {
         AXIS,
     ],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     at: [f64; 3],

@@ -9,10 +9,11 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
-use super::kind::{AXIS, Kind, Site, Specification, read};
+use super::kind::{AXIS, Kind, Site, Specification, form};
 use crate::objective::{Equilibrium, Objective};
 
 pub(super) const KIND: Kind = Kind {
@@ -21,10 +22,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "N",
     keys: &[("on", "tag of a [[fixed]]"), AXIS],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

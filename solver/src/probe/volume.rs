@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Kind, Site, Specification, read};
+use super::kind::{Kind, Site, Specification, form};
 use crate::energy::Wall;
 use crate::objective::{Measure, Objective, Volume};
 
@@ -15,10 +16,10 @@ pub(super) const KIND: Kind = Kind {
     unit: "m³",
     keys: &[("on", "tag of the wall")],
     needs_contact: false,
-    read: read::<Keys>,
+    form: form::<Keys>(),
 };
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Keys {
     on: String,

@@ -19,11 +19,13 @@ pub use jet::Jet;
 pub use parser::{FUNCTIONS, Malformed, is_free_name};
 pub use table::Table;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
 use mesh::Vec3;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -246,6 +248,23 @@ impl<'de> Deserialize<'de> for Schedule {
     }
 }
 
+impl JsonSchema for Schedule {
+    fn schema_name() -> Cow<'static, str> {
+        "Schedule".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({
+            "title": "number, expression or table over time",
+            "anyOf": [
+                { "type": "number" },
+                { "type": "string", "description": "An expression, as in \"20e3*t\"." },
+                Table::json_schema(generator),
+            ],
+        })
+    }
+}
+
 struct Reader;
 
 impl<'de> Visitor<'de> for Reader {
@@ -279,7 +298,7 @@ impl<'de> Visitor<'de> for Reader {
 }
 
 /// Three schedules: a vector that may change with time and position.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Field(pub [Schedule; 3]);
 

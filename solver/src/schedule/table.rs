@@ -1,9 +1,10 @@
 //! Piecewise linear values over time.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Columns of a table with increasing times.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Columns")]
 pub struct Table {
     t: Vec<f64>,
@@ -11,7 +12,7 @@ pub struct Table {
 }
 
 /// As it is written.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Columns {
     t: Vec<f64>,

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::report::columns::{number, rows};
@@ -17,7 +18,7 @@ const SAME: f64 = 1e-6;
 const NEAREST: usize = 4;
 
 /// What is compared: a file in TOML.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
     /// Measured curves with their simulations.
@@ -26,7 +27,7 @@ pub struct Config {
 }
 
 /// A measured curve with its simulations.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Its name in the table.
@@ -35,6 +36,7 @@ pub struct Row {
     pub measured: PathBuf,
     /// Entries that its lines must have, by the titles of columns.
     #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub lines: BTreeMap<String, toml::Value>,
     /// Title of the abscissa.
     pub x: String,
@@ -60,7 +62,7 @@ pub struct Row {
 }
 
 /// A quantity that a simulated state has in common with a measured line.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// Title of the measured column.
@@ -73,7 +75,7 @@ pub struct Condition {
 }
 
 /// A simulation of a row.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
     /// Its name in tables and pictures.

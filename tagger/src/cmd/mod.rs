@@ -1,5 +1,6 @@
 //! The verbs of `tagger`, one file each.
 
+pub mod schema;
 pub mod show;
 pub mod tag;
 pub mod transfer;
@@ -9,6 +10,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::Subcommand;
 use mesh::{Tags, TetMesh, io, measure, topology};
+use program::schema::SchemaArguments;
 use serde::Serialize;
 
 /// What `tagger` can do.
@@ -20,6 +22,8 @@ pub enum Verb {
     Show(show::Args),
     /// Carry tags to a mesh with the same boundary.
     Transfer(transfer::Args),
+    /// The JSON Schema of a file that this program reads, for editors and other programs
+    Schema(SchemaArguments),
 }
 
 impl Verb {
@@ -32,6 +36,7 @@ impl Verb {
             Self::Tag(args) => tag::run(&args),
             Self::Show(args) => show::run(&args),
             Self::Transfer(args) => transfer::run(&args),
+            Self::Schema(args) => args.print(schema::FORMATS),
         }
     }
 }

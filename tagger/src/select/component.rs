@@ -5,6 +5,7 @@
 
 use anyhow::{Result, ensure};
 use mesh::{measure, topology};
+use schemars::JsonSchema;
 
 use super::{Entry, Selector, Sources, extent, parse};
 use crate::facets::Facets;
@@ -14,6 +15,7 @@ pub const ENTRY: Entry = Entry {
     key: "component",
     meaning: "a number: 0 for the outer skin, 1, 2, ... for closed cavities, largest first",
     build,
+    schema: usize::json_schema,
 };
 
 struct Component(usize);

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Entry, Selector, Sources, extent, parse};
@@ -12,9 +13,10 @@ pub const ENTRY: Entry = Entry {
     key: "box",
     meaning: "{ min = [x, y, z], max = [x, y, z] }, in metres, for facets inside it",
     build,
+    schema: Cuboid::json_schema,
 };
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Cuboid {
     /// Lower corner [m].

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use mesh::{SurfaceMesh, Vec3};
+use schemars::{Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 
 use crate::facets::Facets;
@@ -50,6 +51,8 @@ pub struct Entry {
     pub meaning: &'static str,
     /// Makes the selector from the value of the key.
     pub build: fn(&toml::Value, &mut Sources) -> Result<Box<dyn Selector>>,
+    /// What the value may be.
+    pub schema: fn(&mut SchemaGenerator) -> Schema,
 }
 
 /// Every selector, in the order in which messages list them.

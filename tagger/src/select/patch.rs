@@ -11,9 +11,12 @@
 //! nothing that faces the same way is near such a sliver, it belongs to the nearest
 //! patch whichever way that faces.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3, io, measure};
+use schemars::JsonSchema;
 
 use super::{Entry, Selector, Sources, extent, path_of};
 use crate::facets::Facets;
@@ -23,6 +26,7 @@ pub const ENTRY: Entry = Entry {
     key: "patch",
     meaning: "the file of an open surface (stl, obj, ply), for facets that lie on it",
     build,
+    schema: PathBuf::json_schema,
 };
 
 /// Distances that differ by less than this part of ε are a tie.

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Entry, Selector, Sources, extent, parse};
@@ -12,9 +13,10 @@ pub const ENTRY: Entry = Entry {
     key: "plane",
     meaning: "{ point = [x, y, z], normal = [x, y, z] }, in metres, for facets on or beyond it",
     build,
+    schema: Plane::json_schema,
 };
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Plane {
     /// A point of the plane [m].

@@ -9,6 +9,7 @@ use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::{Vec3, io, topology};
+use schemars::JsonSchema;
 
 use super::{Entry, Selector, Sources, extent, path_of, point};
 use crate::facets::Facets;
@@ -18,6 +19,7 @@ pub const ENTRY: Entry = Entry {
     key: "volume",
     meaning: "the file of a closed surface (stl, obj, ply), for facets inside it",
     build,
+    schema: PathBuf::json_schema,
 };
 
 struct Volume {

@@ -7,9 +7,10 @@
 //! γ    1 isothermal, 1.4 adiabatic for air
 
 use anyhow::{Result, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GasLaw, Key, Multiplier, Potential, Row, read_as, written};
+use super::{GasLaw, Key, Multiplier, Potential, Row, form, written};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -31,11 +32,11 @@ pub(super) const ROW: Row = Row {
         },
     ],
     source: "polytropic law",
-    read: read_as::<IdealGas>,
+    form: form::<IdealGas>(),
 };
 
 /// A chamber that is filled in its rest shape and closed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IdealGas {
     /// Gauge pressure in the rest volume [Pa].

@@ -2,9 +2,10 @@
 //!
 //! Φ = −P (V − V₀)
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GasLaw, Key, Multiplier, Potential, Row, read_as, written};
+use super::{GasLaw, Key, Multiplier, Potential, Row, form, written};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -17,11 +18,11 @@ pub(super) const ROW: Row = Row {
         selects: true,
     }],
     source: "work of a constant pressure",
-    read: read_as::<Isobaric>,
+    form: form::<Isobaric>(),
 };
 
 /// The same gauge pressure at any volume.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Isobaric {
     /// Gauge pressure [Pa].

@@ -11,6 +11,8 @@ mod prescribed_volume;
 use std::fmt::Debug;
 
 use anyhow::{Result, bail};
+use program::schema::one_of;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -34,8 +36,35 @@ pub struct Row {
     pub keys: &'static [Key],
     /// Where it comes from.
     pub source: &'static str,
-    /// The law from a table of its keys.
+    /// How its keys are read.
+    form: Form,
+}
+
+/// The type that the keys of a law are read into.
+struct Form {
+    /// From a table of them.
     read: fn(toml::Table) -> Result<Box<dyn GasLaw>, toml::de::Error>,
+    /// As a schema.
+    schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+/// The form of the law `L`.
+const fn form<L: GasLaw + DeserializeOwned + JsonSchema + 'static>() -> Form {
+    Form { read: read_as::<L>, schema: L::json_schema }
+}
+
+/// `[[chamber]]` of one of the laws, without `on`.
+#[must_use]
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    one_of(GAS_LAWS.iter().map(|law| {
+        let mut schema = (law.form.schema)(generator);
+        schema.insert("title".into(), law.name.into());
+        schema.insert(
+            "description".into(),
+            format!("{}. Source: {}.", law.formula, law.source).into(),
+        );
+        schema
+    }))
 }
 
 /// A key of a gas law in `[[chamber]]`.
@@ -149,7 +178,7 @@ pub fn read(keys: toml::Table) -> Result<Box<dyn GasLaw>> {
             names.join(", ")
         );
     }
-    (law.read)(keys.clone()).map_err(|e| anyhow::anyhow!(with_value(&e.to_string(), &keys)))
+    (law.form.read)(keys.clone()).map_err(|e| anyhow::anyhow!(with_value(&e.to_string(), &keys)))
 }
 
 /// What is wrong with a key, after the key and its value: `toml` names the key last.

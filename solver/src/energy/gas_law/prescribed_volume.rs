@@ -8,9 +8,10 @@
 //! P̂ and k belong to the iterate: `forward` finds the P̂ for which V = V*, and P is then
 //! the pressure at which the volume is V*, for any k.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GasLaw, Key, Multiplier, Potential, Row, Wanted, read_as, written};
+use super::{GasLaw, Key, Multiplier, Potential, Row, Wanted, form, written};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -26,11 +27,11 @@ pub(super) const ROW: Row = Row {
         Key { name: "volume_factor", unit: "1", meaning: "V*/V₀, 1 at rest", selects: true },
     ],
     source: "augmented Lagrangian: Nocedal and Wright, chapters 17 and 18",
-    read: read_as::<PrescribedVolume>,
+    form: form::<PrescribedVolume>(),
 };
 
 /// A chamber whose volume is prescribed by one of two keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum PrescribedVolume {
     /// V₀ plus a change [m³].
     #[serde(rename = "volume_change")]

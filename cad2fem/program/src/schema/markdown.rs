@@ -1,0 +1,263 @@
+//! The keys of a file as tables in Markdown, from its schema.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::finish::reference;
+
+/// A table of keys for each table of a file, with type, default and meaning of each key.
+#[must_use]
+pub fn markdown(schema: &Value) -> String {
+    let mut chapter = Chapter { schema, text: String::new(), written: Vec::new() };
+    let missing = schema["else"]["required"].as_array().cloned().unwrap_or_default();
+    let needed: BTreeSet<&str> = missing.iter().filter_map(Value::as_str).collect();
+    chapter.keys(schema, &needed);
+    chapter.tables("", schema);
+    chapter.text
+}
+
+struct Chapter<'a> {
+    schema: &'a Value,
+    text: String,
+    /// Tables that have a heading, with it.
+    written: Vec<(*const Value, String)>,
+}
+
+impl<'a> Chapter<'a> {
+    /// What a schema says, behind references and lists.
+    fn resolve(&self, schema: &'a Value) -> &'a Value {
+        let behind = reference(schema).and_then(|place| self.schema.pointer(place));
+        behind.map_or(schema, |behind| self.resolve(behind))
+    }
+
+    /// The forms that a value may have.
+    fn forms(&self, schema: &'a Value) -> Vec<&'a Value> {
+        let schema = self.resolve(schema);
+        let several = schema["oneOf"].as_array().or_else(|| schema["anyOf"].as_array());
+        match several {
+            Some(forms) => forms.iter().flat_map(|form| self.forms(form)).collect(),
+            None => vec![schema],
+        }
+    }
+
+    /// The tables that a value may be or list, and whether they are listed; of a value with a title
+    /// that says it all none.
+    fn own_tables(&self, schema: &'a Value) -> (Vec<&'a Value>, bool) {
+        if self.resolve(schema)["title"].is_string() {
+            return (Vec::new(), false);
+        }
+        let is_table = |form: &&Value| form["properties"].is_object();
+        let forms = self.forms(schema);
+        let items = match forms[..] {
+            [list] => list.get("items").map(|items| self.forms(items)),
+            _ => None,
+        };
+        let listed = items.is_some();
+        (items.unwrap_or(forms).into_iter().filter(is_table).collect(), listed)
+    }
+
+    /// A heading for each table in a table, and what is in it.
+    fn tables(&mut self, above: &str, table: &'a Value) {
+        for (key, value) in sorted(table, &BTreeSet::new()) {
+            let (mut forms, listed) = self.own_tables(value);
+            let name = format!("{above}{key}");
+            // of forms that are one key each the tables behind these keys are meant
+            let several = self.forms(value).len() > 1;
+            let (chosen, own) =
+                forms.into_iter().partition(|form| several && choice_of_one(form).is_some());
+            forms = own;
+            for form in Vec::from_iter::<Vec<&Value>>(chosen) {
+                self.tables(&format!("{name}."), form);
+            }
+            if !forms.is_empty() {
+                let about = value["description"].as_str().or(table["description"].as_str());
+                let brackets = if listed { ("[[", "]]") } else { ("[", "]") };
+                let title = format!("`{}{name}{}`", brackets.0, brackets.1);
+                self.text += &format!("## {title}\n\n{}", paragraph(about.unwrap_or_default()));
+                self.table(key, &name, &title, &forms);
+            }
+        }
+    }
+
+    /// The forms of one table, if they were not written before.
+    fn table(&mut self, key: &str, name: &str, title: &str, forms: &[&'a Value]) {
+        let first = std::ptr::from_ref(forms[0]);
+        if let Some((_, before)) = self.written.iter().find(|(form, _)| *form == first) {
+            self.text += &format!("The keys are those of {before}.\n\n");
+            return;
+        }
+        self.written.push((first, title.to_owned()));
+        for form in forms {
+            if forms.len() > 1 {
+                let about = form["description"].as_str().unwrap_or_default();
+                self.text += &format!("### {}\n\n{}", choice(form), paragraph(about));
+            }
+            let more = &self.schema["else"]["properties"][key]["required"];
+            let needed = [&form["required"], more].into_iter().filter_map(Value::as_array);
+            self.keys(form, &needed.flatten().filter_map(Value::as_str).collect());
+            self.tables(&format!("{name}."), form);
+        }
+    }
+
+    fn keys(&mut self, table: &'a Value, needed: &BTreeSet<&str>) {
+        self.text += "| key | value | default | meaning |\n|-|-|-|-|\n";
+        for (key, value) in sorted(table, needed) {
+            let default = match &value["default"] {
+                _ if needed.contains(key.as_str()) => "needed".to_owned(),
+                Value::Null | Value::Object(_) => String::new(),
+                Value::Array(items) if items.is_empty() => String::new(),
+                default => format!("`{default}`"),
+            };
+            let meaning = self.meaning(value);
+            let value = match self.own_tables(value) {
+                (tables, _) if tables.is_empty() || tables.len() < self.forms(value).len() => {
+                    self.words(value)
+                }
+                (_, true) => "list of tables".to_owned(),
+                (_, false) => "table".to_owned(),
+            };
+            let cells = [format!("`{key}`"), value, default, meaning];
+            let cells = cells.map(|cell| cell.replace('|', "\\|"));
+            self.text += &format!("| {} |\n", cells.join(" | "));
+        }
+        self.text += "\n";
+    }
+
+    /// What a key means, and the words that it may be.
+    fn meaning(&self, value: &'a Value) -> String {
+        let own = value["description"].as_str();
+        let behind = self.resolve(value)["description"].as_str();
+        let mut text = own.or(behind).unwrap_or_default().to_owned();
+        for form in self.forms(value) {
+            if let (Some(word), Some(meaning)) =
+                (form["const"].as_str(), form["description"].as_str())
+            {
+                text += &format!(" `\"{word}\"`: {}.", meaning.trim_end_matches('.'));
+            }
+        }
+        text
+    }
+
+    /// What may be written, in words.
+    fn words(&self, value: &'a Value) -> String {
+        let title = self.resolve(value)["title"].as_str().filter(|_| reference(value).is_some());
+        if let Some(title) = title {
+            return title.to_owned();
+        }
+        let mut words: Vec<String> = Vec::new();
+        for form in self.forms(value) {
+            let word = self.word(form);
+            if !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        words.join(" or ")
+    }
+
+    fn word(&self, form: &'a Value) -> String {
+        let quoted = |word: &Value| format!("`{word}`");
+        if let Some(word) = form.get("const") {
+            return quoted(word);
+        }
+        if let Some(words) = form["enum"].as_array() {
+            return words.iter().map(quoted).collect::<Vec<_>>().join(" or ");
+        }
+        match form["type"].as_str() {
+            Some("string") => "text".into(),
+            Some("boolean") => "true or false".into(),
+            Some("array") => {
+                let count = form["minItems"].as_u64().filter(|n| form["maxItems"] == *n);
+                let items = form.get("items").map_or_else(String::new, |items| self.words(items));
+                let number = count.map_or_else(String::new, |count| format!("{count} × "));
+                format!("list of {number}{items}").trim_end().to_owned()
+            }
+            Some("object") => match form["properties"].as_object() {
+                Some(_) if form["properties"]["kind"].is_object() => "table with a kind".into(),
+                Some(keys) => {
+                    format!("{{ {} }}", keys.keys().cloned().collect::<Vec<_>>().join(", "))
+                }
+                None => {
+                    let each = form.get("additionalProperties").filter(|each| each.is_object());
+                    let each = each.map_or_else(|| "value".to_owned(), |each| self.words(each));
+                    format!("table of name = {each}")
+                }
+            },
+            Some(number) => number.into(),
+            None => "value".into(),
+        }
+    }
+}
+
+/// The keys of a table, first those that say what it is and those that are needed.
+fn sorted<'a>(table: &'a Value, needed: &BTreeSet<&str>) -> Vec<(&'a String, &'a Value)> {
+    let rank = |key: &str| match key {
+        "kind" => 0,
+        "name" => 1,
+        "on" => 2,
+        key if needed.contains(key) => 3,
+        "include" | "puffer" => 5,
+        _ => 4,
+    };
+    let mut keys: Vec<_> = table["properties"].as_object().into_iter().flatten().collect();
+    keys.sort_by_key(|(key, _)| rank(key));
+    keys
+}
+
+/// The key of a form that has exactly one, such as a shape, if a table is behind it or a list.
+fn choice_of_one(form: &Value) -> Option<&String> {
+    let keys = form["properties"].as_object().filter(|keys| keys.len() == 1)?;
+    let (key, _) = keys.iter().next()?;
+    (form["required"] == serde_json::json!([key])).then_some(key)
+}
+
+/// What tells a form of a table from the others.
+fn choice(form: &Value) -> String {
+    match form["properties"]["kind"]["const"].as_str() {
+        Some(kind) => format!("`kind = \"{kind}\"`"),
+        None => form["title"].as_str().unwrap_or_default().to_owned(),
+    }
+}
+
+fn paragraph(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("{text}\n\n") }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn tables_have_headings_and_keys_their_words() {
+        let contact = json!({
+            "description": "Contact.",
+            "type": "object",
+            "properties": {
+                "friction": { "type": "number", "default": 0.5, "description": "Coefficient [1]." },
+                "stiffness": { "type": "number" },
+            },
+            "required": ["stiffness"],
+        });
+        let schema = json!({
+            "properties": {
+                "contact": { "$ref": "#/definitions/Contact", "description": "Contact." },
+                "mesh": { "type": "string", "description": "A file." },
+                "at": { "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 },
+            },
+            "definitions": { "Contact": contact },
+            "else": { "required": ["mesh"] },
+        });
+        let text = markdown(&schema);
+        for line in [
+            "| `mesh` | text | needed | A file. |",
+            "| `at` | list of 3 × number |  |  |",
+            "## `[contact]`\n\nContact.\n\n| key",
+            "| `friction` | number | `0.5` | Coefficient [1]. |",
+            "| `stiffness` | number | needed |  |",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! JSON Schemas of files in TOML, made of the types that the programs read them into, so that
+//! editors complete and check what people write.
+
+mod finish;
+mod markdown;
+mod tables;
+
+use std::io::Write as _;
+
+use anyhow::{Context as _, Result};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+pub use markdown::markdown;
+pub use tables::{add_keys, add_kind, one_of, one_of_these, partial};
+
+use crate::nearest::did_you_mean;
+
+/// A format of files that a program reads.
+pub struct Format {
+    /// What the verb `schema` calls it.
+    pub name: &'static str,
+    /// What such a file is called mostly.
+    pub file: &'static str,
+    /// Its schema.
+    pub schema: fn() -> Value,
+}
+
+impl Format {
+    /// The format that is read into a `T`.
+    #[must_use]
+    pub const fn of<T: JsonSchema>(name: &'static str, file: &'static str) -> Self {
+        Self { name, file, schema: schema::<T> }
+    }
+}
+
+/// The schema (draft 7, which editors know) of a file that is read into a `T`, with the keys that every
+/// file has.
+fn schema<T: JsonSchema>() -> Value {
+    let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>();
+    finish::finish(schema.to_value())
+}
+
+/// Print the JSON Schema of a file that this program reads, for editors and other programs
+///
+/// It is made of the same types as the program's own checks: unknown keys are refused, and every
+/// key has its meaning and unit. What depends on several keys at once, or on a mesh, only the program checks.
+#[derive(clap::Args, Clone, Debug)]
+pub struct SchemaArguments {
+    /// Which file; without it, those there are are listed
+    format: Option<String>,
+    /// Its keys as tables in Markdown in place of the schema
+    #[arg(long, requires = "format")]
+    markdown: bool,
+}
+
+impl SchemaArguments {
+    /// Prints one of these formats, or their names.
+    ///
+    /// # Errors
+    /// If there is none of that name, or standard output cannot be written.
+    pub fn print(&self, formats: &[Format]) -> Result<()> {
+        let names = || formats.iter().map(|format| format.name);
+        let text = match &self.format {
+            None => formats.iter().map(|f| format!("{:12} {}\n", f.name, f.file)).collect(),
+            Some(name) => {
+                let found = formats.iter().find(|format| format.name == name);
+                let schema = (found.with_context(|| unknown(name, names()))?.schema)();
+                match self.markdown {
+                    true => markdown(&schema),
+                    false => serde_json::to_string_pretty(&schema)? + "\n",
+                }
+            }
+        };
+        std::io::stdout().lock().write_all(text.as_bytes())?;
+        Ok(())
+    }
+}
+
+fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    let proposal = did_you_mean(name, known.clone());
+    let known: Vec<&str> = known.collect();
+    format!("no file \"{name}\"{proposal} expected one of {}", known.join(", "))
+}

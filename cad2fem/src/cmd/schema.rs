@@ -1,0 +1,10 @@
+//! `cad2fem schema`: the files that it reads.
+
+use program::schema::Format;
+
+use crate::config::Config;
+use crate::implicit::Model;
+
+/// What the verb can print.
+pub const FORMATS: &[Format] =
+    &[Format::of::<Model>("model", "model.toml"), Format::of::<Config>("cad2fem", "cad2fem.toml")];

@@ -1,0 +1,14 @@
+//! `solver schema`: the files that it reads.
+
+use program::schema::Format;
+
+use crate::config::{DesignConfig, SimConfig};
+use crate::{calibration, validation};
+
+/// What the verb can print.
+pub const FORMATS: &[Format] = &[
+    Format::of::<SimConfig>("sim", "sim.toml"),
+    Format::of::<DesignConfig>("design", "design.toml"),
+    Format::of::<calibration::Config>("calibrate", "calibrate.toml"),
+    Format::of::<validation::Config>("validation", "validation.toml"),
+];
