@@ -9,19 +9,22 @@ SHELL := /bin/bash
 PYTHON ?= python3
 BIN := target/release
 DENY := 0.20.2
+MDBOOK := 0.5.4
 PREFIX ?= /usr/local
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
 # cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
 BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))
 FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(wildcard pipelines/*/cad2fem.paper.toml))
-SCENES := $(filter-out gripper arm pneunet walker worm,$(BODIES))
+SCENES := $(filter-out gripper walker worm,$(BODIES))
 
 # One elsewhere: `make body DIR=...`
 FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
 ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body check-results robust validation $(BODIES)
+SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation fab/mold
+
+.PHONY: help book schemas dist setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -102,6 +105,23 @@ audit:  ## licences, sources, advisories and duplicates of all crates (AUDIT="li
 
 docs:  ## documentation of the libraries, in target/doc
 	cargo doc --release --locked --workspace --no-deps
+
+book: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
+book:  ## the book, as pages that load nothing from the network: build/book/index.html
+	@mdbook --version 2> /dev/null | grep --quiet "$(MDBOOK)" || \
+		cargo install --locked --version $(MDBOOK) --no-default-features --features search --root .cargo-tools mdbook
+	rm -rf build/book
+	mdbook build pipelines/book
+	cp --parents $$(find pipelines cad2fem/page/pictures -name '*.png' -o -name '*.svg') build/book
+	echo '<meta http-equiv="refresh" content="0; url=pipelines/book/index.html">' > build/book/index.html
+	@echo "book: open build/book/index.html"
+
+schemas: setup  ## JSON Schemas of all files that people write, for editors, in build/schemas
+	@mkdir -p build/schemas
+	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
+
+dist:  ## static programs for Linux with licences and checksums, in build/dist (TARGET=aarch64-unknown-linux-musl)
+	.ci/dist $(TARGET)
 
 clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	rm -rf build

@@ -47,14 +47,10 @@ $(1)/build/done: $(1)/build/report.html
 	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<"
 endef
 
-# Patches of a body that lie inside it, which its mesh keeps.
-inside.pneunet := paper marks
-
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
 $(2)/volume.msh: $(call to,$(1))/model/model.json $(call from,$(1))/cad2fem$(3).toml | setup
-	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl $(inside.$(1):%=--inside $(call to,$(1))/model/patches/%.stl) \
-		--config $(call from,$(1))/cad2fem$(3).toml -o $$@
+	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl --config $(call from,$(1))/cad2fem$(3).toml -o $$@
 
 $(2)/tagged.msh: $(2)/volume.msh $(call from,$(1))/tags.toml | setup
 	$(BIN)/tagger tag $$< --config $(call from,$(1))/tags.toml --patches $(call to,$(1))/model/patches -o $$@
@@ -101,6 +97,24 @@ $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
 $(2)/report.html: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
 endef
 
+# The same, for a design of loads alone: the scene is simulated again with those that were found.
+define loads
+$(2)/optimize/report.json: $(call from,$(1))/design$(3).toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+	$(BIN)/solver optimize $$< -o $$(@D)
+
+$(2)/sim.reached.toml: $(2)/optimize/report.json
+	cd $$(@D) && { printf 'include = ["%s"' $(abspath $(call from,$(1))/sim$(3).toml); \
+		find optimize -name parameters.toml -printf ', "%p"' -o -name pressures.toml -printf ', "%p"'; echo ']'; } > $$(@F)
+
+$(2)/reached/report.json: $(2)/sim.reached.toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+
+$(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
+	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --log --x-title "accepted loads" -o $$@
+
+$(2)/report.html: $(2)/reached/report.json $(2)/pictures/objective.svg
+endef
+
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
 # its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
@@ -121,13 +135,19 @@ $(2)/report.html: $(2)/mold.checks.txt $(2)/pictures/mold.png
 endef
 
 # Scene $(1), its results in $(2), suffix of its settings $(3): what its folder has files for.
+design = $(wildcard $(call from,$(1))/design$(3).toml)
+mold = $(wildcard $(call from,$(1))/mold.toml)
+shape = $(if $(design),$(shell grep --files-with-matches '^\[shape\]' $(design)))
 define scene
 $(call simulate,$(1),$(2),$(3))
-$(if $(wildcard $(call from,$(1))/design$(3).toml),$(call optimize,$(1),$(2),$(3)))
-$(if $(wildcard $(call from,$(1))/mold.toml),$(if $(wildcard $(call from,$(1))/design$(3).toml),
+$(if $(shape),$(call optimize,$(1),$(2),$(3)),$(if $(design),$(call loads,$(1),$(2),$(3))))
+$(if $(mold),$(if $(shape),
 $(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json,$(2)/optimized),
-$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh)))
+$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh,$(if $(design),$(2)/reached,$(if $(cast-loaded.$(1)),$(2)/baseline)))))
 endef
+
+# Bodies that are cast as modelled and have walls that are checked under load, too.
+cast-loaded.pneunet := yes
 
 # Force against displacement, with the cavity closed and vented.
 build/compression/vented/report.json: pipelines/compression/sim.vented.toml build/compression/tagged.msh | setup
@@ -325,25 +345,13 @@ build/gripper/report.html: $(addprefix build/gripper/pictures/,gripping.png obje
 build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
 
-# The arm: pressures are designed, the shape is not. The scene with these pressures is simulated again.
-build/arm/optimize/report.json: pipelines/arm/design.toml pipelines/arm/sim.toml build/arm/tagged.msh | setup
-	$(BIN)/solver optimize $< -o $(@D)
-
-build/arm/sim.reached.toml: build/arm/optimize/report.json pipelines/arm/sim.toml
-	awk '/^\[parameters\]/ { skip = 1; next } /^\[/ { skip = 0 } !skip' pipelines/arm/sim.toml \
-		| cat - build/arm/optimize/parameters.toml > $@
-
-build/arm/reached/report.json: build/arm/sim.reached.toml build/arm/tagged.msh | setup
-	$(BIN)/solver simulate $< -o $(@D)
-
+# The arm at its targets.
 build/arm/pictures/reached.png: build/arm/reached/report.json | setup
 	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,000 001 002) --color displacement --view $(view.arm) \
 		--captions "first target,second,third" --title "arm with designed pressures" -o $@
 
-build/arm/pictures/objective.svg: build/arm/optimize/report.json | setup
-	$(BIN)/solver plot $(@D)/../optimize/history.jsonl --y objective --log --x-title "accepted pressures" -o $@
+build/arm/report.html: build/arm/pictures/reached.png
 
-build/arm/report.html: $(addprefix build/arm/pictures/,reached.png objective.svg)
 # The walker's pressures over time are designed: the scene again with the numbers that were found.
 build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker/sim.toml \
 		pipelines/walker/floor.stl build/walker/tagged.msh | setup
@@ -418,9 +426,7 @@ $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(foreach d,$(ELSEWHERE),\
 $(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step)))))\
 $(eval $(call scene,$(d),$(d)/build,)))
-$(foreach s,arm pneunet walker worm,$(eval $(call simulate,$(s),build/$(s),)))
-$(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
-$(eval $(call cast,pneunet,build/pneunet,build/pneunet/tagged.msh,build/pneunet/tagged.msh,build/pneunet/baseline))
+$(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))

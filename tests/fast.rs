@@ -3,6 +3,8 @@
 
 #[path = "fast/bad_design.rs"]
 mod bad_design;
+#[path = "fast/book.rs"]
+mod book;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
 #[path = "fast/compare.rs"]
@@ -33,8 +35,6 @@ mod page;
 mod polyfem;
 #[path = "fast/probes.rs"]
 mod probes;
-#[path = "fast/readme_tables.rs"]
-mod readme_tables;
 #[path = "fast/reference.rs"]
 mod reference;
 #[path = "fast/resume.rs"]

@@ -13,6 +13,9 @@ use tests::workdir::repository;
 #[path = "slow/beam.rs"]
 mod beam;
 
+#[path = "slow/book.rs"]
+mod book;
+
 #[path = "slow/frog.rs"]
 mod frog;
 

@@ -4,6 +4,8 @@
 pub mod bar;
 #[path = "support/bodies.rs"]
 pub mod bodies;
+#[path = "support/book.rs"]
+pub mod book;
 #[path = "support/chamber.rs"]
 pub mod chamber;
 #[path = "support/chromium.rs"]

@@ -1,6 +1,6 @@
 //! `cad2fem.toml`: how a closed surface is filled with tetrahedra.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use program::read_toml;
@@ -33,6 +33,9 @@ pub struct Tetmesh {
     pub edge_length: Option<f64>,
     /// Wanted edge length, by default 0.05 [diagonal].
     pub relative_edge_length: Option<f64>,
+    /// Surfaces inside the body whose triangles become facets of tetrahedra, as files beside the
+    /// surface that is meshed, such as `patches/paper.stl`.
+    pub inside: Vec<PathBuf>,
     /// Balls with shorter edges.
     pub refine: Vec<Refinement>,
     /// Envelope around the input in which the boundary stays [m]; instead of
@@ -62,6 +65,7 @@ impl Default for Tetmesh {
             mesher: "ftetwild".into(),
             edge_length: None,
             relative_edge_length: None,
+            inside: Vec::new(),
             refine: Vec::new(),
             envelope: None,
             relative_envelope: None,

@@ -31,6 +31,8 @@ pub const TEMPLATES: &[Template] = &[
     template!("blank", "the least that is simulated and cast, every line explained", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
     template!("beam", "a bar whose chamber is designed so that it stays straight, in a minute", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
     template!("finger", "a finger whose chamber is designed for a bend, in some minutes", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
+    template!("pneunet", "a row of chambers from a gmsh script that bends over paper in its floor, in some minutes", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
+    template!("arm", "an arm of three chambers from a gmsh script whose pressures are designed, in half an hour", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
 ];
 
 impl Template {

@@ -14,7 +14,7 @@ use crate::template::Template;
 pub struct Args {
     /// Folder to write; its name is that of the body
     folder: PathBuf,
-    /// Body to begin with: blank, beam or finger
+    /// Body to begin with: blank, beam, finger, pneunet or arm
     #[arg(long, value_name = "BODY", default_value = "blank", value_parser = Template::find)]
     like: &'static Template,
 }
@@ -101,6 +101,7 @@ impl Place {
 
 fn readme(name: &str, template: &Template, place: &Place) -> String {
     let results = place.results();
+    let (model, _) = template.files[0];
     let design = template.files.iter().any(|(file, _)| *file == "design.toml");
     let design = if design {
         "| `design.toml` | `solver optimize` | what of the shape may change, and what for |\n"
@@ -114,7 +115,7 @@ fn readme(name: &str, template: &Template, place: &Place) -> String {
          makes everything that is not there yet or older than what it is made from, and \
          `{results}/report.html`, a page of all results.\n\n\
          | file | read by | contains |\n|-|-|-|\n\
-         | `model.toml` | `cad2fem model` | the body and its regions |\n\
+         | `{model}` | `cad2fem model` | the body and its regions |\n\
          | `cad2fem.toml` | `cad2fem tetmesh` | sizes of the tetrahedra |\n\
          | `tags.toml` | `tagger tag` | the name of each part of the boundary |\n\
          | `sim.toml` | `solver simulate` | material, supports, pressure |\n\

@@ -1,6 +1,6 @@
 //! `cad2fem tetmesh`: closed surface → tetrahedra.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
         mesher: settings.tet_mesher().with_context(of_config)?,
         options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
         improve_passes: settings.improve_passes,
-        layers: Layers::read(&args.inside, &surface)?,
+        layers: Layers::read(&args.inside(&settings), &surface)?,
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),
     };
@@ -100,6 +100,13 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 impl Args {
+    /// Surfaces inside: those of the settings lie beside the surface.
+    fn inside(&self, settings: &Tetmesh) -> Vec<PathBuf> {
+        let folder = self.surface.parent().unwrap_or(Path::new(""));
+        let of_settings = settings.inside.iter().map(|file| folder.join(file));
+        of_settings.chain(self.inside.iter().cloned()).collect()
+    }
+
     /// The configuration with the flags on top.
     fn settings(&self) -> Result<Tetmesh> {
         let mut settings = Config::read(self.config.as_deref())?.tetmesh;

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Result;
 
-/// Prints all keys on standard output, as the table in fab/README.md.
+/// Prints all keys on standard output, as the table in the book.
 ///
 /// # Errors
 /// If standard output cannot be written.

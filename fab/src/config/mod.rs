@@ -277,17 +277,4 @@ mod tests {
         let message = format!("{:#}", Config::parse("cavity = \"hole\"").unwrap_err());
         assert!(message.contains("write chamber = \"hole\""), "{message}");
     }
-
-    #[test]
-    fn the_readme_lists_all_keys() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-        let text = std::fs::read_to_string(path).unwrap();
-        let (_, rest) = text.split_once("<!-- fab keys -->\n").unwrap();
-        let (listed, _) = rest.split_once("<!-- end of fab keys -->").unwrap();
-        assert_eq!(
-            listed,
-            markdown(),
-            "replace the table in fab/README.md by what `fab keys` prints"
-        );
-    }
 }

@@ -1,7 +1,7 @@
 //! A table of mold.toml: each of its keys is one row, with its type, default, range and meaning.
 //!
-//! From the rows come the struct that is read, its defaults, its checks, and the table of keys in
-//! fab/README.md (`fab keys`).
+//! From the rows come the struct that is read, its defaults, its checks, and the table of keys in the book
+//! (`fab keys`).
 
 use mesh::Vec3;
 

@@ -1,6 +1,5 @@
 //! `solver list`: what a scene or a design problem may name.
 
-mod markdown;
 mod silicones;
 
 use std::io::Write;
@@ -42,52 +41,38 @@ pub struct Arguments {
     /// As JSON
     #[arg(long)]
     json: bool,
-    /// As the table in the README
-    #[arg(long, conflicts_with_all = ["json", "silicones"])]
-    markdown: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, sheets, gas_laws, probes, objectives, json, markdown } = *arguments;
+    let Arguments { silicones, sheets, gas_laws, probes, objectives, json } = *arguments;
     let text = if objectives {
-        rows(objective::KINDS, (json, kind_json), (markdown, markdown::objectives), |kinds| {
+        rows(objective::KINDS, (json, kind_json), |kinds| {
             joined(kinds, kind_text) + "\nall\n" + &keys_text(&objective::COMMON_KEYS)
         })?
     } else if probes {
-        rows(probe::KINDS, (json, probe_json), (markdown, markdown::probes), |kinds| {
+        rows(probe::KINDS, (json, probe_json), |kinds| {
             joined(kinds, probe_text) + "\nall\n" + &keys_text(&probe::COMMON_KEYS)
         })?
     } else if sheets {
-        rows(sheet::LAWS, (json, law_json), (markdown, markdown::materials), |laws| {
-            joined(laws, law_text)
-        })?
+        rows(sheet::LAWS, (json, law_json), |laws| joined(laws, law_text))?
     } else if gas_laws {
-        rows(GAS_LAWS, (json, gas_law_json), (markdown, markdown::gas_laws), |laws| {
-            joined(laws, gas_law_text)
-        })?
+        rows(GAS_LAWS, (json, gas_law_json), |laws| joined(laws, gas_law_text))?
     } else if silicones {
-        rows(silicone::all(), (json, silicones::json), (false, |_| String::new()), silicones::text)?
+        rows(silicone::all(), (json, silicones::json), silicones::text)?
     } else {
-        rows(LAWS, (json, law_json), (markdown, markdown::materials), |laws| {
-            joined(laws, law_text)
-        })?
+        rows(LAWS, (json, law_json), |laws| joined(laws, law_text))?
     };
     write!(std::io::stdout().lock(), "{text}")?;
     Ok(())
 }
 
-/// Rows as JSON, as a table, or as text.
+/// Rows as JSON or as text.
 fn rows<T>(
     all: &[T],
     (as_json, json): (bool, fn(&T) -> Value),
-    (as_table, table): (bool, fn(&[T]) -> String),
     text: impl Fn(&[T]) -> String,
 ) -> Result<String> {
-    match (as_json, as_table) {
-        (true, _) => pretty(all.iter().map(json).collect()),
-        (_, true) => Ok(table(all)),
-        _ => Ok(text(all)),
-    }
+    if as_json { pretty(all.iter().map(json).collect()) } else { Ok(text(all)) }
 }
 
 fn joined<T>(all: &[T], text: fn(&T) -> String) -> String {

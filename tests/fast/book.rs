@@ -1,0 +1,115 @@
+//! The book in pipelines/book: its commands work, its tables are those of the programs, its pictures are
+//! there, and it loads nothing from the network.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+use tests::book::{Chapter, chapters};
+use tests::skip::skip;
+use tests::workdir::{Workdir, program, repository};
+
+/// A generated part of a chapter: the command that prints it, between these.
+const BEGIN: &str = "<!-- $ ";
+const END: &str = "<!-- end -->";
+
+#[test]
+fn commands_that_take_seconds_work() {
+    let count: usize = chapters().iter().map(|chapter| chapter.run(&["test"])).sum();
+    assert!(count > 15, "{count} lines of commands");
+}
+
+/// The chapter with what the programs print today, and how many commands it has.
+fn current(chapter: &Chapter, dir: &Workdir) -> (String, usize) {
+    let (mut current, mut rest, mut count) = (String::new(), &chapter.text[..], 0);
+    while let Some((before, after)) = rest.split_once(BEGIN) {
+        let (command, after) = after.split_once(" -->\n").expect("a command ends");
+        let (_, after) = after.split_once(END).expect("every table ends");
+        let words: Vec<&str> = command.split(' ').collect();
+        let run = Command::new(program(words[0]))
+            .args(&words[1..])
+            .current_dir(dir.path(""))
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{command}: {run:?}");
+        let printed = String::from_utf8(run.stdout).unwrap();
+        current += &format!("{before}{BEGIN}{command} -->\n\n{printed}{END}");
+        (rest, count) = (after, count + 1);
+    }
+    (current + rest, count)
+}
+
+#[test]
+fn tables_are_those_of_the_programs() {
+    let (dir, mut tables, mut old) = (Workdir::new(), 0, Vec::new());
+    for chapter in chapters() {
+        let (text, count) = current(&chapter, &dir);
+        tables += count;
+        if text != chapter.text {
+            let fresh = repository().join("build/fresh").join(chapter.path.file_name().unwrap());
+            fs::create_dir_all(fresh.parent().unwrap()).unwrap();
+            fs::write(&fresh, text).unwrap();
+            old.push(format!("cp {} {}", fresh.display(), chapter.path.display()));
+        }
+    }
+    assert!(old.is_empty(), "tables that are not current; put in their place:\n{}", old.join("\n"));
+    assert_eq!(tables, 8, "one for each file that people write");
+}
+
+#[test]
+fn chapters_pictures_and_links_are_there() {
+    let chapters = chapters();
+    let summary = chapters.iter().find(|c| c.path.ends_with("SUMMARY.md")).unwrap();
+    let listed: BTreeSet<&str> = targets(&summary.text).into_iter().collect();
+    for chapter in &chapters {
+        let name = chapter.path.file_name().unwrap().to_str().unwrap();
+        assert!(name == "SUMMARY.md" || listed.contains(name), "{name} is not in SUMMARY.md");
+        for target in targets(&chapter.text) {
+            let file = target.split('#').next().unwrap();
+            if file.is_empty() || target.starts_with("https:") {
+                continue;
+            }
+            let there = chapter.path.parent().unwrap().join(file);
+            assert!(there.is_file(), "{name}: there is no {target}");
+            // make book takes pictures of pipelines along, and nothing else
+            let picture = [".png", ".svg"].iter().any(|end| file.ends_with(end));
+            assert!(!file.contains("..") || picture, "{name}: {target} is not in the book");
+        }
+    }
+}
+
+/// What links and pictures point to.
+fn targets(text: &str) -> Vec<&str> {
+    text.split("](").skip(1).filter_map(|after| after.split(')').next()).collect()
+}
+
+#[test]
+fn the_book_loads_nothing_from_the_network() {
+    let mdbook = repository().join(".cargo-tools/bin/mdbook");
+    if !mdbook.is_file() {
+        return skip("mdbook (make book installs it)");
+    }
+    let dir = Workdir::new();
+    let run = Command::new(mdbook)
+        .arg("build")
+        .arg(repository().join("pipelines/book"))
+        .arg("--dest-dir")
+        .arg(dir.path("html"))
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{run:?}");
+    for entry in fs::read_dir(dir.path("html")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "html") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        // a link to a page is followed by the reader; all else is loaded
+        for address in
+            ["src=\"http", "src=\"//", "<link rel=\"stylesheet\" href=\"http", "url(http"]
+        {
+            assert!(!text.contains(address), "{}: {address}", path.display());
+        }
+    }
+    assert!(dir.path("html/index.html").is_file());
+}
