@@ -99,7 +99,7 @@ pub struct ShapeConfig {
     /// How handles are spread over a tag.
     #[serde(default)]
     pub spread: Spread,
-    /// Levels from coarse to fine, as written; [`DesignConfig::levels`] has one for each.
+    /// Levels from coarse to fine; some stand for several.
     pub level: Vec<LevelConfig>,
 }
 

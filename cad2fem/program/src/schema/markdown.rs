@@ -44,7 +44,8 @@ impl<'a> Chapter<'a> {
     /// The tables that a value may be or list, and whether they are listed; of a value with a title
     /// that says it all none.
     fn own_tables(&self, schema: &'a Value) -> (Vec<&'a Value>, bool) {
-        if self.resolve(schema)["title"].is_string() {
+        let says_it_all = |schema: &'a Value| self.resolve(schema)["title"].is_string();
+        if says_it_all(schema) || self.resolve(schema).get("items").is_some_and(says_it_all) {
             return (Vec::new(), false);
         }
         let is_table = |form: &&Value| form["properties"].is_object();
@@ -156,6 +157,9 @@ impl<'a> Chapter<'a> {
     }
 
     fn word(&self, form: &'a Value) -> String {
+        if let (Some(title), true) = (form["title"].as_str(), form["enum"].is_array()) {
+            return title.to_owned();
+        }
         let quoted = |word: &Value| format!("`{word}`");
         if let Some(word) = form.get("const") {
             return quoted(word);

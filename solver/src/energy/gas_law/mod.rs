@@ -56,8 +56,17 @@ const fn form<L: GasLaw + DeserializeOwned + JsonSchema + 'static>() -> Form {
 /// `[[chamber]]` of one of the laws, without `on`.
 #[must_use]
 pub fn schema(generator: &mut SchemaGenerator) -> Schema {
-    one_of(GAS_LAWS.iter().map(|law| {
-        let mut schema = (law.form.schema)(generator);
+    let mut forms = Vec::new();
+    for law in GAS_LAWS {
+        let schema = (law.form.schema)(generator);
+        let several = schema.get("oneOf").and_then(|forms| forms.as_array()).cloned();
+        let of_law = several.map_or_else(
+            || vec![schema],
+            |forms| forms.into_iter().filter_map(|form| form.try_into().ok()).collect(),
+        );
+        forms.extend(of_law.into_iter().map(|form| (law, form)));
+    }
+    one_of(forms.into_iter().map(|(law, mut schema): (&Row, Schema)| {
         schema.insert("title".into(), law.name.into());
         schema.insert(
             "description".into(),
