@@ -11,11 +11,11 @@ table! {
     /// What is cast, and what the mold is printed on.
     #[derive(PartialEq, Serialize)]
     CastingConfig, "casting." {
-        /// A silicone of [`silicones.toml`](../cad2fem/library/silicones.toml): for masses, times,
+        /// A silicone of `cad2fem/library/silicones.toml`: for masses, times,
         /// moduli and warnings of `cast.md`.
         #[schemars(schema_with = "silicone_names")]
         silicone: Option<String> = None => "none: volumes only", known_silicone;
-        /// A printer of [`printers.toml`](../cad2fem/library/printers.toml): for gaps, build volume and overhangs, and a
+        /// A printer of `cad2fem/library/printers.toml`: for gaps, build volume and overhangs, and a
         /// warning of resin.
         #[schemars(schema_with = "printer_names")]
         printer: Option<String> = None => "none", known_printer;

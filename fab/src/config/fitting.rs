@@ -9,7 +9,7 @@ use super::table::{any, table};
 table! {
     /// A tube and its collar.
     FittingConfig, "fitting." {
-        /// A tube of [`tubes.toml`](../cad2fem/library/tubes.toml), for which a collar is cast around each inlet.
+        /// A tube of `cad2fem/library/tubes.toml`, for which a collar is cast around each inlet.
         #[schemars(schema_with = "tube_names")]
         name: Option<String> = None => "none: no collar", any;
         /// Outer diameter of the tube, instead of its name [m].
