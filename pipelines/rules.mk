@@ -337,18 +337,22 @@ $(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
 $(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
 
 build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline shaped optimized) | setup
-	$(BIN)/solver plot $^ --x "24*(t-1)" --y "2*probes.pull" --labels "as modelled,by shape,by force" \
-		--x-title "cylinder drawn away [mm]" --y-title "force [N]" -o $@
+	$(BIN)/solver plot $^ --x "24*(t-1)" --y "-2*probes.pull" --labels "as modelled,by shape,by force" \
+		--x-title "cylinder drawn away [mm]" --y-title "force that holds it [N]" -o $@
 
 build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
 		--x-title "accepted shapes" -o $@
 
+build/gripper/pictures/section.png: build/gripper/tagged.msh build/gripper/optimize/report.json | setup
+	$(BIN)/cad2fem picture $< build/gripper/optimize/design.gripper.msh --view left \
+		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
+
 # Half of it was designed: the mold is that of the whole.
 build/gripper/whole.msh: build/gripper/optimize/report.json | setup
 	$(BIN)/solver mirror build/gripper/optimize/design.gripper.msh --on cut -o $@
 
-build/gripper/report.html: $(addprefix build/gripper/pictures/,pull.svg objective.svg)
+build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
 
 # The arm: pressures are designed, the shape is not. The scene with these pressures is simulated again.
 build/arm/optimize/report.json: pipelines/arm/design.toml pipelines/arm/sim.toml build/arm/tagged.msh | setup
