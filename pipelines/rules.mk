@@ -337,8 +337,8 @@ $(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
 $(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
 
 build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline shaped optimized) | setup
-	$(BIN)/solver plot $^ --x "24*(t-1)" --y "-2*probes.pull" --labels "as modelled,by shape,by force" \
-		--x-title "cylinder drawn away [mm]" --y-title "force that holds it [N]" -o $@
+	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by shape,by force" \
+		--x-title "time [s]: air until 1, then drawn away by 24 mm" --y-title "force that holds the cylinder [N]" -o $@
 
 build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
