@@ -17,6 +17,8 @@ mod energies;
 mod error_bars;
 #[path = "fast/failures.rs"]
 mod failures;
+#[path = "fast/flat_element.rs"]
+mod flat_element;
 #[path = "fast/import.rs"]
 mod import;
 #[path = "fast/materials.rs"]
