@@ -14,6 +14,7 @@ mod ply;
 mod stl;
 mod tags;
 mod text;
+pub mod threemf;
 mod unfinished;
 pub mod vtu;
 
