@@ -9,11 +9,14 @@
 //! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
 use mesh::measure::{tet_volume, triangle_area};
-use mesh::topology::{TET_FACETS, boundary, submesh};
+use mesh::topology::{TET_FACETS, boundary, pinched_vertices, submesh};
 use mesh::{TetMesh, Vec3};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
 const MAX_VOLUME: f64 = 1e-4;
+
+/// How often what is left is looked at again.
+const ROUNDS: usize = 20;
 
 /// Removes the pieces of `mesh`, connected over facets, that have less than 10⁻⁴ of
 /// its volume. Returns the number of tetrahedra removed.
@@ -55,6 +58,40 @@ pub fn remove_spikes(mesh: &mut TetMesh, height: f64) -> usize {
         *mesh = without_unused_vertices(mesh, &kept);
     }
     removed
+}
+
+/// Removes, where the boundary touches itself in a vertex only, the tetrahedra of all but the largest
+/// group around it. Returns how many.
+pub fn open_pinches(mesh: &mut TetMesh) -> usize {
+    let before = mesh.tets.len();
+    for _ in 0..ROUNDS {
+        let pinched = pinched_vertices(&boundary(mesh).facets);
+        if pinched.is_empty() {
+            break;
+        }
+        let mut kept = vec![true; mesh.tets.len()];
+        for v in pinched {
+            let around: Vec<usize> =
+                (0..mesh.tets.len()).filter(|&t| mesh.tets[t].contains(&v)).collect();
+            let tets: Vec<[usize; 4]> = around.iter().map(|&t| mesh.tets[t]).collect();
+            let group = pieces(&tets);
+            let mut volume = vec![0.0; tets.len()];
+            for (i, &t) in around.iter().enumerate() {
+                let [a, b, c, d] = mesh.corners(t);
+                volume[group[i]] += tet_volume(a, b, c, d);
+            }
+            let largest = (0..tets.len()).max_by(|&a, &b| volume[a].total_cmp(&volume[b]));
+            for (i, &t) in around.iter().enumerate() {
+                kept[t] &= Some(group[i]) == largest;
+            }
+        }
+        if kept.iter().all(|&kept| kept) {
+            break; // two cavities touch: nothing can be removed
+        }
+        let tets: Vec<_> = (0..kept.len()).filter(|&t| kept[t]).map(|t| mesh.tets[t]).collect();
+        *mesh = without_unused_vertices(mesh, &tets);
+    }
+    before - mesh.tets.len()
 }
 
 /// Height of a corner of a tetrahedron above the other three.
@@ -116,6 +153,17 @@ mod tests {
         // its lower tip is 1 above its facet
         assert_eq!(remove_spikes(&mut low, 0.9), 0);
         assert_eq!(remove_spikes(&mut low, 1.1), 2);
+    }
+
+    #[test]
+    fn what_touches_in_a_vertex_is_taken_off() {
+        // three in a row, and a small one that touches the first in a corner
+        let mut vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), -Vec3::z()];
+        vertices.extend([Vec3::x(), Vec3::y(), Vec3::z()].map(|v| v * -0.1 + Vec3::x() * 1.2));
+        let mut mesh = TetMesh { vertices, tets: vec![[0, 1, 2, 3], [0, 2, 1, 4], [1, 5, 7, 6]] };
+        assert_eq!(open_pinches(&mut mesh), 1);
+        assert_eq!((mesh.vertices.len(), mesh.tets.len()), (5, 2));
+        assert_eq!(open_pinches(&mut mesh), 0);
     }
 
     #[test]

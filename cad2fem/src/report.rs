@@ -3,12 +3,15 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use mesh::SurfaceMesh;
 use mesh::check::Finding;
-use mesh::measure::unlikely_size;
+use mesh::io::read_surface;
+use mesh::measure::{diagonal, unlikely_size};
 use program::sha256_file;
 use serde::Serialize;
+
+use crate::units::{Unit, sizes};
 
 /// An input file and its fingerprint.
 #[derive(Clone, Debug, Serialize)]
@@ -27,6 +30,21 @@ impl Input {
     pub fn of(path: &Path) -> Result<Self> {
         Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)? })
     }
+}
+
+/// Reads a surface whose lengths are metres or in the unit that the user says.
+///
+/// # Errors
+/// If it cannot be read, or if no unit is said and metres are unlikely.
+pub fn read_in(path: &Path, unit: Option<Unit>) -> Result<SurfaceMesh> {
+    let mut surface = read_surface(path)?;
+    let unlikely = unlikely_size(&surface.vertices).is_some();
+    if let (None, true) = (unit, unlikely) {
+        bail!("{}: {}", path.display(), sizes(diagonal(&surface.vertices)));
+    }
+    let metres = unit.unwrap_or(Unit::M).metres();
+    surface.vertices.iter_mut().for_each(|v| *v *= metres);
+    Ok(surface)
 }
 
 /// Warns of a surface [m] whose size hints at another unit.

@@ -1,6 +1,7 @@
 //! The verbs, one per file.
 
 pub mod doctor;
+pub mod import;
 pub mod info;
 pub mod model;
 pub mod new;
@@ -22,6 +23,8 @@ pub enum Verb {
     Doctor(doctor::Args),
     /// Implicit model or CAD file → closed surface and one patch per region
     Model(model::Args),
+    /// Meshes and CAD files of others, in any unit, sound or not → the same
+    Import(import::Args),
     /// Open patch → closed selection volume of thickness ±distance
     Offset(offset::Args),
     /// Closed surface → tetrahedra
@@ -46,6 +49,7 @@ impl Verb {
             Self::New(args) => new::run(args),
             Self::Doctor(args) => doctor::run(args),
             Self::Model(args) => model::run(args),
+            Self::Import(args) => import::run(args),
             Self::Offset(args) => offset::run(args),
             Self::Tetmesh(args) => tetmesh::run(args),
             Self::Remesh(args) => remesh::run(args),

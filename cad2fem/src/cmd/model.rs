@@ -18,7 +18,7 @@ use crate::units::Unit;
 /// `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Model: .toml (implicit), .geo (gmsh script) or .step
+    /// Model: .toml (implicit), .geo (gmsh script), .step, .brep or .iges
     file: PathBuf,
     /// Folder to write
     #[arg(short, long, value_name = "DIR")]
@@ -26,7 +26,7 @@ pub struct Args {
     /// Implicit: keep ornaments (primitives with `fine = true`)
     #[arg(long)]
     fine: bool,
-    /// .geo: unit of its numbers
+    /// .geo and .brep: unit of the numbers
     #[arg(long)]
     unit: Option<Unit>,
     /// .geo: set a number that the script declares with DefineConstant
@@ -81,7 +81,7 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let region = assign(model, &fields, &skin);
     let (surface, names) = (skin.surface, model.region_names());
     let (inside, volumes) = (Vec::new(), Vec::new());
-    let labelled = LabelledSurface { surface, names, region, inside, volumes };
+    let labelled = LabelledSurface { surface, names, region, inside, volumes, import: None };
     finish(args, &labelled, folder, input.clone(), start)
 }
 
@@ -91,6 +91,7 @@ fn from_cad(args: &Args) -> Result<()> {
         unit: args.unit,
         numbers: args.numbers.iter().cloned().collect(),
         edge_length: args.edge_length,
+        per_turn: None,
         trust: args.trust,
         timeout: Duration::from_secs(args.timeout),
     };

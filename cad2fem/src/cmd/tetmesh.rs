@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use mesh::Tags;
-use mesh::io::{read_surface, write_atomic, write_tets};
+use mesh::io::{write_atomic, write_tets};
 use mesh::measure::diagonal;
 use serde::Serialize;
 
@@ -13,15 +13,19 @@ use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
 use crate::layers::Layers;
 use crate::mesher::python::Python;
-use crate::report::{Input, remark_on_size};
+use crate::report::{Input, read_in};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
+use crate::units::Unit;
 
 /// Settings come from --config, then from the flags; what neither says has a default.
 /// Writes OUT and OUT with the extension .report.json
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Closed surface [m]
+    /// Closed surface [m], or as --unit says
     surface: PathBuf,
+    /// Unit of the surfaces, if not metres
+    #[arg(long)]
+    unit: Option<Unit>,
     /// Surface inside the body, open or closed, whose triangles become facets of tetrahedra; again
     /// for each
     #[arg(long = "inside", value_name = "FILE")]
@@ -77,8 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
     let of_config = || args.config.as_ref().map_or("settings".into(), |p| p.display().to_string());
     let input = Input::of(&args.surface)?;
-    let mut surface = read_surface(&args.surface)?;
-    remark_on_size(&args.surface, &surface);
+    let mut surface = read_in(&args.surface, args.unit)?;
     let place = || args.surface.display().to_string();
     prepare(&mut surface, args.orient).with_context(place)?;
     let request = Request {
@@ -86,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
         mesher: settings.tet_mesher().with_context(of_config)?,
         options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
         improve_passes: settings.improve_passes,
-        layers: Layers::read(&args.inside, &surface)?,
+        layers: Layers::read(&args.inside, args.unit, &surface)?,
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),
     };

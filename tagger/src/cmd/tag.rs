@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
     let mut sources = Sources::new(folder, epsilon);
     if let Some(surface) = &config.surface {
-        sources.surface = Some(io::read_surface(&folder.join(surface))?);
+        sources.surface = Some(io::read_surface_in_metres(&folder.join(surface))?);
     }
     info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
     let of_config = || args.config.display().to_string();

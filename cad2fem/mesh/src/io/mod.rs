@@ -129,6 +129,18 @@ pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
     Ok(surface)
 }
 
+/// Reads a surface whose lengths are metres, and warns where their size hints at another unit.
+///
+/// # Errors
+/// As [`read_surface`].
+pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
+    let surface = read_surface(path)?;
+    if let Some(remark) = crate::measure::unlikely_size(&surface.vertices) {
+        log::warn!("{}: {remark}", path.display());
+    }
+    Ok(surface)
+}
+
 /// Writes a surface; the format follows from the extension, see [`FORMATS`].
 ///
 /// # Errors
