@@ -178,17 +178,15 @@ impl Repair {
             let layers = Layers::default();
             let mut mesh =
                 FTetWild.mesh(&python, &oriented.surface, &layers, &options, self.timeout)?;
-            let rough = mesh.clone();
+            settle(&mut mesh, envelope);
             open_pinches(&mut mesh);
+            let rough = mesh.clone();
             tidy(&mut mesh, &oriented.surface, envelope);
             let (mut surface, _) = boundary(&mesh).surface(&mesh);
             let mut found = check::check_surface(&surface);
             if !found.is_empty() {
                 // planar faces of what crosses itself pull vertices across each other
-                let mut mesh = rough;
-                open_pinches(&mut mesh);
-                settle(&mut mesh, envelope);
-                surface = boundary(&mesh).surface(&mesh).0;
+                surface = boundary(&rough).surface(&rough).0;
                 found = check::check_surface(&surface);
             }
             if found.is_empty() {

@@ -65,13 +65,14 @@ fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)
     let below = below.filter(|cells| are_units(cells));
     let layout = layout(&titles, below.as_deref(), units)?;
     let first = header + 1 + usize::from(below.is_some());
+    let rows: String = text.split_inclusive('\n').skip(first).collect();
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .has_headers(false)
         .flexible(true)
-        .from_reader(text.split_inclusive('\n').skip(first).collect::<String>().into_bytes());
+        .from_reader(rows.as_bytes());
     let mut points = Vec::new();
     for record in reader.records() {
         let record = record?;

@@ -70,7 +70,8 @@ fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     if !pattern.contains('*') {
         return Ok(vec![path]);
     }
-    let within = path.parent().unwrap_or(folder);
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let within = parent.unwrap_or(Path::new("."));
     let entries = std::fs::read_dir(within).with_context(|| within.display().to_string())?;
     let mut known: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     known.sort();
