@@ -21,7 +21,7 @@ SCENES := $(filter-out gripper arm pneunet walker worm,$(BODIES))
 FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
 ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
-.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: help setup test test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -82,6 +82,9 @@ torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600,
 bodies: setup  ## random bodies from model to verified mold, with their statistic (COUNT=200, SEED=0)
 	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
 		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
+
+foreign: setup  ## bodies as others have them, from files made here to pages and molds, with commands and minutes (BODY="arm pad")
+	.venv/bin/python tests/foreign/run.py $(BIN) build/foreign $(BODY)
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)
