@@ -70,7 +70,8 @@ $(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setu
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
-	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together $(VIEW) --title "$(notdir $(1)): regions" -o $$@
+	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together \
+		--captions "$$$$(basename -s .stl $(call to,$(1))/model/patches/*.stl | paste -sd,)" $(VIEW) --title "$(notdir $(1)): regions" -o $$@
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@

@@ -97,7 +97,8 @@ def chain(folder, files):
     yield ["fab", "verify", build / "mold", "--simulation", build / "baseline"]
     pictures = build / "pictures"
     pictures.mkdir(parents=True, exist_ok=True)
-    yield ["cad2fem", "picture", *sorted((build / "model/patches").glob("*.stl")), "--together", "--title", f"{folder.name}: patches", "-o", pictures / "model.png"]
+    patches = sorted((build / "model/patches").glob("*.stl"))
+    yield ["cad2fem", "picture", *patches, "--together", "--captions", ",".join(p.stem for p in patches), "--title", f"{folder.name}: patches", "-o", pictures / "model.png"]
     yield ["cad2fem", "picture", build / "baseline/result.vtu", "--color", "displacement", "--title", f"{folder.name}, inflated", "-o", pictures / "baseline.png"]
     yield ["cad2fem", "report", build, "--title", folder.name, "-o", build / "report.html"]
 
