@@ -160,15 +160,8 @@ fn facet_count(path: &Path, name: &str) -> usize {
 #[test]
 fn several_patches_and_picked_faces_are_tags() {
     let scene = Scene::new();
-    // the seat and the skin by one list, the hole by a point of its wall
-    let tags = r#"
-        [[tag]]
-        name = "outside"
-        patch = ["se*.obj", "skin.obj"]
-        [[tag]]
-        name = "hole"
-        patch = "cav*"
-    "#;
+    let tags = "[[tag]]\nname = \"outside\"\npatch = [\"se*.obj\", \"skin.obj\"]\n\
+                [[tag]]\nname = \"hole\"\npatch = \"cav*\"\n";
     succeeded(&scene.tag(tags));
     let tagged = scene.path("tagged.msh");
     assert_eq!(["outside", "hole"].map(|name| facet_count(&tagged, name)), [298, 26]);
