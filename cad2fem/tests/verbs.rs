@@ -4,6 +4,7 @@
 mod support;
 
 mod cli;
+mod film;
 mod meshers;
 mod new;
 mod picture;
