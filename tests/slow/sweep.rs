@@ -46,8 +46,7 @@ fn sweep_on_slurm_has_the_same_table() {
     dir.write("sweep.toml", &text.replace("cases = 100", "cases = 4"));
     let local = beams(&dir.path("local"), "");
     // a Slurm without accounting has no sacct
-    let slurm =
-        "--executor slurm --jobs 2 --slurm-status-command squeue --group-components cases=2";
+    let slurm = "--executor slurm --jobs 2 --cores 2 --slurm-status-command squeue --group-components cases=2";
     assert_eq!(local, beams(&dir.path("slurm"), slurm));
     assert_eq!(local.len(), 5);
 }
