@@ -33,6 +33,8 @@ mod page;
 mod polyfem;
 #[path = "fast/probes.rs"]
 mod probes;
+#[path = "fast/python_page.rs"]
+mod python_page;
 #[path = "fast/readme_tables.rs"]
 mod readme_tables;
 #[path = "fast/reference.rs"]
@@ -53,6 +55,8 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
+#[path = "fast/sweep.rs"]
+mod sweep;
 #[path = "fast/symmetric_contact.rs"]
 mod symmetric_contact;
 #[path = "fast/symmetry.rs"]

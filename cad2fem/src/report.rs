@@ -20,6 +20,9 @@ pub struct Input {
     pub path: String,
     /// SHA-256 of the content.
     pub sha256: String,
+    /// What was set from outside, as it was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
 }
 
 impl Input {
@@ -28,7 +31,7 @@ impl Input {
     /// # Errors
     /// If it cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
-        Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)? })
+        Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)?, set: Vec::new() })
     }
 }
 

@@ -4,6 +4,7 @@
 mod support;
 
 mod cli;
+mod film;
 mod import;
 mod meshers;
 mod new;

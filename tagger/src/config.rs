@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use program::{Keys, Settings};
+use program::{Change, Keys, Settings};
 use serde::Deserialize;
 
 use crate::select::SELECTORS;
@@ -101,13 +101,13 @@ struct File {
 }
 
 impl Config {
-    /// Reads and checks a tag file.
+    /// Reads and checks a tag file, with changes from outside.
     ///
     /// # Errors
     /// If the file cannot be read, a key is unknown or has a wrong value, a
     /// name is used twice or a rim names no tag.
-    pub fn read(path: &Path) -> Result<Self> {
-        Settings::read(path, &[], KEYS)?.checked(Self::of)
+    pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
+        Settings::read(path, changes, KEYS)?.checked(Self::of)
     }
 
     fn of(settings: &Settings) -> Result<Self> {

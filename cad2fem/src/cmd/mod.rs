@@ -1,6 +1,7 @@
 //! The verbs, one per file.
 
 pub mod doctor;
+pub mod film;
 pub mod import;
 pub mod info;
 pub mod model;
@@ -35,6 +36,8 @@ pub enum Verb {
     Info(info::Args),
     /// Any surface, mesh or result → a shaded PNG, drawn without a display
     Picture(picture::Args),
+    /// A run, step by step → an animated GIF, drawn without a display
+    Film(film::Args),
     /// All results in a folder → one page to look at in a browser, without a network
     Report(report::Args),
 }
@@ -55,6 +58,7 @@ impl Verb {
             Self::Remesh(args) => remesh::run(args),
             Self::Info(args) => info::run(args),
             Self::Picture(args) => picture::run(args),
+            Self::Film(args) => film::run(args),
             Self::Report(args) => report::run(args),
         }
     }

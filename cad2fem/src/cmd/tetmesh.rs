@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use mesh::Tags;
 use mesh::io::{write_atomic, write_tets};
 use mesh::measure::diagonal;
+use program::Changes;
 use serde::Serialize;
 
 use crate::cache::Cache;
@@ -63,6 +64,8 @@ pub struct Args {
     /// Neither use nor fill the cache of meshes
     #[arg(long)]
     no_cache: bool,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 #[derive(Serialize)]
@@ -105,7 +108,7 @@ pub fn run(args: &Args) -> Result<()> {
 impl Args {
     /// The configuration with the flags on top.
     fn settings(&self) -> Result<Tetmesh> {
-        let mut settings = Config::read(self.config.as_deref())?.tetmesh;
+        let mut settings = Config::read(self.config.as_deref(), &self.changes.set)?.tetmesh;
         if let Some(mesher) = &self.mesher {
             settings.mesher.clone_from(mesher);
         }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
-use program::{Settings, read_checked};
+use program::{Change, Keys, Settings};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -177,13 +177,13 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// Reads and checks a model file.
+    /// Reads and checks a model file, with changes from outside.
     ///
     /// # Errors
     /// If the file cannot be read, has an unknown or missing key, or a value
     /// that makes no sense.
-    pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::of)
+    pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
+        Settings::read(path, changes, Keys::default())?.checked(Self::of)
     }
 
     /// Reads and checks the text of a model file.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
 use mesh::{Tags, io, measure};
+use program::Changes;
 
 use crate::assign::{self, Assignment};
 use crate::config::Config;
@@ -26,6 +27,8 @@ pub struct Args {
     /// Tagged mesh to write; tags.txt and tags.json appear beside it.
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 /// Runs `tagger tag`.
@@ -33,7 +36,7 @@ pub struct Args {
 /// # Errors
 /// If an input is bad, a tag is empty or a pressure wall cannot be simulated.
 pub fn run(args: &Args) -> Result<()> {
-    let config = Config::read(&args.config)?;
+    let config = Config::read(&args.config, &args.changes.set)?;
     let io::MshFile { mesh, tags: before } = io::read_tets(&args.volume)?;
     if mesh.tets.is_empty() {
         bail!("{}: no tetrahedra, so there is no boundary to tag", args.volume.display());
