@@ -29,11 +29,11 @@ help:  ## list all targets
 
 frog:  ## optimise the frog and make its molds (QUALITY=paper: finer, for hours)
 finger:  ## optimise a finger that bends and make its molds (QUALITY=paper likewise)
-gripper:  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, for hours, and make its molds
+gripper:  ## optimise a gripper of bellows for its force on a cylinder and by shape alone, in an hour, and make its mold
 beam:  ## the same for a small beam, in a minute
 chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
-walker:  ## design the pressures over time of a walker for its way in 4 s, upright
+walker:  ## design the pressures over time of a walker, and let it walk for 4 s
 worm:  ## design the chambers and the upper side of a worm for its way in a period
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
@@ -79,7 +79,7 @@ test-all: setup beam  ## also those that take minutes
 test-cluster: setup .venv-sweep/installed  ## the same sweep on this machine and on its Slurm: the same table (needs sbatch; installs nothing)
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture sweep_on_slurm
 
-check-results: setup  ## simulate the kept designs again and compare with their results.json
+check-results: setup build/gripper/cylinder/model/model.json  ## simulate the kept designs again and compare with their results.json
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture results_of_designs
 
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together or CASES=1000000 for each, SEED=1)

@@ -299,13 +299,19 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
-# the force on the cylinder (optimize) and by shape alone (shape).
-build/gripper/baseline/report.json: build/gripper/cylinder/tagged.msh
+# the force on the cylinder (optimize) and by shape alone (shape). Each is pulled off the cylinder.
+build/gripper/cylinder/model/model.json: pipelines/gripper/cylinder/model.geo | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
+	$(BIN)/cad2fem model $< --unit mm --set radius=12 -o $(@D)
+
+build/gripper/baseline/report.json: build/gripper/cylinder/model/model.json
 
 # Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
 define grip
 build/gripper/$(1)/report.json: pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml \
-		build/gripper/tagged.msh build/gripper/cylinder/tagged.msh build/gripper/target/model.json | setup
+		build/gripper/tagged.msh build/gripper/cylinder/model/model.json build/gripper/target/model.json | setup
 	$(BIN)/solver optimize $$< -o $$(@D)
 
 build/gripper/$(2)/report.json: build/gripper/$(1)/report.json | setup
@@ -315,18 +321,41 @@ endef
 $(eval $(call grip,optimize,optimized,))
 $(eval $(call grip,shape,shaped,.shape))
 
-build/gripper/pictures/gripping.png: $(patsubst %,build/gripper/%/report.json,baseline shaped optimized) | setup
-	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view $(view.gripper) \
-		--captions "baseline,by shape,by force" --title "gripper at 45 kPa" -o $@
+# The gripper of $(1), whose mesh is $(2): in one picture with the cylinder, and while the cylinder is drawn
+# away by 24 mm in the second after it was gripped.
+define gripped
+build/gripper/pictures/gripping-$(1).png: build/gripper/$(1)/report.json | setup
+	$(BIN)/cad2fem picture build/gripper/$(1)/result.vtu build/gripper/cylinder/model/model.stl --together \
+		--color displacement --view left --title "gripper at 60 kPa, $(1)" -o $$@
+
+build/gripper/pull/$(1)/report.json: build/gripper/$(1)/report.json | setup
+	$(BIN)/solver simulate pipelines/gripper/sim.toml --mesh gripper=$(2) --final-only \
+		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
+		--set time.end=2 --set time.steps=40 -o $$(@D)
+
+build/gripper/report.html: build/gripper/pictures/gripping-$(1).png
+endef
+$(eval $(call gripped,baseline,build/gripper/tagged.msh))
+$(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
+$(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
+
+build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline shaped optimized) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by shape,by force" \
+		--x-title "time [s]: air until 1, then drawn away by 24 mm" --y-title "force that holds the cylinder [N]" -o $@
 
 build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
 	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
 		--x-title "accepted shapes" -o $@
 
-build/gripper/report.html: $(addprefix build/gripper/pictures/,gripping.png objective.svg)
+build/gripper/pictures/section.png: build/gripper/tagged.msh build/gripper/optimize/report.json | setup
+	$(BIN)/cad2fem picture $< build/gripper/optimize/design.gripper.msh --view left \
+		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
 
-build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
-	$(BIN)/cad2fem model $< --unit mm --set radius=11 -o $(@D)
+# Half of it was designed: the mold is that of the whole.
+build/gripper/whole.msh: build/gripper/optimize/report.json | setup
+	$(BIN)/solver mirror build/gripper/optimize/design.gripper.msh --on cut -o $@
+
+build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
 
 # The arm: pressures are designed, the shape is not. The scene with these pressures is simulated again.
 build/arm/optimize/report.json: pipelines/arm/design.toml pipelines/arm/sim.toml build/arm/tagged.msh | setup
@@ -347,7 +376,9 @@ build/arm/pictures/objective.svg: build/arm/optimize/report.json | setup
 	$(BIN)/solver plot $(@D)/../optimize/history.jsonl --y objective --log --x-title "accepted pressures" -o $@
 
 build/arm/report.html: $(addprefix build/arm/pictures/,reached.png objective.svg)
-# The walker's pressures over time are designed: the scene again with the numbers that were found.
+
+# The walker's pressures over time are designed: the scene again with the numbers that were found, and
+# ten times as long.
 build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker/sim.toml \
 		pipelines/walker/floor.stl build/walker/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
@@ -359,17 +390,27 @@ build/walker/sim.optimized.toml: pipelines/walker/sim.toml build/walker/optimize
 build/walker/optimized/report.json: build/walker/sim.optimized.toml | setup
 	$(BIN)/solver simulate $< -o $(@D)
 
-# Film strip of $(1), every second.
+build/walker/long/optimized/report.json: build/walker/sim.optimized.toml | setup
+	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=1000 --final-only -o $(@D)
+
+build/walker/long/baseline/report.json: pipelines/walker/sim.toml build/walker/tagged.msh | setup
+	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=1000 --final-only -o $(@D)
+
+# Film strip of $(1), every tenth of a second, and its first and last state in one picture.
 define film
 build/walker/pictures/film-$(1).png: build/walker/$(1)/report.json | setup
-	$(BIN)/cad2fem picture $(patsubst %,build/walker/$(1)/step_%.vtu,000 025 050 075 100) --color displacement \
-		--view front --captions "0 s,1 s,2 s,3 s,4 s" --title "walker, $(1)" -o $$@
+	$(BIN)/cad2fem picture $(patsubst %,build/walker/$(1)/step_%.vtu,000 024 049 074 099) --color displacement \
+		--view front --captions "0 s,0.1 s,0.2 s,0.3 s,0.4 s" --title "walker, $(1)" -o $$@
 
-build/walker/report.html: build/walker/pictures/film-$(1).png
+build/walker/pictures/walk-$(1).png: build/walker/$(1)/report.json | setup
+	$(BIN)/cad2fem picture $(patsubst %,build/walker/$(1)/step_%.vtu,000 099) --together \
+		--view front --captions "0 s,0.4 s" --title "walker, $(1)" -o $$@
+
+build/walker/report.html: $(patsubst %,build/walker/pictures/%-$(1).png,film walk)
 endef
 $(foreach r,baseline optimized,$(eval $(call film,$(r))))
 
-build/walker/pictures/way.svg: $(patsubst %,build/walker/%/report.json,baseline optimized) | setup
+build/walker/pictures/way.svg: $(patsubst %,build/walker/long/%/report.json,baseline optimized) | setup
 	$(BIN)/solver plot $^ --x t --y "probes.way*1e3" --labels "baseline,designed" --x-title "time [s]" \
 		--y-title "way [mm]" -o $@
 
@@ -379,7 +420,8 @@ build/walker/pictures/pressures.svg: build/walker/optimized/report.json | setup
 
 build/walker/report.html: $(addprefix build/walker/pictures/,way.svg pressures.svg)
 
-# The worm is half a body; its pictures are those of the whole.
+# The worm is half a body; its pictures are those of the whole. It is shown over twice the time that it
+# was designed for.
 build/worm/optimize/report.json: pipelines/worm/design.toml pipelines/worm/sim.toml pipelines/worm/floor.stl \
 		build/worm/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
@@ -387,19 +429,31 @@ build/worm/optimize/report.json: pipelines/worm/design.toml pipelines/worm/sim.t
 build/worm/optimized/report.json: build/worm/optimize/report.json | setup
 	$(BIN)/solver simulate pipelines/worm/sim.toml --mesh worm=build/worm/optimize/design.worm.msh -o $(@D)
 
-build/worm/pictures/optimized.png: $(patsubst %,build/worm/%/report.json,baseline optimized) | setup
+build/worm/long/optimized/report.json: build/worm/optimize/report.json | setup
+	$(BIN)/solver simulate pipelines/worm/sim.toml --set time.end=4 --set time.steps=80 --final-only \
+		--mesh worm=build/worm/optimize/design.worm.msh -o $(@D)
+
+build/worm/long/baseline/report.json: pipelines/worm/sim.toml build/worm/tagged.msh | setup
+	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=80 --final-only -o $(@D)
+
+build/worm/pictures/optimized.png: $(patsubst %,build/worm/long/%/report.json,baseline optimized) | setup
 	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement.x --view front \
-		--captions "baseline,designed" --title "worm after two periods" -o $@
+		--captions "baseline,designed" --title "worm after four periods" -o $@
 
 build/worm/pictures/section.png: build/worm/tagged.msh build/worm/optimize/report.json | setup
 	$(BIN)/cad2fem picture $< build/worm/optimize/design.worm.msh --view front \
 		--captions "baseline,designed" --title "worm, halves at rest" -o $@
 
-build/worm/pictures/way.svg: $(patsubst %,build/worm/%/report.json,baseline optimized) | setup
+build/worm/pictures/way.svg: $(patsubst %,build/worm/long/%/report.json,baseline optimized) | setup
 	$(BIN)/solver plot $^ --x t --y "probes.way*1e3" --labels "baseline,designed" --x-title "time [s]" \
 		--y-title "way [mm]" -o $@
 
-build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg)
+build/worm/pictures/terms.svg: build/worm/optimize/report.json | setup
+	$(BIN)/solver plot build/worm/optimize/history.jsonl --y "terms.end,terms.start,terms.wall,terms.between,terms.smooth" \
+		--labels "way at the end,way at the start,wall,wall between,smoothness" --x-title "accepted shapes" \
+		--y-title "terms of the objective" -o $@
+
+build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg terms.svg)
 
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
@@ -407,12 +461,12 @@ view.chamber := 60,10
 view.finger := front
 view.walker := front
 view.worm := front
-view.gripper := -20,12
+view.gripper := left
 view.arm := 30,55
 view.pneunet := -60,20
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
-section.gripper := x=0 --view right
+section.gripper := x=-1 --view left
 section.walker = y=-1 --view front
 section.worm = y=-1 --view front
 
@@ -424,7 +478,6 @@ $(eval $(call scene,$(d),$(d)/build,)))
 $(foreach s,arm pneunet walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(eval $(call cast,arm,build/arm,build/arm/tagged.msh,build/arm/tagged.msh,build/arm/reached))
 $(eval $(call cast,pneunet,build/pneunet,build/pneunet/tagged.msh,build/pneunet/tagged.msh,build/pneunet/baseline))
-$(eval $(call mesh,gripper/cylinder,build/gripper/cylinder,))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call simulate,gripper,build/gripper,))
-$(eval $(call cast,gripper,build/gripper,build/gripper/optimize/design.gripper.msh,build/gripper/optimize/report.json))
+$(eval $(call cast,gripper,build/gripper,build/gripper/whole.msh,build/gripper/whole.msh))

@@ -15,6 +15,8 @@ mod energies;
 mod error_bars;
 #[path = "fast/failures.rs"]
 mod failures;
+#[path = "fast/flat_element.rs"]
+mod flat_element;
 #[path = "fast/import.rs"]
 mod import;
 #[path = "fast/materials.rs"]

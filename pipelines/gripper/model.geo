@@ -1,101 +1,64 @@
-// Bellows gripper: half-round bellows on a thick floor. Filled with air, the bellows unfold,
-// the floor does not, and the gripper curls towards the face of its floor, y = 0.
-// z points from the base to the tip, x across. Lengths in millimetres: --unit mm.
+// Half of a bellows gripper: narrow chambers in a row on a floor, joined by a channel, cut in its plane
+// of symmetry, x = 0. Filled with air, the chambers widen, the floor does not, and the gripper curls
+// towards the face of its floor, y = 0. z points from the base to the tip. Lengths in millimetres: --unit mm.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {4.5, Name "Longest edge"} ];       // --set h=3.5
+DefineConstant[
+  n = {7, Name "Chambers"}
+  h = {4, Name "Longest edge"}
+];
 
-floor = 7;                  // thickness; the axis of the bellows is in its back
-outer_crest = 16;           // radii
-outer_valley = 11.5;
-inner_crest = 10.5;
-inner_valley = 5.5;
-n = 7;                      // bellows
-period = 12;
-flat = 1.2;                 // half width of outer crests and inner valleys
-edge = 1;                   // half width of outer valleys and inner crests
-base = 14;                  // height of the first valley
-tip = 6;                    // thickness of solid material at the tip
-bore = 1.8;                 // radius of the inlet
-ramp = period / 2 - flat - edge;
-end = base + n * period;    // height of the last valley
+floor = 5;                  // thickness
+fold = 2.6;                 // walls of the chambers that face each other,
+wall = 4;                   // all others
+long = 9.5;                 // of a chamber, outside
+gap = 2.5;                  // between chambers
+wide = 24;
+high = 19;                  // of the chambers above the floor
+channel = 3;                // its width and height
+base = 14;                  // solid, before the first chamber
+tip = 5;                    // solid, behind the last one
+pitch = long + gap;
+end = base + n * pitch - gap;
+more = tip - fold;          // the last chamber has a thick wall at its free end
 
-// Half profiles in the plane y = floor, from the axis outwards: a zigzag between two levels.
-Macro Corner
-  Point(np) = {r, floor, z};
-  corners() += {np};
-  np += 1;
-Return
-
-Macro Profile
-  first = newc;
-  m = #corners() - 1;
-  For i In {0:m}
-    Line(first + i) = {corners(i), corners((i + 1) % (m + 1))};
-  EndFor
-  wire = newcl;
-  Curve Loop(wire) = {first : first + m};
-  face = news;
-  Plane Surface(face) = {wire};
-Return
-
-np = 1;
-corners() = {};
-r = 0;  z = 0;  Call Corner;
-r = outer_crest;  Call Corner;
-For k In {0:n}
-  z = base + k * period;
-  z -= edge + ramp;  r = outer_crest;   Call Corner;
-  z += ramp;         r = outer_valley;  Call Corner;
-  z += 2 * edge;                        Call Corner;
-  z += ramp;         r = outer_crest;   Call Corner;
+// Silicone: the strip along the floor, the solid base, and the chambers.
+Box(1) = {0, 0, 0, wide / 2, floor + channel + wall, end};
+Box(2) = {0, 0, 0, wide / 2, floor + high, base - gap};
+For i In {0 : n - 1}
+  Box(10 + i) = {0, 0, base + i * pitch, wide / 2, floor + high, long + ((i == n - 1) ? more : 0)};
 EndFor
-z += tip;  Call Corner;
-r = 0;  Call Corner;
-Call Profile;
-outside = face;
+Box(3) = {0, 0, end - 1, wide / 2, floor + channel + wall, more + 1};
+solid() = BooleanUnion{ Volume{1}; Delete; }{ Volume{2, 3, 10 : 9 + n}; Delete; };
 
-corners() = {};
-r = 0;  z = base - 6;  Call Corner;
-r = inner_valley;  Call Corner;
-For k In {0:n-1}
-  z = base + k * period + flat;             Call Corner;
-  z += ramp;         r = inner_crest;   Call Corner;
-  z += 2 * edge;                        Call Corner;
-  z += ramp;         r = inner_valley;  Call Corner;
+// Air: the channel, open in the base, and the chambers.
+Box(100) = {-1, floor, -1, 1 + channel / 2, channel, end - 2};
+For i In {0 : n - 1}
+  Box(110 + i) = {-1, floor, base + i * pitch + fold, 1 + wide / 2 - wall, high - wall, long - 2 * fold};
 EndFor
-z = end + 2;  Call Corner;
-r = 0;  Call Corner;
-Call Profile;
-inside = face;
-
-back[] = Extrude { {0, 0, 1}, {0, floor, 0}, Pi } { Surface{outside}; };
-right[] = Extrude {0, -floor, 0} { Surface{outside}; };
-left[] = Symmetry {1, 0, 0, 0} { Duplicata { Volume{right[1]}; } };
-body() = BooleanUnion{ Volume{back[1]}; Delete; }{ Volume{right[1], left[0]}; Delete; };
-
-hollow[] = Extrude { {0, 0, 1}, {0, floor, 0}, Pi } { Surface{inside}; };
-inlet = newv;
-Cylinder(inlet) = {0, floor + 1 + bore, -1, 0, 0, base, bore};
-air() = BooleanUnion{ Volume{hollow[1]}; Delete; }{ Volume{inlet}; Delete; };
-gripper() = BooleanDifference{ Volume{body()}; Delete; }{ Volume{air()}; Delete; };
-Recursive Delete { Surface{outside, inside}; }
+air() = BooleanUnion{ Volume{100}; Delete; }{ Volume{110 : 109 + n}; Delete; };
+gripper() = BooleanDifference{ Volume{solid()}; Delete; }{ Volume{air()}; Delete; };
 
 // Faces by where they are.
 t = 1e-3;
-w = outer_crest + t;
-top = end + edge + ramp + tip;
-seat() = Surface In BoundingBox{-w, -t, -t, w, floor + w, t};
-face() = Surface In BoundingBox{-w, -t, -t, w, t, top + t};
-cavity() = Surface In BoundingBox{-inner_crest - t, floor - t, -t, inner_crest + t, floor + inner_crest + t, end + 2 + t};
-outer() = Boundary{ Volume{gripper()}; };
-outer() -= {seat(), face(), cavity()};
+w = wide / 2 + t;
+top = end + tip;
+seat() = Surface In BoundingBox{-t, -t, -t, w, floor + high + t, t};
+face() = Surface In BoundingBox{-t, -t, -t, w, t, top + t};
+cut() = Surface In BoundingBox{-t, -t, -t, t, floor + high + t, top + t};
+cavity() = Surface In BoundingBox{-t, floor - t, -t, w - wall, floor + high - wall + 2*t, end - fold + t};
+outer() = Abs(Boundary{ Volume{gripper()}; });
+For i In {0 : n}            // the box holds the valleys between the chambers, too
+  z = base + i * pitch - gap;
+  cavity() -= {Surface In BoundingBox{-t, floor + channel + wall - t, z - t, w, 100, z + gap + t}};
+EndFor
+cavity() -= {cut(), seat()};
+outer() -= {seat(), face(), cavity(), cut()};
 
 Physical Surface("seat") = {seat()};
+Physical Surface("cut") = {cut()};
 Physical Surface("cavity") = {cavity()};
 Physical Surface("face") = {face()};
 Physical Surface("outer") = {outer()};
 
 Mesh.MeshSizeMax = h;
-Mesh.MeshSizeExtendFromBoundary = 0;        // short edges do not make large faces fine
-Mesh.MeshSizeFromCurvature = 50 / h;        // edges around a full circle

@@ -2,18 +2,18 @@
 // forward, z up, y across the slice. Lengths in millimetres: --unit mm.
 SetFactory("OpenCASCADE");
 
-DefineConstant[ h = {28, Name "Longest edge"} ];        // --set h=16
+DefineConstant[ h = {2.8, Name "Longest edge"} ];        // --set h=1.6
 
-depth = 25;                 // of the slice
-width = 400;                // over both legs
-height = 280;
-gap = 160;                  // between the legs
-arch = 190;                 // height of the gap
-wide = 44;                  // chambers: width,
-low = 30;                   // lower and
-high = 210;                 // upper end
-outside = 30;               // wall on the outer side of a leg
-round = 20;                 // radius of the outline's edges
+depth = 2.5;                // of the slice
+width = 40;                 // over both legs
+height = 24;
+gap = 16;                  // between the legs
+arch = 9;                   // height of the gap
+wide = 4.4;                 // chambers: width,
+low = 3;                    // lower and
+high = 17;
+outside = 2.8;               // wall on the outer side of a leg
+round = 2;                 // radius of the outline's edges
 
 t = 1e-3;
 Box(1) = {-width / 2, 0, 0, width, depth, height};

@@ -6,6 +6,7 @@
 //!   "runs": [{
 //!     "name": "designed",
 //!     "scene": "sim.toml",
+//!     "set": ["time.end=4", "time.steps=80"],
 //!     "mesh": {"worm": "designed.msh"},
 //!     "tolerance": 1e-2,
 //!     "values": {"/probes/way/value": 5.1e-3},
@@ -14,7 +15,7 @@
 //! }
 //! ```
 //!
-//! `values` are JSON pointers into report.json, `extremes` the least and the largest of a pointer into
+//! `set` and `mesh` may be missing. `values` are JSON pointers into report.json, `extremes` the least and the largest of a pointer into
 //! its steps; they may be off by the tolerance times the largest of the numbers beside them.
 
 use std::fs;
@@ -36,7 +37,10 @@ fn differences(kept: &Value, folder: &Path) -> Vec<String> {
     let mut simulate = Command::new(program("solver"));
     let scene = folder.join(kept["scene"].as_str().unwrap());
     simulate.args(["-q", "simulate"]).arg(scene).arg("--final-only").arg("-o").arg(dir.path("out"));
-    for (body, file) in kept["mesh"].as_object().unwrap() {
+    for set in kept["set"].as_array().into_iter().flatten() {
+        simulate.args(["--set", set.as_str().unwrap()]);
+    }
+    for (body, file) in kept["mesh"].as_object().into_iter().flatten() {
         let file = folder.join(file.as_str().unwrap());
         simulate.arg("--mesh").arg(format!("{body}={}", file.display()));
     }

@@ -154,7 +154,8 @@ fn forget(folder: &Path) -> Result<()> {
     remove(folder, &names)?;
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        let design = name.starts_with("design.") && name.ends_with(".msh");
+        let design = ["design.", "remeshed-"].iter().any(|first| name.starts_with(first));
+        let design = design && name.ends_with(".msh");
         if design || (name.starts_with("run-") && name.ends_with(".npy")) {
             remove(folder, &[&name])?;
         }

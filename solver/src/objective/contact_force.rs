@@ -1,15 +1,17 @@
 //! Force of contact and friction on a part of the bodies.
 //!
-//! along            J = d · F                 [N]
-//! squared          J = |F|²                  [N²]
-//! sum of squares   J = Σ_n |f_n|²            [N²]
+//! along            J = d · F                    [N]
+//! squared          J = |F|²                     [N²]
+//! sum of squares   J = Σ_n |f_n|²               [N²]
+//! sum              J = Σ_n √(|f_n|² + ε²) − ε   [N]
 //!
 //! f_n   force on node n, as it is simulated [N];   F = Σ_n f_n
-//! d     a direction [1]
+//! d     a direction [1];   ε = 1 mN, so that J is smooth where a contact begins
 //!
 //! J depends on u and X through the forces alone. Where a part is pressed from
-//! opposite sides, F cancels and the sum of squares does not; the latter depends
-//! on the mesh, as a force is shared by more nodes on a finer one.
+//! opposite sides, F cancels and both sums do not. The sum of squares depends on
+//! the mesh, as a force is shared by more nodes on a finer one, and is largest
+//! where one node carries everything; the sum of magnitudes is the total force.
 
 use std::path::Path;
 
@@ -24,11 +26,11 @@ use crate::element;
 
 pub(super) const KIND: Kind = Kind {
     key: "contact-force",
-    formula: "of the force F of contact and friction on nodes: d·F, |F|², or Σ |f_n|²",
+    formula: "of the force F of contact and friction on nodes: d·F, |F|², Σ |f_n|², or Σ |f_n|",
     unit: "N or N²",
     keys: &[
         TAGS,
-        ("form", "\"along\", \"squared\" (default) or \"sum-of-squares\""),
+        ("form", "\"along\", \"squared\" (default), \"sum-of-squares\" or \"sum\""),
         ("direction", "d, for \"along\""),
     ],
     may_be_maximised: true,
@@ -53,6 +55,7 @@ enum Form {
     #[default]
     Squared,
     SumOfSquares,
+    Sum,
 }
 
 impl Specification for Keys {
@@ -78,6 +81,7 @@ impl Specification for Keys {
             Form::Along => Resultant::Along(direction),
             Form::Squared => Resultant::Squared,
             Form::SumOfSquares => Resultant::SumOfSquares,
+            Form::Sum => Resultant::Sum,
         };
         Ok(Box::new(move |name, bodies| {
             let facets = bodies.facets(&on)?;
@@ -96,6 +100,16 @@ pub enum Resultant {
     Squared,
     /// The sum of the squares over nodes.
     SumOfSquares,
+    /// The sum of the magnitudes over nodes, smooth below 1 mN.
+    Sum,
+}
+
+/// ε of the sum of magnitudes [N].
+const SMOOTH: f64 = 1e-3;
+
+/// √(|f|² + ε²).
+fn magnitude(f: &Vec3) -> f64 {
+    (f.norm_squared() + SMOOTH * SMOOTH).sqrt()
 }
 
 /// Force on some nodes.
@@ -136,6 +150,9 @@ impl Objective for ContactForce {
             Resultant::SumOfSquares => {
                 self.nodes.iter().map(|&n| element::at(at.contact, n).norm_squared()).sum()
             }
+            Resultant::Sum => {
+                self.nodes.iter().map(|&n| magnitude(&element::at(at.contact, n)) - SMOOTH).sum()
+            }
         }
     }
 
@@ -152,6 +169,10 @@ impl Objective for ContactForce {
                 Resultant::Along(direction) => direction,
                 Resultant::Squared => 2.0 * sum,
                 Resultant::SumOfSquares => 2.0 * element::at(at.contact, n),
+                Resultant::Sum => {
+                    let f = element::at(at.contact, n);
+                    f / magnitude(&f)
+                }
             };
             element::add_at(out, n, &(weight * by));
         }
@@ -168,7 +189,7 @@ mod tests {
     #[test]
     fn derivatives_belong_to_the_value() {
         let case = Case::cube(2, 1.0);
-        for resultant in [Resultant::Squared, Resultant::SumOfSquares] {
+        for resultant in [Resultant::Squared, Resultant::SumOfSquares, Resultant::Sum] {
             case.check(&ContactForce::new("f", vec![9, 3, 40, 3], resultant));
         }
     }
@@ -190,5 +211,7 @@ mod tests {
         assert!((along.value(&case.at()) - (3.0 + 4.0)).abs() < 1e-14);
         assert!((force(Resultant::Squared).value(&case.at()) - 50.0).abs() < 1e-13);
         assert!((force(Resultant::SumOfSquares).value(&case.at()) - 152.0).abs() < 1e-13);
+        let (one, other) = (126f64.sqrt(), 26f64.sqrt());
+        assert!((force(Resultant::Sum).value(&case.at()) - (one + other)).abs() < 2.1e-3);
     }
 }

@@ -13,9 +13,10 @@ use serde_json::json;
 
 use super::checkpoint::Checkpoint;
 use super::history::{History, add_scenarios};
+use super::remesh::remesh;
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
-use crate::body::{Body, Part};
+use crate::body::Body;
 use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
 use crate::report::results;
@@ -27,8 +28,8 @@ const MEMORY: usize = 6;
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.
 const HALVINGS: usize = 10;
-/// Passes of the interior re-meshing between levels.
-const REMESH_PASSES: usize = 10;
+/// Trials that flat elements may cost in an iteration before the interior is re-meshed.
+const FLAT_TRIALS: usize = 2;
 
 /// An optimisation in a folder.
 pub struct Cascade<'a> {
@@ -63,8 +64,23 @@ struct Step {
     gradient: Vec<f64>,
     motion: f64,
     trials: usize,
+    /// Flat elements have made it short.
+    flat: bool,
     forward_s: f64,
     gradient_s: f64,
+}
+
+/// Why there is no step.
+struct End {
+    reason: String,
+    /// Flat elements are among the reasons.
+    flat: bool,
+}
+
+impl End {
+    fn because(reason: &str) -> Self {
+        Self { reason: reason.to_owned(), flat: false }
+    }
 }
 
 impl Cascade<'_> {
@@ -96,12 +112,26 @@ impl Cascade<'_> {
             None => {
                 self.history().truncate(0, "")?;
                 let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
-                self.begin_level(&self.scene.body, start)?
+                self.begin_mesh(&self.scene.body, start)?
             }
         };
         loop {
             let body = self.level_body(&checkpoint)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
+            if checkpoint.flat {
+                let mut shape = level.body.clone();
+                shape.mesh.vertices.clone_from(&evaluation.rest);
+                let body = remesh(&shape, level.map().moving())?;
+                let degree = self.design.levels()[checkpoint.level].degree;
+                let degree = degree.unwrap_or(self.scene.config.degree);
+                let start = level.carry(&evaluation, &body, degree);
+                let loads = level.map().loads(&checkpoint.theta);
+                checkpoint = self.begin_mesh(
+                    &body,
+                    checkpoint.on_new_mesh((start, loads), Lbfgs::new(MEMORY)),
+                )?;
+                continue;
+            }
             let mut stopped = checkpoint.stopped_before.clone();
             stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
@@ -121,33 +151,8 @@ impl Cascade<'_> {
             let start = level.carry(&evaluation, &body, degree);
             let loads = level.map().loads(&checkpoint.theta);
             let next = checkpoint.next_level((start, loads), stopped, Lbfgs::new(MEMORY));
-            checkpoint = self.begin_level(&body, next)?;
+            checkpoint = self.begin_mesh(&body, next)?;
         }
-    }
-
-    fn level_path(&self, level: usize, part: &Part) -> PathBuf {
-        self.folder.join(mesh_file(&format!("level-{}", level + 1), part.name.as_deref()))
-    }
-
-    fn level_body(&self, checkpoint: &Checkpoint) -> Result<Body> {
-        let part = |part: &Part| {
-            let path = self.level_path(checkpoint.level, part);
-            let file = mesh::io::read_tets(&path)?;
-            Ok((part.name.clone(), file.mesh, file.tags))
-        };
-        let bodies = self.scene.body.parts.iter().map(part).collect::<Result<_>>()?;
-        Body::join(bodies).cut_by(&self.scene.config.cuts())
-    }
-
-    /// Puts a level's mesh and the checkpoint before its first solve on disk.
-    fn begin_level(&self, body: &Body, mut checkpoint: Checkpoint) -> Result<Checkpoint> {
-        for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
-            let path = self.level_path(checkpoint.level, part);
-            mesh::io::write_tets(&path, &mesh, &tags)?;
-            checkpoint.add_file(&path)?;
-        }
-        checkpoint.write(&self.folder)?;
-        Ok(checkpoint)
     }
 
     fn history(&self) -> History {
@@ -161,13 +166,20 @@ impl Cascade<'_> {
         let scene = self.scene.with_fidelity(settings)?;
         let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
         let mut current = self.enter_level(&mut level, checkpoint)?;
-        while checkpoint.iteration < settings.iterations && checkpoint.stopped.is_none() {
+        while checkpoint.iteration < settings.iterations
+            && checkpoint.stopped.is_none()
+            && !checkpoint.flat
+        {
             match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
                 Ok(step) => {
                     current = step.evaluation.clone();
                     self.accept(&mut level, checkpoint, step, &optimizer)?;
                 }
-                Err(reason) => {
+                Err(End { flat: true, .. }) if checkpoint.has_moved() => {
+                    checkpoint.flat = true;
+                    checkpoint.write(&self.folder)?;
+                }
+                Err(End { reason, .. }) => {
                     checkpoint.stopped = Some(reason);
                     checkpoint.write(&self.folder)?;
                 }
@@ -209,6 +221,7 @@ impl Cascade<'_> {
             gradient,
             motion: 0.0,
             trials: 1,
+            flat: false,
             forward_s: evaluation.forward_s,
             gradient_s: clock.elapsed().as_secs_f64(),
             evaluation: evaluation.clone(),
@@ -259,16 +272,17 @@ impl Cascade<'_> {
         checkpoint: &Checkpoint,
         current: &Evaluation,
         optimizer: &OptimizerConfig,
-    ) -> Result<Result<Step, String>> {
+    ) -> Result<Result<Step, End>> {
         let gradient = &checkpoint.gradient;
         if norm(gradient) == 0.0 {
-            return Ok(Err("the gradient is zero".to_owned()));
+            return Ok(Err(End::because("the gradient is zero")));
         }
         let clock = Instant::now();
         let step = trial_step(level, checkpoint, optimizer);
         let slope = dot(gradient, &step);
         if slope >= 0.0 {
-            return Ok(Err("no step within the bounds decreases the objective".to_owned()));
+            let reason = "no step within the bounds decreases the objective";
+            return Ok(Err(End::because(reason)));
         }
         let at = |alpha: f64| -> Vec<f64> {
             checkpoint.theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect()
@@ -276,7 +290,7 @@ impl Cascade<'_> {
         let predicted = level.predict(&at(1.0), current);
         let mut forward_s = clock.elapsed().as_secs_f64();
         let mut alpha = 1.0;
-        let mut reason = String::new();
+        let (mut reason, mut flat) = (String::new(), 0);
         for trials in 1..=HALVINGS {
             let theta = at(alpha);
             let start = ahead(current, predicted.as_deref(), alpha);
@@ -296,16 +310,20 @@ impl Cascade<'_> {
                         gradient,
                         motion,
                         trials,
+                        flat: flat >= FLAT_TRIALS,
                         forward_s,
                         gradient_s,
                     }));
                 }
                 Err(Rejected(why)) => reason = why,
             }
+            flat += usize::from(level.is_flat(&theta));
             log::info!("trial {trials} rejected: {reason}");
             alpha *= 0.5;
         }
-        Ok(Err(format!("no step was accepted in {HALVINGS} trials, the last because: {reason}")))
+        let reason =
+            format!("no step was accepted in {HALVINGS} trials, the last because: {reason}");
+        Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
     }
 
     /// Takes a step over into the optimiser's memory and onto disk.
@@ -326,12 +344,16 @@ impl Cascade<'_> {
         // in the same checkpoint as the step: a kill between two would forget it
         let before = checkpoint.objective;
         let fall = (before - step.evaluation.objective) / before.abs();
-        if fall < optimizer.stagnation {
+        // once again right after a new mesh, it is not the mesh
+        let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
+        if fall < optimizer.stagnation && !held_back {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
         let mut progress = checkpoint.progress.clone();
         progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
-        if let Some(rate) = progress.rate().filter(|rate| *rate < optimizer.least_rate) {
+        if let Some(rate) =
+            progress.rate().filter(|rate| *rate < optimizer.least_rate && !held_back)
+        {
             checkpoint.stopped = Some(format!(
                 "a Newton iteration gains {:.1} % of what it gained on average in this level",
                 100.0 * rate
@@ -345,6 +367,8 @@ impl Cascade<'_> {
         if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
             checkpoint.stopped = Some(format!("{spent:.0} s were spent on the level"));
         }
+        let left = self.design.levels()[checkpoint.level].iterations - checkpoint.iteration;
+        checkpoint.flat = held_back && checkpoint.stopped.is_none() && left > 0;
         self.record(level, checkpoint, step)
     }
 
@@ -353,7 +377,10 @@ impl Cascade<'_> {
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         checkpoint.spend(step.forward_s + step.gradient_s);
-        checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
+        // the same shape on another mesh is no progress
+        if checkpoint.iteration == 0 || checkpoint.has_moved() {
+            checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
+        }
         let gradient_norm = norm(&step.gradient);
         let moved = level.mean_displacements(evaluation)?;
         let mut line = json!({
@@ -460,37 +487,4 @@ fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>, t: f64) -> Vec<Vec<f64
         }
     };
     at.runs.iter().enumerate().map(one).collect()
-}
-
-/// Name of a mesh file, of one body of several if it has a name.
-#[must_use]
-pub fn mesh_file(what: &str, body: Option<&str>) -> String {
-    body.map_or_else(|| format!("{what}.msh"), |name| format!("{what}.{name}.msh"))
-}
-
-/// Improves the interior of the bodies that have moving facets; boundary vertices and
-/// tags stay as they are. Where facets inside a body have tags, its interior stays, too.
-fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
-    let mut bodies = body.separate();
-    for (part, (_, mesh, _)) in body.parts.iter().zip(&mut bodies) {
-        if !moving.iter().any(|facet| part.vertices.contains(&facet[0])) {
-            continue;
-        }
-        if body.has_tags_inside(part) {
-            log::info!(
-                "the interior is not re-meshed: facets inside the body have tags, or volumes meet there"
-            );
-            continue;
-        }
-        let report = mesh::improve::improve_interior(mesh, REMESH_PASSES);
-        log::info!(
-            "re-meshed the interior: radius ratio min {:.3} -> {:.3}, first percentile {:.3} -> \
-             {:.3}",
-            report.before.radius_ratio_min,
-            report.after.radius_ratio_min,
-            report.before.radius_ratio_p1,
-            report.after.radius_ratio_p1
-        );
-    }
-    Body::join(bodies).cut_by(&body.cuts())
 }

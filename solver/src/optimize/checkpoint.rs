@@ -21,6 +21,13 @@ pub struct Checkpoint {
     pub level: usize,
     /// Accepted iterations within the level.
     pub iteration: usize,
+    /// The iteration at which the mesh was made: 0, that of the level, or one that flat elements
+    /// have held back.
+    #[serde(default)]
+    pub meshed_at: usize,
+    /// Flat elements hold back the iterations: a new mesh is to follow.
+    #[serde(default)]
+    pub flat: bool,
     /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
     /// Before the level's first solve displacements near the equilibria of all scenarios [m],
@@ -65,6 +72,8 @@ impl Checkpoint {
             inputs,
             level: 0,
             iteration: 0,
+            meshed_at: 0,
+            flat: false,
             theta: Vec::new(),
             start: Vec::new(),
             loads: Vec::new(),
@@ -109,6 +118,27 @@ impl Checkpoint {
         }
     }
 
+    /// Before the first solve of the same level on a new mesh of the same shape.
+    #[must_use]
+    pub fn on_new_mesh(mut self, (start, loads): (Vec<Vec<f64>>, Vec<f64>), lbfgs: Lbfgs) -> Self {
+        self.files.retain(|name, _| !is_run(name));
+        Self {
+            meshed_at: self.iteration,
+            flat: false,
+            theta: Vec::new(),
+            start,
+            loads,
+            lbfgs,
+            ..self
+        }
+    }
+
+    /// Whether the shape is another than that of the mesh.
+    #[must_use]
+    pub fn has_moved(&self) -> bool {
+        self.iteration > self.meshed_at
+    }
+
     /// Counts computing time [s].
     pub fn spend(&mut self, seconds: f64) {
         self.spent_s += seconds;
@@ -148,7 +178,9 @@ impl Checkpoint {
     }
 
     fn run_path(&self, folder: &Path) -> PathBuf {
-        folder.join(format!("run-{}-{}.npy", self.level + 1, self.iteration))
+        let Self { level, iteration, meshed_at, .. } = self;
+        let mesh = if *meshed_at == 0 { String::new() } else { format!("-{meshed_at}") };
+        folder.join(format!("run-{}{mesh}-{iteration}.npy", level + 1))
     }
 
     /// Displacements at the ends of the time steps of the accepted runs, one scenario after

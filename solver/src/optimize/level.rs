@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::rest_path::RestPath;
 use super::robust::Robust;
 use super::scenario::{Near, Rejected, Run, Scenario};
+use super::validity;
 use crate::adjoint::Gradient;
 use crate::body::Body;
 use crate::config::{DesignConfig, EXCESS, LevelConfig};
@@ -323,6 +324,12 @@ impl Level {
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         let of = (&self.body, self.map.moving());
         self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, of))
+    }
+
+    /// Whether the rest shape at θ has flat or inverted elements.
+    #[must_use]
+    pub fn is_flat(&self, theta: &[f64]) -> bool {
+        validity::check_volumes(&self.map.shape(theta), &self.body.mesh.tets).is_err()
     }
 
     /// The solution's grid of the first scenario for ParaView.

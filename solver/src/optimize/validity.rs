@@ -86,7 +86,8 @@ fn check_sides(rest: &[Vec3], body: &Body) -> Result<(), Invalid> {
     Ok(())
 }
 
-fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
+/// Checks that no tetrahedron is flat or inverted.
+pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
     let volume = |tet: &[usize; 4]| {
         let [a, b, c, d] = tet.map(|v| rest[v]);
         tet_volume(a, b, c, d)
