@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation fab/mold
 
-.PHONY: help book schemas dist setup test test-all fuzz torture bodies bench bench-compare lint audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -49,6 +49,16 @@ $(FINER): %: build/%$(if $(filter paper,$(QUALITY)),/paper)/done
 body: $(addsuffix /build/done,$(ELSEWHERE)) $(patsubst pipelines/%,build/%/done,$(filter pipelines/%,$(FOLDER)))  ## the same of a folder anywhere, such as cad2fem new writes (DIR=mine)
 	@$(if $(FOLDER),:,echo "make body: which? Give DIR=folder, as cad2fem new writes one"; exit 1)
 
+# A sweep is $(BODY)/sweep.toml, or that of a folder elsewhere, with another name if SWEEP gives one.
+# SNAKEMAKE has arguments for Snakemake, such as --executor slurm --jobs 20.
+SWEEP ?= sweep.toml
+SWEPT := $(if $(BODY),pipelines/$(BODY),$(FOLDER))
+
+sweep: setup .venv-sweep/installed  ## all cases of a sweep and their table (BODY=beam or DIR=mine; RETRY=yes: failed ones again)
+	@$(if $(SWEPT),:,echo "make sweep: of which body? Give BODY=beam, or DIR=folder; a sweep is its sweep.toml"; exit 1)
+	@.venv-sweep/bin/python pipelines/sweep/sweep.py $(SWEPT)/$(SWEEP) $(if $(RETRY),--retry) $(SNAKEMAKE) \
+		--output $(if $(ELSEWHERE),$(FOLDER)/build,build/$(patsubst pipelines/%,%,$(SWEPT)))/$(basename $(SWEEP))
+
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
@@ -69,6 +79,9 @@ test: setup  ## all tests that take seconds
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
 
+test-cluster: setup .venv-sweep/installed  ## the same sweep on this machine and on its Slurm: the same table (needs sbatch; installs nothing)
+	cargo test --release --locked -p tests --test slow -- --ignored --nocapture sweep_on_slurm
+
 check-results: setup build/gripper/cylinder/model/model.json  ## simulate the kept designs again and compare with their results.json
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture results_of_designs
 
@@ -85,6 +98,9 @@ torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600,
 bodies: setup  ## random bodies from model to verified mold, with their statistic (COUNT=200, SEED=0)
 	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
 		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
+
+foreign: setup  ## bodies as others have them, from files made here to pages and molds, with commands and minutes (BODY="arm pad")
+	.venv/bin/python tests/foreign/run.py $(BIN) build/foreign $(BODY)
 
 bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor gripper": these rows)
 	cargo bench --locked -p tests --bench speed -- $(ONLY)
@@ -134,6 +150,18 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	@echo "setup: downloading Python packages (meshers, readers) into .venv, 270 MB"
 	$(PYTHON) -m venv .venv
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
+	touch $@
+
+# In an environment of their own: pipelines/sweep/requirements.txt says why.
+.venv-sweep/installed: pipelines/sweep/requirements.txt pipelines/sweep/requirements.build.txt
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' || \
+		{ echo "sweep: $(PYTHON) is $$($(PYTHON) --version 2>&1), sweeps need Python 3.11 to 3.13: make PYTHON=..."; exit 1; }
+	rm -rf .venv-sweep
+	@echo "sweep: downloading Snakemake and what makes tables into .venv-sweep, 120 MB"
+	$(PYTHON) -m venv .venv-sweep
+	.venv-sweep/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r pipelines/sweep/requirements.build.txt
+	.venv-sweep/bin/pip install --quiet --disable-pip-version-check --require-hashes --no-build-isolation \
+		--only-binary :all: --no-binary connection_pool -r $<
 	touch $@
 
 include pipelines/rules.mk

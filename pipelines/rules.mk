@@ -31,13 +31,15 @@ build/%/done: build/%/report.html
 	@touch $@
 	@echo "$*: results in $(@D), all to be seen in $<"
 
-# The same of a body $(1) elsewhere, whose model is $(2).
+# The same of a body $(1) elsewhere, whose model is $(2): a file of others is imported. Without any,
+# its folder of a model was made by hand, such as by cad2fem import with files to be subtracted.
 define elsewhere
 from.$(1) := $(1)
 to.$(1) := $(1)/build
 
 $(1)/build/model/model.json: $(2) | setup
-	$(BIN)/cad2fem model $$< $(if $(filter %.geo,$(2)),--unit mm) -o $$(@D)
+	$(if $(2),$(BIN)/cad2fem $(if $(filter %.toml %.geo,$(2)),model,import) $$< $(if $(filter %.geo,$(2)),--unit mm) -o $$(@D),\
+		@echo "make body: there is no model.toml, .geo, .step, .stl, ... in $(1), and no $$@: cad2fem import FILE -o $$(@D)"; exit 1)
 
 $(1)/build/report.html: | setup
 	$(BIN)/cad2fem report $$(@D) --title "$(notdir $(1))" -o $$@
@@ -64,7 +66,8 @@ $(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setu
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
-	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together $(VIEW) --title "$(notdir $(1)): regions" -o $$@
+	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together \
+		--captions "$$$$(basename -s .stl $(call to,$(1))/model/patches/*.stl | paste -sd,)" $(VIEW) --title "$(notdir $(1)): regions" -o $$@
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@
@@ -477,7 +480,7 @@ section.worm = y=-1 --view front
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(foreach d,$(ELSEWHERE),\
-$(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step)))))\
+$(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step stp brep iges 3mf stl obj ply)))))\
 $(eval $(call scene,$(d),$(d)/build,)))
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))

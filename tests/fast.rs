@@ -37,6 +37,8 @@ mod page;
 mod polyfem;
 #[path = "fast/probes.rs"]
 mod probes;
+#[path = "fast/python_page.rs"]
+mod python_page;
 #[path = "fast/reference.rs"]
 mod reference;
 #[path = "fast/resume.rs"]
@@ -57,6 +59,8 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
+#[path = "fast/sweep.rs"]
+mod sweep;
 #[path = "fast/symmetric_contact.rs"]
 mod symmetric_contact;
 #[path = "fast/symmetry.rs"]

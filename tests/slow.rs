@@ -28,6 +28,9 @@ mod new;
 #[path = "slow/results.rs"]
 mod results;
 
+#[path = "slow/sweep.rs"]
+mod sweep;
+
 #[path = "slow/validation.rs"]
 mod validation;
 

@@ -1,4 +1,4 @@
-//! CAD route: a gmsh/OpenCASCADE script or a STEP file → surface in patches.
+//! CAD route: a gmsh/OpenCASCADE script, a STEP, BREP or IGES file → surface in patches.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,41 +9,56 @@ use mesh::check::orient_by_nesting;
 use mesh::topology::submesh;
 
 use crate::labelled::LabelledSurface;
-use crate::mesher::gmsh::{Faces, mesh_faces};
+use crate::mesher::gmsh::{FaceOptions, Faces, Kind, mesh_faces};
 use crate::mesher::python::Python;
 use crate::units::Unit;
 
 /// How a CAD file is read.
 #[derive(Clone, Debug)]
 pub struct CadOptions {
-    /// Unit of a `.geo` script; a STEP file states its own.
+    /// Unit of a `.geo` script or a `.brep` file; other files state their own.
     pub unit: Option<Unit>,
     /// Numbers to set in a `.geo` script.
     pub numbers: BTreeMap<String, f64>,
     /// Longest edge [m].
     pub edge_length: Option<f64>,
+    /// Edges around a circle, if the size of triangles is to follow curvature.
+    pub per_turn: Option<u32>,
     /// Whether a `.geo` script may run programs, and read and write files.
     pub trust: bool,
     /// Longest time gmsh may take.
     pub timeout: Duration,
 }
 
-/// Meshes the faces of a CAD file; one region per physical surface, of a STEP file
-/// one per face. Outer shells face outward, cavities inward. Physical surfaces between two volumes
-/// or embedded in one are inside; of each physical volume there is the boundary.
+/// Meshes the faces of a CAD file; one region per physical surface, of other files than scripts
+/// one per name, colour or face. Outer shells face outward, cavities inward. Physical surfaces
+/// between two volumes or embedded in one are inside; of each physical volume there is the boundary.
 ///
 /// # Errors
 /// If the unit is not clear, or gmsh cannot run or mesh the file.
 pub fn read(path: &Path, options: &CadOptions) -> Result<LabelledSurface> {
-    let scale = scale(path, options.unit)?;
-    let python = Python::find()?;
-    let edge_length = options.edge_length.map(|h| h / scale);
-    let (numbers, trust) = (&options.numbers, options.trust);
-    let mut faces = mesh_faces(&python, path, numbers, edge_length, trust, options.timeout)?;
+    Ok(labelled(&read_faces(path, options)?))
+}
+
+/// The faces of a CAD file [m].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
+    let (scale, unit) = scale(path, options.unit)?;
+    let options = FaceOptions {
+        numbers: options.numbers.clone(),
+        unit,
+        edge_length: options.edge_length.map(|h| h / scale),
+        per_turn: options.per_turn,
+        trust: options.trust,
+        timeout: options.timeout,
+    };
+    let mut faces = mesh_faces(&Python::find()?, path, &options)?;
     for v in &mut faces.surface.vertices {
         *v *= scale;
     }
-    Ok(labelled(&faces))
+    Ok(faces)
 }
 
 /// The boundary of the body in its regions, the surfaces inside, and the volumes.
@@ -75,20 +90,23 @@ fn labelled(faces: &Faces) -> LabelledSurface {
         orient_by_nesting(&mut volume);
         (name.clone(), volume)
     });
-    LabelledSurface { surface, names, region, inside, volumes: volumes.collect() }
+    LabelledSurface { surface, names, region, inside, volumes: volumes.collect(), import: None }
 }
 
-/// Metres per unit of what gmsh returns.
-fn scale(path: &Path, unit: Option<Unit>) -> Result<f64> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    match (extension.as_str(), unit) {
-        ("geo", Some(unit)) => Ok(unit.metres()),
-        ("geo", None) => bail!("{}: a .geo script has no unit; say --unit mm", path.display()),
-        ("step" | "stp", None) => Ok(1.0),
-        ("step" | "stp", Some(_)) => {
-            bail!("{}: a STEP file states its unit; leave out --unit", path.display())
+/// Metres per unit of what gmsh returns, and the unit that it is asked for: files that a script
+/// reads come in the unit of its numbers.
+fn scale(path: &Path, unit: Option<Unit>) -> Result<(f64, Option<&'static str>)> {
+    match (Kind::of(path)?, unit) {
+        (Kind::Script | Kind::Brep, Some(unit)) => Ok((unit.metres(), Some(unit.of_cad()))),
+        (Kind::Script, None) => {
+            bail!("{}: a .geo script has no unit; say --unit mm", path.display())
         }
-        _ => bail!("{}: neither a .geo script nor a .step file", path.display()),
+        (Kind::Brep, None) => bail!("{}: a .brep file has no unit; say --unit mm", path.display()),
+        (Kind::Step, None) => Ok((1.0, Some("M"))),
+        (Kind::Iges, None) => Ok((Unit::Mm.metres(), None)),
+        (Kind::Step | Kind::Iges, Some(_)) => {
+            bail!("{}: a STEP or IGES file states its unit; leave out --unit", path.display())
+        }
     }
 }
 

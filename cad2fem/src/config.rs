@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use program::read_toml;
 use program::schema::one_of_these;
+use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
@@ -79,12 +79,16 @@ impl Default for Tetmesh {
 }
 
 impl Config {
-    /// Reads a configuration, or gives the defaults.
+    /// Reads a configuration, with changes from outside, or gives the defaults.
     ///
     /// # Errors
-    /// If the file cannot be read or has an unknown key.
-    pub fn read(path: Option<&Path>) -> Result<Self> {
-        Ok(path.map(read_toml).transpose()?.unwrap_or_default())
+    /// If the file cannot be read or has an unknown key, or there is no file to change.
+    pub fn read(path: Option<&Path>, changes: &[Change]) -> Result<Self> {
+        let Some(path) = path else {
+            ensure!(changes.is_empty(), "--set changes a key of a file: name it with --config");
+            return Ok(Self::default());
+        };
+        Settings::read(path, changes, Keys::default())?.parse()
     }
 }
 

@@ -8,12 +8,17 @@
 //! alone. Corners of a body are like that, too, but high: what is lower than the envelope is none.
 //! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
+use std::collections::HashMap;
+
 use mesh::measure::{tet_volume, triangle_area};
-use mesh::topology::{TET_FACETS, boundary, submesh};
+use mesh::topology::{TET_FACETS, boundary, edge_facets, pinched_vertices, submesh};
 use mesh::{TetMesh, Vec3};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
 const MAX_VOLUME: f64 = 1e-4;
+
+/// How often what is left is looked at again.
+const ROUNDS: usize = 20;
 
 /// Removes the pieces of `mesh`, connected over facets, that have less than 10⁻⁴ of
 /// its volume. Returns the number of tetrahedra removed.
@@ -55,6 +60,61 @@ pub fn remove_spikes(mesh: &mut TetMesh, height: f64) -> usize {
         *mesh = without_unused_vertices(mesh, &kept);
     }
     removed
+}
+
+/// Removes, where the boundary touches itself in a vertex or an edge only, the tetrahedra of all but
+/// the largest group around it. A mesher may have doubled such vertices: those at the same place are
+/// made one first. Returns how many tetrahedra.
+pub fn open_pinches(mesh: &mut TetMesh) -> usize {
+    let before = mesh.tets.len();
+    merge_equal(mesh);
+    for _ in 0..ROUNDS {
+        let facets = boundary(mesh).facets;
+        let edges = edge_facets(&facets);
+        let crowded = edges.iter().filter(|(_, beside)| beside.len() > 2);
+        let mut touching: Vec<Vec<usize>> = crowded.map(|(edge, _)| edge.to_vec()).collect();
+        touching.extend(pinched_vertices(&facets).into_iter().map(|v| vec![v]));
+        let mut kept = vec![true; mesh.tets.len()];
+        for place in &touching {
+            for t in smaller_groups(mesh, place) {
+                kept[t] = false;
+            }
+        }
+        if kept.iter().all(|&kept| kept) {
+            break; // nothing touches, or two cavities do
+        }
+        let tets: Vec<_> = (0..kept.len()).filter(|&t| kept[t]).map(|t| mesh.tets[t]).collect();
+        *mesh = without_unused_vertices(mesh, &tets);
+    }
+    before - mesh.tets.len()
+}
+
+/// Makes one vertex of those at the same place; a tetrahedron with two corners in one goes.
+fn merge_equal(mesh: &mut TetMesh) {
+    let mut first = HashMap::new();
+    let bits = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+    let id: Vec<usize> =
+        mesh.vertices.iter().enumerate().map(|(v, p)| *first.entry(bits(p)).or_insert(v)).collect();
+    let mut tets: Vec<[usize; 4]> = mesh.tets.iter().map(|tet| tet.map(|v| id[v])).collect();
+    tets.retain(|tet| (1..4).all(|i| !tet[..i].contains(&tet[i])));
+    *mesh = without_unused_vertices(mesh, &tets);
+}
+
+/// The tetrahedra with all of the vertices but for the largest group that facets connect.
+fn smaller_groups(mesh: &TetMesh, vertices: &[usize]) -> Vec<usize> {
+    let around: Vec<usize> = (0..mesh.tets.len())
+        .filter(|&t| vertices.iter().all(|v| mesh.tets[t].contains(v)))
+        .collect();
+    let tets: Vec<[usize; 4]> = around.iter().map(|&t| mesh.tets[t]).collect();
+    let group = pieces(&tets);
+    let mut volume = vec![0.0; tets.len()];
+    for (&g, &t) in group.iter().zip(&around) {
+        let [a, b, c, d] = mesh.corners(t);
+        volume[g] += tet_volume(a, b, c, d);
+    }
+    let largest = (0..tets.len()).max_by(|&a, &b| volume[a].total_cmp(&volume[b]));
+    let smaller = around.into_iter().zip(group).filter(|&(_, g)| Some(g) != largest);
+    smaller.map(|(t, _)| t).collect()
 }
 
 /// Height of a corner of a tetrahedron above the other three.
@@ -116,6 +176,24 @@ mod tests {
         // its lower tip is 1 above its facet
         assert_eq!(remove_spikes(&mut low, 0.9), 0);
         assert_eq!(remove_spikes(&mut low, 1.1), 2);
+    }
+
+    #[test]
+    fn what_touches_in_a_vertex_is_taken_off() {
+        // three in a row, and a small one that touches the first in a corner
+        let mut vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), -Vec3::z()];
+        vertices.extend([Vec3::x(), Vec3::y(), Vec3::z()].map(|v| v * -0.1 + Vec3::x() * 1.2));
+        let mut mesh = TetMesh { vertices, tets: vec![[0, 1, 2, 3], [0, 2, 1, 4], [1, 5, 7, 6]] };
+        assert_eq!(open_pinches(&mut mesh), 1);
+        assert_eq!((mesh.vertices.len(), mesh.tets.len()), (5, 2));
+        assert_eq!(open_pinches(&mut mesh), 0);
+
+        // two that share an edge, whose vertices a mesher has doubled
+        let mut vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        vertices.extend([Vec3::zeros(), Vec3::x(), -Vec3::y() * 0.1, -Vec3::z() * 0.1]);
+        let mut mesh = TetMesh { vertices, tets: vec![[0, 1, 2, 3], [4, 5, 6, 7]] };
+        assert_eq!(open_pinches(&mut mesh), 1);
+        assert_eq!(mesh.tets, vec![[0, 1, 2, 3]]);
     }
 
     #[test]

@@ -13,6 +13,7 @@ use mesh::{SurfaceMesh, check};
 use program::Unusable;
 use serde::Serialize;
 
+use crate::import::Record;
 use crate::report::{Input, findings};
 
 /// The report, written last.
@@ -30,6 +31,8 @@ pub struct LabelledSurface {
     pub inside: Vec<(String, SurfaceMesh)>,
     /// Boundaries of parts of the body by their names [m].
     pub volumes: Vec<(String, SurfaceMesh)>,
+    /// What was read and changed, of a body that others made.
+    pub import: Option<Record>,
 }
 
 /// Content of `model.json`.
@@ -52,6 +55,8 @@ pub struct Report {
     volumes: Vec<VolumeReport>,
     /// What no region took.
     unassigned: PatchReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    import: Option<Record>,
     wall_s: f64,
 }
 
@@ -131,6 +136,7 @@ impl LabelledSurface {
             inside,
             volumes,
             unassigned: PatchReport::of(&self.patch(None)),
+            import: self.import.clone(),
             wall_s: start.elapsed().as_secs_f64(),
         };
         let text = serde_json::to_string_pretty(&report)?;

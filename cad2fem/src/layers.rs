@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use mesh::check::run;
-use mesh::io::read_surface;
 use mesh::topology::TET_FACETS;
 use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
-use crate::report::findings;
+use crate::report::{findings, read_in};
+use crate::units::Unit;
 
 /// Surfaces inside a body, open or closed, without the triangles that are on its boundary.
 #[derive(Default)]
@@ -19,16 +19,16 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Reads the files.
+    /// Reads the files, in metres or the unit that is said.
     ///
     /// # Errors
     /// If one cannot be read or has degenerate triangles.
-    pub fn read(files: &[PathBuf], boundary: &SurfaceMesh) -> Result<Self> {
+    pub fn read(files: &[PathBuf], unit: Option<Unit>, boundary: &SurfaceMesh) -> Result<Self> {
         let mut known: BTreeSet<_> =
             (0..boundary.triangles.len()).map(|t| key(boundary, t)).collect();
         let mut surfaces = Vec::new();
         for file in files {
-            let surface = read_surface(file)?;
+            let surface = read_in(file, unit)?;
             surfaces.extend(new_triangles(&surface, file, &mut known)?);
         }
         Ok(Self { surfaces })

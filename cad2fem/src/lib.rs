@@ -2,7 +2,8 @@
 //! closed surfaces in named regions, these become tetrahedra.
 //!
 //! - [`implicit`]: signed-distance primitives, smooth blends, regions
-//! - [`cad`]: gmsh scripts and STEP files
+//! - [`cad`]: gmsh scripts, STEP, BREP and IGES files
+//! - [`import`]: bodies that others made, in any unit, sound or not
 //! - [`geo`]: what a gmsh script may do
 //! - [`labelled`]: a surface in regions and its files
 //! - [`offset`]: open patch → closed selection volume
@@ -26,6 +27,7 @@ pub mod config;
 pub mod fragments;
 pub mod geo;
 pub mod implicit;
+pub mod import;
 pub mod labelled;
 pub mod layers;
 pub mod mesher;

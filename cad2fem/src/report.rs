@@ -3,12 +3,15 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use mesh::SurfaceMesh;
 use mesh::check::Finding;
-use mesh::measure::unlikely_size;
+use mesh::io::read_surface;
+use mesh::measure::{diagonal, unlikely_size};
 use program::sha256_file;
 use serde::Serialize;
+
+use crate::units::{Unit, sizes};
 
 /// An input file and its fingerprint.
 #[derive(Clone, Debug, Serialize)]
@@ -17,6 +20,9 @@ pub struct Input {
     pub path: String,
     /// SHA-256 of the content.
     pub sha256: String,
+    /// What was set from outside, as it was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
 }
 
 impl Input {
@@ -25,8 +31,23 @@ impl Input {
     /// # Errors
     /// If it cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
-        Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)? })
+        Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)?, set: Vec::new() })
     }
+}
+
+/// Reads a surface whose lengths are metres or in the unit that the user says.
+///
+/// # Errors
+/// If it cannot be read, or if no unit is said and metres are unlikely.
+pub fn read_in(path: &Path, unit: Option<Unit>) -> Result<SurfaceMesh> {
+    let mut surface = read_surface(path)?;
+    let unlikely = unlikely_size(&surface.vertices).is_some();
+    if let (None, true) = (unit, unlikely) {
+        bail!("{}: {}", path.display(), sizes(diagonal(&surface.vertices)));
+    }
+    let metres = unit.unwrap_or(Unit::M).metres();
+    surface.vertices.iter_mut().for_each(|v| *v *= metres);
+    Ok(surface)
 }
 
 /// Warns of a surface [m] whose size hints at another unit.

@@ -175,6 +175,26 @@ fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMe
 
 /// What follows the mesher, whichever it was.
 fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
+    tidy(mesh, surface, request.options.envelope);
+    if request.layers.is_empty() {
+        improve_interior(mesh, request.improve_passes);
+    } else if let Some(inside) = exact_facets(&request.layers, mesh) {
+        improve_around(mesh, &inside, request.improve_passes);
+    }
+}
+
+/// As [`settle`], with planar faces where `surface` has them.
+pub fn tidy(mesh: &mut TetMesh, surface: &SurfaceMesh, envelope: f64) {
+    settle(mesh, envelope);
+    let flattened = flatten(mesh, surface, envelope);
+    log::debug!("{} vertices moved onto planar faces and their rims", flattened.moved);
+    if flattened.left > 0 {
+        log::warn!("{} vertices stay beside a planar face", flattened.left);
+    }
+}
+
+/// Positive tetrahedra without fragments and spikes.
+pub fn settle(mesh: &mut TetMesh, envelope: f64) {
     make_positive(mesh);
     let fragments = remove_fragments(mesh);
     if fragments > 0 {
@@ -182,21 +202,11 @@ fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
             "removed {fragments} tets that were connected to the body by an edge or a vertex only"
         );
     }
-    let spikes = remove_spikes(mesh, request.options.envelope);
+    let spikes = remove_spikes(mesh, envelope);
     if spikes > 0 {
         log::info!(
             "removed {spikes} tets that stood out of the boundary by less than the envelope"
         );
-    }
-    let flattened = flatten(mesh, surface, request.options.envelope);
-    log::debug!("{} vertices moved onto planar faces and their rims", flattened.moved);
-    if flattened.left > 0 {
-        log::warn!("{} vertices stay beside a planar face", flattened.left);
-    }
-    if request.layers.is_empty() {
-        improve_interior(mesh, request.improve_passes);
-    } else if let Some(inside) = exact_facets(&request.layers, mesh) {
-        improve_around(mesh, &inside, request.improve_passes);
     }
 }
 

@@ -68,6 +68,32 @@ fn a_model_becomes_a_closed_surface_in_patches() {
 }
 
 #[test]
+fn regions_name_single_cavities() {
+    let dir = Workdir::new();
+    let two = DOME.replace(
+        "cavity = [",
+        "cavity = [{ name = 'side', shape.sphere = { center = [1.5, 2.5, 0], radius = 0.8 } }, ",
+    );
+    let named = |names: &str| {
+        two.replace(
+            "{ name = 'cavity', cavity = true }",
+            &format!("{{ name = 'one', cavity = {names} }}, {{ name = 'two', cavity = true }}"),
+        )
+    };
+    dir.write("model.toml", &named("'side'"));
+    dir.run(&["model", "model.toml", "-o", "out"]).succeeds();
+    let one = read_surface(&dir.path("out/patches/one.stl")).unwrap();
+    // the ball, closed; chords of 0.7 mm take off a good part of its area
+    assert_eq!(boundary_loops(&one.triangles).len(), 0);
+    let exact = 4.0 * std::f64::consts::PI * 0.8e-3_f64.powi(2);
+    assert!((0.6..1.0).contains(&(area(&one) / exact)), "{}", area(&one) / exact);
+    dir.write("model.toml", &named("['side', 'slot']"));
+    dir.run(&["model", "model.toml", "-o", "out"]).fails(1, "region \"two\" is empty");
+    dir.write("model.toml", &named("'ball'"));
+    dir.run(&["model", "model.toml", "-o", "out"]).fails(2, "no body \"ball\" in [[cavity]]");
+}
+
+#[test]
 fn a_failed_model_leaves_no_stamp() {
     let dir = Workdir::new();
     dir.write("model.toml", DOME);
@@ -192,8 +218,8 @@ fn bad_surfaces_are_refused_before_a_mesher_runs() {
     let mut inward = cube(1.0);
     inward.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     refused("inward.stl", &inward, "--orient");
-    let mut crossing = cube(1.0);
-    crossing.vertices[0] = Vec3::repeat(3.0);
+    let mut crossing = cube(0.5);
+    crossing.vertices[0] = Vec3::repeat(1.5);
     refused("crossing.stl", &crossing, "intersect");
 
     let mut bytes = fs::read(dir.path("open.stl")).unwrap();

@@ -4,6 +4,8 @@
 mod support;
 
 mod cli;
+mod film;
+mod import;
 mod meshers;
 mod new;
 mod picture;

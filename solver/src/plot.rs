@@ -1,13 +1,16 @@
-//! Curves and points as a picture (SVG).
+//! Curves and points as a picture, SVG or PNG.
 
 use std::fmt::Display;
 use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
+use plotters::coord::Shift;
 use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
+use plotters::style::register_font;
+use render::image::Image;
 
 /// Colours that remain apart for colour-blind readers, by Okabe and Ito 2008.
 const COLORS: [RGBColor; 6] = [
@@ -48,6 +51,8 @@ pub enum Style {
     Dotted(u8),
     /// Grey circles of a radius [pixels].
     Circles(u8),
+    /// Rings of a radius [pixels], in the colour of their turn.
+    Rings(u8),
     /// Grey bars, each between two points in a row.
     Bars,
 }
@@ -65,19 +70,66 @@ pub struct Series {
     pub turn: usize,
 }
 
-/// Draws series as SVG.
+/// Draws series as SVG or, where the name ends with .png, the same as PNG.
 ///
 /// # Errors
-/// When there is no point, one that cannot be drawn (not finite, or not positive
-/// on a logarithmic axis), or the file cannot be written.
+/// When the name ends otherwise, there is no point, there is one that cannot be drawn (not finite,
+/// or not positive on a logarithmic axis), or the file cannot be written.
 pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
     let context = |e| anyhow!("{}: {e}", path.display());
-    let text = svg(axes, series).map_err(context)?;
-    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    let format = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    ensure!(
+        format == "svg" || format == "png",
+        "{}: plots are written as SVG or PNG; the name of the output has to end with .svg or .png",
+        path.display()
+    );
+    if format == "png" {
+        pixels(axes, series).map_err(context)?.write_png(path)?;
+    } else {
+        let text = svg(axes, series).map_err(context)?;
+        mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    }
     Ok(())
 }
 
+/// Pixels of the canvas, along each side, that make one of a PNG: two for each of the picture.
+const COARSER: usize = 4;
+
+/// The picture as pixels, each the mean of a square of the canvas.
+fn pixels(axes: &Axes, series: &[Series]) -> Result<Image> {
+    let [width, height] = SIZE.map(fine);
+    let [wide, high] = [width as usize, height as usize];
+    let mut canvas = vec![0_u8; 3 * wide * high];
+    let backend = BitMapBackend::with_buffer(&mut canvas, (width, height));
+    paint(&backend.into_drawing_area(), axes, series)?;
+    let mean = |x: usize, y: usize| {
+        let at = |i: usize| 3 * ((COARSER * y + i / COARSER) * wide + COARSER * x + i % COARSER);
+        let channel = |c: usize| (0..COARSER * COARSER).map(|i| u32::from(canvas[at(i) + c])).sum();
+        [0, 1, 2].map(|c| -> f32 {
+            let sum: u32 = channel(c);
+            sum as f32 / (255 * COARSER * COARSER) as f32
+        })
+    };
+    let (width, height) = (wide / COARSER, high / COARSER);
+    let pixels = (0..width * height).map(|i| mean(i % width, i / width)).collect();
+    Ok(Image { width, height, pixels })
+}
+
 fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
+    let mut text = String::new();
+    let [width, height] = SIZE.map(fine);
+    paint(&SVGBackend::with_string(&mut text, (width, height)).into_drawing_area(), axes, series)?;
+    // the view box keeps the canvas; only the size to show it at changes
+    let size = |[width, height]: [u32; 2]| format!("width=\"{width}\" height=\"{height}\"");
+    Ok(text.replacen(&size(SIZE.map(fine)), &size(SIZE), 1))
+}
+
+/// Draws on an empty canvas.
+fn paint<B: DrawingBackend>(
+    canvas: &DrawingArea<B, Shift>,
+    axes: &Axes,
+    series: &[Series],
+) -> Result<()> {
     let points = || series.iter().flat_map(|s| &s.points);
     ensure!(points().next().is_some(), "there is nothing to draw");
     let fits = |log: bool, value: f64| value.is_finite() && (!log || value > 0.0);
@@ -93,24 +145,17 @@ fn svg(axes: &Axes, series: &[Series]) -> Result<String> {
     let x = room(points().map(|p| axes.position(p).0), 0.02);
     let y = room(points().map(|p| axes.position(p).1), 0.06);
     let corner = free_corner(points().map(|p| axes.position(p)));
-    let mut text = String::new();
-    {
-        let size = (fine(SIZE[0]), fine(SIZE[1]));
-        let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        canvas.fill(&WHITE).map_err(plain)?;
-        match (axes.log_x, axes.log_y) {
-            (false, false) => chart(&canvas, axes, series, corner, x, y)?,
-            (false, true) => chart(&canvas, axes, series, corner, x, logarithmic(&y))?,
-            (true, false) => chart(&canvas, axes, series, corner, logarithmic(&x), y)?,
-            (true, true) => {
-                chart(&canvas, axes, series, corner, logarithmic(&x), logarithmic(&y))?;
-            }
-        }
-        canvas.present().map_err(plain)?;
+    // the library asks for a typeface by this name
+    register_font("sans-serif", FontStyle::Normal, render::font::REGULAR)
+        .map_err(|_| anyhow!("the typeface of the program is no typeface"))?;
+    canvas.fill(&WHITE).map_err(plain)?;
+    match (axes.log_x, axes.log_y) {
+        (false, false) => chart(canvas, axes, series, corner, x, y)?,
+        (false, true) => chart(canvas, axes, series, corner, x, logarithmic(&y))?,
+        (true, false) => chart(canvas, axes, series, corner, logarithmic(&x), y)?,
+        (true, true) => chart(canvas, axes, series, corner, logarithmic(&x), logarithmic(&y))?,
     }
-    // the view box keeps the canvas; only the size to show it at changes
-    let size = |[width, height]: [u32; 2]| format!("width=\"{width}\" height=\"{height}\"");
-    Ok(text.replacen(&size(SIZE.map(fine)), &size(SIZE), 1))
+    canvas.present().map_err(plain)
 }
 
 impl Axes {
@@ -166,8 +211,8 @@ fn free_corner(points: impl Iterator<Item = (f64, f64)> + Clone) -> SeriesLabelP
     corners.into_iter().min_by_key(|c| c.0).map_or(SeriesLabelPosition::UpperLeft, |c| c.1)
 }
 
-fn chart<X, Y>(
-    canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+fn chart<B: DrawingBackend, X, Y>(
+    canvas: &DrawingArea<B, Shift>,
     axes: &Axes,
     series: &[Series],
     corner: SeriesLabelPosition,
@@ -211,6 +256,12 @@ where
             }
             Style::Circles(size) => chart
                 .draw_series(points.clone().map(|p| Circle::new(p, fine(i32::from(size)), grey))),
+            Style::Rings(size) => {
+                let ring = color.stroke_width(fine(2));
+                chart.draw_series(
+                    points.clone().map(|p| Circle::new(p, fine(i32::from(size)), ring)),
+                )
+            }
             Style::Bars => chart.draw_series(
                 one.points.chunks(2).map(|ends| PathElement::new(ends.to_vec(), grey)),
             ),
@@ -225,6 +276,10 @@ where
                 }
                 Style::Circles(size) => {
                     Circle::new((x + fine(12), y), fine(i32::from(size)), grey).into_dyn()
+                }
+                Style::Rings(size) => {
+                    let ring = color.stroke_width(fine(2));
+                    Circle::new((x + fine(12), y), fine(i32::from(size)), ring).into_dyn()
                 }
                 Style::Bars => PathElement::new(
                     [(x + fine(12), y - fine(6)), (x + fine(12), y + fine(6))],
@@ -324,6 +379,24 @@ mod tests {
         near(ticks(&(-0.2..0.5)), &[0.7, 0.8, 0.9, 1.0, 2.0, 3.0]);
         near(ticks(&(-4.1..0.1)), &[1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
         assert!(ticks(&(-60.0..30.0)).len() < 13);
+    }
+
+    /// A PNG is the SVG in pixels: white, with the curve's colour and text in black.
+    #[test]
+    fn a_png_has_curve_and_text() {
+        let axes = Axes { x: "pressure [kPa]".into(), y: "angle".into(), ..Axes::default() };
+        let image = pixels(&axes, &line(vec![(0.0, 0.0), (1.0, 2.0)])).expect("drawable");
+        assert_eq!([image.width, image.height], [1800, 1200]);
+        let count = |color: [u8; 3]| {
+            let same = |p: &&[f32; 3]| p.map(|v| (255.0 * v).round() as u8) == color;
+            image.pixels.iter().filter(same).count()
+        };
+        assert!(count([255; 3]) > image.pixels.len() / 2, "{}", count([255; 3]));
+        assert!(count([0, 114, 178]) > 2000, "{}", count([0, 114, 178]));
+        // the name of the abscissa, below the axis
+        let dark = |p: &[f32; 3]| p.iter().all(|v| *v < 0.3);
+        let below = &image.pixels[1130 * 1800..];
+        assert!(below.iter().filter(|p| dark(p)).count() > 300);
     }
 
     #[test]

@@ -139,7 +139,7 @@ fn claim_inside(
     let name: String =
         tag.value.clone().try_into().context("`patch` must be the file of an open surface")?;
     let path = sources.folder.join(name);
-    let patch = mesh::io::read_surface(&path)?;
+    let patch = mesh::io::read_surface_in_metres(&path)?;
     let found = inside::select(mesh, &patch, &path, sources.epsilon)?;
     let selected = found.len();
     let free: Vec<_> =

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use program::schema::{Format, add_keys, one_of};
-use program::{Keys, Settings};
+use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -153,13 +153,13 @@ fn selections(generator: &mut SchemaGenerator, more: &[(&str, Value, bool)]) -> 
 }
 
 impl Config {
-    /// Reads and checks a tag file.
+    /// Reads and checks a tag file, with changes from outside.
     ///
     /// # Errors
     /// If the file cannot be read, a key is unknown or has a wrong value, a
     /// name is used twice or a rim names no tag.
-    pub fn read(path: &Path) -> Result<Self> {
-        Settings::read(path, &[], KEYS)?.checked(Self::of)
+    pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
+        Settings::read(path, changes, KEYS)?.checked(Self::of)
     }
 
     fn of(settings: &Settings) -> Result<Self> {

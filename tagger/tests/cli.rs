@@ -158,6 +158,30 @@ fn facet_count(path: &Path, name: &str) -> usize {
 }
 
 #[test]
+fn several_patches_and_picked_faces_are_tags() {
+    let scene = Scene::new();
+    let tags = "[[tag]]\nname = \"outside\"\npatch = [\"se*.obj\", \"skin.obj\"]\n\
+                [[tag]]\nname = \"hole\"\npatch = \"cav*\"\n";
+    succeeded(&scene.tag(tags));
+    let tagged = scene.path("tagged.msh");
+    assert_eq!(["outside", "hole"].map(|name| facet_count(&tagged, name)), [298, 26]);
+
+    let picked = |angle: f64| {
+        format!(
+            "[[tag]]\nname = \"top\"\npoint = {{ at = [2.5e-3, 2.5e-3, 9e-3], angle = {angle} }}\n"
+        )
+    };
+    succeeded(&scene.tag(&picked(40.0)));
+    assert_eq!(facet_count(&tagged, "top"), 50); // 25 squares
+    succeeded(&scene.tag(&picked(180.0)));
+    assert_eq!(facet_count(&tagged, "top"), 324);
+    std::fs::remove_file(&tagged).unwrap();
+    scene.fails(&scene.tag(&picked(200.0)), 2, &["from 0 to 180 degrees"]);
+    let none = "[[tag]]\nname = \"a\"\npatch = \"face-*.stl\"\n";
+    scene.fails(&scene.tag(none), 2, &["is called face-*.stl; there are", "skin.obj"]);
+}
+
+#[test]
 fn patches_partition_the_boundary() {
     let scene = Scene::new();
     let message = succeeded(&scene.tag(PATCHES));

@@ -27,10 +27,10 @@ fn kinds() -> Vec<Kind> {
     let solver = solver::cmd::schema::FORMATS;
     let cad2fem = cad2fem::cmd::schema::FORMATS;
     vec![
-        kind(cad2fem, "model", "model", |p| cad2fem::implicit::ModelFile::read(p).map(drop)),
-        kind(cad2fem, "cad2fem", "cad2fem", |p| cad2fem::config::Config::read(Some(p)).map(drop)),
+        kind(cad2fem, "model", "model", |p| cad2fem::implicit::ModelFile::read(p, &[]).map(drop)),
+        kind(cad2fem, "cad2fem", "cad2fem", |p| cad2fem::config::Config::read(Some(p), &[]).map(drop)),
         kind(tagger::cmd::schema::FORMATS, "tags", "tags", |p| {
-            tagger::config::Config::read(p).map(drop)
+            tagger::config::Config::read(p, &[]).map(drop)
         }),
         kind(solver, "sim", "sim", read_scene),
         kind(solver, "design", "design", |p| solver::config::DesignConfig::read(p).map(drop)),

@@ -108,8 +108,17 @@ fn columns_of_runs_are_drawn() {
     let run = dir.solver("plot out/report.json --y chambers.hole.volume -o none.svg");
     run.assert_refused(2, &["out/report.json", "\"hole\"", "cavity"]);
     assert!(!dir.path("none.svg").exists());
-    let run = dir.solver("plot out/report.json --y chambers.cavity.volume -o none.png");
-    run.assert_refused(2, &["none.png", "written as SVG"]);
+    let run = dir.solver("plot out/report.json --y chambers.cavity.volume -o none.pdf");
+    run.assert_refused(2, &["none.pdf", "written as SVG or PNG"]);
+    // measured points over it, and both as PNG
+    dir.write("measured.csv", "load, volume\n0.5, 8e-6\n1, 9e-6\n");
+    dir.solver(&format!("{plot} --points measured.csv:load,volume*1e6")).assert_good();
+    assert!(dir.text("volume.svg").contains(">\nmeasured\n"), "{}", dir.text("volume.svg"));
+    dir.solver(&plot.replace(".svg", ".png")).assert_good();
+    let png = std::fs::read(dir.path("volume.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    let run = dir.solver(&format!("{plot} --points measured.csv:load,volum"));
+    run.assert_refused(2, &["measured.csv", "no column \"volum\"; there are: load, volume"]);
     // as older programs called it
     let run = dir.solver("plot out/report.json --y walls.cavity.volume -o none.svg");
     run.assert_refused(2, &["is now \"chambers.cavity.volume\""]);

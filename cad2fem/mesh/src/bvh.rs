@@ -156,7 +156,8 @@ fn triangle_box([a, b, c]: &[Vec3; 3]) -> (Vec3, Vec3) {
 
 /// The point of a triangle nearest to `p`, by the Voronoi regions of its corners,
 /// edges and face (Ericson, Real-Time Collision Detection, 2005, §5.1.5).
-fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> Vec3 {
+#[must_use]
+pub fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> Vec3 {
     let (ab, ac) = (b - a, c - a);
     let (ap, bp, cp) = (p - a, p - b, p - c);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));

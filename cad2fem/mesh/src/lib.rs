@@ -17,7 +17,7 @@ pub mod solid;
 pub mod topology;
 pub mod walls;
 
-mod needles;
+pub mod needles;
 mod surface;
 mod tags;
 mod tet;

@@ -103,7 +103,7 @@ pub fn unlikely_size(points: &[Vec3]) -> Option<String> {
             (size > *LIKELY.end()).then(|| format!(": {size:.4} mm if they are millimetres"));
         format!(
             "{size:.4} m from corner to corner: lengths are read as metres. Is the unit another{}? \
-             Then scale the file, or export it in metres",
+             `cad2fem import` converts it",
             millimetres.unwrap_or_default()
         )
     })

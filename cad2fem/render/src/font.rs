@@ -11,6 +11,9 @@ use ttf_parser::{GlyphId, OutlineBuilder};
 use super::color::Rgb;
 use super::image::Image;
 
+/// The file of the upright typeface, Inter (OpenType).
+pub const REGULAR: &[u8] = include_bytes!("../fonts/Inter-Regular.otf");
+
 /// Chords of a curved piece of an outline; they are then nowhere farther from it than 0.4 % of
 /// the height of a capital.
 const CHORDS: usize = 8;
@@ -59,10 +62,7 @@ struct Face {
 impl Weight {
     fn face(self) -> &'static Face {
         static FACES: LazyLock<[Face; 2]> = LazyLock::new(|| {
-            [
-                Face::new(include_bytes!("../fonts/Inter-Regular.otf")),
-                Face::new(include_bytes!("../fonts/Inter-Bold.otf")),
-            ]
+            [Face::new(REGULAR), Face::new(include_bytes!("../fonts/Inter-Bold.otf"))]
         });
         &FACES[self as usize]
     }

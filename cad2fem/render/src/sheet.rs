@@ -25,6 +25,8 @@ pub struct Sheet {
     pub look: Look,
     /// What explains the colours.
     pub key: Key,
+    /// Ends of the diagonal of the box that is shown; if there is none, all that is drawn.
+    pub shown: Option<(Vec3, Vec3)>,
 }
 
 /// One scene of a sheet.
@@ -46,7 +48,7 @@ pub fn draw_sheet(sheet: &Sheet, panels: &[Panel]) -> Image {
     let right = width - sheet.key.width(&ty);
     let caption = if panels.iter().all(|p| p.caption.is_empty()) { 0.0 } else { 3.6 * h };
 
-    let points = outline(panels);
+    let points = sheet.shown.map_or_else(|| outline(panels), corners);
     let grid = Grid::choose(sheet, &points, panels.len(), [right, height - top], caption);
     let camera = Camera::fit(sheet.view, sheet.projection, &points, grid.panel);
     for (i, panel) in panels.iter().enumerate() {
@@ -76,6 +78,12 @@ fn blank(size: [usize; 2]) -> Image {
 /// Points that the camera must show: all corners of all facets.
 fn outline(panels: &[Panel]) -> Vec<Vec3> {
     panels.iter().flat_map(|p| &p.pieces).flat_map(|p| &p.facets).flat_map(|f| f.points).collect()
+}
+
+/// The corners of a box.
+fn corners((min, max): (Vec3, Vec3)) -> Vec<Vec3> {
+    let pick = |i: usize, axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+    (0..8).map(|i| Vec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect()
 }
 
 /// Lowest point of all panels.

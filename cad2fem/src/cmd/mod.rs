@@ -1,6 +1,8 @@
 //! The verbs, one per file.
 
 pub mod doctor;
+pub mod film;
+pub mod import;
 pub mod info;
 pub mod model;
 pub mod new;
@@ -24,6 +26,8 @@ pub enum Verb {
     Doctor(doctor::Args),
     /// Implicit model or CAD file → closed surface and one patch per region
     Model(model::Args),
+    /// Meshes and CAD files of others, in any unit, sound or not → the same
+    Import(import::Args),
     /// Open patch → closed selection volume of thickness ±distance
     Offset(offset::Args),
     /// Closed surface → tetrahedra
@@ -34,6 +38,8 @@ pub enum Verb {
     Info(info::Args),
     /// Any surface, mesh or result → a shaded PNG, drawn without a display
     Picture(picture::Args),
+    /// A run, step by step → an animated GIF, drawn without a display
+    Film(film::Args),
     /// All results in a folder → one page to look at in a browser, without a network
     Report(report::Args),
     /// The JSON Schema of a file that this program reads, for editors and other programs
@@ -50,11 +56,13 @@ impl Verb {
             Self::New(args) => new::run(args),
             Self::Doctor(args) => doctor::run(args),
             Self::Model(args) => model::run(args),
+            Self::Import(args) => import::run(args),
             Self::Offset(args) => offset::run(args),
             Self::Tetmesh(args) => tetmesh::run(args),
             Self::Remesh(args) => remesh::run(args),
             Self::Info(args) => info::run(args),
             Self::Picture(args) => picture::run(args),
+            Self::Film(args) => film::run(args),
             Self::Report(args) => report::run(args),
             Self::Schema(args) => args.print(schema::FORMATS),
         }

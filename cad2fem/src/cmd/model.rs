@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use mesh::io::remove_litter;
-use program::FolderLock;
+use program::{Change, FolderLock};
 
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
@@ -18,7 +18,7 @@ use crate::units::Unit;
 /// `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Model: .toml (implicit), .geo (gmsh script) or .step
+    /// Model: .toml (implicit), .geo (gmsh script), .step, .brep or .iges
     file: PathBuf,
     /// Folder to write
     #[arg(short, long, value_name = "DIR")]
@@ -26,12 +26,13 @@ pub struct Args {
     /// Implicit: keep ornaments (primitives with `fine = true`)
     #[arg(long)]
     fine: bool,
-    /// .geo: unit of its numbers
+    /// .geo and .brep: unit of the numbers
     #[arg(long)]
     unit: Option<Unit>,
-    /// .geo: set a number that the script declares with DefineConstant
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_number)]
-    numbers: Vec<(String, f64)>,
+    /// .toml: another value for a key, as in cavity.slot.shape.box.size.2=5; .geo: for a number that
+    /// the script declares with DefineConstant
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
     /// CAD: let the script, and `FILE.opt` beside the file, run programs, read and write files
     #[arg(long)]
     trust: bool,
@@ -55,14 +56,12 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn implicit(args: &Args) -> Result<()> {
-    let of_cad = args.unit.is_some() || args.edge_length.is_some() || args.trust;
-    if of_cad || !args.numbers.is_empty() {
-        bail!(
-            "--unit, --set, --edge-length and --trust are for CAD files; a .toml model states its own"
-        );
+    if args.unit.is_some() || args.edge_length.is_some() || args.trust {
+        bail!("--unit, --edge-length and --trust are for CAD files; a .toml model states its own");
     }
-    let file = ModelFile::read(&args.file)?;
-    let input = Input::of(&args.file)?;
+    let changes: Vec<Change> = all(&args.set, |text| text.parse().map_err(|e| anyhow!("{e}")))?;
+    let file = ModelFile::read(&args.file, &changes)?;
+    let input = input(args)?;
     // The stamp of the model itself stands for the variants too: it comes last.
     remove_stamp(&args.output)?;
     for (name, variant) in &file.variants {
@@ -81,7 +80,7 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let region = assign(model, &fields, &skin);
     let (surface, names) = (skin.surface, model.region_names());
     let (inside, volumes) = (Vec::new(), Vec::new());
-    let labelled = LabelledSurface { surface, names, region, inside, volumes };
+    let labelled = LabelledSurface { surface, names, region, inside, volumes, import: None };
     finish(args, &labelled, folder, input.clone(), start)
 }
 
@@ -89,13 +88,23 @@ fn from_cad(args: &Args) -> Result<()> {
     let start = Instant::now();
     let options = CadOptions {
         unit: args.unit,
-        numbers: args.numbers.iter().cloned().collect(),
+        numbers: all(&args.set, parse_number)?,
         edge_length: args.edge_length,
+        per_turn: None,
         trust: args.trust,
         timeout: Duration::from_secs(args.timeout),
     };
     let labelled = cad::read(&args.file, &options)?;
-    finish(args, &labelled, &args.output, Input::of(&args.file)?, start)
+    finish(args, &labelled, &args.output, input(args)?, start)
+}
+
+fn input(args: &Args) -> Result<Input> {
+    Ok(Input { set: args.set.clone(), ..Input::of(&args.file)? })
+}
+
+/// What `read` makes of each `--set`.
+fn all<T, C: FromIterator<T>>(set: &[String], read: impl Fn(&str) -> Result<T>) -> Result<C> {
+    set.iter().map(|text| read(text).with_context(|| format!("--set {text}"))).collect()
 }
 
 fn finish(

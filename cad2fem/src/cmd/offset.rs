@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use mesh::check::self_intersections;
-use mesh::io::{read_surface, write_surface};
+use mesh::io::write_surface;
 use mesh::measure::{diagonal, enclosed_volume};
 use mesh::topology::boundary_loops;
 
 use crate::offset::offset;
+use crate::report::read_in;
+use crate::units::Unit;
 
 /// Distance over the diagonal of the bounding box unless --distance is given.
 const RELATIVE_DISTANCE: f64 = 1e-3;
@@ -16,8 +18,11 @@ const RELATIVE_DISTANCE: f64 = 1e-3;
 /// Vertices move along their normals to both sides; walls close the rim
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Open patch [m]
+    /// Open patch [m], or as --unit says
     patch: PathBuf,
+    /// Unit of the surfaces, if not metres; the volume is in metres
+    #[arg(long)]
+    unit: Option<Unit>,
     /// Volume to write (.obj keeps full precision, .stl rounds to 32 bits)
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
@@ -34,10 +39,10 @@ pub struct Args {
 /// # Errors
 /// If the patch has no thickness to be given, or files cannot be read or written.
 pub fn run(args: &Args) -> Result<()> {
-    let patch = read_surface(&args.patch)?;
+    let patch = read_in(&args.patch, args.unit)?;
     let distance = match (args.distance, &args.diagonal_of) {
         (Some(distance), _) => distance,
-        (None, Some(model)) => RELATIVE_DISTANCE * diagonal(&read_surface(model)?.vertices),
+        (None, Some(model)) => RELATIVE_DISTANCE * diagonal(&read_in(model, args.unit)?.vertices),
         (None, None) => RELATIVE_DISTANCE * diagonal(&patch.vertices),
     };
     let place = || args.patch.display().to_string();

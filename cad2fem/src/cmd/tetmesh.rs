@@ -5,23 +5,28 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use mesh::Tags;
-use mesh::io::{read_surface, write_atomic, write_tets};
+use mesh::io::{write_atomic, write_tets};
 use mesh::measure::diagonal;
+use program::Changes;
 use serde::Serialize;
 
 use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
 use crate::layers::Layers;
 use crate::mesher::python::Python;
-use crate::report::{Input, remark_on_size};
+use crate::report::{Input, read_in};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
+use crate::units::Unit;
 
 /// Settings come from --config, then from the flags; what neither says has a default.
 /// Writes OUT and OUT with the extension .report.json
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Closed surface [m]
+    /// Closed surface [m], or as --unit says
     surface: PathBuf,
+    /// Unit of the surfaces, if not metres
+    #[arg(long)]
+    unit: Option<Unit>,
     /// Surface inside the body, open or closed, whose triangles become facets of tetrahedra; again
     /// for each
     #[arg(long = "inside", value_name = "FILE")]
@@ -59,6 +64,8 @@ pub struct Args {
     /// Neither use nor fill the cache of meshes
     #[arg(long)]
     no_cache: bool,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 #[derive(Serialize)]
@@ -77,8 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
     let of_config = || args.config.as_ref().map_or("settings".into(), |p| p.display().to_string());
     let input = Input::of(&args.surface)?;
-    let mut surface = read_surface(&args.surface)?;
-    remark_on_size(&args.surface, &surface);
+    let mut surface = read_in(&args.surface, args.unit)?;
     let place = || args.surface.display().to_string();
     prepare(&mut surface, args.orient).with_context(place)?;
     let request = Request {
@@ -86,7 +92,7 @@ pub fn run(args: &Args) -> Result<()> {
         mesher: settings.tet_mesher().with_context(of_config)?,
         options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
         improve_passes: settings.improve_passes,
-        layers: Layers::read(&args.inside(&settings), &surface)?,
+        layers: Layers::read(&args.inside(&settings), args.unit, &surface)?,
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),
     };
@@ -109,7 +115,7 @@ impl Args {
 
     /// The configuration with the flags on top.
     fn settings(&self) -> Result<Tetmesh> {
-        let mut settings = Config::read(self.config.as_deref())?.tetmesh;
+        let mut settings = Config::read(self.config.as_deref(), &self.changes.set)?.tetmesh;
         if let Some(mesher) = &self.mesher {
             settings.mesher.clone_from(mesher);
         }

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
 use program::schema::partial;
-use program::{Settings, read_checked};
+use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::json;
@@ -129,9 +129,9 @@ pub struct Region {
     pub name: String,
     /// On the face of this cut.
     pub cut: Option<String>,
-    /// On the wall of the cavity.
+    /// On the wall of the cavity, or of these primitives of it.
     #[serde(default)]
-    pub cavity: bool,
+    pub cavity: Cavity,
     /// On the outside, nearest to one of these primitives of the solid.
     pub primitives: Option<Vec<String>>,
     /// With the centroid in this box.
@@ -139,6 +139,45 @@ pub struct Region {
     /// Everything that is left.
     #[serde(default)]
     pub rest: bool,
+}
+
+/// Walls of cavities that a region takes.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected true, or the name of a primitive of the cavity, or a list of names"
+)]
+pub enum Cavity {
+    /// All, or nothing is said of them.
+    All(bool),
+    /// Where this primitive is the nearest.
+    One(String),
+    /// Where one of these is.
+    Several(Vec<String>),
+}
+
+impl Default for Cavity {
+    fn default() -> Self {
+        Self::All(false)
+    }
+}
+
+impl Cavity {
+    /// Whether a region has this condition.
+    #[must_use]
+    pub fn is_given(&self) -> bool {
+        !matches!(self, Self::All(false))
+    }
+
+    /// The primitives that are named.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::All(_) => &[],
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Several(names) => names,
+        }
+    }
 }
 
 /// An axis-aligned box.
@@ -161,13 +200,13 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// Reads and checks a model file.
+    /// Reads and checks a model file, with changes from outside.
     ///
     /// # Errors
     /// If the file cannot be read, has an unknown or missing key, or a value
     /// that makes no sense.
-    pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::of)
+    pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
+        Settings::read(path, changes, Keys::default())?.checked(Self::of)
     }
 
     /// Reads and checks the text of a model file.
@@ -307,8 +346,15 @@ impl Model {
                 "no body {name:?} in [[solid]]; primitives: {known}"
             );
         }
+        for name in region.cavity.names() {
+            let known = names(self.cavity.iter().map(|p| &p.name));
+            ensure!(
+                self.cavity.iter().any(|p| p.name == *name && p.is_body()),
+                "no body {name:?} in [[cavity]]; primitives: {known}"
+            );
+        }
         let selective = region.cut.is_some()
-            || region.cavity
+            || region.cavity.is_given()
             || region.primitives.is_some()
             || region.within.is_some();
         ensure!(

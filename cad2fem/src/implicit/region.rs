@@ -2,7 +2,7 @@
 
 use mesh::Vec3;
 
-use super::model::{Model, Region};
+use super::model::{Model, Primitive, Region};
 use super::{Cuboid, Fields, Part, Skin};
 
 /// What the conditions of a region look at.
@@ -10,7 +10,7 @@ struct Site {
     centroid: Vec3,
     /// What it is a part of.
     part: Part,
-    /// Index of the nearest body, on the outside.
+    /// Index of the nearest body of the solid, on the outside, or of the cavity, on its wall.
     body: Option<usize>,
 }
 
@@ -32,7 +32,11 @@ impl Site {
     fn of(model: &Model, fields: &Fields, skin: &Skin, t: usize) -> Self {
         let centroid = skin.surface.centroid(t) / model.unit.metres();
         let part = skin.part[t];
-        let body = (part == Part::Outside).then(|| fields.solid.nearest(&centroid)).flatten();
+        let body = match part {
+            Part::Outside => fields.solid.nearest(&centroid),
+            Part::Cavity => fields.cavity.nearest(&centroid),
+            Part::Cut(_) => None,
+        };
         Self { centroid, part, body }
     }
 }
@@ -41,11 +45,18 @@ impl Region {
     fn takes(&self, model: &Model, site: &Site) -> bool {
         let on_cut =
             |name: &String| matches!(site.part, Part::Cut(c) if model.cut[c].name == *name);
-        let near_one =
-            |names: &Vec<String>| site.body.is_some_and(|b| names.contains(&model.solid[b].name));
+        let near_one = |names: &[String], bodies: &[Primitive]| {
+            site.body.is_some_and(|b| names.contains(&bodies[b].name))
+        };
+        let on_primitive =
+            |names: &Vec<String>| site.part == Part::Outside && near_one(names, &model.solid);
+        let in_cavity = || {
+            let names = self.cavity.names();
+            site.part == Part::Cavity && (names.is_empty() || near_one(names, &model.cavity))
+        };
         self.cut.as_ref().is_none_or(on_cut)
-            && (!self.cavity || site.part == Part::Cavity)
-            && self.primitives.as_ref().is_none_or(near_one)
+            && (!self.cavity.is_given() || in_cavity())
+            && self.primitives.as_ref().is_none_or(on_primitive)
             && self.within.is_none_or(|w| w.contains(&site.centroid))
     }
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use mesh::io::read_bytes;
 use mesh::{SurfaceMesh, TetMesh};
 use serde_json::json;
@@ -61,9 +61,53 @@ impl TetMesher for Gmsh {
     }
 }
 
-/// The meshed faces of a CAD file, in the file's unit, as gmsh orients them.
+/// What gmsh can open as CAD.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A script of gmsh, `.geo`.
+    Script,
+    /// STEP, which states its unit.
+    Step,
+    /// OpenCASCADE's own format, without a unit.
+    Brep,
+    /// IGES, which states its unit and often has surfaces only.
+    Iges,
+}
+
+impl Kind {
+    /// By the extension of a file name.
+    ///
+    /// # Errors
+    /// If it is none of them.
+    pub fn of(file: &Path) -> Result<Self> {
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            "geo" => Ok(Self::Script),
+            "step" | "stp" => Ok(Self::Step),
+            "brep" | "brp" => Ok(Self::Brep),
+            "iges" | "igs" => Ok(Self::Iges),
+            _ => bail!(
+                "{}: neither a .geo script nor a .step, .brep or .iges file; `cad2fem import` \
+                 reads .stl, .obj, .ply and .3mf",
+                file.display()
+            ),
+        }
+    }
+
+    /// The name of a copy.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Script => "model.geo",
+            Self::Step => "model.step",
+            Self::Brep => "model.brep",
+            Self::Iges => "model.iges",
+        }
+    }
+}
+
+/// The meshed faces of a CAD file, as gmsh orients them.
 pub struct Faces {
-    /// All faces; metres for STEP, the script's unit for `.geo`.
+    /// All faces, in the unit that was asked for.
     pub surface: SurfaceMesh,
     /// Patch names.
     pub names: Vec<String>,
@@ -75,32 +119,46 @@ pub struct Faces {
     pub volumes: Vec<(String, Vec<usize>)>,
 }
 
-/// Meshes the faces of a CAD file with `numbers` set in a script, and no edge
-/// longer than `edge_length` if given [unit of the result].
+/// How the faces of a CAD file are meshed.
+#[derive(Clone, Debug)]
+pub struct FaceOptions {
+    /// Numbers to set in a script.
+    pub numbers: BTreeMap<String, f64>,
+    /// Unit of the result as OpenCASCADE calls it; none for that of the file, of IGES millimetres.
+    pub unit: Option<&'static str>,
+    /// Longest edge [unit of the result].
+    pub edge_length: Option<f64>,
+    /// Edges around a circle, if the size of triangles is to follow curvature.
+    pub per_turn: Option<u32>,
+    /// Whether a script may run programs, and read and write files.
+    pub trust: bool,
+    /// Longest time gmsh may take.
+    pub timeout: Duration,
+}
+
+/// Meshes the faces of a CAD file.
 ///
 /// gmsh gets a copy in a folder of its own, of a script what [`without_reach`] leaves: beside a
 /// file `x.step` it would run a script `x.step.opt`. With `trust` it reads the file itself.
 ///
 /// # Errors
 /// If gmsh cannot run, or cannot read or mesh the file; if it is a script that reaches outside.
-pub fn mesh_faces(
-    python: &Python,
-    file: &Path,
-    numbers: &BTreeMap<String, f64>,
-    edge_length: Option<f64>,
-    trust: bool,
-    timeout: Duration,
-) -> Result<Faces> {
+pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result<Faces> {
     let job = Job::new("gmsh")?;
-    let opened = if trust { named_in_text(file)? } else { copied(&job, file)? };
+    let kind = Kind::of(file)?;
+    let opened = if options.trust { named_in_text(file)? } else { copied(&job, file, kind)? };
     let settings = json!({
         "file": opened,
         "shown": file.display().to_string(),
-        "numbers": numbers,
-        "edge_length": edge_length,
+        "numbers": options.numbers,
+        "unit": options.unit,
+        "edge_length": options.edge_length,
+        "per_turn": options.per_turn,
+        "solids": kind != Kind::Script,
+        "step": kind == Kind::Step,
     });
     let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
-    job.run(python, script, &settings, timeout)?;
+    job.run(python, script, &settings, options.timeout)?;
     let names = |file: &str| -> Result<Vec<String>> {
         Ok(serde_json::from_str(&std::fs::read_to_string(job.file(file))?)?)
     };
@@ -132,15 +190,12 @@ fn named_in_text(file: &Path) -> Result<String> {
 }
 
 /// Puts the file, a script as [`without_reach`] leaves it, into the folder of the job.
-fn copied(job: &Job, file: &Path) -> Result<String> {
+fn copied(job: &Job, file: &Path, kind: Kind) -> Result<String> {
     let shown = || file.display().to_string();
-    let is_script = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("geo"));
-    let name = if is_script { "model.geo" } else { "model.step" };
-    if is_script {
-        let script = without_reach(&read_bytes(file)?).with_context(shown)?;
-        std::fs::write(job.file(name), script).with_context(|| format!("cannot write {name}"))?;
-    } else {
-        std::fs::copy(file, job.file(name)).with_context(shown)?;
-    }
+    let name = kind.name();
+    let bytes = read_bytes(file)?;
+    let content =
+        if kind == Kind::Script { without_reach(&bytes).with_context(shown)? } else { bytes };
+    std::fs::write(job.file(name), content).with_context(|| format!("cannot write {name}"))?;
     Ok(name.to_owned())
 }

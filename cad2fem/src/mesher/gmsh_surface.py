@@ -7,17 +7,52 @@ for name, value in settings["numbers"].items():
         explain(f"{settings['shown']}: there is no number {name} to set")
     arguments += ["-setnumber", name, repr(value)]
 gmsh.initialize(arguments, readConfigFiles=False)
-gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+# Before a STEP file has been read, gmsh cannot set the unit in which IGES files come: millimetres.
+if settings["unit"] is not None:
+    gmsh.option.setString("Geometry.OCCTargetUnit", settings["unit"])
 if settings["edge_length"] is not None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", settings["edge_length"])
+if settings["per_turn"] is not None:
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", settings["per_turn"])
+path = os.path.abspath(settings["file"])
+
+
+def described(face):
+    """A face by number, name and place, as it can be found in a viewer."""
+    name = gmsh.model.getEntityName(2, face).split("/")[-1]
+    low_and_high = gmsh.model.getBoundingBox(2, face)
+    low, high = (" ".join(f"{x:.4g}" for x in low_and_high[k : k + 3]) for k in (0, 3))
+    return f"face {face}{' ' + repr(name) if name else ''} (from {low} to {high})"
+
+
+def failed_faces():
+    """The faces at which meshing stopped."""
+    faces = {tag for dim, tag in gmsh.model.mesh.getLastEntityError() if dim == 2}
+    edges = {tag for dim, tag in gmsh.model.mesh.getLastEntityError() if dim == 1}
+    for edge in edges:
+        faces.update(gmsh.model.getAdjacencies(1, edge)[0])
+    return ", ".join(described(face) for face in sorted(faces)[:5])
+
+
 try:
-    gmsh.open(os.path.abspath(settings["file"]))
+    gmsh.open(path)
     gmsh.model.occ.synchronize()
+    # surfaces alone, as IGES files have them, may bound a body once they are sewn
+    if settings["solids"] and not gmsh.model.getEntities(3) and gmsh.model.getEntities(2):
+        gmsh.clear()
+        for option in ("OCCSewFaces", "OCCMakeSolids", "OCCFixDegenerated", "OCCFixSmallEdges"):
+            gmsh.option.setNumber(f"Geometry.{option}", 1)
+        gmsh.open(path)
+        gmsh.model.occ.synchronize()
+except Exception as error:
+    message = str(error).replace(path, settings["shown"])
+    explain(f"{settings['shown']}: gmsh cannot read it: {message}")
+try:
     gmsh.model.mesh.generate(2)
 except Exception as error:
-    message = str(error).replace(os.path.abspath(settings["file"]), settings["shown"])
-    explain(f"{settings['shown']}: gmsh cannot mesh it: {message}")
-
+    message, faces = str(error).replace(path, settings["shown"]), failed_faces()
+    where = f" at {faces}" if faces else ""
+    explain(f"{settings['shown']}: gmsh cannot mesh it{where}: {message}")
 
 
 def file_name(name):
@@ -25,15 +60,36 @@ def file_name(name):
     return re.sub(r"[^A-Za-z0-9_-]+", "-", name)
 
 
-# Physical surfaces are the patches; without any, every named or numbered face is.
+def names_in_step(count):
+    """Names of faces as a STEP file has them, in the order of its shells; gmsh does not read them."""
+    text = open(settings["file"], errors="replace").read()
+    named = dict(re.findall(r"#(\d+)\s*=\s*ADVANCED_FACE\s*\(\s*'([^']*)'", text))
+    shells = re.findall(r"(?:CLOSED|OPEN)_SHELL\s*\(\s*'[^']*'\s*,\s*\(([^)]*)\)", text)
+    listed = [face for shell in shells for face in re.findall(r"#(\d+)", shell)]
+    if len(listed) != count:  # an assembly, or faces that were healed
+        return [""] * count
+    return [named.get(face, "") for face in listed]
+
+
+def faces_by_mark():
+    """Each face with its name, or its colour if not all faces have the same, or its number."""
+    faces = [face for _, face in gmsh.model.getEntities(2)]
+    colors = [gmsh.model.getColor(2, face) for face in faces]
+    several = len(set(colors)) > 1
+    names = names_in_step(len(faces)) if settings["step"] else [""] * len(faces)
+    for face, name, (r, g, b, is_set) in zip(faces, names, colors):
+        name = gmsh.model.getEntityName(2, face).split("/")[-1] or name
+        color = f"color-{r:02x}{g:02x}{b:02x}" if several and is_set else ""
+        yield name or color or f"face-{face}", [face]
+
+
+# Physical surfaces are the patches; without any, every named, coloured or numbered face is.
 groups = []
 for _, tag in gmsh.model.getPhysicalGroups(2):
     name = gmsh.model.getPhysicalName(2, tag) or f"surface-{tag}"
     groups.append((name, gmsh.model.getEntitiesForPhysicalGroup(2, tag)))
 if not groups:
-    for _, face in gmsh.model.getEntities(2):
-        name = gmsh.model.getEntityName(2, face).split("/")[-1]
-        groups.append((name or f"face-{face}", [face]))
+    groups = list(faces_by_mark())
 
 # Faces between two volumes, or embedded in one, are inside the body.
 embedded = {face for _, volume in gmsh.model.getEntities(3)
@@ -48,6 +104,9 @@ seen = set()
 
 def take(face, index):
     _, triangles = gmsh.model.mesh.getElementsByType(2, face)
+    if not len(triangles):
+        explain(f"{settings['shown']}: gmsh makes no triangles on {described(face)}; does its rim "
+                "cross itself, or is it meshed with quadrangles?")
     rows[face] = range(len(patch), len(patch) + len(triangles) // 3)
     corners.append(triangles.reshape(-1, 3))
     patch.extend([index] * len(corners[-1]))

@@ -83,6 +83,7 @@ fn draw(
             ground: floor(&panels),
         },
         key: Key::Names(names),
+        shown: None,
     };
     draw_sheet(&sheet, &panels).write_png(path)
 }

@@ -7,41 +7,17 @@
 //! shortest decimals that give back the same 32-bit floats, so that a file holds the
 //! same shape as its STL file, bit for bit.
 //!
-//! The crate threemf 0.8 would replace a third of this file, but reads an archive of any
-//! unpacked size, does not check namespaces, and writes coordinates with 64-bit digits.
+//! The crate threemf 0.8 writes coordinates with 64-bit digits.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::{Cursor, Read as _, Write as _};
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 
+use mesh::io::threemf::{CORE, MODEL, read as read_model};
+pub use mesh::io::threemf::{Place, Shape};
 use mesh::io::{IoError, write_atomic};
-use mesh::{SurfaceMesh, Vec3};
-use nalgebra::Matrix3;
-use roxmltree::{Document, Node, ParsingOptions};
+use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
-use zip::{ZipArchive, ZipWriter};
-
-/// Namespace of the core specification.
-const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
-
-/// Where the model lies in the archive.
-const MODEL: &str = "3D/3dmodel.model";
-
-/// The largest model that is read [bytes]: ten times that of 500 000 triangles.
-const LARGEST: u64 = 400 << 20;
-
-/// Elements and texts of the XML that are read; a triangle of a part has five with its vertices.
-const MOST_NODES: u32 = 30_000_000;
-
-/// Items and components that are followed; a mold has less than a hundred.
-const MOST_COMPONENTS: usize = 10_000;
-
-/// Triangles of all components: the same mesh may be named again and again.
-const MOST_TRIANGLES: usize = 20_000_000;
-
-/// Compositions of compositions that are followed.
-const DEEPEST: usize = 8;
 
 const TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
@@ -55,46 +31,6 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationship Id="model" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>
 "#;
-
-/// x ↦ R x + t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// The linear part R [1].
-    pub turn: Matrix3<f64>,
-    /// The image t of the origin [mm].
-    pub shift: Vec3,
-}
-
-impl Place {
-    /// A shift only.
-    #[must_use]
-    pub fn at(shift: Vec3) -> Self {
-        Self { turn: Matrix3::identity(), shift }
-    }
-
-    /// The image of a point [mm].
-    #[must_use]
-    pub fn point(&self, p: &Vec3) -> Vec3 {
-        self.turn * p + self.shift
-    }
-
-    /// First `first`, then this.
-    #[must_use]
-    pub fn after(&self, first: &Self) -> Self {
-        Self { turn: self.turn * first.turn, shift: self.point(&first.shift) }
-    }
-}
-
-/// A named surface and where it stands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    /// Its name.
-    pub name: String,
-    /// Its surface, in coordinates that 32-bit floats hold exactly [mm].
-    pub surface: SurfaceMesh,
-    /// From the surface to the whole.
-    pub place: Place,
-}
 
 /// Writes shapes as one printable whole: the only shape itself, or a composition
 /// with the name `title`. The whole is shifted so that no coordinate is negative,
@@ -180,132 +116,26 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Reads all shapes of the build, in its order.
+/// Reads all shapes of the build of a printed part, in its order.
 ///
 /// # Errors
 /// If the file cannot be read, is not a 3MF file in millimetres, or names what it does not hold.
 pub fn read(path: &Path) -> Result<Vec<Shape>, IoError> {
-    let file = std::fs::File::open(path)
-        .map_err(|e| IoError::content(path, format!("cannot be opened: {e}")))?;
-    let text = unpack(file).map_err(|message| IoError::content(path, message))?;
-    parse(&text).map_err(|message| IoError::content(path, message))
-}
-
-fn unpack(file: std::fs::File) -> Result<String, String> {
-    let mut archive = ZipArchive::new(file).map_err(|e| format!("not a zip archive: {e}"))?;
-    let entry = archive.by_name(MODEL).map_err(|e| format!("{MODEL}: {e}"))?;
-    let mut text = String::new();
-    let length =
-        entry.take(LARGEST).read_to_string(&mut text).map_err(|e| format!("{MODEL}: {e}"))?;
-    if length as u64 == LARGEST {
-        return Err(format!("{MODEL}: longer than {LARGEST} bytes"));
+    let model = read_model(path)?;
+    if model.unit == "millimeter" {
+        return Ok(model.shapes);
     }
-    Ok(text)
-}
-
-fn parse(text: &str) -> Result<Vec<Shape>, String> {
-    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
-    let model = document.root_element();
-    if !model.has_tag_name((CORE, "model")) {
-        return Err(format!("the root is <{}>, must be a 3MF <model>", model.tag_name().name()));
-    }
-    let unit = model.attribute("unit").unwrap_or("millimeter");
-    if unit != "millimeter" {
-        return Err(format!("the unit is {unit}, must be millimeter"));
-    }
-    let objects = model.descendants().filter(|n| n.has_tag_name((CORE, "object")));
-    let objects = objects.filter_map(|n| Some((n.attribute("id")?, n))).collect();
-    let mut build = Build { objects, shapes: Vec::new(), followed: 0, triangles: 0 };
-    for item in model.descendants().filter(|n| n.has_tag_name((CORE, "item"))) {
-        build.follow(item, &Place::at(Vec3::zeros()), DEEPEST)?;
-    }
-    Ok(build.shapes)
-}
-
-/// What has been collected of a model.
-struct Build<'a> {
-    objects: BTreeMap<&'a str, Node<'a, 'a>>,
-    shapes: Vec<Shape>,
-    /// Items and components.
-    followed: usize,
-    /// Of all shapes.
-    triangles: usize,
-}
-
-impl Build<'_> {
-    /// Collects the shapes of the object that an item or component names.
-    fn follow(&mut self, from: Node, place: &Place, depth: usize) -> Result<(), String> {
-        self.followed += 1;
-        if self.followed > MOST_COMPONENTS {
-            return Err(format!("more than {MOST_COMPONENTS} items and components"));
-        }
-        let id = from.attribute("objectid").ok_or("an item or component without objectid")?;
-        let object = *self.objects.get(id).ok_or_else(|| format!("object {id} is missing"))?;
-        let place = place.after(&parse_transform(from.attribute("transform"))?);
-        if let Some(mesh) = object.children().find(|n| n.has_tag_name((CORE, "mesh"))) {
-            let name = object.attribute("name").unwrap_or_default().to_owned();
-            let surface = parse_mesh(mesh).map_err(|message| format!("object {id}: {message}"))?;
-            self.triangles += surface.triangles.len();
-            if self.triangles > MOST_TRIANGLES {
-                return Err(format!("more than {MOST_TRIANGLES} triangles in all components"));
-            }
-            self.shapes.push(Shape { name, surface, place });
-        }
-        if depth == 0 {
-            return Err(format!("object {id}: more than {DEEPEST} compositions within each other"));
-        }
-        for component in object.descendants().filter(|n| n.has_tag_name((CORE, "component"))) {
-            self.follow(component, &place, depth - 1)?;
-        }
-        Ok(())
-    }
-}
-
-fn parse_transform(text: Option<&str>) -> Result<Place, String> {
-    let Some(text) = text else { return Ok(Place::at(Vec3::zeros())) };
-    let numbers: Vec<f64> = text.split_whitespace().flat_map(str::parse).collect();
-    if numbers.len() != 12 || numbers.iter().any(|x| !x.is_finite()) {
-        return Err(format!("transform {text:?} is not 12 numbers"));
-    }
-    Ok(Place {
-        turn: Matrix3::from_column_slice(&numbers[..9]),
-        shift: Vec3::from_column_slice(&numbers[9..]),
-    })
-}
-
-fn parse_mesh(mesh: Node) -> Result<SurfaceMesh, String> {
-    fn attributes<T: std::str::FromStr>(node: Node, names: [&str; 3]) -> Result<[T; 3], String> {
-        let read = |name| node.attribute(name).and_then(|text| text.trim().parse().ok());
-        let [Some(a), Some(b), Some(c)] = names.map(read) else {
-            return Err(format!("<{}> without numbers {names:?}", node.tag_name().name()));
-        };
-        Ok([a, b, c])
-    }
-    let mut surface = SurfaceMesh::default();
-    for node in mesh.descendants() {
-        if node.has_tag_name((CORE, "vertex")) {
-            let p: [f32; 3] = attributes(node, ["x", "y", "z"])?;
-            surface.vertices.push(Vec3::from(p.map(f64::from)));
-        } else if node.has_tag_name((CORE, "triangle")) {
-            surface.triangles.push(attributes(node, ["v1", "v2", "v3"])?);
-        }
-    }
-    let count = surface.vertices.len();
-    if surface.vertices.iter().flatten().any(|x| !x.is_finite()) {
-        return Err("a coordinate is not finite".into());
-    }
-    match surface.triangles.iter().flatten().find(|&&v| v >= count) {
-        Some(v) => Err(format!("a triangle names vertex {v} of {count}")),
-        None => Ok(surface),
-    }
+    Err(IoError::content(path, format!("the unit is {}, must be millimeter", model.unit)))
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use mesh::Vec3;
+    use mesh::io::threemf::LARGEST;
     use mesh::solid::Solid;
+    use nalgebra::Matrix3;
 
     fn shape(name: &str, low: f64, shift: f64) -> Shape {
         let third = f64::from(1.0_f32 / 3.0);
@@ -353,9 +183,10 @@ mod tests {
             "<model xmlns=\"{CORE}\"><resources><object id=\"0\"/>{nested}</resources><build>\
              <item objectid=\"7\"/></build></model>"
         );
-        assert!(parse(&empty).unwrap_err().contains("more than 10000 items"));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bomb.3mf");
+        std::fs::write(&path, pack(&empty).unwrap()).unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("more than 10000 items"));
         std::fs::write(&path, pack(&" ".repeat(LARGEST as usize + 1)).unwrap()).unwrap();
         assert!(std::fs::metadata(&path).unwrap().len() < 1 << 20);
         let message = read(&path).unwrap_err().to_string();

@@ -51,6 +51,7 @@ pub fn draw(path: &Path, plan: &Plan) -> Result<(), IoError> {
             ground: None,
         },
         key: Key::Scale { name: "depth".into(), unit: "mm".into(), scale },
+        shown: None,
     };
     draw_sheet(&sheet, &panels).write_png(path)
 }

@@ -1,14 +1,18 @@
 //! `solver plot`: numbers of runs as curves.
 
+mod points;
+
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
+use points::Points;
+
 use crate::plot::{Axes, Series, Style, draw};
 use crate::report::columns::{number, rows};
 
-/// Draw numbers of one or more runs against each other, as SVG
+/// Draw numbers of one or more runs against each other, as SVG or PNG
 ///
 /// A run is a history.jsonl of optimize or steps.jsonl of simulate, a row per line, a report.json of
 /// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
@@ -20,9 +24,13 @@ pub struct Arguments {
     /// Runs: one curve each, for every --y
     #[arg(required = true)]
     runs: Vec<PathBuf>,
-    /// SVG file to write
+    /// File to write, .svg or .png
     #[arg(short, long)]
     output: PathBuf,
+    /// CSV file with a header whose points are laid over; again for each. Its first two columns are x
+    /// and y, or FILE:X,Y names them, with factors as of the columns of runs
+    #[arg(long = "points", value_name = "FILE[:X,Y]")]
+    points: Vec<Points>,
     /// Column of the abscissa
     #[arg(long)]
     x: Option<String>,
@@ -47,17 +55,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let curves = arguments.runs.len() * arguments.y.len();
+    let curves = arguments.runs.len() * arguments.y.len() + arguments.points.len();
     ensure!(
         arguments.labels.is_empty() || arguments.labels.len() == curves,
-        "--labels names {} curves, there are {curves}",
+        "--labels names {} curves, there are {curves}, points of --points among them",
         arguments.labels.len()
-    );
-    let output = &arguments.output;
-    ensure!(
-        output.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")),
-        "{}: plots are written as SVG; the name of the output has to end with .svg",
-        output.display()
     );
     let mut series: Vec<Series> = Vec::new();
     for path in &arguments.runs {
@@ -74,6 +76,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             series.push(Series { label: Some(label), points, style: Style::Dotted(2), turn });
         }
     }
+    for points in &arguments.points {
+        let turn = series.len();
+        let label = arguments.labels.get(turn).cloned().unwrap_or_else(|| points.name());
+        let points = points.read()?;
+        series.push(Series { label: Some(label), points, style: Style::Rings(5), turn });
+    }
     let title =
         |title: &Option<String>, column: &str| title.clone().unwrap_or_else(|| column.to_owned());
     let axes = Axes {
@@ -82,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         log_x: arguments.log_x,
         log_y: arguments.log,
     };
-    draw(output, &axes, &series)
+    draw(&arguments.output, &axes, &series)
 }
 
 /// The rows that have both numbers: before surfaces meet there is no gap, for one.

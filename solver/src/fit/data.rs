@@ -4,7 +4,9 @@
 //! others are ignored. `stretch` is deformed over rest length, `strain` is
 //! stretch − 1, and `stress` is nominal: force over rest area. Columns are
 //! separated by commas, tabs, or semicolons (then numbers may have decimal
-//! commas). Lines that start with # are comments.
+//! commas) or commas with numbers in quotes. Lines that start with # are comments. As testing
+//! machines write them, lines may come before the header, units may be in brackets on the line
+//! below it, and true stress and strain may stand beside the nominal ones.
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +43,6 @@ struct Layout {
     /// Column of the stretch or strain, its factor, and 1 for strain.
     stretch: (usize, f64, f64),
     stress: (usize, f64),
-    decimal_comma: bool,
 }
 
 /// Reads a test, as far as `up_to`.
@@ -56,20 +57,29 @@ pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Resul
 
 fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)>> {
     let text = text.trim_start_matches('\u{feff}');
-    let header = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#'));
-    let header = header.context("empty; expected a header and a line per point")?;
-    let delimiter = [b';', b'\t'].into_iter().find(|d| header.as_bytes().contains(d));
+    let lines: Vec<&str> = text.lines().collect();
+    let header = header_line(&lines).context("empty; expected a header and a line per point")?;
+    let delimiter = delimiter(lines[header]);
+    let titles = fields(lines[header], delimiter);
+    let below = lines.get(header + 1).map(|line| fields(line, delimiter));
+    let below = below.filter(|cells| are_units(cells));
+    let layout = layout(&titles, below.as_deref(), units)?;
+    let first = header + 1 + usize::from(below.is_some());
+    let rows: String = text.split_inclusive('\n').skip(first).collect();
     let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter.unwrap_or(b','))
+        .delimiter(delimiter)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
+        .has_headers(false)
         .flexible(true)
-        .from_reader(text.as_bytes());
-    let layout = layout(reader.headers()?, units, delimiter == Some(b';'))?;
+        .from_reader(rows.as_bytes());
     let mut points = Vec::new();
     for record in reader.records() {
         let record = record?;
-        let line = record.position().map_or(0, csv::Position::line);
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        let line = record.position().map_or(0, csv::Position::line) as usize + first;
         let point = layout.point(&record).with_context(|| format!("line {line}"))?;
         if up_to.is_none_or(|end| point.0 <= end) {
             points.push(point);
@@ -77,6 +87,52 @@ fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)
     }
     check(&points)?;
     Ok(points)
+}
+
+/// The line that names columns of stress and of strain or stretch; of several, as where a table of
+/// results comes first, the one with the most lines up to the next. Without any, the first line.
+fn header_line(lines: &[&str]) -> Option<usize> {
+    let is_text = |line: &str| !line.trim().is_empty() && !line.starts_with('#');
+    let names_both = |line: &str| {
+        let cells = fields(line, delimiter(line));
+        let at = |words: &[&str]| {
+            let named = |cell: &String| words.iter().any(|w| cell.to_lowercase().contains(w));
+            cells.iter().position(named)
+        };
+        let (stress, strain) = (at(&["stress"]), at(&["strain", "stretch"]));
+        stress.is_some() && strain.is_some() && stress != strain
+    };
+    let candidates: Vec<usize> =
+        (0..lines.len()).filter(|&i| is_text(lines[i]) && names_both(lines[i])).collect();
+    let ends = candidates.iter().skip(1).copied().chain([lines.len()]);
+    let longest = candidates.iter().zip(ends).max_by_key(|&(&i, end)| (end - i, usize::MAX - i));
+    longest.map(|(&i, _)| i).or_else(|| lines.iter().position(|line| is_text(line)))
+}
+
+fn delimiter(line: &str) -> u8 {
+    let others = [b';', b'\t'].into_iter().find(|d| line.as_bytes().contains(d));
+    others.unwrap_or(b',')
+}
+
+/// The cells of a line, without their quotes.
+fn fields(line: &str, delimiter: u8) -> Vec<String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .trim(csv::Trim::All)
+        .has_headers(false)
+        .from_reader(line.as_bytes());
+    let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
+    record.iter().map(str::to_owned).collect()
+}
+
+/// Whether cells below a header are units in brackets, as testing machines write them.
+fn are_units(cells: &[String]) -> bool {
+    let bracketed = |cell: &&String| {
+        (cell.starts_with('(') && cell.ends_with(')'))
+            || (cell.starts_with('[') && cell.ends_with(']'))
+    };
+    let filled = cells.iter().filter(|cell| !cell.is_empty());
+    filled.clone().count() > 0 && filled.clone().filter(bracketed).count() == filled.count()
 }
 
 /// A column's name in lower case and the unit in its brackets.
@@ -87,10 +143,18 @@ fn split(title: &str) -> (String, Option<String>) {
     (name.trim().to_lowercase(), unit)
 }
 
-fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<Layout> {
-    let titles: Vec<_> = header.iter().map(split).collect();
+fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<Layout> {
+    let mut titles: Vec<_> = header.iter().map(|title| split(title)).collect();
+    for (title, cell) in titles.iter_mut().zip(below.unwrap_or_default()) {
+        title.1 = split(cell).1;
+    }
+    let is_true = |i: usize| ["true", "cauchy"].iter().any(|word| titles[i].0.contains(word));
     let find = |word: &str| -> Result<Option<usize>> {
-        let found: Vec<_> = (0..titles.len()).filter(|&i| titles[i].0.contains(word)).collect();
+        let mut found: Vec<_> = (0..titles.len()).filter(|&i| titles[i].0.contains(word)).collect();
+        // beside true stress and strain there are those of the engineer
+        if found.iter().any(|&i| !is_true(i)) {
+            found.retain(|&i| !is_true(i));
+        }
         ensure!(
             found.len() < 2,
             "columns {} all are named {word}; keep one",
@@ -98,12 +162,12 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
         );
         Ok(found.first().copied())
     };
-    let shown = header.iter().collect::<Vec<_>>().join(" | ");
+    let shown = header.join(" | ");
     let stress = find("stress")?.with_context(|| {
         format!("no column named stress in the header: {shown}\n  as in: strain [%], stress [kPa]")
     })?;
     ensure!(
-        !["true", "cauchy"].iter().any(|word| titles[stress].0.contains(word)),
+        !is_true(stress),
         "column {} is \"{}\": expected nominal stress, force over rest area",
         stress + 1,
         &header[stress]
@@ -114,7 +178,7 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
         let unit = titles[stretch].1.as_deref();
         let plain = unit.is_none_or(|u| ["1", "-", "", "mm/mm", "m/m"].contains(&u));
         ensure!(plain, "stretch in {unit:?}: it is a ratio of lengths, with unit [1]");
-        return Ok(Layout { stretch: (stretch, 1.0, 0.0), stress, decimal_comma });
+        return Ok(Layout { stretch: (stretch, 1.0, 0.0), stress });
     }
     let strain = find("strain")?.with_context(|| {
         format!(
@@ -122,8 +186,14 @@ fn layout(header: &StringRecord, units: &Units, decimal_comma: bool) -> Result<L
              stress [kPa]"
         )
     })?;
+    ensure!(
+        !is_true(strain),
+        "column {} is \"{}\": expected the change of length over the rest length",
+        strain + 1,
+        &header[strain]
+    );
     let unit = one_unit("strain", titles[strain].1.as_ref(), units.strain.as_ref())?;
-    Ok(Layout { stretch: (strain, strain_factor(unit.as_deref())?, 1.0), stress, decimal_comma })
+    Ok(Layout { stretch: (strain, strain_factor(unit.as_deref())?, 1.0), stress })
 }
 
 /// The unit of the header or the one given apart, which must not differ.
@@ -178,7 +248,8 @@ impl Layout {
         let text = record
             .get(column)
             .with_context(|| format!("{} columns; expected column {}", record.len(), column + 1))?;
-        let plain = if self.decimal_comma { text.replace(',', ".") } else { text.to_owned() };
+        // a cell has a comma where that does not part columns, or in quotes
+        let plain = text.replace(',', ".");
         let number = plain.parse::<f64>().ok().filter(|n| n.is_finite());
         number.with_context(|| format!("column {}: \"{text}\" is not a number", column + 1))
     }
@@ -248,6 +319,47 @@ mod tests {
         }
         let psi = points(&table("strain [1],stress [psi]", |e| format!("{e},{e}")));
         assert!((psi[6].1 / (0.6 * 6894.757293) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn files_of_machines_are_read_as_they_come() {
+        let strains: Vec<f64> = (0..=6).map(|i| 0.1 * f64::from(i)).collect();
+        let rows = |line: &dyn Fn(f64) -> String| -> String {
+            strains.iter().map(|&e| line(e) + "\n").collect()
+        };
+        // as in the database of Marechal et al. 2021: what was tested, then true and nominal values
+        let database =
+            "PARAMETER;INFO;;;\nSpecimen Length (mm);33;;;\nStrain Measurement;Global;;;\n\
+                        Machine;Instron  5569;;;\n;;;;\n\
+                        Time (s);True Strain;True Stress (MPa);Engineering Strain;\
+                        Engineering Stress (MPa)\n"
+                .to_owned()
+                + &rows(&|e| format!("{};{};9;{e};{}", 4.0 * e, (1.0 + e).ln(), 0.01 * e));
+        // as Bluehill exports raw data: results, then names, units below them, numbers in quotes
+        let bluehill = "\"Results Table 1\"\n\
+                        ,\"Tensile stress at Maximum Load (MPa)\",\"Tensile strain at Maximum Load (%)\"\n\
+                        1,0.006,60\n\n\"Time\",\"Extension\",\"Load\",\"Tensile strain (Extension)\",\
+                        \"Tensile stress\"\n\"(s)\",\"(mm)\",\"(N)\",\"(mm/mm)\",\"(MPa)\"\n"
+            .to_owned();
+        let point = bluehill.clone()
+            + &rows(&|e| format!("\"{e}\",\"{}\",\"1\",\"{e}\",\"{}\"", 33.0 * e, 0.01 * e));
+        let quoted = |x: f64| format!("\"{x}\"").replace('.', ",");
+        let comma =
+            bluehill.clone() + &rows(&|e| [e, 33.0 * e, 1.0, e, 0.01 * e].map(quoted).join(","));
+        let german = bluehill.replace(',', ";")
+            + &rows(&|e| format!("{e};{};1;{e};{}", 33.0 * e, 0.01 * e).replace('.', ","));
+        let ratio = Units { strain: Some("1".into()), stress: None };
+        let none = Units::default();
+        for (text, units) in [(database, &ratio), (point, &none), (comma, &none), (german, &none)] {
+            let points = parse(&text, units, None).expect("readable");
+            assert_eq!(points.len(), 7, "{text}");
+            for (point, e) in points.iter().zip(&strains) {
+                assert!((point.0 - 1.0 - e).abs() < 1e-12 && (point.1 - 1e4 * e).abs() < 1e-6);
+            }
+        }
+        let text = "by hand\n\nstrain [%],stress [kPa]\n1,2\n2,oops\n";
+        let message = format!("{:#}", parse(text, &none, None).expect_err("no number"));
+        assert!(message.contains("line 5: column 2: \"oops\""), "{message}");
     }
 
     #[test]

@@ -37,7 +37,7 @@ impl Scene {
         let Some(config) = &self.config.contact else { return Ok(None) };
         let mut obstacles = Vec::new();
         for obstacle in &self.config.obstacle {
-            let surface = mesh::io::read_surface(&beside(&self.path, &obstacle.surface))?;
+            let surface = mesh::io::read_surface_in_metres(&beside(&self.path, &obstacle.surface))?;
             let (surface, mirrored) = self.complete(surface, obstacle, body)?;
             let moves = obstacle.displacement.0.iter().any(|s| !s.is_zero());
             let displacement = obstacle.displacement.clone();

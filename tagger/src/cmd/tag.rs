@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
 use mesh::{Tags, io, measure};
+use program::Changes;
 
 use crate::assign::{self, Assignment};
 use crate::config::Config;
@@ -26,6 +27,8 @@ pub struct Args {
     /// Tagged mesh to write; tags.txt and tags.json appear beside it.
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 /// Runs `tagger tag`.
@@ -33,7 +36,7 @@ pub struct Args {
 /// # Errors
 /// If an input is bad, a tag is empty or a pressure wall cannot be simulated.
 pub fn run(args: &Args) -> Result<()> {
-    let config = Config::read(&args.config)?;
+    let config = Config::read(&args.config, &args.changes.set)?;
     let io::MshFile { mesh, tags: before } = io::read_tets(&args.volume)?;
     if mesh.tets.is_empty() {
         bail!("{}: no tetrahedra, so there is no boundary to tag", args.volume.display());
@@ -44,7 +47,7 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
     let mut sources = Sources::new(folder, epsilon);
     if let Some(surface) = &config.surface {
-        sources.surface = Some(io::read_surface(&folder.join(surface))?);
+        sources.surface = Some(io::read_surface_in_metres(&folder.join(surface))?);
     }
     info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
     let of_config = || args.config.display().to_string();

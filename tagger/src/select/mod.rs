@@ -8,6 +8,7 @@ mod component;
 mod cuboid;
 mod patch;
 mod plane;
+mod point;
 mod volume;
 
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ pub struct Entry {
 
 /// Every selector, in the order in which messages list them.
 pub const SELECTORS: &[Entry] =
-    &[patch::ENTRY, volume::ENTRY, plane::ENTRY, cuboid::ENTRY, component::ENTRY];
+    &[patch::ENTRY, volume::ENTRY, plane::ENTRY, cuboid::ENTRY, component::ENTRY, point::ENTRY];
 
 /// What selectors share: where files are, the open patches, and which of them
 /// is nearest to each facet.

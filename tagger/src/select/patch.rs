@@ -11,51 +11,106 @@
 //! nothing that faces the same way is near such a sliver, it belongs to the nearest
 //! patch whichever way that faces.
 
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3, io, measure};
 use schemars::JsonSchema;
+use serde::Deserialize;
 
-use super::{Entry, Selector, Sources, extent, path_of};
+use super::{Entry, Selector, Sources, extent, parse};
 use crate::facets::Facets;
 
 /// Row of [`super::SELECTORS`].
 pub const ENTRY: Entry = Entry {
     key: "patch",
-    meaning: "the file of an open surface (stl, obj, ply), for facets that lie on it",
+    meaning: "the file of an open surface (stl, obj, ply), for facets that lie on it, or a list of \
+              files; * in a name stands for anything",
     build,
-    schema: PathBuf::json_schema,
+    schema: Files::json_schema,
 };
 
 /// Distances that differ by less than this part of ε are a tie.
 const TIE: f64 = 1e-6;
 
 struct Patch {
-    /// Index into [`Sources::patches`].
-    index: usize,
+    /// Indices into [`Sources::patches`].
+    range: Range<usize>,
+}
+
+/// The value of the key.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged)]
+enum Files {
+    One(String),
+    Several(Vec<String>),
 }
 
 fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
-    let path = path_of(value, &ENTRY, sources)?;
-    let surface = io::read_surface(&path)?;
-    ensure!(!surface.triangles.is_empty(), "{}: the patch has no triangle", path.display());
-    sources.patches.push((path, surface));
-    Ok(Box::new(Patch { index: sources.patches.len() - 1 }))
+    let names = match parse::<Files>(value, &ENTRY)? {
+        Files::One(name) => vec![name],
+        Files::Several(names) => names,
+    };
+    let begin = sources.patches.len();
+    for name in &names {
+        for path in files(name, &sources.folder)? {
+            let surface = io::read_surface_in_metres(&path)?;
+            sources.patches.push((path, surface));
+        }
+    }
+    ensure!(sources.patches.len() > begin, "`patch`: an empty list selects nothing");
+    Ok(Box::new(Patch { range: begin..sources.patches.len() }))
+}
+
+/// The files that a name means, in the order of their names.
+fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
+    let path = folder.join(name);
+    let pattern = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if !pattern.contains('*') {
+        return Ok(vec![path]);
+    }
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let within = parent.unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(within).with_context(|| within.display().to_string())?;
+    let mut known: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    known.sort();
+    let name_of = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let found: Vec<PathBuf> =
+        known.iter().filter(|p| matches(&pattern, &name_of(p))).cloned().collect();
+    ensure!(
+        !found.is_empty(),
+        "no file in {} is called {pattern}; there are {}",
+        within.display(),
+        known.iter().map(name_of).collect::<Vec<_>>().join(", ")
+    );
+    Ok(found)
+}
+
+/// Whether a name is a pattern in which * stands for anything.
+fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((before, after)) => name.strip_prefix(before).is_some_and(|rest| {
+            let ends = rest.char_indices().map(|(i, _)| i).chain([rest.len()]);
+            ends.into_iter().any(|i| matches(after, &rest[i..]))
+        }),
+    }
 }
 
 impl Selector for Patch {
     fn select(&self, _: &Facets, sources: &Sources) -> Result<Vec<bool>> {
-        Ok(sources.nearest.iter().map(|&owner| owner == Some(self.index)).collect())
+        let own = |owner: &Option<usize>| owner.is_some_and(|owner| self.range.contains(&owner));
+        Ok(sources.nearest.iter().map(own).collect())
     }
 
     fn expected_area(&self, sources: &Sources) -> Option<f64> {
-        Some(measure::area(&sources.patches[self.index].1))
+        Some(sources.patches[self.range.clone()].iter().map(|(_, p)| measure::area(p)).sum())
     }
 
     fn advice(&self, facets: &Facets, sources: &Sources) -> String {
-        let (path, surface) = &sources.patches[self.index];
+        let (path, surface) = &sources.patches[self.range.start];
         let bvh = SurfaceBvh::new(surface);
         let distances: Vec<f64> =
             facets.centroids.iter().map(|c| bvh.closest(c).distance).collect();
@@ -167,6 +222,20 @@ fn distance(p: &Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_star_stands_for_anything() {
+        for (pattern, name, meant) in [
+            ("face-*.stl", "face-12.stl", true),
+            ("face-*.stl", "lid.stl", false),
+            ("*", "lid.stl", true),
+            ("*-1*.stl", "a-b-12.stl", true),
+            ("a*b*c", "abbc", true),
+            ("a*b*c", "acb", false),
+        ] {
+            assert_eq!(matches(pattern, name), meant, "{pattern} {name}");
+        }
+    }
 
     #[test]
     fn distance_in_every_voronoi_region() {

@@ -30,7 +30,7 @@ struct Volume {
 
 fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
     let path = path_of(value, &ENTRY, sources)?;
-    let surface = io::read_surface(&path)?;
+    let surface = io::read_surface_in_metres(&path)?;
     let open = topology::boundary_edges(&surface.triangles);
     if let Some([a, b]) = open.first() {
         let name = path.display();

@@ -63,17 +63,19 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "model.toml",
-        read: |b| read(b, "model.toml", |p| cad2fem::implicit::ModelFile::read(p).map(drop)),
+        read: |b| read(b, "model.toml", |p| cad2fem::implicit::ModelFile::read(p, &[]).map(drop)),
         corpus: || corpus::pipelines("model.toml"),
     },
     Target {
         name: "cad2fem.toml",
-        read: |b| read(b, "cad2fem.toml", |p| cad2fem::config::Config::read(Some(p)).map(drop)),
+        read: |b| {
+            read(b, "cad2fem.toml", |p| cad2fem::config::Config::read(Some(p), &[]).map(drop))
+        },
         corpus: || corpus::pipelines("cad2fem.toml"),
     },
     Target {
         name: "tags.toml",
-        read: |b| read(b, "tags.toml", |p| tagger::config::Config::read(p).map(drop)),
+        read: |b| read(b, "tags.toml", |p| tagger::config::Config::read(p, &[]).map(drop)),
         corpus: || corpus::pipelines("tags.toml"),
     },
     Target {

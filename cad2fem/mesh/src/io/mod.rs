@@ -14,6 +14,7 @@ mod ply;
 mod stl;
 mod tags;
 mod text;
+pub mod threemf;
 mod unfinished;
 pub mod vtu;
 
@@ -125,6 +126,18 @@ pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
     let bytes = read_bytes(path)?;
     let surface = (format.parse)(&bytes).map_err(|m| IoError::content(path, m))?;
     require_sound(&surface).map_err(|m| IoError::content(path, m))?;
+    Ok(surface)
+}
+
+/// Reads a surface whose lengths are metres, and warns where their size hints at another unit.
+///
+/// # Errors
+/// As [`read_surface`].
+pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
+    let surface = read_surface(path)?;
+    if let Some(remark) = crate::measure::unlikely_size(&surface.vertices) {
+        log::warn!("{}: {remark}", path.display());
+    }
     Ok(surface)
 }
 

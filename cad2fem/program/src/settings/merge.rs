@@ -1,5 +1,6 @@
 //! A file over what it includes.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -100,20 +101,24 @@ pub fn move_paths(table: &mut DeTable, keys: &[&str], folder: &Path) {
     for (key, value) in table.iter_mut() {
         let is_path = keys.contains(&key.get_ref().as_ref());
         match value.get_mut() {
-            DeValue::String(path) if is_path => {
-                *path = folder.join(path.as_ref()).display().to_string().into();
-            }
+            DeValue::String(path) if is_path => move_path(path, folder),
             DeValue::Table(below) => move_paths(below, keys, folder),
             DeValue::Array(list) => {
                 for item in list.iter_mut() {
-                    if let DeValue::Table(below) = item.get_mut() {
-                        move_paths(below, keys, folder);
+                    match item.get_mut() {
+                        DeValue::Table(below) => move_paths(below, keys, folder),
+                        DeValue::String(path) if is_path => move_path(path, folder),
+                        _ => {}
                     }
                 }
             }
             _ => {}
         }
     }
+}
+
+fn move_path(path: &mut Cow<'_, str>, folder: &Path) {
+    *path = folder.join(path.as_ref()).display().to_string().into();
 }
 
 /// Whether a value of a table comes from a source.

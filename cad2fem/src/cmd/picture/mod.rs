@@ -1,25 +1,23 @@
 //! `cad2fem picture`: any surface, mesh or result → a shaded PNG.
 
-mod load;
+pub mod load;
+pub mod looks;
 mod options;
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use log::info;
 use mesh::Vec3;
 
-use load::{Loaded, Paint};
-use options::{Component, Cut, Pair};
+use load::Loaded;
+use looks::{Looks, values};
+use options::Pair;
 use render::annotate::Key;
-use render::camera::Projection;
-use render::color::{self, Map, Rgb, Scale};
-use render::cut::{Plane, cut};
-use render::panel::Look;
-use render::raster::Lines;
+use render::color::{self, Rgb, Scale};
+use render::cut::cut;
 use render::shape::Shape;
 use render::sheet::{Panel, Sheet, draw_sheet, floor};
-use render::view::View;
 
 /// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each
 #[derive(Debug, clap::Args)]
@@ -30,46 +28,8 @@ pub struct Args {
     /// PNG file to write
     #[arg(short, long)]
     output: PathBuf,
-    /// Where to look from: iso, front, back, left, right, top, bottom, under, or
-    /// azimuth,elevation in degrees
-    #[arg(long, default_value = "iso", allow_hyphen_values = true)]
-    view: View,
-    /// Width and height in pixels
-    #[arg(long, default_value = "1600x900")]
-    size: Pair<'x', usize>,
-    /// Parallel lines stay parallel
-    #[arg(long)]
-    orthographic: bool,
-    /// Plane that cuts everything: x=V, y=V or z=V removes the side of the camera;
-    /// nx,ny,nz,V removes n·x > V for the unit normal n
-    #[arg(long, allow_hyphen_values = true)]
-    cut: Option<Cut>,
-    /// Colour by a field of a .vtu: NAME is a scalar or the length of a vector,
-    /// NAME.x, NAME.y, NAME.z or NAME.0 to NAME.8 a component
-    #[arg(long)]
-    color: Option<Component>,
-    /// Values at the ends of the colour scale [default: those of all files]
-    #[arg(long, allow_hyphen_values = true)]
-    range: Option<Pair<',', f64>>,
-    /// Colours of the scale
-    #[arg(long, value_enum, default_value_t = Map::Viridis)]
-    map: Map,
-    /// Point field of a .vtu that moves its points; none keeps them
-    /// [default: displacement, where there is one]
-    #[arg(long)]
-    deform: Option<String>,
-    /// Factor on the deformation
-    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true)]
-    magnify: f64,
-    /// Draw the edges of the mesh
-    #[arg(long)]
-    edges: bool,
-    /// Leave out the lines at sharp edges
-    #[arg(long)]
-    smooth: bool,
-    /// Leave out shadows on the ground
-    #[arg(long)]
-    no_ground: bool,
+    #[command(flatten)]
+    looks: Looks,
     /// All files in one panel, one colour each
     #[arg(long)]
     together: bool,
@@ -79,26 +39,17 @@ pub struct Args {
     /// Stand all files on the ground in a row, from left to right
     #[arg(long, requires = "together", conflicts_with = "spread")]
     row: bool,
-    /// Written above everything
-    #[arg(long, default_value = "")]
-    title: String,
     /// One per file, separated by commas; names in the legend with --together
     #[arg(long, value_delimiter = ',')]
     captions: Vec<String>,
 }
-
-/// Largest width or height [px].
-const LARGEST: usize = 16_384;
 
 /// Runs `cad2fem picture`.
 ///
 /// # Errors
 /// If a file cannot be read or written, a field is missing, or nothing is left to draw.
 pub fn run(args: &Args) -> Result<()> {
-    let Pair(width, height) = args.size;
-    let fits = |s: usize| (64..=LARGEST).contains(&s);
-    ensure!(fits(width) && fits(height), "--size {width}x{height}: each must be 64 to {LARGEST}");
-    ensure!(args.magnify.is_finite(), "--magnify {} is not a number", args.magnify);
+    args.looks.check()?;
     ensure!(
         args.captions.is_empty() || args.captions.len() == args.files.len(),
         "--captions: {} captions for {} files",
@@ -110,13 +61,13 @@ pub fn run(args: &Args) -> Result<()> {
         spread(&mut loaded, args.spread);
     }
     if args.row {
-        line_up(&mut loaded, &args.view.frame()[0]);
+        line_up(&mut loaded, &args.looks.view.frame()[0]);
     }
     let panels = panels(args, &loaded);
     ensure!(
         panels.iter().flat_map(|p| &p.pieces).any(|p| !p.facets.is_empty()),
         "nothing is left to draw: {}",
-        if args.cut.is_some() {
+        if args.looks.cut.is_some() {
             "the cut removes everything"
         } else {
             "the files have no triangles"
@@ -124,6 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     );
     let sheet = sheet(args, &loaded, &panels)?;
     draw_sheet(&sheet, &panels).write_png(&args.output)?;
+    let Pair(width, height) = args.looks.size;
     info!("{}: {width} x {height} pixels", args.output.display());
     Ok(())
 }
@@ -135,17 +87,10 @@ fn load_all(args: &Args) -> Result<Vec<Loaded>> {
         .enumerate()
         .map(|(i, path)| {
             let color = if args.together { color::palette(i) } else { color::material() };
-            let paint = Paint {
-                color,
-                field: args.color.as_ref(),
-                deform: args.deform.as_deref(),
-                magnify: args.magnify,
-                tags: !args.together,
-            };
-            load::load(path, &paint)
+            load::load(path, &args.looks.paint(color, !args.together))
         })
         .collect::<Result<Vec<_>>>()?;
-    if let Some(field) = &args.color {
+    if let Some(field) = &args.looks.color {
         ensure!(loaded.iter().any(|l| l.unit.is_some()), "--color {field}: no file is a .vtu");
     }
     Ok(loaded)
@@ -186,9 +131,7 @@ fn line_up(loaded: &mut [Loaded], right: &Vec3) {
 }
 
 fn panels(args: &Args, loaded: &[Loaded]) -> Vec<Panel> {
-    let toward = args.view.frame()[2];
-    let plane: Option<Plane> = args.cut.as_ref().map(|c| c.plane(&toward));
-    let pieces = loaded.iter().map(|l| cut(&l.shape, plane));
+    let pieces = loaded.iter().map(|l| cut(&l.shape, args.looks.plane()));
     if args.together {
         return vec![Panel { pieces: pieces.collect(), caption: String::new() }];
     }
@@ -197,44 +140,13 @@ fn panels(args: &Args, loaded: &[Loaded]) -> Vec<Panel> {
 }
 
 fn sheet(args: &Args, loaded: &[Loaded], panels: &[Panel]) -> Result<Sheet> {
-    let scale = scale(args, panels)?;
-    let projection =
-        if args.orthographic { Projection::Orthographic } else { Projection::Perspective };
-    let lines = Lines { edges: args.edges, features: !args.smooth };
-    let ground = if args.no_ground { None } else { floor(panels) };
-    Ok(Sheet {
-        size: [args.size.0, args.size.1],
-        title: args.title.clone(),
-        view: args.view,
-        projection,
-        look: Look { scale, lines, ground },
-        key: key(args, loaded, scale),
-    })
-}
-
-/// The range of values that are drawn, unless the user gives one.
-fn scale(args: &Args, panels: &[Panel]) -> Result<Option<Scale>> {
-    let Some(field) = &args.color else { return Ok(None) };
-    if let Some(Pair(min, max)) = args.range {
-        ensure!(min < max, "--range {min},{max}: the first must be smaller");
-        return Ok(Some(Scale { min, max, map: args.map }));
-    }
-    let facets = panels.iter().flat_map(|p| &p.pieces).flat_map(|p| &p.facets);
-    let values = facets.flat_map(|f| f.values).filter(|v| v.is_finite());
-    let range = values.map(|v| (v, v)).reduce(|(a, b), (v, _)| (a.min(v), b.max(v)));
-    let Some((mut min, mut max)) = range else {
-        bail!("--color {field}: no finite value is left to draw");
-    };
-    if args.map == Map::Diverging {
-        (min, max) = (-min.abs().max(max.abs()), min.abs().max(max.abs()));
-    }
-    Ok(Some(Scale { min, max, map: args.map }))
+    let scale = args.looks.scale(values(panels))?;
+    Ok(args.looks.sheet(scale, floor(panels), key(args, loaded, scale)))
 }
 
 fn key(args: &Args, loaded: &[Loaded], scale: Option<Scale>) -> Key {
-    if let (Some(field), Some(scale)) = (&args.color, scale) {
-        let unit = loaded.iter().find_map(|l| l.unit.clone()).unwrap_or_default();
-        return Key::Scale { name: field.to_string(), unit, scale };
+    if let Some(key) = args.looks.key(loaded, scale) {
+        return key;
     }
     let mut names: Vec<(String, Rgb)> = Vec::new();
     if args.together {

@@ -1,0 +1,131 @@
+//! `cad2fem import`: meshes and CAD files of others → closed surface and patches.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::Vec3;
+use mesh::io::remove_litter;
+use nalgebra::{Matrix3, Rotation3};
+use program::FolderLock;
+
+use crate::import::repair::Repair;
+use crate::import::source::Reader;
+use crate::import::{Request, import};
+use crate::report::Input;
+use crate::units::Unit;
+
+/// Writes what `cad2fem model` writes: `DIR/model.stl`, `DIR/patches/<patch>.stl` and
+/// `DIR/model.json`, in metres
+///
+/// Patches are the faces of a STEP, BREP or IGES file by name, by colour or by number; objects of a
+/// 3MF file; `outer` and `cavity` of a mesh; with several files those of each with its name.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// .stl, .obj, .ply, .3mf, .step, .brep or .iges; of several the union
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Folder to write
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Unit of files that state none; otherwise it is guessed by their size, and said
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// File with what is taken away, such as a chamber; again for each
+    #[arg(long, value_name = "FILE")]
+    subtract: Vec<PathBuf>,
+    /// Factor of all lengths
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    scale: f64,
+    /// Turn about an axis through the origin, such as x=90 [deg]; several follow each other
+    #[arg(long, value_name = "AXIS=DEG", value_parser = parse_turn)]
+    turn: Vec<Matrix3<f64>>,
+    /// Shift, after scale and turns [m]
+    #[arg(long = "move", value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    shift: Option<Vec3>,
+    /// Part patches at edges sharper than this [deg], such as 40
+    #[arg(long, value_name = "DEG")]
+    split: Option<f64>,
+    /// Vertices at the rims of openings that are closer become one [m]; 1e-5 of the diagonal if not
+    /// given
+    #[arg(long, value_name = "M")]
+    weld: Option<f64>,
+    /// How far the surface may move where it has to be remade [m]; 1e-3 of the diagonal if not given
+    #[arg(long, value_name = "M")]
+    envelope: Option<f64>,
+    /// Refuse a surface that only fTetWild can repair
+    #[arg(long)]
+    no_repair: bool,
+    /// CAD: longest edge [m]
+    #[arg(long, value_name = "M")]
+    edge_length: Option<f64>,
+    /// CAD: edges around a circle
+    #[arg(long, value_name = "N", default_value_t = 32)]
+    per_turn: u32,
+    /// Longest time gmsh or fTetWild may take [s]
+    #[arg(long, value_name = "S", default_value_t = 600)]
+    timeout: u64,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If a file cannot be read or repaired, its unit is not clear, or files cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let start = Instant::now();
+    ensure!(args.scale > 0.0 && args.scale.is_finite(), "--scale {} must be positive", args.scale);
+    let timeout = Duration::from_secs(args.timeout);
+    let mut request = Request {
+        files: args.files.clone(),
+        subtract: args.subtract.clone(),
+        reader: Reader {
+            unit: args.unit,
+            edge_length: args.edge_length,
+            per_turn: args.per_turn,
+            timeout,
+            guessed: None,
+        },
+        repair: Repair {
+            weld: args.weld,
+            envelope: args.envelope,
+            remesh: !args.no_repair,
+            timeout,
+        },
+        scale: args.scale,
+        turn: args.turn.iter().fold(Matrix3::identity(), |all, turn| turn * all),
+        shift: args.shift.unwrap_or_default(),
+        split: args.split,
+    };
+    let labelled = import(&mut request)?;
+    let _lock = FolderLock::new(&args.output)?;
+    remove_litter(&args.output.join("patches"));
+    let input = Input::of(&args.files[0])?;
+    labelled.write(&args.output, input, start)?.log();
+    Ok(())
+}
+
+/// Reads `x=90`.
+fn parse_turn(text: &str) -> Result<Matrix3<f64>> {
+    let needed = "AXIS=DEG is needed, such as x=90";
+    let (axis, angle) = text.split_once('=').context(needed)?;
+    let axis = match axis {
+        "x" => Vec3::x_axis(),
+        "y" => Vec3::y_axis(),
+        "z" => Vec3::z_axis(),
+        _ => bail!("{axis:?} is not x, y or z"),
+    };
+    let angle: f64 = angle.parse().with_context(|| format!("{angle:?} is not a number"))?;
+    ensure!(angle.is_finite(), "{angle} is not an angle");
+    // quarters of a turn without rounding
+    let rotation = Rotation3::from_axis_angle(&axis, angle.to_radians()).into_inner();
+    Ok(if angle % 90.0 == 0.0 { rotation.map(f64::round) } else { rotation })
+}
+
+/// Reads `0.01,0,-0.02`.
+fn parse_point(text: &str) -> Result<Vec3> {
+    let numbers: Vec<f64> = text.split(',').flat_map(|x| x.trim().parse()).collect();
+    match numbers[..] {
+        [x, y, z] if numbers.iter().all(|x| x.is_finite()) => Ok(Vec3::new(x, y, z)),
+        _ => bail!("three numbers with commas are needed, found {text:?}"),
+    }
+}

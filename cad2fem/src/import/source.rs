@@ -1,0 +1,202 @@
+//! One file of a body: its triangles in metres, by patches, and how its unit is known.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Result, bail, ensure};
+use mesh::SurfaceMesh;
+use mesh::io::{read_surface, threemf};
+use mesh::measure::diagonal;
+use serde::Serialize;
+
+use super::{Patched, Patches};
+use crate::cad::{CadOptions, read_faces};
+use crate::mesher::gmsh::{Faces, Kind};
+use crate::report::Input;
+use crate::units::{Unit, guess};
+
+/// How files are read.
+#[derive(Debug)]
+pub struct Reader {
+    /// Unit of the files that state none.
+    pub unit: Option<Unit>,
+    /// CAD: longest edge [m].
+    pub edge_length: Option<f64>,
+    /// CAD: edges around a circle.
+    pub per_turn: u32,
+    /// CAD: longest time gmsh may take.
+    pub timeout: Duration,
+    /// The unit that the first file without one was taken to have: files of one body have the same.
+    pub guessed: Option<Unit>,
+}
+
+/// How the unit of a file is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Known {
+    /// The file says it.
+    Stated,
+    /// The user says it.
+    Given,
+    /// By its size.
+    Guessed,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, Serialize)]
+pub struct Source {
+    #[serde(flatten)]
+    input: Input,
+    /// Its unit, and how that is known.
+    unit: String,
+    unit_is: Known,
+    triangles: usize,
+    /// From corner to corner [m].
+    diagonal: f64,
+}
+
+impl Reader {
+    /// Reads a file; its patches have its name in theirs if there are `several` files.
+    ///
+    /// # Errors
+    /// If it cannot be read or its unit is not clear.
+    pub fn read(
+        &mut self,
+        file: &Path,
+        several: bool,
+        patches: &mut Patches,
+    ) -> Result<(Patched, Source)> {
+        let input = Input::of(file)?;
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let stem = file_name(&file.file_stem().unwrap_or_default().to_string_lossy());
+        let (raw, unit, unit_is) = match extension.to_ascii_lowercase().as_str() {
+            "geo" => bail!("{}: a script: use cad2fem model", file.display()),
+            "stl" | "obj" | "ply" => {
+                let mut surface = read_surface(file)?;
+                let (unit, known) = self.unit_of(file, diagonal(&surface.vertices))?;
+                surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
+                let name = if several { &stem } else { "outer" };
+                (whole(surface, name, patches), unit.symbol(), known)
+            }
+            "3mf" => self.printed(file, several.then_some(&stem), patches)?,
+            _ => self.cad(file, several.then_some(&stem), patches)?,
+        };
+        let source = Source {
+            input,
+            unit: unit.into(),
+            unit_is,
+            triangles: raw.surface.triangles.len(),
+            diagonal: diagonal(&raw.surface.vertices),
+        };
+        log::info!("{}: {}", file.display(), source.described());
+        Ok((raw, source))
+    }
+
+    /// The unit of a file that states none.
+    fn unit_of(&mut self, file: &Path, size: f64) -> Result<(Unit, Known)> {
+        let known = match self.unit {
+            Some(unit) => (unit, Known::Given),
+            None => (self.guessed.map_or_else(|| guess(file, size), Ok)?, Known::Guessed),
+        };
+        self.guessed = Some(known.0);
+        Ok(known)
+    }
+
+    fn printed(
+        &self,
+        file: &Path,
+        stem: Option<&String>,
+        patches: &mut Patches,
+    ) -> Result<(Patched, &'static str, Known)> {
+        ensure!(self.unit.is_none(), "{}: 3MF states its unit; leave out --unit", file.display());
+        let model = threemf::read(file)?;
+        let several = model.shapes.len() > 1;
+        let mut all = Patched::default();
+        for (i, shape) in model.shapes.iter().enumerate() {
+            let mut surface = shape.placed();
+            surface.vertices.iter_mut().for_each(|v| *v *= model.metres);
+            let own = match (&shape.name, several) {
+                (_, false) => "outer".to_owned(),
+                (name, _) if name.is_empty() => format!("object-{}", i + 1),
+                (name, _) => file_name(name),
+            };
+            let name = stem.map_or(own.clone(), |stem| {
+                if several { format!("{stem}-{own}") } else { stem.clone() }
+            });
+            all.add(whole(surface, &name, patches));
+        }
+        ensure!(!all.patch.is_empty(), "{}: it has no triangles to build", file.display());
+        Ok((all, model.unit, Known::Stated))
+    }
+
+    fn cad(
+        &mut self,
+        file: &Path,
+        stem: Option<&String>,
+        patches: &mut Patches,
+    ) -> Result<(Patched, &'static str, Known)> {
+        let brep = Kind::of(file)? == Kind::Brep;
+        ensure!(
+            brep || self.unit.is_none(),
+            "{}: a STEP or IGES file states its unit; leave out --unit",
+            file.display()
+        );
+        ensure!(
+            !brep || self.unit.is_some() || self.edge_length.is_none(),
+            "{}: a .brep file states no unit: --edge-length needs --unit",
+            file.display()
+        );
+        let options = CadOptions {
+            unit: brep.then(|| self.unit.unwrap_or(Unit::M)),
+            numbers: std::collections::BTreeMap::new(),
+            edge_length: self.edge_length,
+            per_turn: Some(self.per_turn),
+            trust: false,
+            timeout: self.timeout,
+        };
+        let mut faces = read_faces(file, &options)?;
+        if !brep {
+            return Ok((boundary_of(&faces, stem, patches), "its own", Known::Stated));
+        }
+        let (unit, known) = self.unit_of(file, diagonal(&faces.surface.vertices))?;
+        if known == Known::Guessed {
+            faces.surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
+        }
+        Ok((boundary_of(&faces, stem, patches), unit.symbol(), known))
+    }
+}
+
+impl Source {
+    fn described(&self) -> String {
+        let size = format!("{:.4} mm from corner to corner", self.diagonal * 1e3);
+        match self.unit_is {
+            Known::Stated => format!("{size}; the file states its unit"),
+            Known::Given => format!("{size}, in {} as --unit says", self.unit),
+            Known::Guessed => {
+                format!("no unit is stated: taken for {}, {size}; --unit says otherwise", self.unit)
+            }
+        }
+    }
+}
+
+/// All faces that are no boundary between volumes.
+fn boundary_of(faces: &Faces, stem: Option<&String>, patches: &mut Patches) -> Patched {
+    let named = |name: &str| stem.map_or(name.to_owned(), |stem| format!("{stem}-{name}"));
+    let index: Vec<u32> = faces.names.iter().map(|name| patches.index(&named(name))).collect();
+    let rest = named("rest");
+    let mut of = |t: usize| faces.patch[t].map_or_else(|| patches.index(&rest), |i| index[i]);
+    let patch: Vec<u32> = (0..faces.patch.len()).map(&mut of).collect();
+    let skin: Vec<usize> = (0..patch.len()).filter(|&t| !faces.inside[t]).collect();
+    Patched { surface: faces.surface.clone(), patch }.part(&skin)
+}
+
+fn whole(surface: SurfaceMesh, name: &str, patches: &mut Patches) -> Patched {
+    let patch = vec![patches.index(name); surface.triangles.len()];
+    Patched { surface, patch }
+}
+
+/// A name that can be one of a file.
+fn file_name(name: &str) -> String {
+    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    name.chars().map(safe).collect()
+}

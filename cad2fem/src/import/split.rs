@@ -1,0 +1,104 @@
+//! Patches of meshes apart at sharp edges, so that faces of a body can be picked.
+
+use anyhow::{Result, ensure};
+use mesh::measure::{triangle_area, triangle_normal};
+use mesh::topology::edge_facets;
+
+use super::{Patched, Patches};
+
+/// More pieces hint at an angle below that between the triangles of a curved face.
+const MOST: usize = 300;
+
+/// Parts every patch at edges where its triangles enclose more than `angle` [deg]; the pieces have
+/// the name of the patch and a number, the largest first.
+///
+/// # Errors
+/// If there are more pieces than anybody picks from.
+pub fn split(mut body: Patched, angle: f64, patches: &mut Patches) -> Result<Patched> {
+    let piece = pieces(&body, angle);
+    let count = piece.iter().max().map_or(0, |most| most + 1);
+    ensure!(
+        count <= MOST,
+        "--split {angle} makes {count} patches, {MOST} at most are useful: give a larger angle"
+    );
+    let mut area = vec![0.0; count];
+    let mut patch_of = vec![0; count];
+    for (t, &p) in piece.iter().enumerate() {
+        let [a, b, c] = body.surface.corners(t);
+        area[p] += triangle_area(a, b, c);
+        patch_of[p] = body.patch[t];
+    }
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| patch_of[a].cmp(&patch_of[b]).then(area[b].total_cmp(&area[a])));
+    let mut renamed = patch_of.clone();
+    for same in order.chunk_by(|&a, &b| patch_of[a] == patch_of[b]).filter(|same| same.len() > 1) {
+        let name = patches.name(patch_of[same[0]]).to_owned();
+        for (number, &p) in (1..).zip(same) {
+            renamed[p] = patches.index(&format!("{name}-{number}"));
+        }
+    }
+    body.patch = piece.iter().map(|&p| renamed[p]).collect();
+    Ok(body)
+}
+
+/// For each triangle the number of its piece.
+fn pieces(body: &Patched, angle: f64) -> Vec<usize> {
+    let triangles = &body.surface.triangles;
+    let normal: Vec<_> = (0..triangles.len())
+        .map(|t| body.surface.corners(t))
+        .map(|[a, b, c]| triangle_normal(a, b, c))
+        .collect();
+    let flattest = angle.to_radians().cos();
+    let mut beside = vec![Vec::new(); triangles.len()];
+    for pair in edge_facets(triangles).values() {
+        if let [s, t] = pair[..]
+            && body.patch[s] == body.patch[t]
+            && normal[s].dot(&normal[t]) >= flattest
+        {
+            beside[s].push(t);
+            beside[t].push(s);
+        }
+    }
+    let mut piece = vec![usize::MAX; triangles.len()];
+    let mut count = 0;
+    for start in 0..triangles.len() {
+        if piece[start] != usize::MAX {
+            continue;
+        }
+        piece[start] = count;
+        let mut front = vec![start];
+        while let Some(t) = front.pop() {
+            for &other in
+                beside[t].iter().filter(|&&other| piece[other] == usize::MAX).collect::<Vec<_>>()
+            {
+                piece[other] = count;
+                front.push(other);
+            }
+        }
+        count += 1;
+    }
+    piece
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use mesh::Vec3;
+    use mesh::solid::Solid;
+
+    #[test]
+    fn a_cylinder_has_a_side_and_two_ends() {
+        let surface = Solid::cylinder(&Vec3::zeros(), &Vec3::z(), 1.0, 1.0, 64).to_surface();
+        let mut patches = Patches::default();
+        let patch = vec![patches.index("outer"); surface.triangles.len()];
+        let body = Patched { surface, patch };
+        let parted = split(body.clone(), 40.0, &mut patches).unwrap();
+        let mut count = [0; 4];
+        parted.patch.iter().for_each(|&p| count[p as usize] += 1);
+        assert_eq!(count, [0, 128, 62, 62]); // outer, outer-1: the side, and the ends
+        assert_eq!(patches.name(1), "outer-1");
+        let error = split(body, 1.0, &mut patches).err();
+        assert!(error.is_none(), "64 sides and two ends are not too many");
+    }
+}

@@ -1,0 +1,80 @@
+"""`sweep.html`: all cases on one page that asks no server for anything and runs only its own scripts."""
+
+import base64
+import hashlib
+import html
+import json
+import math
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+# What pictures may take of the page [bytes]; of more there are some, evenly chosen.
+PICTURES = 8_000_000
+# Curves of at most so many cases, evenly chosen.
+CURVES = 1000
+
+
+def assemble(plan, cases, table):
+    """The page of a table, a row of which is a case, in the same order."""
+    library = (HERE / "vendor/echarts/echarts.min.js").read_text(encoding="utf-8")
+    script = (HERE / "web/page.js").read_text(encoding="utf-8")
+    parts = {
+        "policy": policy([library, script]),
+        "title": html.escape(plan["title"]),
+        "style": (HERE / "web/page.css").read_text(encoding="utf-8"),
+        "licence": html.escape((HERE / "vendor/echarts/LICENSE").read_text(encoding="utf-8")),
+        "notice": html.escape((HERE / "vendor/echarts/NOTICE").read_text(encoding="utf-8")),
+        "data": script_data(data(plan, cases, table)),
+        "library": library,
+        "main": script,
+    }
+    # split first: what is filled in may look like another hole
+    first, *rest = (HERE / "web/page.html").read_text(encoding="utf-8").split("{{")
+    return first + "".join(parts[name] + text for name, text in (piece.split("}}", 1) for piece in rest))
+
+
+def policy(scripts):
+    """Only these scripts run; ECharts styles its elements itself."""
+    hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    sources = " ".join(f"&#39;sha256-{h}&#39;" for h in hashes)
+    return f"default-src &#39;none&#39;; script-src {sources}; style-src &#39;unsafe-inline&#39;; img-src data:"
+
+
+def script_data(value):
+    # only texts have such a character; U+2028 and its like are sound in JSON
+    return json.dumps(value, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+def data(plan, cases, table):
+    rows = [[plain(value) for value in row] for row in table.itertuples(index=False)]
+    pictures = [(i, picture) for i, picture in enumerate(case.picture() for case in cases) if picture]
+    curves = [(i, curve) for i, curve in enumerate(case.curves() for case in cases) if curve]
+    size = sum(len(picture) for _, picture in pictures) * 4 / 3
+    shown = some(pictures, math.floor(len(pictures) * min(1, PICTURES / max(size, 1))))
+    return {
+        "parameters": plan["parameters"],
+        "columns": list(table.columns),
+        "rows": rows,
+        "pictures": [[i, base64.b64encode(picture).decode()] for i, picture in shown],
+        "pictures_of": len(pictures),
+        "curves": [[i, {name: [rounded(v) for v in values] for name, values in curve.items()}]
+                   for i, curve in some(curves, CURVES)],
+    }
+
+
+def some(items, most):
+    """At most so many, evenly chosen."""
+    return items if len(items) <= most else [items[i * len(items) // most] for i in range(most)]
+
+
+def plain(value):
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float):
+        return rounded(value)
+    return value if isinstance(value, (bool, int, str)) else None
+
+
+def rounded(value):
+    """Seven digits are more than a picture shows; what is no number is missing."""
+    return float(f"{value:.7g}") if math.isfinite(value) else None

@@ -1,0 +1,129 @@
+//! Points of a CSV file that are laid over curves.
+
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::{Context, Result, ensure};
+use csv::StringRecord;
+
+/// `FILE` or `FILE:X,Y`, as it was given.
+#[derive(Clone, Debug)]
+pub struct Points {
+    path: PathBuf,
+    /// Columns of the abscissa and the ordinate, with their factors; the first two without.
+    columns: Option<[String; 2]>,
+}
+
+impl FromStr for Points {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        let split = text.rsplit_once(':').and_then(|(path, columns)| {
+            let (x, y) = columns.split_once(',')?;
+            Some(Self { path: path.into(), columns: Some([x, y].map(|c| c.trim().to_owned())) })
+        });
+        Ok(split.unwrap_or_else(|| Self { path: text.into(), columns: None }))
+    }
+}
+
+impl Points {
+    /// What they are called where no label is given.
+    pub fn name(&self) -> String {
+        self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Reads them; lines that begin with # are comments.
+    ///
+    /// # Errors
+    /// If the file cannot be read, has no such column or no point, or a value is no number.
+    pub fn read(&self) -> Result<Vec<(f64, f64)>> {
+        let text = mesh::io::read_text(&self.path)?;
+        self.parse(&text).with_context(|| self.path.display().to_string())
+    }
+
+    fn parse(&self, text: &str) -> Result<Vec<(f64, f64)>> {
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let [x, y] = self.found(reader.headers()?)?;
+        let point = |record: csv::Result<StringRecord>| {
+            let record = record?;
+            Ok((x.number(&record)?, y.number(&record)?))
+        };
+        let points: Vec<_> = reader.records().map(point).collect::<Result<_>>()?;
+        ensure!(!points.is_empty(), "no line below the header: there is no point to draw");
+        Ok(points)
+    }
+
+    fn found(&self, header: &StringRecord) -> Result<[Column; 2]> {
+        let known = || header.iter().collect::<Vec<_>>().join(", ");
+        ensure!(header.len() >= 2, "one column ({}): expected x and y, by commas", known());
+        let Some(names) = &self.columns else {
+            return Ok([0, 1].map(|at| Column { at, factor: 1.0 }));
+        };
+        let column = |text: &String| -> Result<Column> {
+            // a name may have a star itself
+            let exact = header.iter().position(|name| name == text);
+            let (name, factor) = match (exact, text.rsplit_once('*')) {
+                (None, Some((name, factor))) => (name, factor),
+                _ => (text.as_str(), "1"),
+            };
+            let at = header.iter().position(|one| one == name);
+            let at = at.with_context(|| format!("no column {name:?}; there are: {}", known()))?;
+            let factor = factor.parse().with_context(|| format!("the factor of {text:?}"))?;
+            Ok(Column { at, factor })
+        };
+        Ok([column(&names[0])?, column(&names[1])?])
+    }
+}
+
+/// A column of the file.
+struct Column {
+    at: usize,
+    factor: f64,
+}
+
+impl Column {
+    fn number(&self, record: &StringRecord) -> Result<f64> {
+        let text = record.get(self.at).unwrap_or_default();
+        let line = record.position().map_or(0, csv::Position::line);
+        let value: f64 =
+            text.parse().ok().with_context(|| format!("line {line}: {text:?} is not a number"))?;
+        Ok(self.factor * value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = "# by hand\nforce [N], angle*2, pressure [Pa]\n1, 10, 2e3\n2, 20, 4e3\n";
+
+    fn read(given: &str, text: &str) -> Result<Vec<(f64, f64)>> {
+        given.parse::<Points>().expect("never fails").parse(text)
+    }
+
+    #[test]
+    fn columns_are_the_first_two_or_named() {
+        let first = read("a.csv", TABLE).expect("sound");
+        assert_eq!(first, [(1.0, 10.0), (2.0, 20.0)]);
+        let named = read("a.csv:pressure [Pa]*1e-3,angle*2", TABLE).expect("sound");
+        assert_eq!(named, [(2.0, 10.0), (4.0, 20.0)]);
+    }
+
+    #[test]
+    fn what_is_no_table_of_points_is_named() {
+        for (given, text, words) in [
+            ("a.csv:pressur,angle*2", TABLE, "no column \"pressur\"; there are: force [N]"),
+            ("a.csv:force [N]*x,angle*2", TABLE, "the factor of \"force [N]*x\""),
+            ("a.csv", "x, y\n1, two\n", "line 2: \"two\" is not a number"),
+            ("a.csv", "x, y\n", "no line below the header"),
+            ("a.csv", "x\n1\n", "one column (x)"),
+        ] {
+            let error = read(given, text).expect_err(given);
+            assert!(format!("{error:#}").contains(words), "{error:#}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Sweeps: cases through Snakemake to one table and a page, failures kept, killed and continued,
+//! and sweeps that cannot be used.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use tests::chromium::Chromium;
+use tests::skip::skip;
+use tests::workdir::{Workdir, program, repository};
+
+/// Parameters of a name that would run where a page took it for markup.
+const HOSTILE: &str = "<script>window.hit = 1</script><img src=x onerror='window.hit = 1'>";
+
+/// The Python that sweeps run with; none where there is none, and the test is counted as skipped.
+pub fn python() -> Option<PathBuf> {
+    let python = repository().join(".venv-sweep/bin/python");
+    if python.is_file() {
+        return Some(python);
+    }
+    skip("the Python packages of sweeps are missing: run `make .venv-sweep/installed`");
+    None
+}
+
+/// A sweep in `dir` with programs from the folder `programs`.
+fn sweep(python: &Path, dir: &Workdir, programs: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(python);
+    command.arg(repository().join("pipelines/sweep/sweep.py"));
+    command.args(format!("sweep.toml -o out {arguments}").split_whitespace());
+    command.current_dir(dir.path("")).env("PUFFER_BIN", programs);
+    command
+}
+
+/// What a program printed.
+pub fn said(output: &Output) -> String {
+    let all = [output.stdout.clone(), output.stderr.clone()].concat();
+    String::from_utf8_lossy(&all).into_owned()
+}
+
+/// A folder with the files of a body.
+fn body(sweep: &str) -> Workdir {
+    let dir = Workdir::new();
+    for file in ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml"] {
+        fs::copy(repository().join("pipelines/beam").join(file), dir.path(file)).unwrap();
+    }
+    dir.write("sweep.toml", sweep);
+    dir
+}
+
+/// The table, a list of texts for each row.
+fn table(dir: &Workdir) -> Vec<Vec<String>> {
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).from_path(dir.path("out/table.csv")).unwrap();
+    reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
+}
+
+fn column(table: &[Vec<String>], name: &str) -> Vec<String> {
+    let at = table[0].iter().position(|n| n == name).unwrap_or_else(|| panic!("{name}: {table:?}"));
+    table[1..].iter().map(|row| row[at].clone()).collect()
+}
+
+#[test]
+fn cases_become_one_table_and_a_page() {
+    let Some(python) = python() else { return };
+    let programs = program("solver").parent().unwrap().to_path_buf();
+    let dir = body(&format!(
+        "kind = \"list\"\n\
+         [parameters.silicone]\nfile = \"sim.toml\"\nset = \"material\"\n\
+         values = [\"ecoflex-00-50\", \"dragon-skin-20\", \"no-such-silicone\"]\n\
+         [parameters.\"{HOSTILE}\"]\nfile = \"sim.toml\"\nset = \"chamber.cavity.pressure\"\n\
+         values = [2e3, 4e3, 6e3]\n\
+         [parameters.degree]\nfile = \"sim.toml\"\nset = \"degree\"\nvalue = 1\n\
+         [parameters.edge]\nfile = \"cad2fem.toml\"\nset = \"tetmesh.edge_length\"\nvalue = 12e-3\n"
+    ));
+    let output = sweep(&python, &dir, &programs, "").output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let words = ["2 of 3 cases", "case 3 failed", "no-such-silicone"];
+    words.iter().for_each(|w| assert!(said(&output).contains(w), "{w}: {}", said(&output)));
+
+    let table = table(&dir);
+    assert_eq!(column(&table, "status"), ["ok", "ok", "failed"]);
+    assert_eq!(column(&table, HOSTILE), ["2000.0", "4000.0", "6000.0"]);
+    assert!(column(&table, "failure")[2].starts_with("solver simulate: "), "{table:?}");
+    // the same as one run by hand
+    let meshes = dir.files("out/bodies");
+    assert_eq!(meshes.len(), 1, "cases share a body: {meshes:?}");
+    let by_hand = format!(
+        "simulate sim.toml --mesh out/bodies/{}/tagged.msh --set material=dragon-skin-20 --set degree=1 \
+         --set chamber.cavity.pressure=4e3 --final-only -o by-hand",
+        meshes[0]
+    );
+    dir.solver(&by_hand).assert_good();
+    let volume = &dir.json("by-hand/report.json")["chambers"]["cavity"]["volume"];
+    let found: f64 = column(&table, "chambers.cavity.volume")[1].parse().unwrap();
+    assert_eq!(volume.as_f64(), Some(found));
+    let same = "import pandas as p; a = p.read_parquet('out/table.parquet'); b = p.read_csv('out/table.csv'); \
+                assert list(a) == list(b); n = a.select_dtypes('number').columns; assert len(n) > 10; \
+                p.testing.assert_frame_equal(a[n], b[n], check_dtype=False)";
+    let same = Command::new(&python).args(["-c", same]).current_dir(dir.path("")).output().unwrap();
+    assert!(same.status.success(), "{}", said(&same));
+    page(&dir);
+}
+
+/// Choices on an axis choose cases, and no name of a parameter becomes markup.
+fn page(dir: &Workdir) {
+    let Some(program) = Chromium::installed() else { return };
+    let mut browser = Chromium::start(program, [1200, 900]);
+    browser.open(&dir.path("out/sweep.html"));
+    browser.wait("document.getElementById('count')?.textContent.startsWith('3 cases, 1 failed')");
+    let count = |browser: &mut Chromium, what: &str| {
+        browser.evaluate(&format!("document.querySelectorAll('{what}').length")).as_u64().unwrap()
+    };
+    assert_eq!(count(&mut browser, "#pictures img"), 2);
+    assert_eq!(count(&mut browser, "#table tbody tr"), 3);
+    assert_eq!(count(&mut browser, "#failures tbody tr"), 1);
+    // the least of the pressures, on the axis that is called so
+    let axis = "parallel.getOption().parallelAxis.findIndex((a) => a.name.startsWith('<script>'))";
+    browser.evaluate(&format!(
+        "parallel.dispatchAction({{ type: 'axisAreaSelect', intervals: [[1900, 2100]], \
+         parallelAxisId: parallel.getModel().getComponent('parallelAxis', {axis}).id }})"
+    ));
+    browser.wait("document.querySelectorAll('#table tbody tr').length === 1");
+    assert!(browser.picture().colors() > 100);
+    assert_eq!(browser.evaluate("window.hit ?? null"), serde_json::Value::Null);
+    assert_eq!(browser.complaints(), [""; 0]);
+    assert_eq!(browser.requests().len(), 1, "the page alone: {:?}", browser.requests());
+}
+
+/// Programs that do nothing but take their time, leave a report, and count.
+fn stand_ins(dir: &Workdir) -> PathBuf {
+    let folder = dir.path("programs");
+    fs::create_dir(&folder).unwrap();
+    let solver = "#!/bin/sh\nwhile [ \"$1\" != -o ]; do shift; done\necho x >> \"$SOLVED\"\nsleep 0.2\n\
+                  case \"$*\" in *=3*) [ -e \"$MENDED\" ] || { echo 'error: no equilibrium' >&2; exit 1; };; esac\n\
+                  mkdir -p \"$2\"; echo '{\"tets\": 7}' > \"$2/report.json\"\n";
+    for (name, text) in [("solver", solver), ("cad2fem", "#!/bin/sh\n"), ("tagger", "#!/bin/sh\n")]
+    {
+        fs::write(folder.join(name), text).unwrap();
+        fs::set_permissions(folder.join(name), fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn failures_are_kept_and_what_was_killed_continues() {
+    let Some(python) = python() else { return };
+    let dir = body(
+        "kind = \"grid\"\n[parameters.p]\nfile = \"sim.toml\"\nset = \"chamber.cavity.pressure\"\n\
+         from = 1\nto = 8\ncount = 8\n",
+    );
+    let programs = stand_ins(&dir);
+    let run = |arguments: &str| {
+        let mut command = sweep(&python, &dir, &programs, &format!("--cores 2 {arguments}"));
+        command.env("SOLVED", dir.path("solved")).env("MENDED", dir.path("mended"));
+        command
+    };
+    let solved = || dir.text("solved").lines().count();
+    let done = || {
+        let cases = dir.files("out/cases");
+        cases.iter().filter(|c| dir.path(&format!("out/cases/{c}/step.json")).exists()).count()
+    };
+    // the whole family, at once
+    let mut child = run("").process_group(0).spawn().unwrap();
+    let start = Instant::now();
+    while done() < 2 {
+        assert!(start.elapsed() < Duration::from_secs(60), "no case in a minute");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let kept = done();
+    let killed = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
+    assert!(killed.unwrap().success());
+    child.wait().unwrap();
+    assert!(!dir.path("out/table.csv").exists());
+
+    let output = run("").output().unwrap();
+    assert!(output.status.success() && said(&output).contains("7 of 8 cases"), "{}", said(&output));
+    // those that were under way may be solved twice
+    assert!((8..=8 + 2).contains(&solved()), "{} of which {kept} were kept", solved());
+    let rows = table(&dir);
+    assert_eq!(column(&rows, "failure")[2], "solver simulate: error: no equilibrium");
+    assert_eq!(column(&rows, "tets").iter().filter(|t| *t == "7.0").count(), 7);
+
+    // nothing to do, and then the failed one alone
+    let before = solved();
+    assert!(run("").status().unwrap().success());
+    assert_eq!(solved(), before);
+    dir.write("mended", "");
+    let output = run("--retry").output().unwrap();
+    assert!(said(&output).contains("8 of 8 cases"), "{}", said(&output));
+    assert_eq!(solved(), before + 1);
+}
+
+#[test]
+fn sweeps_that_cannot_be_used_are_refused() {
+    let Some(python) = python() else { return };
+    let p = "[parameters.p]\nfile = \"sim.toml\"\nset = \"degree\"\n";
+    let dir = body("");
+    let check = |text: &str, words: &[&str]| {
+        dir.write("sweep.toml", text);
+        let output = sweep(&python, &dir, Path::new("/nowhere"), "--plan").output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}: {}", said(&output));
+        words.iter().for_each(|w| assert!(said(&output).contains(w), "{w}: {}", said(&output)));
+        assert!(!said(&output).contains("Traceback"), "{}", said(&output));
+        assert!(!dir.path("out").exists());
+    };
+    check("kind = \"grid", &["sweep.toml:1:", "^"]);
+    check("kind = \"gird\"\n", &["sweep.toml:1:1: kind = 'gird'", "'grid'"]);
+    check(&format!("kind = \"grid\"\n{p}"), &["sweep.toml:2:1: [parameters.p]", "`values`"]);
+    check(
+        &format!("kind = \"grid\"\n{p}valeus = [1]"),
+        &["sweep.toml:5:1", "did you mean `values`?"],
+    );
+    check(&format!("kind = \"grid\"\n{p}values = []"), &["sweep.toml:5:1", "`values` is empty"]);
+    check(&format!("kind = \"grid\"\n{p}values = [nan]"), &["sweep.toml:5:1", "finite"]);
+    check(&format!("kind = \"grid\"\n{p}from = 1\nto = 2"), &["sweep.toml:5:1", "`count`"]);
+    check(&format!("kind = \"latin\"\n{p}from = 1\nto = 2"), &["`cases`", "Latin"]);
+    check(
+        &format!("kind = \"latin\"\ncases = 3\n{p}from = 0\nto = 2\nscale = \"log\""),
+        &["8:1", "positive"],
+    );
+    check(
+        &format!("kind = \"grid\"\nseed = 1\n{p}values = [1, 2]"),
+        &["sweep.toml:2:1: `seed`", "latin"],
+    );
+    check(&p.replace("sim.toml", "sum.toml"), &["no `kind`"]);
+    let other = p.replace("sim.toml", "sum.toml");
+    check(&format!("kind = \"grid\"\n{other}values = [1]"), &["'sum.toml'", "sim.toml", "3:1"]);
+    check(&format!("kind = \"grid\"\nsimulate = \"x.toml\"\n{p}values = [1]"), &["x.toml", "2:1"]);
+    check("kind = \"grid\"\n", &["sweep.toml: nothing varies"]);
+    let two =
+        format!("kind = \"list\"\n{p}values = [1, 2]\n{}values = [1]", p.replace(".p]", ".q]"));
+    check(&two, &["[parameters.q]: 1 values, others have 2"]);
+    // sound, but without programs
+    dir.write("sweep.toml", &format!("kind = \"grid\"\n{p}values = [1, 2]"));
+    let output = sweep(&python, &dir, Path::new("/nowhere"), "").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        said(&output).contains("/nowhere/cad2fem is not there: make setup"),
+        "{}",
+        said(&output)
+    );
+}
