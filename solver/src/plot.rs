@@ -45,13 +45,13 @@ pub struct Axes {
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// A line of a width [pixels], in the colour of its turn.
+    /// A line of a width in pixels, in the colour of its turn.
     Line(u8),
     /// The same with a dot at each point.
     Dotted(u8),
-    /// Grey circles of a radius [pixels].
+    /// Grey circles of a radius in pixels.
     Circles(u8),
-    /// Rings of a radius [pixels], in the colour of their turn.
+    /// Rings of a radius in pixels, in the colour of their turn.
     Rings(u8),
     /// Grey bars, each between two points in a row.
     Bars,

@@ -10,7 +10,7 @@ use super::Patched;
 /// Edges of a rim, at most: the time grows with their third power.
 const MOST: usize = 200;
 
-/// Closes every rim of up to [`MOST`] edges; new triangles have the patch of one beside them. Returns
+/// Closes every rim of up to `MOST` edges; new triangles have the patch of one beside them. Returns
 /// how many rims.
 pub fn fill(body: &mut Patched) -> usize {
     let rims = boundary_loops(&body.surface.triangles);
