@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use membrane::MembraneConfig;
-pub use objective::ObjectiveConfig;
+pub use objective::{ObjectiveConfig, Weight};
 pub use probe::ProbeConfig;
 pub use scenario::{EXCESS, RobustConfig, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;

@@ -157,3 +157,40 @@ fn a_level_that_does_not_fit_the_scene_is_refused_at_once() {
     dir.solver("optimize design.toml -o out")
         .assert_refused(2, &["design.toml", "\"skin\"", "cavity"]);
 }
+
+/// Terms begin with the shares that they are to have, and keep the weights that this takes.
+#[test]
+fn terms_begin_with_their_shares() {
+    let dir = chamber::workdir();
+    let sim = chamber::SIM.replace("degree = 2", "degree = 1");
+    dir.write("sim.toml", &sim);
+    let shared = chamber::DESIGN
+        .replace("weight = 1e10", "share = 0.6")
+        .replace("weight = 1e5", "share = 0.3");
+    dir.write("design.toml", &shared);
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("level 1 begins with top 60.0 %, wall 30.0 %"), "{}", run.stderr);
+    let first = &history(&dir)[0]["terms"];
+    let term = |name: &str| first[name].as_f64().unwrap();
+    let total: f64 = ["top", "wall", "smooth", "clear"].iter().map(|name| term(name)).sum();
+    for (name, share) in [("top", 0.6), ("wall", 0.3)] {
+        assert!((term(name) / total - share).abs() < 1e-12, "{name}: {first}");
+    }
+    // the same design with these weights written has the same bits
+    let weights = dir.json("out/report.json")["weights"].clone();
+    let mut weighted = chamber::DESIGN.to_owned();
+    for (name, old) in [("top", "1e10"), ("wall", "1e5")] {
+        weighted =
+            weighted.replace(&format!("weight = {old}"), &format!("weight = {}", weights[name]));
+    }
+    dir.write("weighted.toml", &weighted);
+    dir.solver("-q optimize weighted.toml -o again").assert_good();
+    assert_eq!(dir.text("out/design.msh"), dir.text("again/design.msh"));
+    dir.solver("check design.toml --design-only").assert_good();
+    // nothing of the wall is thinner than the barrier sees
+    dir.write("design.toml", &shared.replace("activation = 9e-3", "activation = 1e-6"));
+    let run = dir.solver("optimize design.toml -o none");
+    run.assert_refused(1, &["objective \"wall\": share = 0.3: the term is 0 at the start"]);
+    assert!(!dir.path("none/report.json").exists());
+}

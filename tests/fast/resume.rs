@@ -24,9 +24,16 @@ pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
     (design, history.lines().map(line).collect())
 }
 
+/// The chamber, one term of whose objective is given by its share: its weight is found at the start.
+pub fn workdir() -> Workdir {
+    let dir = chamber::workdir();
+    dir.write("design.toml", &chamber::DESIGN.replace("weight = 1e10", "share = 0.9"));
+    dir
+}
+
 /// A finished run that nothing disturbed.
 pub fn undisturbed() -> Workdir {
-    let dir = chamber::workdir();
+    let dir = workdir();
     dir.solver(COMMAND).assert_good();
     dir
 }
@@ -87,7 +94,7 @@ fn kill_after_every_checkpoint(dir: &Workdir) -> usize {
 #[test]
 fn killed_after_every_checkpoint() {
     let expected = results(&undisturbed());
-    let dir = chamber::workdir();
+    let dir = workdir();
     let kills = kill_after_every_checkpoint(&dir);
     eprintln!("{kills} kills");
     // two levels begin, eight states are accepted; the last kill may come too late
@@ -97,7 +104,7 @@ fn killed_after_every_checkpoint() {
 
 /// A folder in which every level ends after its first step.
 fn stagnating() -> Workdir {
-    let dir = chamber::workdir();
+    let dir = workdir();
     let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
     dir.write("design.toml", &design);
     dir
@@ -127,7 +134,7 @@ fn killed_at_random_times() {
     while kills < 6 {
         folders += 1;
         assert!(folders < 10, "only {kills} kills");
-        let dir = chamber::workdir();
+        let dir = workdir();
         loop {
             let delay = Duration::from_secs_f64(whole * 0.1 * (1.0 + random.uniform()));
             let clock = Instant::now();
@@ -167,7 +174,7 @@ fn finished_before() {
 #[test]
 #[cfg(target_os = "linux")]
 fn all_threads_block_the_signals_that_one_waits_for() {
-    let dir = chamber::workdir();
+    let dir = workdir();
     let mut child = start(&dir);
     let masks = || -> Vec<u64> {
         let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
@@ -199,7 +206,7 @@ fn a_full_disk_and_then_room() {
     let expected = results(&undisturbed());
     let mut unwritten = Vec::new();
     for limit in [1, 19, 20] {
-        let dir = chamber::workdir();
+        let dir = workdir();
         let run = dir.solver_on_small_disk(limit, COMMAND);
         run.assert_refused(2, &["out/", "too large"]);
         let files = dir.files("out");
@@ -226,7 +233,7 @@ fn half_a_line_of_history_is_dropped() {
 
 /// A folder with an optimisation that was killed after two accepted states.
 pub fn unfinished() -> Workdir {
-    let dir = chamber::workdir();
+    let dir = workdir();
     let history = dir.path("out/history.jsonl");
     let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
     assert!(killed(&dir, || lines() > 1), "over before it was killed");

@@ -96,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;
+    let start = level.weigh(&design.objective, start).map_err(|error| file.place(error))?;
     log::info!("{} variables, J {:.8e}", theta.len(), start.objective);
     let perturbed =
         Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };

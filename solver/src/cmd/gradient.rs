@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let at = level
         .evaluate(&theta, Start::Rest)
         .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
+    let at = level.weigh(&design.objective, at).map_err(|error| file.place(error))?;
     let swept = level.sweep(&at, None)?;
     let by_rest = sum(swept.iter().map(|by| &by.rest));
     let on_boundary = level.map().on_boundary(&by_rest);

@@ -15,6 +15,9 @@ use crate::report::failure;
 use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
 
+/// A smaller fall of the objective is hardly a design [1].
+const LITTLE: f64 = 0.01;
+
 /// Optimise shapes of chambers and pressures over time
 ///
 /// Writes to the output folder: design.msh (tagged; design.NAME.msh for each of
@@ -72,7 +75,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
     let (before, after) = (objective("objective_before"), objective("objective_after"));
     let fall = (before - after) / before.abs();
-    log::info!("the objective fell by {:.1} %", 100.0 * fall);
+    if fall < LITTLE {
+        log::warn!(
+            "the objective fell by {:.1} % only: the design is hardly better than the start; see \
+             the terms and the reasons in {}",
+            100.0 * fall,
+            folder.join("report.json").display()
+        );
+    } else {
+        log::info!("the objective fell by {:.1} %", 100.0 * fall);
+    }
     if fall.is_nan() || fall <= 0.0 {
         return Err(Unusable(format!(
             "{}: no step lowered the objective; see the reasons in {}",
@@ -231,6 +243,23 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     Ok(())
 }
 
+/// What each level has gained, over its first objective.
+fn gains(lines: &[Value]) -> Vec<f64> {
+    let mut gains = Vec::new();
+    for level in lines.chunk_by(|a, b| a["level"] == b["level"]) {
+        let objective = |line: &Value| line["objective"].as_f64().unwrap_or(f64::NAN);
+        let (first, last) = (objective(&level[0]), objective(&level[level.len() - 1]));
+        gains.push((first - last) / first.abs());
+    }
+    gains
+}
+
+/// Weights of the terms by their names, those that shares came to among them.
+fn weights(finished: &Finished) -> BTreeMap<String, f64> {
+    let level = &finished.last.0;
+    level.term_names().into_iter().zip(level.weights()).collect()
+}
+
 fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
     let history = mesh::io::read_own_text(&folder.join("history.jsonl"))?;
     let lines: Vec<Value> = history.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
@@ -243,6 +272,8 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "program": crate::report::PROGRAM,
         "objective_before": first["objective"],
         "objective_after": last["objective"],
+        "gains": gains(&lines),
+        "weights": weights(finished),
         "terms_before": first["terms"],
         "terms_after": last["terms"],
         "mean_displacement_before": first["mean_displacement"],

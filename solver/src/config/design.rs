@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, scenario, superseded,
+    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, objective, scenario,
+    superseded,
 };
 use crate::body::Names;
 
@@ -236,6 +237,7 @@ impl DesignConfig {
             _ => {}
         }
         let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+        objective::check_shares(&self.objective)?;
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
         if let Some(shape) = &self.shape {

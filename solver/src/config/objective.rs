@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use program::schema::{add_keys, one_of};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
@@ -26,11 +26,21 @@ pub struct ObjectiveConfig {
     keys: Table,
 }
 
+/// How much a term counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weight {
+    /// Factor of its value, in the inverse of its unit.
+    Factor(f64),
+    /// The part of the objective that it is at the start, negative where it is maximised [1].
+    Share(f64),
+}
+
 /// The keys of every kind, [`COMMON_KEYS`].
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 struct Common {
     name: String,
-    weight: f64,
+    weight: Option<f64>,
+    share: Option<f64>,
     #[serde(default)]
     over: TimeIntegral,
 }
@@ -42,10 +52,13 @@ impl ObjectiveConfig {
         &self.common.name
     }
 
-    /// Factor of the term, in the inverse of its unit.
+    /// How much it counts.
     #[must_use]
-    pub fn weight(&self) -> f64 {
-        self.common.weight
+    pub fn weight(&self) -> Weight {
+        match (self.common.share, self.common.weight) {
+            (Some(share), _) => Weight::Share(share),
+            (None, weight) => Weight::Factor(weight.unwrap_or_default()),
+        }
     }
 
     /// What it is summed over.
@@ -79,14 +92,23 @@ impl ObjectiveConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn check(&self) -> Result<()> {
-        let Common { name, weight, .. } = &self.common;
+        let Common { name, weight, share, .. } = &self.common;
         let own = format!("objective \"{name}\"");
-        ensure!(weight.is_finite(), "{own}: weight = {weight}: must be a finite number");
+        let (key, value) = match (weight, share) {
+            (Some(weight), None) => ("weight", *weight),
+            (None, Some(share)) => ("share", *share),
+            _ => bail!("{own}: expected one of weight = ... and share = ..."),
+        };
+        ensure!(value.is_finite(), "{own}: {key} = {value}: must be a finite number");
         ensure!(
-            *weight >= 0.0 || self.kind.may_be_maximised && self.own.may_be_maximised(),
-            "{own}: weight = {weight}: a negative weight maximises a term, which makes sense for \
+            value >= 0.0 || self.kind.may_be_maximised && self.own.may_be_maximised(),
+            "{own}: {key} = {value}: a negative {key} maximises a term, which makes sense for \
              {} only",
             maximised()
+        );
+        ensure!(
+            share.is_none_or(|share| share != 0.0 && share.abs() <= 1.0),
+            "{own}: {key} = {value}: must be a part of the objective, up to 1"
         );
         self.own.check().map_err(|what| anyhow::anyhow!("{own}: {what}"))
     }
@@ -106,7 +128,10 @@ impl Serialize for ObjectiveConfig {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", self.kind.key)?;
         map.serialize_entry("name", &self.common.name)?;
-        map.serialize_entry("weight", &self.common.weight)?;
+        match self.weight() {
+            Weight::Factor(factor) => map.serialize_entry("weight", &factor)?,
+            Weight::Share(share) => map.serialize_entry("share", &share)?,
+        }
         map.serialize_entry("over", &self.common.over)?;
         for (key, value) in &self.keys {
             map.serialize_entry(key, value)?;
@@ -144,6 +169,30 @@ impl JsonSchema for ObjectiveConfig {
             schema
         }))
     }
+}
+
+/// Checks that the shares of some objectives leave what the weights of the others need.
+///
+/// # Errors
+/// When they do not.
+pub fn check_shares(objectives: &[ObjectiveConfig]) -> Result<()> {
+    let (mut sum, mut shares, mut weighted) = (0.0, false, false);
+    for objective in objectives {
+        match objective.weight() {
+            Weight::Share(share) => (sum, shares) = (sum + share.abs(), true),
+            Weight::Factor(factor) => weighted |= factor != 0.0,
+        }
+    }
+    ensure!(
+        !shares || !weighted || sum < 1.0,
+        "[[objective]]: the shares come to {sum:.3}, which leaves nothing for the objectives with a \
+         weight: they must be less than 1 in all"
+    );
+    ensure!(
+        !shares || weighted || (sum - 1.0).abs() < 1e-9,
+        "[[objective]]: the shares come to {sum:.3}: they must be 1 in all where no objective has a weight"
+    );
+    Ok(())
 }
 
 /// Kinds whose weight may be negative, for messages.

@@ -13,9 +13,10 @@ use serde::de::DeserializeOwned;
 use super::{Context, KINDS, Objective};
 
 /// Keys that every `[[objective]]` has besides `kind`, with what they mean.
-pub const COMMON_KEYS: [(&str, &str); 3] = [
+pub const COMMON_KEYS: [(&str, &str); 4] = [
     ("name", "as reports call it"),
     ("weight", "of the value, in the inverse of its unit"),
+    ("share", "in place of weight: the part of the objective that the term is at the start"),
     (
         "over",
         "the time: \"final\" (default), { steps = [2, 5] } for their mean, or a sum [s]: \

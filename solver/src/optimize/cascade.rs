@@ -4,6 +4,8 @@
 //! Source: Gjoka et al. 2024, section 4.5; L-BFGS: Nocedal and Wright,
 //! "Numerical Optimization", chapter 7.
 
+mod say;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -11,13 +13,15 @@ use anyhow::{Context, Result};
 use program::Unusable;
 use serde_json::json;
 
+use self::say::{say_gain, time_left, variables};
 use super::checkpoint::Checkpoint;
 use super::history::{History, add_scenarios};
 use super::remesh::remesh;
+use super::shares;
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
 use crate::body::Body;
-use crate::config::{DesignConfig, LevelConfig, OptimizerConfig};
+use crate::config::{DesignConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
 use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
@@ -118,39 +122,27 @@ impl Cascade<'_> {
         loop {
             let body = self.level_body(&checkpoint)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
-            if checkpoint.flat {
-                let mut shape = level.body.clone();
-                shape.mesh.vertices.clone_from(&evaluation.rest);
-                let body = remesh(&shape, level.map().moving())?;
-                let degree = self.design.levels()[checkpoint.level].degree;
-                let degree = degree.unwrap_or(self.scene.config.degree);
-                let start = level.carry(&evaluation, &body, degree);
-                let loads = level.map().loads(&checkpoint.theta);
-                checkpoint = self.begin_mesh(
-                    &body,
-                    checkpoint.on_new_mesh((start, loads), Lbfgs::new(MEMORY)),
-                )?;
-                continue;
-            }
-            let mut stopped = checkpoint.stopped_before.clone();
-            stopped.extend(checkpoint.stopped.iter().map(|r| (checkpoint.level + 1, r.clone())));
             let mut shape = level.body.clone();
             shape.mesh.vertices.clone_from(&evaluation.rest);
             let levels = self.design.levels();
-            if checkpoint.level + 1 == levels.len() {
-                let theta = checkpoint.theta;
+            let next = if checkpoint.flat { checkpoint.level } else { checkpoint.level + 1 };
+            let Some(settings) = levels.get(next) else {
+                let (stopped, theta) = (checkpoint.all_stopped(), checkpoint.theta);
                 return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
-            }
-            let next = &levels[checkpoint.level + 1];
+            };
             // a level without iterations tells what the same mesh does at another fidelity
-            let body = match next.iterations {
+            let body = match settings.iterations {
                 0 => shape,
                 _ => remesh(&shape, level.map().moving())?,
             };
-            let degree = next.degree.unwrap_or(self.scene.config.degree);
+            let degree = settings.degree.unwrap_or(self.scene.config.degree);
             let start = level.carry(&evaluation, &body, degree);
             let loads = level.map().loads(&checkpoint.theta);
-            let next = checkpoint.next_level((start, loads), stopped, Lbfgs::new(MEMORY));
+            let lbfgs = Lbfgs::new(MEMORY);
+            let next = match checkpoint.flat {
+                true => checkpoint.on_new_mesh((start, loads), lbfgs),
+                false => checkpoint.next_level((start, loads), lbfgs),
+            };
             checkpoint = self.begin_mesh(&body, next)?;
         }
     }
@@ -165,6 +157,9 @@ impl Cascade<'_> {
         let optimizer = self.design.optimizer_of(settings);
         let scene = self.scene.with_fidelity(settings)?;
         let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
+        if !checkpoint.weights.is_empty() {
+            level.set_weights(&checkpoint.weights);
+        }
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations
             && checkpoint.stopped.is_none()
@@ -187,6 +182,9 @@ impl Cascade<'_> {
             if let Some(reason) = &checkpoint.stopped {
                 log::info!("level {} ends: {reason}", checkpoint.level + 1);
             }
+        }
+        if checkpoint.has_moved() && !checkpoint.flat {
+            say_gain(checkpoint);
         }
         Ok((level, current))
     }
@@ -211,6 +209,10 @@ impl Cascade<'_> {
                 Err(rejected) => return Err(self.no_start(level, checkpoint.level, &rejected)),
             },
         };
+        if checkpoint.weights.is_empty() {
+            evaluation = level.weigh(&self.design.objective, evaluation).with_context(context)?;
+            checkpoint.weights = level.weights();
+        }
         let clock = Instant::now();
         level.linearize(&theta, &evaluation);
         evaluation.forward_s += clock.elapsed().as_secs_f64();
@@ -419,13 +421,19 @@ impl Cascade<'_> {
             evaluation.newton_iterations,
             step.forward_s,
             step.gradient_s,
-            self.time_left(checkpoint),
+            time_left(&levels, checkpoint),
         );
         checkpoint.history += 1;
         if checkpoint.iteration == 0 {
             checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
         }
         checkpoint.objective = evaluation.objective;
+        if checkpoint.iteration == 0 {
+            checkpoint.first_terms.clone_from(&evaluation.terms);
+            if let Some(shares) = shares::describe(&evaluation.terms) {
+                log::info!("level {} begins with {shares}", checkpoint.level + 1);
+            }
+        }
         let Evaluation { runs, terms, .. } = step.evaluation;
         checkpoint.terms = terms;
         checkpoint.theta = step.theta;
@@ -436,18 +444,6 @@ impl Cascade<'_> {
         self.history().append(&line)?;
         checkpoint.lines = self.history().sha256()?;
         checkpoint.write_with_runs(&self.folder, &runs)
-    }
-
-    /// Time for the iterations that are left, if they take as long as in this level.
-    fn time_left(&self, checkpoint: &Checkpoint) -> String {
-        if checkpoint.iteration == 0 {
-            return String::new();
-        }
-        let levels = self.design.levels();
-        let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
-        let left = all.saturating_sub(checkpoint.iteration) as f64;
-        let minutes = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64 / 60.0;
-        format!("  about {minutes:.0} min left")
     }
 }
 
@@ -467,14 +463,6 @@ fn lower(
     }
     level.linearize(theta, &evaluation);
     Ok(evaluation)
-}
-
-/// What changes in a level, for the log.
-fn variables(level: &Level, settings: &LevelConfig) -> String {
-    match settings.describe() {
-        said if said.is_empty() => format!("{} variables of loads", level.variables()),
-        said => said,
-    }
 }
 
 /// u + t du of each scenario, or u without a prediction.

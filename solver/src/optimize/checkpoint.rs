@@ -40,6 +40,12 @@ pub struct Checkpoint {
     pub objective: f64,
     /// Weighted terms at θ.
     pub terms: BTreeMap<String, f64>,
+    /// The same at the start of the level.
+    #[serde(default)]
+    pub first_terms: BTreeMap<String, f64>,
+    /// Weights of the terms in all levels; none before the first solve.
+    #[serde(default)]
+    pub weights: Vec<f64>,
     /// Gradient at θ.
     pub gradient: Vec<f64>,
     /// Norm of the gradient at the start of the level.
@@ -79,6 +85,8 @@ impl Checkpoint {
             loads: Vec::new(),
             objective: f64::MAX,
             terms: BTreeMap::new(),
+            first_terms: BTreeMap::new(),
+            weights: Vec::new(),
             gradient: Vec::new(),
             first_gradient: 0.0,
             progress: LevelProgress::default(),
@@ -95,13 +103,9 @@ impl Checkpoint {
 
     /// Before the first solve of the level after this one.
     #[must_use]
-    pub fn next_level(
-        self,
-        (start, loads): (Vec<Vec<f64>>, Vec<f64>),
-        stopped_before: Vec<(usize, String)>,
-        lbfgs: Lbfgs,
-    ) -> Self {
-        let Self { level, total_s, history, lines, mut files, .. } = self;
+    pub fn next_level(self, (start, loads): (Vec<Vec<f64>>, Vec<f64>), lbfgs: Lbfgs) -> Self {
+        let stopped_before = self.all_stopped();
+        let Self { level, total_s, history, lines, weights, mut files, .. } = self;
         let level = level + 1;
         // The meshes of the levels before stay in the folder, as a part of the result.
         files.retain(|name, _| !is_run(name));
@@ -110,6 +114,7 @@ impl Checkpoint {
             total_s,
             history,
             lines,
+            weights,
             files,
             start,
             loads,
@@ -131,6 +136,13 @@ impl Checkpoint {
             lbfgs,
             ..self
         }
+    }
+
+    /// Levels up to this one that ended early, and why.
+    #[must_use]
+    pub fn all_stopped(&self) -> Vec<(usize, String)> {
+        let own = self.stopped.iter().map(|reason| (self.level + 1, reason.clone()));
+        self.stopped_before.iter().cloned().chain(own).collect()
     }
 
     /// Whether the shape is another than that of the mesh.

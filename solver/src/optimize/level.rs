@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::rest_path::RestPath;
 use super::robust::Robust;
 use super::scenario::{Near, Rejected, Run, Scenario};
-use super::validity;
+use super::{shares, validity};
 use crate::adjoint::Gradient;
 use crate::body::Body;
-use crate::config::{DesignConfig, EXCESS, LevelConfig};
+use crate::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use crate::design::DesignMap;
 use crate::math::linear::sum;
 use crate::memory::{self, Need};
@@ -189,6 +189,41 @@ impl Level {
             runs.push(scenario.recall(loads, &rest, displacements.by_ref().take(steps))?);
         }
         Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs) })
+    }
+
+    /// Factors of the terms, in the order of the design file.
+    #[must_use]
+    pub fn weights(&self) -> Vec<f64> {
+        self.first().weights()
+    }
+
+    /// Gives the terms these factors in all scenarios.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        self.scenarios.iter_mut().for_each(|scenario| scenario.set_weights(weights));
+    }
+
+    /// Gives the terms the shares that they are to have at an evaluation, as [`shares`] says,
+    /// and the evaluation with the new weights.
+    ///
+    /// # Errors
+    /// When a term that is to have a share is zero.
+    pub fn weigh(&mut self, terms: &[ObjectiveConfig], at: Evaluation) -> Result<Evaluation> {
+        let wanted: Vec<_> = terms.iter().map(|term| (term.name(), term.weight())).collect();
+        if wanted.iter().all(|(_, weight)| matches!(weight, Weight::Factor(_))) {
+            return Ok(at);
+        }
+        let mut means = vec![0.0; wanted.len()];
+        for ((scenario, run), part) in
+            self.scenarios.iter_mut().zip(&at.runs).zip(self.robust.weights())
+        {
+            let values = scenario.values(run);
+            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += part * value);
+        }
+        self.set_weights(&shares::weights(&wanted, &means)?);
+        let rated = self.scenarios.iter_mut().zip(&at.runs);
+        let runs = rated.map(|(scenario, run)| scenario.rated(run)).collect();
+        let Evaluation { rest, newton_iterations, forward_s, .. } = at;
+        Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(rest, runs) })
     }
 
     fn evaluated(&self, rest: Vec<Vec3>, runs: Vec<Run>) -> Evaluation {

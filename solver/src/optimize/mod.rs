@@ -14,6 +14,7 @@ mod remesh;
 mod rest_path;
 mod robust;
 mod scenario;
+mod shares;
 mod trial_step;
 pub mod validity;
 

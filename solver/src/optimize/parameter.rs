@@ -200,6 +200,7 @@ impl Perturbed<'_> {
         };
         let body = level.body.clone();
         let mut other = Level::new(&changed, self.objectives, body, self.design, &settings)?;
+        other.set_weights(&level.weights());
         let theta = vec![0.0; other.variables()];
         other.evaluate(&theta, near).map_err(|Rejected(why)| anyhow::anyhow!(why))
     }

@@ -25,6 +25,13 @@ impl LevelProgress {
         self.work.push(before + newton_iterations);
     }
 
+    /// Gain of the level so far, over its first objective; none before there is an iteration.
+    #[must_use]
+    pub fn gain(&self) -> Option<f64> {
+        let [first, .., last] = self.objectives[..] else { return None };
+        Some((first - last) / first.abs())
+    }
+
     /// Gain per Newton iteration of the last two iterations, relative to that of all iterations
     /// of the level; none before there are more than two, or where nothing was gained.
     #[must_use]

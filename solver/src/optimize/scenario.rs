@@ -1,12 +1,15 @@
 //! One scenario of a level: rest shape and loads → run through time → objective, and the
 //! derivatives of that by all that the run depends on.
 
+mod terms;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::Result;
 use mesh::Vec3;
 
+use self::terms::Forces;
 use super::offset::Offset;
 use super::validity;
 use crate::adjoint::{self, Gradient};
@@ -19,7 +22,7 @@ use crate::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
-use crate::objective::{Equilibrium, Objective};
+use crate::objective::Equilibrium;
 use crate::report::failure::Diagnosis;
 use crate::report::results::displacements;
 use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
@@ -63,15 +66,6 @@ pub enum Near<'a> {
     Displacement(&'a [f64]),
     /// From rest through time, next to the states of another run.
     Run(&'a Arc<Trajectory>),
-}
-
-/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
-/// them.
-struct Forces {
-    /// Of contact and friction.
-    contact: Vec<f64>,
-    /// Of supports.
-    reaction: Vec<f64>,
 }
 
 /// A scene with its changes, on a fixed mesh topology.
@@ -119,7 +113,7 @@ impl Scenario {
         for term in &mut terms {
             let name = term.objective.name();
             let factor = |of: &BTreeMap<String, f64>| of.get(name).copied().unwrap_or(1.0);
-            term.weight *= factor(&level.weights) * factor(&config.weights);
+            term.factor = factor(&level.weights) * factor(&config.weights);
         }
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
@@ -201,7 +195,7 @@ impl Scenario {
         let moving = self.offset.as_ref().map_or(moving, |_| body.boundary());
         validity::check(&rest, body, moving).map_err(|e| self.reject(e))?;
         // a term without weight is none
-        for term in self.terms.iter().filter(|term| term.weight != 0.0) {
+        for term in self.terms.iter().filter(|term| term.weight * term.factor != 0.0) {
             let name = term.objective.name();
             let admitted = term.objective.admit(&rest);
             admitted.map_err(|e| self.reject(format!("\"{name}\": {e}")))?;
@@ -294,51 +288,6 @@ impl Scenario {
         run
     }
 
-    /// Weighted terms over a run, by the user's names.
-    fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
-        let mut terms = BTreeMap::new();
-        for n in 0..=run.steps() {
-            let Forces { contact, reaction } = self.forces(rest, run, n);
-            let (state, load) = (run.state(n), run.times[n]);
-            let (space, u) = (&*self.problem.space, &state.u[..]);
-            let at = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
-            for term in &self.terms {
-                let value = match term.weight * term.factors[n] {
-                    0.0 => 0.0,
-                    factor => factor * term.objective.value(&at),
-                };
-                *terms.entry(term.objective.name().to_owned()).or_insert(0.0) += value;
-            }
-        }
-        terms
-    }
-
-    /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
-    fn forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Forces {
-        let looks = |uses: fn(&dyn Objective) -> bool| {
-            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
-        };
-        let (uses_contact, uses_reaction) =
-            (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
-        let none = |wanted: bool| if wanted { vec![0.0; self.problem.dofs()] } else { Vec::new() };
-        let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
-        if n == 0 || !uses_contact && !uses_reaction {
-            return forces;
-        }
-        let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
-        let at = self.problem.iterate(rest, &state.u, run.times[n]);
-        let at = Iterate { step: Some(&step), ..at };
-        if uses_contact {
-            forces.contact = self.problem.energies.contact_forces(&at);
-        }
-        if uses_reaction {
-            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
-            let at = Iterate { multipliers: &multipliers, ..at };
-            forces.reaction = self.problem.gradient(&at).0;
-        }
-        forces
-    }
-
     /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
     #[must_use]
     pub fn by_velocity(&self, body: &Body, part: usize, by_nodes: &[f64]) -> [f64; 3] {
@@ -417,7 +366,7 @@ impl Scenario {
             let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
             let here = Equilibrium { space, rest, u, load, contact, reaction };
             for term in self.terms.iter().filter(wanted) {
-                let factor = factor * term.weight * term.factors[n];
+                let factor = factor * term.weight * term.factor * term.factors[n];
                 if factor != 0.0 {
                     term.objective.add_du(&here, factor, &mut out.by_u);
                     term.objective.add_dcontact(&here, factor, &mut out.by_contact);

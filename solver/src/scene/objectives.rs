@@ -6,14 +6,16 @@ use anyhow::{Context as _, Result, anyhow, ensure};
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::ObjectiveConfig;
+use crate::config::{ObjectiveConfig, Weight};
 use crate::element::FunctionSpace;
 use crate::objective::{Builder, Context, Law, Objective};
 
 /// A term with its factors.
 pub struct Weighted {
-    /// Factor of the term.
+    /// Factor of the term; that of one with a share is 1 until a level weighs it.
     pub weight: f64,
+    /// Factor on it in a level and a scenario.
+    pub factor: f64,
     /// ω of each moment, that of rest first: Σ ω J is the term over time.
     pub factors: Vec<f64>,
     /// The term.
@@ -94,7 +96,11 @@ impl<'a> ObjectiveBuilder<'a> {
             let context = Context { body, space, bodies, laws, times: &times, probes: &probes };
             let objective =
                 (term.build)(name, &context).with_context(|| format!("objective \"{name}\""))?;
-            Ok(Weighted { weight: term.config.weight(), factors, objective })
+            let weight = match term.config.weight() {
+                Weight::Factor(factor) => factor,
+                Weight::Share(_) => 1.0,
+            };
+            Ok(Weighted { weight, factor: 1.0, factors, objective })
         };
         self.terms.iter().map(build).collect()
     }

@@ -27,12 +27,15 @@ fn every_kind_is_read_and_has_its_row() {
     assert_eq!(SOUND.len(), KINDS.len());
     for (text, kind) in SOUND.iter().zip(KINDS) {
         let config = read(text, "2").unwrap();
-        assert_eq!((config.kind().key, config.name(), config.weight()), (kind.key, "n", 2.0));
+        assert_eq!(
+            (config.kind().key, config.name(), config.weight()),
+            (kind.key, "n", Weight::Factor(2.0))
+        );
         let written = toml::Table::try_from(&config).unwrap();
         assert_eq!(written["kind"].as_str(), Some(kind.key));
         // what may be written is what is listed
         let mut keys: Vec<&str> = kind.keys.iter().map(|k| k.0).collect();
-        keys.extend(["kind", "name", "weight", "over"]);
+        keys.extend(["kind", "name", "weight", "share", "over"]);
         let unknown = written.keys().find(|key| !keys.contains(&key.as_str()));
         assert_eq!(unknown, None, "{}", kind.key);
         let error = read(&format!("{text}\nodd = 1"), "1").unwrap_err().to_string();
@@ -52,6 +55,44 @@ fn only_what_can_be_maximised_may_weigh_less_than_nothing() {
         assert_eq!(read(text, "-1").is_ok(), may, "{text}");
         assert!(read(text, "nan").unwrap_err().to_string().contains("NaN"));
     }
+}
+
+#[test]
+fn a_share_stands_in_place_of_a_weight() {
+    let read = |text: &str| {
+        let config: ObjectiveConfig = toml::from_str(&format!("name = 'n'\n{text}\n{}", SOUND[4]))?;
+        config.check().map(|()| config)
+    };
+    assert_eq!(read("share = -0.3").unwrap().weight(), Weight::Share(-0.3));
+    let written = toml::to_string(&read("share = 0.5").unwrap()).unwrap();
+    assert!(written.contains("share = 0.5") && !written.contains("weight"), "{written}");
+    for (text, words) in [
+        ("share = 0", "must be a part of the objective, up to 1"),
+        ("share = 1.5", "share = 1.5"),
+        ("share = nan", "finite"),
+        ("weight = 1\nshare = 0.5", "one of weight"),
+        ("", "one of weight"),
+    ] {
+        let error = read(text).unwrap_err().to_string();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+}
+
+#[test]
+fn shares_leave_what_weights_need() {
+    let one = |weight: &str| {
+        let text = format!("name = 'n'\n{weight}\n{}", SOUND[4]);
+        toml::from_str::<ObjectiveConfig>(&text).unwrap()
+    };
+    let check = |weights: &[&str]| {
+        check_shares(&weights.iter().map(|weight| one(weight)).collect::<Vec<_>>())
+    };
+    assert!(check(&["weight = 1", "weight = 2"]).is_ok());
+    assert!(check(&["weight = 1", "share = -0.9"]).is_ok());
+    assert!(check(&["share = 0.6", "share = -0.4", "weight = 0"]).is_ok());
+    assert!(check(&["weight = 1", "share = 0.6", "share = 0.4"]).is_err());
+    let error = check(&["share = 0.6", "share = 0.3"]).unwrap_err().to_string();
+    assert!(error.contains("come to 0.900"), "{error}");
 }
 
 #[test]

@@ -63,7 +63,8 @@ fn an_optimisation_becomes_a_design_problem() {
         let written = toml::Table::try_from(o).expect("sound");
         let rest = written.iter().filter(|(key, _)| !["name", "weight"].contains(&key.as_str()));
         let rest: Vec<String> = rest.map(|(key, value)| format!("{key} {value}")).collect();
-        format!("{}: {} {}", o.name(), o.weight(), rest.join(", ")).replace('"', "")
+        let weight = written["weight"].as_float().expect("a number");
+        format!("{}: {weight} {}", o.name(), rest.join(", ")).replace('"', "")
     };
     let terms: Vec<String> = config.objective.iter().map(short).collect();
     assert_eq!(

@@ -1,0 +1,34 @@
+//! What the log says of a cascade.
+
+use crate::config::LevelConfig;
+use crate::optimize::{Checkpoint, Level, shares};
+
+/// Time for the iterations that are left, if they take as long as in this level.
+pub fn time_left(levels: &[LevelConfig], checkpoint: &Checkpoint) -> String {
+    if checkpoint.iteration == 0 {
+        return String::new();
+    }
+    let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
+    let left = all.saturating_sub(checkpoint.iteration) as f64;
+    let minutes = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64 / 60.0;
+    format!("  about {minutes:.0} min left")
+}
+
+/// Says what a level has gained, and whether one term has hidden the others.
+pub fn say_gain(checkpoint: &Checkpoint) {
+    let level = checkpoint.level + 1;
+    if let Some(gain) = checkpoint.progress.gain() {
+        log::info!("level {level} has lowered the objective by {:.2} %", 100.0 * gain);
+    }
+    if let Some(hint) = shares::drowns(&checkpoint.first_terms, &checkpoint.terms) {
+        log::warn!("level {level}: {hint}");
+    }
+}
+
+/// What changes in a level, for the log.
+pub fn variables(level: &Level, settings: &LevelConfig) -> String {
+    match settings.describe() {
+        said if said.is_empty() => format!("{} variables of loads", level.variables()),
+        said => said,
+    }
+}

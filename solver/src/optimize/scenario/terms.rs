@@ -1,0 +1,104 @@
+//! Values of the terms of the objective over a run, and their weights.
+
+use std::collections::BTreeMap;
+
+use mesh::Vec3;
+
+use super::{Run, Scenario};
+use crate::energy::Iterate;
+use crate::forward::{Trajectory, solve_multipliers};
+use crate::objective::{Equilibrium, Objective};
+use crate::scene::Weighted;
+
+/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
+/// them.
+pub(super) struct Forces {
+    /// Of contact and friction.
+    pub contact: Vec<f64>,
+    /// Of supports.
+    pub reaction: Vec<f64>,
+}
+
+impl Scenario {
+    /// Factors of the terms, in the order of the design file.
+    #[must_use]
+    pub fn weights(&self) -> Vec<f64> {
+        self.terms.iter().map(|term| term.weight).collect()
+    }
+
+    /// Gives the terms these factors.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        self.terms.iter_mut().zip(weights).for_each(|(term, weight)| term.weight = *weight);
+    }
+
+    /// Values of the terms over a run, without factors.
+    pub fn values(&mut self, run: &Run) -> Vec<f64> {
+        self.values_of(&run.rest, &run.states, |_| true)
+    }
+
+    /// A run with its terms as they are weighted now.
+    pub fn rated(&mut self, run: &Run) -> Run {
+        let terms = self.terms_of(&run.rest, &run.states);
+        Run { objective: terms.values().sum(), terms, ..run.clone() }
+    }
+
+    /// Weighted terms over a run, by the user's names.
+    pub(super) fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
+        let values = self.values_of(rest, run, |term| term.weight * term.factor != 0.0);
+        let mut terms = BTreeMap::new();
+        for (term, value) in self.terms.iter().zip(values) {
+            let name = term.objective.name().to_owned();
+            *terms.entry(name).or_insert(0.0) += term.weight * term.factor * value;
+        }
+        terms
+    }
+
+    /// Values over a run of the terms that are wanted, zero of the others.
+    fn values_of(
+        &mut self,
+        rest: &[Vec3],
+        run: &Trajectory,
+        wanted: impl Fn(&Weighted) -> bool,
+    ) -> Vec<f64> {
+        let mut values = vec![0.0; self.terms.len()];
+        for n in 0..=run.steps() {
+            let Forces { contact, reaction } = self.forces(rest, run, n);
+            let (state, load) = (run.state(n), run.times[n]);
+            let (space, u) = (&*self.problem.space, &state.u[..]);
+            let at = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
+            for (term, value) in self.terms.iter().zip(&mut values) {
+                let factor = term.factors[n];
+                if factor != 0.0 && wanted(term) {
+                    *value += factor * term.objective.value(&at);
+                }
+            }
+        }
+        values
+    }
+
+    /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
+    pub(super) fn forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Forces {
+        let looks = |uses: fn(&dyn Objective) -> bool| {
+            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
+        };
+        let (uses_contact, uses_reaction) =
+            (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
+        let none = |wanted: bool| if wanted { vec![0.0; self.problem.dofs()] } else { Vec::new() };
+        let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
+        if n == 0 || !uses_contact && !uses_reaction {
+            return forces;
+        }
+        let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
+        let at = self.problem.iterate(rest, &state.u, run.times[n]);
+        let at = Iterate { step: Some(&step), ..at };
+        if uses_contact {
+            forces.contact = self.problem.energies.contact_forces(&at);
+        }
+        if uses_reaction {
+            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+            let at = Iterate { multipliers: &multipliers, ..at };
+            forces.reaction = self.problem.gradient(&at).0;
+        }
+        forces
+    }
+}
