@@ -191,6 +191,6 @@ fn terms_begin_with_their_shares() {
     // nothing of the wall is thinner than the barrier sees
     dir.write("design.toml", &shared.replace("activation = 9e-3", "activation = 1e-6"));
     let run = dir.solver("optimize design.toml -o none");
-    run.assert_refused(1, &["objective \"wall\": share = 0.3: the term is 0 at the start"]);
+    run.assert_refused(2, &["objective \"wall\": share = 0.3: the term is 0 at the start"]);
     assert!(!dir.path("none/report.json").exists());
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use mesh::Vec3;
 use mesh::measure::{bounds, volume};
 use solver::body::Body;
-use solver::config::{ContactForm, DesignConfig, ObjectiveConfig};
+use solver::config::{ContactForm, DesignConfig, ObjectiveConfig, Weight};
 use solver::forward::Method;
 use solver::objective::TimeIntegral;
 use solver::polyfem::{self, Options};
@@ -211,10 +211,13 @@ fn the_optimisation_of_the_gripper() {
     let key = |term: &ObjectiveConfig, key: &str| toml::Table::try_from(term).unwrap()[key].clone();
     let kinds = [proxy, target].map(|term| term.kind().key);
     assert_eq!(kinds, ["contact-proxy", "target"]);
-    assert_eq!((proxy.weight(), proxy.over()), (-1e4, &TimeIntegral::Steps(vec![53, 54])));
+    assert_eq!(
+        (proxy.weight(), proxy.over()),
+        (Weight::Factor(-1e4), &TimeIntegral::Steps(vec![53, 54]))
+    );
     let on = ["cylinder_to_grasp_coarse.s50", "gripper_bellows_thick.s4"];
     assert_eq!(key(proxy, "on"), toml::Value::from(on.to_vec()));
-    assert_eq!((target.weight(), key(target, "on")), (1e6, on[1].into()));
+    assert_eq!((target.weight(), key(target, "on")), (Weight::Factor(1e6), on[1].into()));
     assert_eq!(target.files(), [Path::new("targets/cylinder_smaller_target_v2.obj")]);
     let read = |path: PathBuf| std::fs::read(path).unwrap();
     let from = tests::shared(&format!("{FOLDER}/gripper_bellows/cylinder_smaller_target_v2.obj"));

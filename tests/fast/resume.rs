@@ -24,16 +24,9 @@ pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
     (design, history.lines().map(line).collect())
 }
 
-/// The chamber, one term of whose objective is given by its share: its weight is found at the start.
-pub fn workdir() -> Workdir {
-    let dir = chamber::workdir();
-    dir.write("design.toml", &chamber::DESIGN.replace("weight = 1e10", "share = 0.9"));
-    dir
-}
-
 /// A finished run that nothing disturbed.
 pub fn undisturbed() -> Workdir {
-    let dir = workdir();
+    let dir = chamber::workdir();
     dir.solver(COMMAND).assert_good();
     dir
 }
@@ -94,7 +87,7 @@ fn kill_after_every_checkpoint(dir: &Workdir) -> usize {
 #[test]
 fn killed_after_every_checkpoint() {
     let expected = results(&undisturbed());
-    let dir = workdir();
+    let dir = chamber::workdir();
     let kills = kill_after_every_checkpoint(&dir);
     eprintln!("{kills} kills");
     // two levels begin, eight states are accepted; the last kill may come too late
@@ -104,7 +97,7 @@ fn killed_after_every_checkpoint() {
 
 /// A folder in which every level ends after its first step.
 fn stagnating() -> Workdir {
-    let dir = workdir();
+    let dir = chamber::workdir();
     let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
     dir.write("design.toml", &design);
     dir
@@ -134,7 +127,7 @@ fn killed_at_random_times() {
     while kills < 6 {
         folders += 1;
         assert!(folders < 10, "only {kills} kills");
-        let dir = workdir();
+        let dir = chamber::workdir();
         loop {
             let delay = Duration::from_secs_f64(whole * 0.1 * (1.0 + random.uniform()));
             let clock = Instant::now();
@@ -174,7 +167,7 @@ fn finished_before() {
 #[test]
 #[cfg(target_os = "linux")]
 fn all_threads_block_the_signals_that_one_waits_for() {
-    let dir = workdir();
+    let dir = chamber::workdir();
     let mut child = start(&dir);
     let masks = || -> Vec<u64> {
         let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
@@ -206,7 +199,7 @@ fn a_full_disk_and_then_room() {
     let expected = results(&undisturbed());
     let mut unwritten = Vec::new();
     for limit in [1, 19, 20] {
-        let dir = workdir();
+        let dir = chamber::workdir();
         let run = dir.solver_on_small_disk(limit, COMMAND);
         run.assert_refused(2, &["out/", "too large"]);
         let files = dir.files("out");
@@ -233,7 +226,7 @@ fn half_a_line_of_history_is_dropped() {
 
 /// A folder with an optimisation that was killed after two accepted states.
 pub fn unfinished() -> Workdir {
-    let dir = workdir();
+    let dir = chamber::workdir();
     let history = dir.path("out/history.jsonl");
     let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
     assert!(killed(&dir, || lines() > 1), "over before it was killed");

@@ -156,6 +156,26 @@ fn an_interrupted_design_continues() {
     assert_same(&dir, &expected);
 }
 
+/// A weight that was found from a share at the start is that of the whole design.
+#[test]
+fn a_design_with_shares_that_is_killed_ends_the_same() {
+    let shared = || {
+        let dir = workdir("");
+        dir.write(
+            "design.toml",
+            &dir.text("design.toml").replacen("weight = 1e10", "share = 0.9", 1),
+        );
+        dir
+    };
+    let dir = shared();
+    dir.solver("--threads 2 -q optimize design.toml -o out").assert_good();
+    let expected = results(&dir);
+    let dir = shared();
+    assert!(killed_when_at(&dir, 2) && killed_when_at(&dir, 5), "finished before it was killed");
+    dir.solver("--threads 1 -q optimize design.toml -o out").assert_good();
+    assert_same(&dir, &expected);
+}
+
 #[test]
 fn bad_scenarios() {
     for (more, words) in [

@@ -107,6 +107,9 @@ fn every_file_of_the_pipelines_is_valid() {
     assert!(seen.iter().all(|&count| count > 0), "files of every kind: {seen:?}");
 }
 
+/// Tables whose keys are names that people gave elsewhere, which a schema cannot know.
+const OF_NAMES: [&str; 4] = ["handles", "parameters", "wall", "weights"];
+
 /// Puts a key that nobody knows into every table of every file, and takes each key away.
 #[test]
 fn schemas_and_programs_agree_on_keys() {
@@ -120,7 +123,9 @@ fn schemas_and_programs_agree_on_keys() {
             fs::write(&file, toml::to_string(value).unwrap()).unwrap();
             (kind.read)(&file).context("refused")
         };
-        for table in tables(&whole) {
+        let of_names =
+            |way: &[Step]| matches!(way.last(), Some(Step::Key(key)) if OF_NAMES.contains(&&**key));
+        for table in tables(&whole).into_iter().filter(|way| !of_names(way)) {
             let mut more = whole.clone();
             at(&mut more, &table).insert("nobodys_key".into(), Value::Float(1.0));
             let (program, schema) = (read(&more), problem(kind, &more));

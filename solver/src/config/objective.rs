@@ -163,7 +163,7 @@ impl JsonSchema for ObjectiveConfig {
             let meanings = COMMON_KEYS.map(|(key, meaning)| {
                 let mut value = common["properties"][key].clone();
                 value["description"] = meaning.into();
-                (key, value, key != "over")
+                (key, value, key == "name")
             });
             add_keys(&mut schema, &meanings);
             schema
