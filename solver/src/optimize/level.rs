@@ -202,7 +202,7 @@ impl Level {
         self.scenarios.iter_mut().for_each(|scenario| scenario.set_weights(weights));
     }
 
-    /// Gives the terms the shares that they are to have at an evaluation, as [`shares`] says,
+    /// Gives the terms the shares that they are to have at an evaluation,
     /// and the evaluation with the new weights.
     ///
     /// # Errors
