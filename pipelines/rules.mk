@@ -267,15 +267,17 @@ build/frog/paper/vertices/report.json: pipelines/frog/design.vertices.toml pipel
 		build/frog/paper/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
-build/frog/paper/pictures/cascade.svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
-	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "cascade,all vertices" \
-		--x-title "accepted shapes" --log -o $@
+# As figure 3 of Gjoka et al. 2024: all terms, those of targets and smoothness, over shapes and over time.
+TARGETS := terms.throat + terms.head stays + terms.body stays + terms.feet stay
+define figure
+build/frog/paper/pictures/cascade$(1).svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
+	$(BIN)/solver plot $$(^:report.json=history.jsonl) $(2) --y "objective,$(TARGETS),terms.smooth" --log \
+		--labels "cascade: total,cascade: targets,cascade: smoothness,all vertices: total,all vertices: targets,all vertices: smoothness" -o $$@
 
-build/frog/paper/pictures/cascade-time.svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
-	$(BIN)/solver plot $(^:report.json=history.jsonl) --x time_s*0.0166667 --y objective \
-		--labels "cascade,all vertices" --x-title "computing time [min]" --log -o $@
-
-build/frog/paper/report.html: $(addprefix build/frog/paper/pictures/,cascade.svg cascade-time.svg)
+build/frog/paper/report.html: build/frog/paper/pictures/cascade$(1).svg
+endef
+$(eval $(call figure,,--x-title "accepted shapes"))
+$(eval $(call figure,-time,--x time_s*0.0166667 --x-title "computing time [min]"))
 
 # The optimised frog, designed further for walls that are off, and both with walls that are.
 build/frog/robust/report.json: pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml \

@@ -17,7 +17,7 @@ use crate::report::columns::{number, rows};
 /// A run is a history.jsonl of optimize or steps.jsonl of simulate, a row per line, a report.json of
 /// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
 /// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star,
-/// as in `mean_displacement.throat*1e3`. Without --x, rows are counted.
+/// as in `mean_displacement.throat*1e3`; `terms.throat + terms.smooth` is a sum. Without --x, rows are counted.
 /// Rows without the number are left out.
 #[derive(clap::Args)]
 pub struct Arguments {

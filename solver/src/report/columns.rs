@@ -39,11 +39,16 @@ pub fn rows(path: &Path) -> Result<Vec<Value>> {
     }
 }
 
-/// The number of a column in a row: a key, or keys joined by dots, and a factor after a star.
+/// The number of a column in a row: a key, or keys joined by dots, and a factor after a star; or
+/// several of these with " + " between them.
 ///
 /// # Errors
 /// When the row has no such number; the message lists what it has.
 pub fn number(row: &Value, column: &str) -> Result<f64> {
+    column.split(" + ").map(|summand| one_number(row, summand.trim())).sum()
+}
+
+fn one_number(row: &Value, column: &str) -> Result<f64> {
     let (keys, factor) = column.split_once('*').unwrap_or((column, "1"));
     let factor: f64 = factor.parse().with_context(|| format!("the factor of {column:?}"))?;
     let (mut value, mut left) = (row, keys);
@@ -107,6 +112,16 @@ mod tests {
         assert_eq!(number(&row, "moved.grip.face.1*10").expect("a number"), 20.0);
         let text = number(&row, "moved.grasp.face").expect_err("no such key").to_string();
         assert!(text.contains("no \"grasp\"") && text.contains("grip.face"), "{text}");
+    }
+
+    #[test]
+    fn columns_are_added() {
+        let row = serde_json::json!({"terms": {"head stays": 2.0, "throat": 3.0}, "a+b": 1.0});
+        let sum = number(&row, "terms.head stays + terms.throat*10").expect("numbers");
+        assert_eq!(sum, 32.0);
+        assert_eq!(number(&row, "a+b").expect("a key"), 1.0);
+        let text = number(&row, "terms.throat + terms.feet").expect_err("no such key").to_string();
+        assert!(text.contains("no \"feet\""), "{text}");
     }
 
     #[test]
