@@ -4,6 +4,7 @@
 
 mod chamber;
 mod check;
+mod contact;
 mod design;
 mod level;
 mod material;
@@ -24,6 +25,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
+pub use contact::{ContactChoice, ContactConfig};
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use membrane::MembraneConfig;
 pub use objective::{ObjectiveConfig, Weight};
@@ -74,8 +76,9 @@ pub struct SimConfig {
     /// Acceleration by gravity [m/s²].
     #[serde(default)]
     pub gravity: Field,
-    /// What happens where surfaces meet; without it they pass through each other.
-    pub contact: Option<ContactConfig>,
+    /// What happens where surfaces meet. Without it they pass through each other, and a run at whose
+    /// end they have is not usable, unless it is "ignored".
+    pub contact: Option<ContactChoice>,
     /// Chambers; their energies have the order of the file.
     #[serde(default)]
     pub chamber: Vec<ChamberConfig>,
@@ -153,10 +156,27 @@ impl SimConfig {
         }
     }
 
+    /// Contact and friction, if there are any.
+    #[must_use]
+    pub fn contact(&self) -> Option<&ContactConfig> {
+        match &self.contact {
+            Some(ContactChoice::Barrier(contact)) => Some(contact),
+            _ => None,
+        }
+    }
+
+    /// The same to be changed.
+    pub fn contact_mut(&mut self) -> Option<&mut ContactConfig> {
+        match &mut self.contact {
+            Some(ContactChoice::Barrier(contact)) => Some(contact),
+            _ => None,
+        }
+    }
+
     /// Newton iterations allowed in one load step.
     #[must_use]
     pub fn newton_iterations(&self) -> usize {
-        let default = if self.contact.is_some() { 200 } else { 30 };
+        let default = if self.contact().is_some() { 200 } else { 30 };
         self.solver.newton_iterations.unwrap_or(default)
     }
 
@@ -210,31 +230,6 @@ pub struct ObstacleConfig {
     /// How far it has moved [m].
     #[serde(default)]
     pub displacement: Field,
-}
-
-/// Contact and friction.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ContactConfig {
-    /// Which sum over pairs of features.
-    #[serde(default)]
-    pub form: ContactForm,
-    /// Distance below which surfaces repel each other, beyond `thickness` [m].
-    pub activation: f64,
-    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴].
-    pub stiffness: f64,
-    /// Distance that surfaces never fall below [m].
-    #[serde(default)]
-    pub thickness: f64,
-    /// Parts that each edge of the mesh is cut into on the collision surface;
-    /// the degree of the displacement if not given.
-    pub split: Option<usize>,
-    /// Coefficient of friction [1].
-    #[serde(default)]
-    pub friction: f64,
-    /// Sliding speed from which friction is full [m/s].
-    #[serde(default = "a_millimetre")]
-    pub friction_speed: f64,
 }
 
 /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
@@ -338,10 +333,6 @@ impl Default for SolverConfig {
             absolute_tolerance: 1e-10,
         }
     }
-}
-
-fn a_millimetre() -> f64 {
-    1e-3
 }
 
 /// `path` as seen from the folder of the file `from`.

@@ -143,7 +143,7 @@ fn numbers(
             |(on, by)| ErrorBar { on: Some(on), ..ErrorBar::new("membrane", "1", by, both(off)) };
         bars.extend(each.into_iter().filter(|_| several).map(bar));
     }
-    if let (Some(off), Some(contact)) = (config.friction, &scene.config.contact) {
+    if let (Some(off), Some(contact)) = (config.friction, scene.config.contact()) {
         let by: f64 = swept.parameters.total(ParameterId::Friction).iter().sum();
         bars.push(ErrorBar::new("friction", "1", by * contact.friction, both(off)));
     }

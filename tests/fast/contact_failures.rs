@@ -67,6 +67,44 @@ fn surfaces_that_are_not_apart_at_the_start() {
     ]);
 }
 
+/// Without contact a block is led into another one: the run ends, and says that it is not usable.
+#[test]
+fn surfaces_that_run_through_each_other_without_contact() {
+    let dir = workdir();
+    let scene = |way: f64, contact: &str| {
+        format!(
+            "degree = 1\n{contact}\n\
+             [[body]]\nname = \"a\"\nmesh = \"block.msh\"\n{MATERIAL}\
+             [[body]]\nname = \"b\"\nmesh = \"block.msh\"\ntranslate = [0.02, 1e-3, 1e-3]\n{MATERIAL}\
+             [[fixed]]\non = \"a\"\n\
+             [[fixed]]\non = \"b\"\ndisplacement = [\"-{way}*t\", 0, 0]\n"
+        )
+    };
+    dir.write("apart.toml", &scene(9e-3, ""));
+    dir.solver("simulate apart.toml -o apart").assert_good();
+    let report = dir.json("apart/report.json");
+    assert!(report["usable"] == true && report["crossing"].is_null(), "{report}");
+
+    dir.write("through.toml", &scene(12e-3, ""));
+    let run = dir.solver("simulate through.toml -o out");
+    run.assert_refused(1, &["pairs of triangles", "\"a\" and \"b\"", "contact = \"ignored\""]);
+    let report = dir.json("out/report.json");
+    assert_eq!((&report["usable"], &report["status"]), (&false.into(), &"surfaces_crossed".into()));
+    let crossing = &report["crossing"];
+    assert!(crossing["pairs"].as_u64().unwrap() > 4, "{crossing}");
+    // b has its left face at 8 mm then
+    let x = crossing["place"][0].as_f64().unwrap();
+    assert!((5e-3..13e-3).contains(&x), "{crossing}");
+    // what was computed is there to be looked at
+    assert!(dir.path("out/result.vtu").is_file());
+
+    dir.write("ignored.toml", &scene(12e-3, "contact = \"ignored\""));
+    dir.solver("simulate ignored.toml -o ignored").assert_good();
+    assert_eq!(dir.json("ignored/report.json")["usable"], true);
+    dir.write("word.toml", &scene(12e-3, "contact = \"none\""));
+    dir.solver("simulate word.toml -o none").assert_refused(2, &["word.toml:2", "\"ignored\""]);
+}
+
 #[test]
 fn lengths_of_contact_that_make_no_sense() {
     let short = &["activation + thickness = 6.000e-3 m", "shortest edge", "5.000e-3 m", "lower"];

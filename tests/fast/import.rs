@@ -85,7 +85,7 @@ fn the_gripper_and_its_cylinder() {
     for (t, expected) in [(0.02, 60e3 * (0.03 - 4e-6)), (0.5, 60e3 * 0.6875), (1.06, 60e3)] {
         close(pressure(&scene, &format!("{gripper}.s2"), t), expected, 1e-14);
     }
-    let contact = scene.config.contact.as_ref().unwrap();
+    let contact = scene.config.contact().unwrap();
     assert_eq!((contact.form, contact.activation), (ContactForm::Plain, 3e-5));
     assert_eq!((contact.stiffness, contact.friction), (1e5, 0.7));
     assert_eq!((scene.times().len(), scene.end()), (55, 1.1));
@@ -126,7 +126,7 @@ fn the_worm_and_its_floor() {
         close(volume, 1.045e-5, 0.01);
     }
     assert_eq!(scene.config.gravity.at(Vec3::zeros(), 1.0), Vec3::new(0.0, 0.0, -9.8));
-    assert_eq!(scene.config.contact.as_ref().unwrap().form, ContactForm::Convergent);
+    assert_eq!(scene.config.contact().unwrap().form, ContactForm::Convergent);
     assert_eq!((scene.times().len(), scene.end()), (300, 3.0));
 }
 
@@ -188,7 +188,7 @@ fn design(dir: &Workdir) -> DesignConfig {
 fn the_optimisation_of_the_gripper() {
     let run = "gripper_bellows/run_gripper_bellows_log_inside.json";
     let Some((dir, scene)) = imported(run, &Options::default()) else { return };
-    assert_eq!(scene.config.contact.as_ref().unwrap().form, ContactForm::Convergent);
+    assert_eq!(scene.config.contact().unwrap().form, ContactForm::Convergent);
     let design = design(&dir);
     let shape = design.shape.expect("a shape");
     assert_eq!(shape.on.all(), ["gripper_bellows_thick.s2"]);

@@ -17,6 +17,7 @@ use crate::forward::{
 };
 use crate::memory;
 use crate::probe::Probe;
+use crate::report::crossing::Crossing;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::leap::leap;
 use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
@@ -155,12 +156,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let grid = results::grid_with_fields(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     run.fill(&mut report, &end, &recorder)?;
+    let crossing = Crossing::find(&scene, &problem, &end);
+    if let Some(crossing) = &crossing {
+        report["usable"] = json!(false);
+        report["status"] = json!("surfaces_crossed");
+        report["crossing"] = crossing.report();
+    }
     run.add_error_bars(&mut report);
     report["equilibrium_s"] = json!(equilibrium_s);
     report["timings"]["predicted_s"] = json!(predicted_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
-    results::write_json(&folder.join("report.json"), &report)
+    results::write_json(&folder.join("report.json"), &report)?;
+    match crossing {
+        None => Ok(()),
+        Some(crossing) => {
+            let scene = arguments.scene.display();
+            Err(Unusable(format!("{scene}: {}", crossing.in_words())).into())
+        }
+    }
 }
 
 /// Memory for all states, where error bars need them; others lie on disk [B].

@@ -39,7 +39,7 @@ impl SimConfig {
         if let Some(time) = &self.time {
             time.check()?;
         }
-        if let Some(contact) = &self.contact {
+        if let Some(contact) = self.contact() {
             contact.check()?;
         }
         for (name, value) in &self.parameters {
@@ -73,7 +73,7 @@ impl SimConfig {
     /// Whether bodies need no support.
     #[must_use]
     pub fn may_float(&self) -> bool {
-        self.method().has_inertia() || self.contact.is_some()
+        self.method().has_inertia() || self.contact().is_some()
     }
 
     fn check_bodies(&self) -> Result<()> {
@@ -105,7 +105,7 @@ impl SimConfig {
             );
         }
         ensure!(
-            self.obstacle.is_empty() || self.contact.is_some(),
+            self.obstacle.is_empty() || self.contact().is_some(),
             "[[obstacle]] without [contact]: bodies would pass through it"
         );
         Ok(())
@@ -170,7 +170,7 @@ impl SimConfig {
                 probe.name()
             );
             ensure!(
-                self.contact.is_some() || !probe.kind().needs_contact,
+                self.contact().is_some() || !probe.kind().needs_contact,
                 "{}: {}: there are no forces between surfaces without [contact]",
                 probe.title(),
                 probe.kind().key

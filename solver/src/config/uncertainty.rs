@@ -99,7 +99,7 @@ impl UncertaintyConfig {
             "membrane: the scene has no [[membrane]]"
         );
         ensure!(
-            friction.is_none() || scene.contact.as_ref().is_some_and(|c| c.friction > 0.0),
+            friction.is_none() || scene.contact().is_some_and(|c| c.friction > 0.0),
             "friction: there is none in [contact]"
         );
         Ok(())

@@ -30,13 +30,26 @@ pub fn certify(
     x: &[Vec3],
     movable: impl Fn(usize) -> bool,
 ) -> Result<(), Intersection> {
+    match crossing_pairs(triangles, x, movable)[..] {
+        [] => Ok(()),
+        [(i, j), ..] => {
+            let surface = SurfaceMesh { vertices: x.to_vec(), triangles: triangles.to_vec() };
+            Err(Intersection { triangles: [i, j], place: place(&surface, i, j) })
+        }
+    }
+}
+
+/// All pairs of triangles that [`certify`] refuses.
+#[must_use]
+pub fn crossing_pairs(
+    triangles: &[[usize; 3]],
+    x: &[Vec3],
+    movable: impl Fn(usize) -> bool,
+) -> Vec<(usize, usize)> {
     let surface = SurfaceMesh { vertices: x.to_vec(), triangles: triangles.to_vec() };
     let moves = |t: usize| triangles[t].iter().any(|&v| movable(v));
-    let mut found = crossings::self_intersecting_pairs(&surface).into_iter();
-    match found.find(|&(i, j)| moves(i) || moves(j)) {
-        Some((i, j)) => Err(Intersection { triangles: [i, j], place: place(&surface, i, j) }),
-        None => Ok(()),
-    }
+    let found = crossings::self_intersecting_pairs(&surface).into_iter();
+    found.filter(|&(i, j)| moves(i) || moves(j)).collect()
 }
 
 /// Where an edge of one of two triangles meets the other.

@@ -47,7 +47,7 @@ impl Parameter {
             all.extend((0..scene.parts.len()).map(Self::Velocity));
         }
         all.extend((0..scene.membranes.len()).map(Self::Membrane));
-        let has_friction = scene.config.contact.as_ref().is_some_and(|c| c.friction > 0.0);
+        let has_friction = scene.config.contact().is_some_and(|c| c.friction > 0.0);
         all.extend(has_friction.then_some(Self::Friction));
         all
     }
@@ -112,7 +112,7 @@ impl Parameter {
             }
             Self::Friction => {
                 let friction = |s: &Scenario, _: usize| {
-                    vec![s.scene.config.contact.as_ref().map_or(0.0, |c| c.friction)]
+                    vec![s.scene.config.contact().map_or(0.0, |c| c.friction)]
                 };
                 relative(friction, 0, ParameterId::Friction)
             }
@@ -182,7 +182,7 @@ impl Perturbed<'_> {
             }
             Parameter::Friction => {
                 let mut scene = self.scene.clone();
-                scene.config.contact.iter_mut().for_each(|c| c.friction *= 1.0 + by[0]);
+                scene.config.contact_mut().into_iter().for_each(|c| c.friction *= 1.0 + by[0]);
                 scene
             }
             Parameter::Velocity(part) => {

@@ -284,7 +284,7 @@ fn advice(
     let pressures: Vec<f64> = pressures.map(|pressure| pressure.at(load)).collect();
     let pressed = pressures.iter().any(|pressure| *pressure > 0.0);
     let emptied =
-        scene.config.contact.is_none() && pressures.iter().any(|pressure| *pressure < 0.0);
+        scene.config.contact().is_none() && pressures.iter().any(|pressure| *pressure < 0.0);
     if emptied {
         advice.push(
             "add [contact]: without it the walls of a chamber under vacuum pass through each other"

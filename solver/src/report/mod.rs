@@ -4,6 +4,7 @@
 
 pub mod columns;
 pub mod compare;
+pub mod crossing;
 pub mod failure;
 pub mod fields;
 pub mod leap;

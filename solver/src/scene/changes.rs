@@ -101,7 +101,7 @@ impl Scene {
             scene.scale_membranes(None, *factor)?;
         }
         if let Some(factor) = friction {
-            let contact = scene.config.contact.as_mut().filter(|c| c.friction > 0.0);
+            let contact = scene.config.contact_mut().filter(|c| c.friction > 0.0);
             let Some(contact) = contact else {
                 anyhow::bail!("friction: there is none in [contact] of the scene");
             };

@@ -34,7 +34,7 @@ impl Scene {
         space: &FunctionSpace,
         fixed: &[bool],
     ) -> Result<Option<Collisions>> {
-        let Some(config) = &self.config.contact else { return Ok(None) };
+        let Some(config) = self.config.contact() else { return Ok(None) };
         let mut obstacles = Vec::new();
         for obstacle in &self.config.obstacle {
             let surface = mesh::io::read_surface_in_metres(&beside(&self.path, &obstacle.surface))?;

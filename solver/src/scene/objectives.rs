@@ -46,7 +46,7 @@ impl<'a> ObjectiveBuilder<'a> {
             let name = config.name();
             factors(config, scene).with_context(context)?;
             ensure!(
-                scene.config.contact.is_some() || !config.kind().needs_contact,
+                scene.config.contact().is_some() || !config.kind().needs_contact,
                 "{}: objective \"{name}\": {}: there are no forces between surfaces without \
                  [contact] in {}",
                 design.display(),

@@ -103,7 +103,7 @@ fn take_needed(schema: &mut Value) -> Value {
         .as_object()
         .into_iter()
         .flatten()
-        .filter_map(|(key, value)| Some((key.clone(), reference(value)?.to_owned())))
+        .filter_map(|(key, value)| Some((key.clone(), table_of(value, schema)?.to_owned())))
         .filter(|(_, place)| text.matches(&format!("\"#{place}\"")).count() == 1)
         .collect();
     let mut tables = Map::new();
@@ -117,6 +117,15 @@ fn take_needed(schema: &mut Value) -> Value {
         needed.insert("properties".into(), tables.into());
     }
     needed.into()
+}
+
+/// Where the table is defined that a value is, or is in one of its forms.
+fn table_of<'a>(value: &'a Value, root: &'a Value) -> Option<&'a str> {
+    let place = reference(value)?;
+    let forms = root.pointer(place)?["anyOf"].as_array();
+    let is_table = |place: &&str| root.pointer(place).is_some_and(|s| s["properties"].is_object());
+    let tables = || forms.into_iter().flatten().filter_map(reference).filter(is_table);
+    if tables().count() == 1 { tables().next() } else { Some(place) }
 }
 
 /// Where a schema says that it is defined, as a pointer.
@@ -145,6 +154,20 @@ mod tests {
             "properties": { "x": { "type": "number" } },
         });
         assert_eq!(schema, wanted);
+    }
+
+    #[test]
+    fn a_word_in_place_of_a_table_is_no_part() {
+        let schema = finish(json!({
+            "properties": { "contact": { "$ref": "#/definitions/Choice" } },
+            "definitions": {
+                "Choice": { "anyOf": [{ "const": "ignored" }, { "$ref": "#/definitions/Contact" }] },
+                "Contact": { "properties": { "friction": {} }, "required": ["stiffness"] },
+            },
+        }));
+        assert_eq!(schema["definitions"]["Contact"], json!({ "properties": { "friction": {} } }));
+        let needed = json!({ "properties": { "contact": { "required": ["stiffness"] } } });
+        assert_eq!(schema["else"], needed);
     }
 
     #[test]

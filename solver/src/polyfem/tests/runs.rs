@@ -120,7 +120,7 @@ fn the_form_of_an_optimisation_is_convergent() {
     let mut run = run();
     run["states"][0]["path"] = json!("plain.json");
     let (imported, config) = sound(&run);
-    assert_eq!(config.contact.expect("on").form, ContactForm::Convergent);
+    assert_eq!(config.contact().expect("on").form, ContactForm::Convergent);
     let notes = imported.scene.notes.join("\n");
     assert!(notes.contains("switches to it in an optimisation"), "{notes}");
 }

@@ -1,0 +1,83 @@
+//! `[contact]`: what happens where surfaces meet.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::contact::barrier::Form;
+
+/// Contact and friction, or that there shall be none.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ContactChoice {
+    /// Surfaces may pass through each other.
+    Ignored(Ignored),
+    /// A table.
+    Barrier(ContactConfig),
+}
+
+/// The word in place of a table.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ignored {
+    /// `"ignored"`.
+    Ignored,
+}
+
+/// Contact and friction.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ContactConfig {
+    /// Which sum over pairs of features.
+    #[serde(default)]
+    pub form: Form,
+    /// Distance below which surfaces repel each other, beyond `thickness` [m].
+    pub activation: f64,
+    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴].
+    pub stiffness: f64,
+    /// Distance that surfaces never fall below [m].
+    #[serde(default)]
+    pub thickness: f64,
+    /// Parts that each edge of the mesh is cut into on the collision surface;
+    /// the degree of the displacement if not given.
+    pub split: Option<usize>,
+    /// Coefficient of friction [1].
+    #[serde(default)]
+    pub friction: f64,
+    /// Sliding speed from which friction is full [m/s].
+    #[serde(default = "a_millimetre")]
+    pub friction_speed: f64,
+}
+
+fn a_millimetre() -> f64 {
+    1e-3
+}
+
+/// By hand, so that an unknown key of the table is named.
+impl<'de> Deserialize<'de> for ContactChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+        impl<'de> Visitor<'de> for Choice {
+            type Value = ContactChoice;
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("a table, or \"ignored\"")
+            }
+            fn visit_str<E: Error>(self, word: &str) -> Result<ContactChoice, E> {
+                match word {
+                    "ignored" => Ok(ContactChoice::Ignored(Ignored::Ignored)),
+                    _ => Err(E::custom(format!(
+                        "contact = {word:?}: expected a table, or \"ignored\""
+                    ))),
+                }
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactChoice, A::Error> {
+                ContactConfig::deserialize(MapAccessDeserializer::new(map))
+                    .map(ContactChoice::Barrier)
+            }
+        }
+        deserializer.deserialize_any(Choice)
+    }
+}

@@ -1,0 +1,66 @@
+//! Surfaces that have passed through each other in a scene without contact.
+
+use mesh::Vec3;
+use serde_json::{Value, json};
+
+use crate::contact::certificate::crossing_pairs;
+use crate::contact::surface::Surface;
+use crate::energy::Iterate;
+use crate::forward::Problem;
+use crate::scene::Scene;
+
+/// Pairs of triangles of the boundary, each facet cut as for contact, that intersect.
+pub struct Crossing {
+    /// How many there are.
+    pub pairs: usize,
+    /// A place of the first [m].
+    place: Vec3,
+    /// The bodies that it belongs to.
+    bodies: [String; 2],
+}
+
+impl Crossing {
+    /// At a state of a scene without contact; none where it has contact, or says that it is
+    /// ignored, or nothing intersects. Decided by exact predicates.
+    #[must_use]
+    pub fn find(scene: &Scene, problem: &Problem, at: &Iterate) -> Option<Self> {
+        if scene.config.contact.is_some() {
+            return None;
+        }
+        let body = &scene.body;
+        let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
+        let (space, fixed) = (at.space, problem.dirichlet.fixed());
+        let facets = (body.boundary(), &parts[..]);
+        let surface =
+            Surface::symmetric(&body.planes, space, facets, Vec::new(), space.degree(), fixed);
+        let x = surface.positions(space, at.rest, at.u, at.load);
+        let triangles = &surface.features().triangles;
+        let pairs = crossing_pairs(triangles, &x, |_| true);
+        let &(first, second) = pairs.first()?;
+        let names = scene.surface_names();
+        let name = |t: usize| names[surface.body(triangles[t][0])].to_owned();
+        let corners = triangles[first].map(|v| x[v]);
+        let place = corners.iter().sum::<Vec3>() / 3.0;
+        Some(Self { pairs: pairs.len(), place, bodies: [name(first), name(second)] })
+    }
+
+    /// What to say of it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let [a, b] = &self.bodies;
+        let p = self.place;
+        let whose = if a == b { format!("of \"{a}\"") } else { format!("of \"{a}\" and \"{b}\"") };
+        format!(
+            "{} pairs of triangles on the surfaces {whose} run through each other at the end, the first \
+             near ({:.5}, {:.5}, {:.5}) m: without contact nothing holds them apart\n  write [contact] \
+             with an activation and a stiffness, or contact = \"ignored\" if that may be",
+            self.pairs, p.x, p.y, p.z
+        )
+    }
+
+    /// For report.json.
+    #[must_use]
+    pub fn report(&self) -> Value {
+        json!({ "pairs": self.pairs, "bodies": self.bodies, "place": [self.place.x, self.place.y, self.place.z] })
+    }
+}
