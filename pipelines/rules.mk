@@ -272,6 +272,7 @@ TARGETS := terms.throat + terms.head stays + terms.body stays + terms.feet stay
 define figure
 build/frog/paper/pictures/cascade$(1).svg: build/frog/paper/optimize/report.json build/frog/paper/vertices/report.json | setup
 	$(BIN)/solver plot $$(^:report.json=history.jsonl) $(2) --y "objective,$(TARGETS),terms.smooth" --log \
+		--y-title "terms of the objective" \
 		--labels "cascade: total,cascade: targets,cascade: smoothness,all vertices: total,all vertices: targets,all vertices: smoothness" -o $$@
 
 build/frog/paper/report.html: build/frog/paper/pictures/cascade$(1).svg
