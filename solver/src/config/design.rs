@@ -100,6 +100,9 @@ pub struct ShapeConfig {
     /// How handles are spread over a tag.
     #[serde(default)]
     pub spread: Spread,
+    /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
+    #[serde(default)]
+    pub margin: f64,
     /// Levels from coarse to fine; some stand for several.
     pub level: Vec<LevelConfig>,
 }
@@ -244,6 +247,11 @@ impl DesignConfig {
             let on = shape.on.all();
             ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
+            ensure!(
+                shape.margin >= 0.0 && shape.margin.is_finite(),
+                "[shape] margin = {} m must not be negative",
+                shape.margin
+            );
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;

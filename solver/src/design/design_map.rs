@@ -47,7 +47,8 @@ impl DesignMap {
         for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
             let facets = body.facets(on)?;
             let Some(moves) = level.moves(on) else { continue };
-            let spread = design.shape.as_ref().map_or(Spread::default(), |shape| shape.spread);
+            let shape = design.shape.as_ref();
+            let spread = shape.map_or((Spread::default(), 0.0), |s| (s.spread, s.margin));
             patches.push(Patch::new(&rest, &facets, &body.planes, moves, spread)?);
             moving.extend(facets);
         }

@@ -30,7 +30,7 @@ use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::sampling::{TooManyHandles, open_rim, spread_points};
+use super::sampling::{TooManyHandles, held, spread_points};
 use crate::config::{HandleMotion, Spread};
 use crate::symmetry::Plane;
 
@@ -60,28 +60,28 @@ pub struct Handles {
 }
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
-/// `spread`, and computes their weights. Planes of symmetry may cut the patch.
+/// `spread`, and computes their weights. Planes of symmetry may cut the patch; within `margin` of
+/// its rim nothing moves [m].
 ///
 /// # Errors
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
 pub fn sample_handles(
     rest: &[Vec3],
-    patch: &[[usize; 3]],
-    planes: &[Plane],
+    (patch, planes, margin): (&[[usize; 3]], &[Plane], f64),
     count: usize,
     spread: Spread,
 ) -> Result<Handles, HandleError> {
     let (surface, vertices) = topology::submesh(rest, patch);
-    let rim = open_rim(&surface, &vertices, planes);
+    let rim = held(&surface, &vertices, planes, margin);
     let points = spread_points(&surface, &rim, count, spread)?;
     let along = Arc::new(bounded_biharmonic(&surface, &rim, &points)?);
     let mut weights = [0, 1, 2].map(|_| Arc::clone(&along));
     for plane in planes {
         let in_plane = (0..vertices.len()).filter(|&v| plane.contains(vertices[v]));
-        let mut held: Vec<usize> = in_plane.chain(rim.iter().copied()).collect();
-        held.sort_unstable();
-        held.dedup();
-        weights[plane.axis] = Arc::new(weights_across(&surface, &held, &points)?);
+        let mut stays: Vec<usize> = in_plane.chain(rim.iter().copied()).collect();
+        stays.sort_unstable();
+        stays.dedup();
+        weights[plane.axis] = Arc::new(weights_across(&surface, &stays, &points)?);
     }
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
@@ -254,7 +254,8 @@ mod tests {
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
         let handles =
-            sample_handles(&surface.vertices, &surface.triangles, &[], 5, Spread::RePick).unwrap();
+            sample_handles(&surface.vertices, (&surface.triangles, &[], 0.0), 5, Spread::RePick)
+                .unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -267,7 +268,7 @@ mod tests {
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
         let handles =
-            sample_handles(&ball.vertices, &ball.triangles, &[], 1, Spread::RePick).unwrap();
+            sample_handles(&ball.vertices, (&ball.triangles, &[], 0.0), 1, Spread::RePick).unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -288,7 +289,7 @@ mod tests {
     fn pull_back_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles = sample_handles(x, &surface.triangles, &[], 3, Spread::RePick).unwrap();
+        let handles = sample_handles(x, (&surface.triangles, &[], 0.0), 3, Spread::RePick).unwrap();
         check_pull_back(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);

@@ -3,7 +3,7 @@
 use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
-use super::sampling::open_rim;
+use super::sampling::held;
 use crate::config::{Moves, Spread};
 use crate::symmetry::Plane;
 
@@ -27,7 +27,7 @@ pub struct FreeVertices {
 
 impl Patch {
     /// A patch with handles, or with all vertices free, of a body that planes of symmetry
-    /// may cut.
+    /// may cut; within `margin` of its rim nothing moves [m].
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
@@ -36,14 +36,14 @@ impl Patch {
         facets: &[[usize; 3]],
         planes: &[Plane],
         moves: Moves,
-        spread: Spread,
+        (spread, margin): (Spread, f64),
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, planes, count, spread)?;
+            let handles = sample_handles(rest, (facets, planes, margin), count, spread)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         let (surface, ids) = topology::submesh(rest, facets);
-        let held = open_rim(&surface, &ids, planes);
+        let held = held(&surface, &ids, planes, margin);
         let free = (0..ids.len()).filter(|v| held.binary_search(v).is_err());
         let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
         let stays = |v: usize, k: usize| planes.iter().any(|p| p.axis == k && p.contains(v));
@@ -100,16 +100,39 @@ impl Patch {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::config::HandleMotion;
+    use crate::design::Geodesics;
     use crate::design::sampling::rim;
     use crate::math::random::Random;
     use crate::testing::{cap, check_gradient};
+
+    #[test]
+    fn nothing_moves_within_the_margin() {
+        let surface = cap(3);
+        let x = &surface.vertices;
+        let margin = 0.3;
+        let distances = Geodesics::new(&surface).distances(&rim(&surface));
+        for moves in [Moves::Vertices, Moves::Handles(4, HandleMotion::Rigid)] {
+            let facets = &surface.triangles;
+            let patch = Patch::new(x, facets, &[], moves, (Spread::RePick, margin)).unwrap();
+            let theta = Random::new(5).numbers(patch.variables());
+            let moved = patch.apply(&theta, x);
+            let way: Vec<f64> =
+                patch.vertices().iter().zip(&moved).map(|(&v, m)| (m - x[v]).norm()).collect();
+            let near = |&v: &usize| distances[v] < margin;
+            assert!(patch.vertices().iter().any(|v| !near(v)));
+            for (v, way) in patch.vertices().iter().zip(&way) {
+                assert_eq!(near(v), *way == 0.0, "{moves:?}: vertex {v} moves by {way}");
+            }
+        }
+    }
 
     #[test]
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
         let patch =
-            Patch::new(x, &surface.triangles, &[], Moves::Vertices, Spread::RePick).unwrap();
+            Patch::new(x, &surface.triangles, &[], Moves::Vertices, (Spread::RePick, 0.0)).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
