@@ -8,11 +8,9 @@
 //! alone. Corners of a body are like that, too, but high: what is lower than the envelope is none.
 //! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
-use std::collections::HashMap;
-
 use mesh::measure::{tet_volume, triangle_area};
 use mesh::topology::{TET_FACETS, boundary, edge_facets, pinched_vertices, submesh};
-use mesh::{TetMesh, Vec3};
+use mesh::{TetMesh, Vec3, first_at_place};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
 const MAX_VOLUME: f64 = 1e-4;
@@ -91,10 +89,7 @@ pub fn open_pinches(mesh: &mut TetMesh) -> usize {
 
 /// Makes one vertex of those at the same place; a tetrahedron with two corners in one goes.
 fn merge_equal(mesh: &mut TetMesh) {
-    let mut first = HashMap::new();
-    let bits = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-    let id: Vec<usize> =
-        mesh.vertices.iter().enumerate().map(|(v, p)| *first.entry(bits(p)).or_insert(v)).collect();
+    let id = first_at_place(&mesh.vertices);
     let mut tets: Vec<[usize; 4]> = mesh.tets.iter().map(|tet| tet.map(|v| id[v])).collect();
     tets.retain(|tet| (1..4).all(|i| !tet[..i].contains(&tet[i])));
     *mesh = without_unused_vertices(mesh, &tets);

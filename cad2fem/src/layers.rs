@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use mesh::check::run;
 use mesh::topology::TET_FACETS;
-use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, place_key};
 
 use crate::report::{findings, read_in};
 use crate::units::Unit;
@@ -49,11 +49,11 @@ impl Layers {
             return (all, 0);
         }
         let mut places: HashMap<[u64; 3], usize> =
-            boundary.vertices.iter().map(bits).zip(0..).collect();
+            boundary.vertices.iter().map(place_key).zip(0..).collect();
         for surface in &self.surfaces {
             let mut vertex = |v: usize| {
                 let p = surface.vertices[v];
-                *places.entry(bits(&p)).or_insert_with(|| {
+                *places.entry(place_key(&p)).or_insert_with(|| {
                     all.vertices.push(p);
                     all.vertices.len() - 1
                 })
@@ -70,13 +70,13 @@ impl Layers {
 /// that keeps to an envelope has others.
 #[must_use]
 pub fn exact_facets(layers: &Layers, mesh: &TetMesh) -> Option<BTreeSet<[usize; 3]>> {
-    let vertex: HashMap<[u64; 3], usize> = mesh.vertices.iter().map(bits).zip(0..).collect();
+    let vertex: HashMap<[u64; 3], usize> = mesh.vertices.iter().map(place_key).zip(0..).collect();
     let facets_of = |tet: &[usize; 4]| TET_FACETS.map(|facet| facet_key(facet.map(|c| tet[c])));
     let known: BTreeSet<[usize; 3]> = mesh.tets.iter().flat_map(facets_of).collect();
     let triangles =
         layers.surfaces.iter().flat_map(|s| (0..s.triangles.len()).map(|t| s.corners(t)));
     let facet = |corners: [Vec3; 3]| {
-        let [a, b, c] = corners.map(|p| vertex.get(&bits(&p)).copied());
+        let [a, b, c] = corners.map(|p| vertex.get(&place_key(&p)).copied());
         Some(facet_key([a?, b?, c?])).filter(|facet| known.contains(facet))
     };
     triangles.map(facet).collect()
@@ -122,12 +122,7 @@ fn new_triangles(
 
 /// A triangle by its places, in any order of its corners.
 fn key(surface: &SurfaceMesh, t: usize) -> [[u64; 3]; 3] {
-    let mut places = surface.corners(t).map(|p| bits(&p));
+    let mut places = surface.corners(t).map(|p| place_key(&p));
     places.sort_unstable();
     places
-}
-
-/// The bits of a position; adding zero makes −0 and 0 the same.
-fn bits(p: &Vec3) -> [u64; 3] {
-    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
 }

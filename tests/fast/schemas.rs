@@ -176,6 +176,25 @@ fn a_file_that_includes_others_may_be_a_part() {
     }
 }
 
+#[test]
+fn an_objective_has_a_weight_or_a_share() {
+    let kinds = kinds();
+    let design = kinds.iter().find(|kind| kind.prefix == "design").unwrap();
+    for (keys, valid) in
+        [("weight = 1", true), ("share = 1", true), ("weight = 1\nshare = 1", false), ("", false)]
+    {
+        let text = format!(
+            "scene = 'sim.toml'\n[shape]\non = 'a'\n[[shape.level]]\nhandles = 1\niterations = 1\n\
+             [[objective]]\nkind = 'smoothness'\nname = 'n'\non = 'a'\n{keys}\n"
+        );
+        let problem = problem(design, &toml::from_str(&text).unwrap());
+        assert_eq!(problem.is_none(), valid, "{keys}: {problem:?}");
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("design.toml"), text).unwrap();
+        assert_eq!((design.read)(&folder.path().join("design.toml")).is_ok(), valid, "{keys}");
+    }
+}
+
 /// A step into a value.
 #[derive(Clone, Debug)]
 enum Step {

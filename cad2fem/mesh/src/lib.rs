@@ -18,10 +18,12 @@ pub mod topology;
 pub mod walls;
 
 pub mod needles;
+mod places;
 mod surface;
 mod tags;
 mod tet;
 
+pub use places::{first_at_place, place_key};
 pub use surface::SurfaceMesh;
 pub use tags::{Tags, Volumes, facet_key};
 pub use tet::TetMesh;

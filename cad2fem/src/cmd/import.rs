@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     subtract: Vec<PathBuf>,
     /// Factor of all lengths
-    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = parse_positive)]
     scale: f64,
     /// Turn about an axis through the origin, such as x=90 [deg]; several follow each other
     #[arg(long, value_name = "AXIS=DEG", value_parser = parse_turn)]
@@ -44,20 +44,20 @@ pub struct Args {
     #[arg(long = "move", value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     shift: Option<Vec3>,
     /// Part patches at edges sharper than this [deg], such as 40
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", value_parser = parse_positive)]
     split: Option<f64>,
     /// Vertices at the rims of openings that are closer become one [m]; 1e-5 of the diagonal if not
     /// given
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
     weld: Option<f64>,
     /// How far the surface may move where it has to be remade [m]; 1e-3 of the diagonal if not given
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
     envelope: Option<f64>,
     /// Refuse a surface that only fTetWild can repair
     #[arg(long)]
     no_repair: bool,
     /// CAD: longest edge [m]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
     edge_length: Option<f64>,
     /// CAD: edges around a circle
     #[arg(long, value_name = "N", default_value_t = 32)]
@@ -73,7 +73,6 @@ pub struct Args {
 /// If a file cannot be read or repaired, its unit is not clear, or files cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    ensure!(args.scale > 0.0 && args.scale.is_finite(), "--scale {} must be positive", args.scale);
     let timeout = Duration::from_secs(args.timeout);
     let mut request = Request {
         files: args.files.clone(),
@@ -104,6 +103,12 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+fn parse_positive(text: &str) -> Result<f64> {
+    let number: f64 = text.parse()?;
+    ensure!(number > 0.0 && number.is_finite(), "{text} must be positive");
+    Ok(number)
+}
+
 /// Reads `x=90`.
 fn parse_turn(text: &str) -> Result<Matrix3<f64>> {
     let needed = "AXIS=DEG is needed, such as x=90";
@@ -123,9 +128,9 @@ fn parse_turn(text: &str) -> Result<Matrix3<f64>> {
 
 /// Reads `0.01,0,-0.02`.
 fn parse_point(text: &str) -> Result<Vec3> {
-    let numbers: Vec<f64> = text.split(',').flat_map(|x| x.trim().parse()).collect();
-    match numbers[..] {
-        [x, y, z] if numbers.iter().all(|x| x.is_finite()) => Ok(Vec3::new(x, y, z)),
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok(Vec3::new(x, y, z)),
         _ => bail!("three numbers with commas are needed, found {text:?}"),
     }
 }

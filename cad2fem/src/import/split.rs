@@ -93,12 +93,14 @@ mod tests {
         let mut patches = Patches::default();
         let patch = vec![patches.index("outer"); surface.triangles.len()];
         let body = Patched { surface, patch };
-        let parted = split(body.clone(), 40.0, &mut patches).unwrap();
+        let parted = split(body, 40.0, &mut patches).unwrap();
         let mut count = [0; 4];
         parted.patch.iter().for_each(|&p| count[p as usize] += 1);
         assert_eq!(count, [0, 128, 62, 62]); // outer, outer-1: the side, and the ends
         assert_eq!(patches.name(1), "outer-1");
-        let error = split(body, 1.0, &mut patches).err();
-        assert!(error.is_none(), "64 sides and two ends are not too many");
+        let surface = Solid::cylinder(&Vec3::zeros(), &Vec3::z(), 1.0, 1.0, 400).to_surface();
+        let patch = vec![patches.index("round"); surface.triangles.len()];
+        let error = split(Patched { surface, patch }, 0.5, &mut patches).unwrap_err().to_string();
+        assert!(error.contains("makes 402 patches"), "{error}");
     }
 }

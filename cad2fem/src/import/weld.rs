@@ -25,7 +25,7 @@ pub struct Welded {
 /// one repeats; of two that face each other neither bounds anything.
 pub fn weld(body: &mut Patched, reach: f64) -> Welded {
     let given = body.patch.len();
-    let same: Vec<usize> = equal(&body.surface.vertices);
+    let same = mesh::first_at_place(&body.surface.vertices);
     merge(body, &same);
     let mut welded = Welded::default();
     let open = boundary_edges(&body.surface.triangles);
@@ -41,13 +41,6 @@ pub fn weld(body: &mut Patched, reach: f64) -> Welded {
     welded.open_after = boundary_edges(&body.surface.triangles).len();
     welded.triangles = given - body.patch.len();
     welded
-}
-
-/// For each vertex the first at its place.
-fn equal(vertices: &[Vec3]) -> Vec<usize> {
-    let mut first: HashMap<[u64; 3], usize> = HashMap::with_capacity(vertices.len());
-    let bits = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-    vertices.iter().enumerate().map(|(v, p)| *first.entry(bits(p)).or_insert(v)).collect()
 }
 
 /// For each vertex itself, or of those in `rim` the nearest earlier one within `reach`.

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Only the final state, no file per step
     #[arg(long)]
     final_only: bool,
-    /// Do not prove of every step that no surfaces intersect
+    /// Do not prove that no surfaces intersect: of every step with contact, of the last without
     #[arg(long)]
     no_certify: bool,
     /// Forget an interrupted run in the folder

@@ -23,7 +23,7 @@ pub enum ContactChoice {
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ignored {
-    /// `"ignored"`.
+    /// Surfaces may pass through each other.
     Ignored,
 }
 

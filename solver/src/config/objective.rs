@@ -11,6 +11,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::json;
 use toml::Table;
 
 use crate::objective::{Builder, COMMON_KEYS, KINDS, Kind, Specification, TimeIntegral};
@@ -166,6 +167,10 @@ impl JsonSchema for ObjectiveConfig {
                 (key, value, key == "name")
             });
             add_keys(&mut schema, &meanings);
+            let needs = |key: &str| json!({ "required": [key] });
+            schema.insert("if".into(), needs("share"));
+            schema.insert("then".into(), json!({ "not": needs("weight") }));
+            schema.insert("else".into(), needs("weight"));
             schema
         }))
     }

@@ -21,10 +21,10 @@ pub struct Crossing {
 
 impl Crossing {
     /// At a state of a scene without contact; none where it has contact, or says that it is
-    /// ignored, or nothing intersects. Decided by exact predicates.
+    /// ignored, or nothing is to be proved, or nothing intersects. Decided by exact predicates.
     #[must_use]
     pub fn find(scene: &Scene, problem: &Problem, at: &Iterate) -> Option<Self> {
-        if scene.config.contact.is_some() {
+        if scene.config.contact.is_some() || !scene.certify {
             return None;
         }
         let body = &scene.body;

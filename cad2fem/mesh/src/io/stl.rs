@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use super::Parsed;
 use super::bytes::Cursor;
 use crate::measure::triangle_normal;
-use crate::{SurfaceMesh, Vec3};
+use crate::{SurfaceMesh, Vec3, place_key};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
@@ -127,8 +127,7 @@ impl Weld {
     }
 
     fn vertex(&mut self, corner: Vec3) -> usize {
-        // Adding zero turns -0 into +0, which is the same place.
-        let key = [corner.x, corner.y, corner.z].map(|x| (x + 0.0).to_bits());
+        let key = place_key(&corner);
         let vertices = &mut self.surface.vertices;
         *self.ids.entry(key).or_insert_with(|| {
             vertices.push(corner);
