@@ -145,6 +145,8 @@ fn a_torn_surface_is_welded_and_a_broken_one_is_remade() {
     dir.run(&["import", "open.stl", "-o", "never", "--no-repair"]).fails(1, "single triangle");
     dir.run(&["import", "open.stl", "-o", "never", "--unit", "mm", "--scale", "0"])
         .fails(2, "must be positive");
+    dir.run(&["import", "open.stl", "-o", "never", "--unit", "mm", "--move", "1,oops,2,3"])
+        .fails(2, "three numbers with commas");
     let flat = SurfaceMesh { triangles: open.triangles[..1].to_vec(), ..open.clone() };
     write_surface(&dir.path("flat.stl"), &flat).unwrap();
     dir.run(&["import", "flat.stl", "--unit", "mm", "-o", "never"]).fails(1, "which is no body");
