@@ -157,3 +157,32 @@ fn lowered(stubs: &Solid, floor: &Solid, least: f64) -> f64 {
     }
     high
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::config::Config;
+    use crate::mold::features::core::Print;
+
+    /// The thinnest stub of which the mold says that it fits one way only stands proud when it is turned.
+    #[test]
+    fn the_thinnest_stub_that_keeps_from_turning_does() {
+        let config = Config::default();
+        let away = Solid::cube(&Vec3::repeat(1.0), &Vec3::repeat(2.0));
+        let print =
+            |inlet: f64| Print::new(Vec3::zeros(), inlet, -8e-3, &away, None, &config).unwrap();
+        let inlets = (1200..3000).map(|k| 1e-6 * f64::from(k));
+        let thinnest = inlets.map(print).find(Print::keeps_from_turning).unwrap();
+        let millimetres = Matrix3x4::from_partial_diagonal(&[1e3; 3]);
+        let solid = |solid: Solid| solid.transform(&millimetres);
+        let socket = solid(thinnest.socket_solid());
+        let around = Solid::cube(&Vec3::new(-9.0, -9.0, -8.0), &Vec3::new(9.0, 9.0, 0.0));
+        let below = |solid: Solid| solid.trim_by_plane(&-Vec3::z(), 0.0);
+        let sockets = vec![(Vec3::new(0.0, 0.0, -8.0), 1e3 * config.stub_clearance())];
+        let stub = below(solid(thinnest.stub_solid()));
+        let stubs = Stubs { name: "core", solid: stub, sockets };
+        let proud = stubs.proud(&stubs, &around.difference(&socket), 8.0);
+        assert!(proud >= SEEN, "{proud} mm with a stub of {:e} m", thinnest.stub.base_radius);
+    }
+}

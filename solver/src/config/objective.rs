@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 use program::schema::{add_keys, one_of};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
@@ -93,12 +93,10 @@ impl ObjectiveConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn check(&self) -> Result<()> {
-        let Common { name, weight, share, .. } = &self.common;
-        let own = format!("objective \"{name}\"");
-        let (key, value) = match (weight, share) {
-            (Some(weight), None) => ("weight", *weight),
-            (None, Some(share)) => ("share", *share),
-            _ => bail!("{own}: expected one of weight = ... and share = ..."),
+        let own = format!("objective \"{}\"", self.name());
+        let (key, value) = match self.weight() {
+            Weight::Factor(weight) => ("weight", weight),
+            Weight::Share(share) => ("share", share),
         };
         ensure!(value.is_finite(), "{own}: {key} = {value}: must be a finite number");
         ensure!(
@@ -108,7 +106,7 @@ impl ObjectiveConfig {
             maximised()
         );
         ensure!(
-            share.is_none_or(|share| share != 0.0 && share.abs() <= 1.0),
+            key == "weight" || value != 0.0 && value.abs() <= 1.0,
             "{own}: {key} = {value}: must be a part of the objective, up to 1"
         );
         self.own.check().map_err(|what| anyhow::anyhow!("{own}: {what}"))
@@ -120,7 +118,12 @@ impl ObjectiveConfig {
         let is_common = |key: &String| COMMON_KEYS.iter().any(|(common, _)| common == key);
         let (common, own): (Table, Table) = keys.into_iter().partition(|(key, _)| is_common(key));
         let (own, keys) = kind.read(own)?;
-        Ok(Self { common: common.try_into()?, kind, own, keys })
+        let common: Common = common.try_into()?;
+        ensure!(
+            common.weight.is_some() != common.share.is_some(),
+            "expected one of weight = ... and share = ..."
+        );
+        Ok(Self { common, kind, own, keys })
     }
 }
 
