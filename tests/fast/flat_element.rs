@@ -1,11 +1,12 @@
-//! One element that is nearly flat does not end a level: the interior is re-meshed.
+//! Elements that are nearly flat do not end a level: the interior is re-meshed, and the surface that
+//! moves where they lie along it.
 
 use mesh::Vec3;
 use mesh::io::write_tets;
 use serde_json::Value;
 use solver::body::Body;
 use tests::chamber::{DESIGN, SIM, workdir};
-use tests::workdir::Workdir;
+use tests::workdir::{Run, Workdir};
 use tests::{block, tag};
 
 /// 60 × 60 × 60 mm with a chamber of 40 × 20 × 20 mm, open at x = 0. An inner vertex lies 20 µm
@@ -42,9 +43,30 @@ fn body_with_a_flat_element() -> Body {
     body
 }
 
-fn folder() -> Workdir {
+/// The same body without it, where the vertices of the chamber's wall at x = 20 mm lie 0.4 mm from
+/// those at 10 mm: a ring of needles.
+fn body_with_needles() -> Body {
+    let middle = |i: usize| i == 2 || i == 3;
+    let squeezed = |p: Vec3| {
+        let depth = p.y.min(0.06 - p.y).min(p.z).min(0.06 - p.z);
+        let at_ring = f64::from((p.x - 0.02).abs() < 1e-6);
+        p - Vec3::x() * 0.0096 * at_ring * (depth / 0.02).clamp(0.0, 1.0)
+    };
+    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), squeezed);
+    let inner = |x: f64| x > 0.019 && x < 0.041;
+    tag(
+        mesh,
+        &[
+            ("seat", &|p| p.x < 1e-6),
+            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+            ("top", &|p| p.z > 0.06 - 1e-6),
+            ("skin", &|_| true),
+        ],
+    )
+}
+
+fn folder(body: &Body) -> Workdir {
     let dir = workdir();
-    let body = body_with_a_flat_element();
     assert_eq!(mesh::check::check_tets(&body.mesh).len(), 0, "nothing is inverted");
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
     dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
@@ -58,7 +80,7 @@ fn folder() -> Workdir {
 
 #[test]
 fn a_flat_element_is_meshed_away_and_the_level_goes_on() {
-    let dir = folder();
+    let dir = folder(&body_with_a_flat_element());
     let run = dir.solver("optimize design.toml -o out");
     run.assert_good();
     eprintln!("{}", run.stderr);
@@ -82,4 +104,72 @@ fn a_flat_element_is_meshed_away_and_the_level_goes_on() {
             .fold(f64::INFINITY, f64::min)
     };
     assert!(volume("out/remeshed-1-2.msh") > 20.0 * volume("body.msh"));
+}
+
+/// Facets of a tag and their area [m²].
+fn tagged(dir: &Workdir, file: &str, name: &str) -> (usize, f64) {
+    let file = mesh::io::read_tets(&dir.path(file)).unwrap();
+    let facets = file.tags.facets_of(file.tags.id(name).unwrap());
+    let corners = facets.iter().map(|f| f.map(|v| file.mesh.vertices[v]));
+    (facets.len(), corners.map(|[a, b, c]| mesh::measure::triangle_area(a, b, c)).sum())
+}
+
+#[test]
+fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
+    let dir = folder(&body_with_needles());
+    let design = dir.text("design.toml");
+    let level = "[[shape.level]]\nvertices = true\niterations = 4\n";
+    let two = format!("{}{}", level.replace('4', "1"), level.replace('4', "2"));
+    dir.write("design.toml", &design.replace(level, &two));
+    let kept = two.replacen("[[shape", "surface_tolerance = 0\n\n[[shape", 1);
+    dir.write("kept.toml", &design.replace(level, &kept));
+
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("re-meshed the surface: "), "{}", run.stderr);
+    let [before, after] = ["level-1", "level-2"].map(|at| format!("out/{at}.msh"));
+    let (many, area) = tagged(&dir, &before, "cavity");
+    let (fewer, new) = tagged(&dir, &after, "cavity");
+    assert!(fewer < many, "{fewer} of {many} facets");
+    assert!((new / area - 1.0).abs() < 0.02, "{new} of {area} m²");
+    for name in ["seat", "top", "skin"] {
+        let (old, new) = (tagged(&dir, &before, name), tagged(&dir, &after, name));
+        assert_eq!(old.0, new.0, "{name}");
+        assert!((old.1 / new.1 - 1.0).abs() < 1e-12, "{name}");
+    }
+    let objectives = |folder: &str| -> Vec<f64> {
+        let lines = dir.text(&format!("{folder}/history.jsonl"));
+        let line = |l: &str| serde_json::from_str::<Value>(l).unwrap()["objective"].as_f64();
+        lines.lines().map(|l| line(l).unwrap()).collect()
+    };
+    let with = objectives("out");
+    // 0.05 mean edges are 0.4 mm of a wall of 20 mm
+    assert!((with[2] / with[1] - 1.0).abs() < 0.1, "the same shape on another mesh: {with:?}");
+    assert_eq!(with.len(), 5);
+
+    let run = dir.solver("optimize kept.toml -o kept");
+    run.assert_good();
+    assert!(!run.stderr.contains("re-meshed the surface"), "{}", run.stderr);
+    let without = objectives("kept");
+    println!("{with:?} {without:?}");
+    assert!(with[4] < without[4], "{with:?} {without:?}");
+    dir.write("bad.toml", &dir.text("kept.toml").replace("tolerance = 0", "tolerance = -1e-4"));
+    let run = dir.solver("optimize bad.toml -o bad");
+    run.assert_refused(2, &["bad.toml", "surface_tolerance = -0.0001 m must not be negative"]);
+}
+
+fn cad2fem(dir: &Workdir, arguments: &str) -> Run {
+    dir.command_of("cad2fem", arguments).output().unwrap().into()
+}
+
+#[test]
+fn a_surface_is_remeshed_by_a_program_alone() {
+    let dir = folder(&body_with_needles());
+    let run = cad2fem(&dir, "remesh body.msh --surface cavity --tolerance 1e-3 -o better.msh");
+    run.assert_good();
+    assert!(run.stderr.contains("1.0000 mm allowed"), "{}", run.stderr);
+    assert!(tagged(&dir, "better.msh", "cavity").0 < tagged(&dir, "body.msh", "cavity").0);
+    assert_eq!(tagged(&dir, "better.msh", "skin").0, tagged(&dir, "body.msh", "skin").0);
+    let run = cad2fem(&dir, "remesh body.msh --surface hole -o none.msh");
+    run.assert_refused(2, &["body.msh: no tag `hole`; the mesh has: seat, cavity, top, skin"]);
 }

@@ -1,17 +1,19 @@
-//! `cad2fem remesh`: better tetrahedra inside, the surface untouched.
+//! `cad2fem remesh`: better tetrahedra inside, the surface untouched or changed within a tolerance.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::check::check_tets;
-use mesh::improve::improve_around;
-use mesh::io::{read_tets, write_tets};
-use mesh::measure::Quality;
+use mesh::improve::{ImproveReport, improve_around, improve_with_surface};
+use mesh::io::{MshFile, read_tets, write_tets};
+use mesh::measure::{Quality, mean_edge};
+use mesh::topology::boundary;
 
 use crate::report::findings;
 
-/// Boundary vertices and facets, those inside with a tag, and tags stay as they are, bit for bit
+/// Boundary vertices and facets, those inside with a tag, and tags stay as they are, bit for bit, but
+/// for the parts of the surface that --surface names
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Tetrahedral mesh (.msh)
@@ -22,7 +24,17 @@ pub struct Args {
     /// Passes over the mesh
     #[arg(long, value_name = "N", default_value_t = 10)]
     passes: usize,
+    /// Tag whose facets may change where tetrahedra at them are poor; again for each. Its rim stays
+    #[arg(long, value_name = "TAG")]
+    surface: Vec<String>,
+    /// How far from where it is that surface may be afterwards [m]; a twentieth of its mean edge if
+    /// not given
+    #[arg(long, value_name = "M", requires = "surface")]
+    tolerance: Option<f64>,
 }
+
+/// How far a surface may move, in its mean edges, unless the user says.
+const TOLERANCE: f64 = 0.05;
 
 /// Runs the verb.
 ///
@@ -41,13 +53,60 @@ pub fn run(args: &Args) -> Result<()> {
         args.mesh.display(),
         file.tags.volumes.names.join(", ")
     );
-    let tagged: BTreeSet<[usize; 3]> = file.tags.facets.keys().copied().collect();
-    let report = improve_around(&mut file.mesh, &tagged, args.passes);
+    let report = match args.surface.is_empty() {
+        true => {
+            let tagged: BTreeSet<[usize; 3]> = file.tags.facets.keys().copied().collect();
+            improve_around(&mut file.mesh, &tagged, args.passes)
+        }
+        false => with_surface(&mut file, args)?,
+    };
     log_quality("before", &report.before);
     log_quality("after", &report.after);
     log::info!("{} moves, {} flips", report.moved, report.flips);
     write_tets(&args.output, &file.mesh, &file.tags)
         .with_context(|| format!("improving {}", args.mesh.display()))
+}
+
+/// Improves the mesh and the surface of the tags that are named.
+fn with_surface(file: &mut MshFile, args: &Args) -> Result<ImproveReport> {
+    let skin = boundary(&file.mesh).facets;
+    let inside =
+        file.tags.facets.len() - skin.iter().filter(|f| file.tags.get(**f).is_some()).count();
+    ensure!(
+        inside == 0,
+        "{}: {inside} facets with a tag lie inside the body; --surface is for bodies without",
+        args.mesh.display()
+    );
+    let mut ids = Vec::new();
+    for name in &args.surface {
+        let id = file.tags.id(name).with_context(|| {
+            format!(
+                "{}: no tag `{name}`; the mesh has: {}",
+                args.mesh.display(),
+                file.tags.names.join(", ")
+            )
+        })?;
+        ids.push(id);
+    }
+    let named = |f: &[usize; 3]| file.tags.get(*f).is_some_and(|id| ids.contains(&id));
+    let moving: Vec<[usize; 3]> = skin.into_iter().filter(named).collect();
+    ensure!(!moving.is_empty(), "{}: no facet has the tag", args.mesh.display());
+    let edge = mean_edge(&file.mesh.vertices, &moving);
+    let tolerance = args.tolerance.unwrap_or(TOLERANCE * edge);
+    ensure!(tolerance > 0.0, "--tolerance {tolerance} m must be positive");
+    let (mesh, tags) = (&mut file.mesh, &mut file.tags);
+    let (interior, surface) = improve_with_surface(mesh, tags, &moving, tolerance, args.passes);
+    log::info!(
+        "surface: {} edges exchanged, {} contracted, {} split, {} vertices moved; at most {:.4} mm from \
+         where it was, {:.4} mm allowed",
+        surface.flips,
+        surface.collapses,
+        surface.splits,
+        surface.moved,
+        1e3 * surface.distance,
+        1e3 * tolerance
+    );
+    Ok(interior)
 }
 
 fn log_quality(when: &str, q: &Quality) {

@@ -103,6 +103,9 @@ pub struct ShapeConfig {
     /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
     #[serde(default)]
     pub margin: f64,
+    /// How far from where it is the surface that moves may be re-meshed, where elements at it are
+    /// poor; 0: it keeps its vertices; by default a twentieth of its mean edge [m].
+    pub surface_tolerance: Option<f64>,
     /// Levels from coarse to fine; some stand for several.
     pub level: Vec<LevelConfig>,
 }
@@ -251,6 +254,11 @@ impl DesignConfig {
                 shape.margin >= 0.0 && shape.margin.is_finite(),
                 "[shape] margin = {} m must not be negative",
                 shape.margin
+            );
+            let tolerance = shape.surface_tolerance.unwrap_or(0.0);
+            ensure!(
+                tolerance >= 0.0 && tolerance.is_finite(),
+                "[shape] surface_tolerance = {tolerance} m must not be negative"
             );
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }

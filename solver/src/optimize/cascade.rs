@@ -1,4 +1,4 @@
-//! The cascade: levels with more and more handles, the interior re-meshed in
+//! The cascade: levels with more and more handles, the body re-meshed in
 //! between, every accepted iteration on disk.
 //!
 //! Source: Gjoka et al. 2024, section 4.5; L-BFGS: Nocedal and Wright,
@@ -32,7 +32,7 @@ const MEMORY: usize = 6;
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.
 const HALVINGS: usize = 10;
-/// Trials that flat elements may cost in an iteration before the interior is re-meshed.
+/// Trials that flat elements may cost in an iteration before the body is re-meshed.
 const FLAT_TRIALS: usize = 2;
 
 /// An optimisation in a folder.
@@ -133,7 +133,10 @@ impl Cascade<'_> {
             // a level without iterations tells what the same mesh does at another fidelity
             let body = match settings.iterations {
                 0 => shape,
-                _ => remesh(&shape, level.map().moving())?,
+                _ => {
+                    let tolerance = self.design.shape.as_ref().and_then(|s| s.surface_tolerance);
+                    remesh(&shape, level.map().moving(), tolerance)?
+                }
             };
             let degree = settings.degree.unwrap_or(self.scene.config.degree);
             let start = level.carry(&evaluation, &body, degree);
@@ -306,13 +309,15 @@ impl Cascade<'_> {
                 Ok((gradient, evaluation)) => {
                     let motion = level.map().motion(&checkpoint.theta, &theta);
                     let gradient_s = clock.elapsed().as_secs_f64();
+                    // a step as long as the first of a level is not held back
+                    let short = motion < optimizer.first_step * level.map().mean_edge();
                     return Ok(Ok(Step {
                         theta,
                         evaluation,
                         gradient,
                         motion,
                         trials,
-                        flat: flat >= FLAT_TRIALS,
+                        flat: short && flat >= FLAT_TRIALS,
                         forward_s,
                         gradient_s,
                     }));

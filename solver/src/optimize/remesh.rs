@@ -1,8 +1,10 @@
-//! Meshes of a cascade: on disk before they are used, and the interior made anew.
+//! Meshes of a cascade: on disk before they are used, and elements made better.
 
 use std::path::PathBuf;
 
 use anyhow::Result;
+use mesh::improve::{SurfaceReport, improve_interior, improve_with_surface};
+use mesh::measure::mean_edge;
 
 use super::Cascade;
 use super::checkpoint::Checkpoint;
@@ -10,6 +12,8 @@ use crate::body::{Body, Part};
 
 /// Passes of the interior re-meshing.
 const REMESH_PASSES: usize = 10;
+/// How far the surface may move when it is re-meshed, in mean edges, unless a design says.
+const TOLERANCE: f64 = 0.05;
 
 impl Cascade<'_> {
     /// The mesh that a level began with, or that its iteration `meshed_at` made.
@@ -49,12 +53,16 @@ pub fn mesh_file(what: &str, body: Option<&str>) -> String {
     body.map_or_else(|| format!("{what}.msh"), |name| format!("{what}.{name}.msh"))
 }
 
-/// Improves the interior of the bodies that have moving facets; boundary vertices and
-/// tags stay as they are. Where facets inside a body have tags, its interior stays, too.
-pub(super) fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
+/// Improves the bodies that have facets `moving`: their interior, and those facets within a
+/// `tolerance` [m] of where they are, [`TOLERANCE`] of their mean edge by default. Tags keep their
+/// rims. Where facets inside a body have tags, it stays as it is.
+pub(super) fn remesh(body: &Body, moving: &[[usize; 3]], tolerance: Option<f64>) -> Result<Body> {
+    let tolerance = tolerance.unwrap_or_else(|| TOLERANCE * mean_edge(&body.mesh.vertices, moving));
     let mut bodies = body.separate();
-    for (part, (_, mesh, _)) in body.parts.iter().zip(&mut bodies) {
-        if !moving.iter().any(|facet| part.vertices.contains(&facet[0])) {
+    for (part, (_, mesh, tags)) in body.parts.iter().zip(&mut bodies) {
+        let own = moving.iter().filter(|facet| part.vertices.contains(&facet[0]));
+        let own: Vec<_> = own.map(|f| f.map(|v| v - part.vertices.start)).collect();
+        if own.is_empty() {
             continue;
         }
         if body.has_tags_inside(part) {
@@ -63,15 +71,29 @@ pub(super) fn remesh(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
             );
             continue;
         }
-        let report = mesh::improve::improve_interior(mesh, REMESH_PASSES);
+        let (interior, surface) = match tolerance {
+            0.0 => (improve_interior(mesh, REMESH_PASSES), SurfaceReport::default()),
+            _ => improve_with_surface(mesh, tags, &own, tolerance, REMESH_PASSES),
+        };
         log::info!(
             "re-meshed the interior: radius ratio min {:.3} -> {:.3}, first percentile {:.3} -> \
              {:.3}",
-            report.before.radius_ratio_min,
-            report.after.radius_ratio_min,
-            report.before.radius_ratio_p1,
-            report.after.radius_ratio_p1
+            interior.before.radius_ratio_min,
+            interior.after.radius_ratio_min,
+            interior.before.radius_ratio_p1,
+            interior.after.radius_ratio_p1
         );
+        if surface.changed() {
+            log::info!(
+                "re-meshed the surface: {} edges exchanged, {} contracted, {} split, {} vertices \
+                 moved; at most {:.3} mm from where it was",
+                surface.flips,
+                surface.collapses,
+                surface.splits,
+                surface.moved,
+                1e3 * surface.distance
+            );
+        }
     }
     Body::join(bodies).cut_by(&body.cuts())
 }

@@ -67,6 +67,30 @@ impl Complex {
         TetMesh { vertices: self.points, tets }
     }
 
+    /// The mesh without what has been removed, the boundary renumbered as well, and the new
+    /// number of each vertex that is left.
+    pub fn into_compact_mesh(mut self) -> (TetMesh, Vec<Option<usize>>) {
+        let mut points = Vec::new();
+        let mut number = vec![None; self.points.len()];
+        for v in (0..self.points.len()).filter(|&v| !self.stars[v].is_empty()) {
+            number[v] = Some(points.len());
+            points.push(self.points[v]);
+        }
+        self.tets.retain(|&tet| tet != REMOVED);
+        let new = |v: usize| number[v].expect("a vertex of a tetrahedron");
+        let tets = self.tets.iter().map(|tet| tet.map(new)).collect();
+        (TetMesh { vertices: points, tets }, number)
+    }
+
+    /// A new vertex on the boundary, without tetrahedra so far.
+    pub fn add_boundary_vertex(&mut self, point: Vec3) -> usize {
+        self.points.push(point);
+        self.frozen.push(true);
+        self.stars.push(Vec::new());
+        self.changed.push(self.changes);
+        self.points.len() - 1
+    }
+
     /// The present time, counted in changes.
     pub fn now(&self) -> usize {
         self.changes
@@ -191,7 +215,7 @@ impl Complex {
 
     /// Whether an edge or a facet of `new` that `old` does not have exists already.
     /// That cannot be as long as all tetrahedra are positive.
-    fn repeats(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
+    pub fn repeats(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
         let old: Vec<[usize; 4]> = old.iter().map(|&t| self.tets[t]).collect();
         let is_old = |part: &[usize]| old.iter().any(|tet| part.iter().all(|v| tet.contains(v)));
         let exists = |part: &[usize]| {
@@ -205,7 +229,8 @@ impl Complex {
         })
     }
 
-    fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
+    /// Replaces the tetrahedra `old` by `new`, whatever their shapes.
+    pub fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
         self.changes += 1;
         for &t in old {
             for v in self.tets[t] {
@@ -219,7 +244,7 @@ impl Complex {
         }
     }
 
-    /// Moves an interior vertex.
+    /// Moves a vertex.
     pub fn move_vertex(&mut self, v: usize, point: Vec3) {
         self.points[v] = point;
         self.changes += 1;

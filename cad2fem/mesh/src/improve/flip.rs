@@ -57,14 +57,46 @@ fn remove_edge(complex: &mut Complex, a: usize, b: usize) -> bool {
 fn ring(complex: &Complex, star: &[usize], a: usize, b: usize) -> Option<Vec<usize>> {
     let sides: Vec<[usize; 2]> =
         star.iter().filter_map(|&t| complex.tet(t)).map(|tet| opposite_edge(tet, a, b)).collect();
-    let mut ring = vec![sides.first()?[0]];
-    for _ in 1..sides.len() {
-        let last = *ring.last()?;
-        let [_, next] = *sides.iter().find(|side| side[0] == last)?;
-        ring.push(next);
-    }
+    let ring = chain(&sides, sides.first()?[0], sides.len())?;
     let closing = [*ring.last()?, ring[0]];
     (ring.len() >= 3 && sides.contains(&closing)).then_some(ring)
+}
+
+/// The first `count` vertices of the chain of `sides` that begins with `start`.
+fn chain(sides: &[[usize; 2]], start: usize, count: usize) -> Option<Vec<usize>> {
+    let mut chain = vec![start];
+    while chain.len() < count {
+        let last = *chain.last()?;
+        let [_, next] = *sides.iter().find(|side| side[0] == last)?;
+        chain.push(next);
+    }
+    Some(chain)
+}
+
+/// What takes the place of the tetrahedra `star` about the boundary edge ab, in whose facets c
+/// and d are opposite it, once it is exchanged for cd: nothing where there is only one. None if
+/// that is no exchange.
+pub(super) fn without_boundary_edge(
+    complex: &Complex,
+    star: &[usize],
+    [a, b]: [usize; 2],
+    [c, d]: [usize; 2],
+) -> Option<Vec<[usize; 4]>> {
+    if star.len() > RING {
+        return None;
+    }
+    let sides: Vec<[usize; 2]> =
+        star.iter().filter_map(|&t| complex.tet(t)).map(|tet| opposite_edge(tet, a, b)).collect();
+    let (start, end) = if sides.iter().any(|side| side[0] == c) { (c, d) } else { (d, c) };
+    let chain = chain(&sides, start, sides.len() + 1)?;
+    if chain.last() != Some(&end) {
+        return None;
+    }
+    let polygons = match chain.len() {
+        2 => Vec::new(),
+        _ => best_triangulation(complex, &chain, a, b),
+    };
+    Some(polygons.into_iter().flat_map(|[i, k, j]| [[i, k, j, b], [i, j, k, a]]).collect())
 }
 
 /// The other two vertices (c, d) of a tetrahedron on the edge ab, ordered so that

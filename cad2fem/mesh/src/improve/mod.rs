@@ -13,6 +13,7 @@ mod resample;
 mod shape;
 mod slit;
 mod smooth;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ use crate::measure::{Quality, quality};
 use complex::Complex;
 use serde::Serialize;
 pub use slit::improve_around;
+pub use surface::{SurfaceReport, improve_with_surface};
 
 /// Tetrahedra below this shape have their edges and facets exchanged; the shape of
 /// a regular one is 1.

@@ -30,7 +30,7 @@ pub(super) fn contract(complex: &mut Complex, limit: f64) -> usize {
 }
 
 /// The tetrahedra about `v` once it has been moved onto its neighbour `w`.
-fn contracted(complex: &Complex, v: usize, w: usize) -> Vec<[usize; 4]> {
+pub(super) fn contracted(complex: &Complex, v: usize, w: usize) -> Vec<[usize; 4]> {
     let link = complex.link(v).into_iter();
     link.filter(|facet| !facet.contains(&w)).map(|[a, b, c]| [a, b, c, w]).collect()
 }

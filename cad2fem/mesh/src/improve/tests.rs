@@ -13,7 +13,7 @@ use std::path::Path;
 /// A box of ±30 mm with a ball of 15 mm cut out of it: `n` × `n` squares on each
 /// side of the box, joined to the ball by `layers` layers of prisms, each of three
 /// tetrahedra. The vertices of the ball come first, then those of the box.
-fn hollow_box(n: usize, layers: usize) -> (TetMesh, usize) {
+pub(super) fn hollow_box(n: usize, layers: usize) -> (TetMesh, usize) {
     let (points, triangles) = cube_surface(n);
     let mut mesh = TetMesh::default();
     // From the ball outward the layers have the numbers 0, 2, 3, ..., 1.
@@ -81,7 +81,7 @@ fn cube_surface(n: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
 
 /// Displaces the first `cavity` vertices by `map` − 1 about the origin, the box not
 /// at all, and the interior by the average of its neighbours.
-fn deform(mesh: &mut TetMesh, cavity: usize, map: &Matrix3<f64>) {
+pub(super) fn deform(mesh: &mut TetMesh, cavity: usize, map: &Matrix3<f64>) {
     let count = mesh.vertices.len();
     let mut fixed = vec![false; count];
     boundary(mesh).facets.iter().flatten().for_each(|&v| fixed[v] = true);
