@@ -151,7 +151,6 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     run.assert_good();
     assert!(!run.stderr.contains("re-meshed the surface"), "{}", run.stderr);
     let without = objectives("kept");
-    println!("{with:?} {without:?}");
     assert!(with[4] < without[4], "{with:?} {without:?}");
     dir.write("bad.toml", &dir.text("kept.toml").replace("tolerance = 0", "tolerance = -1e-4"));
     let run = dir.solver("optimize bad.toml -o bad");

@@ -115,11 +115,6 @@ fn a_stretched_surface_gets_better_within_its_tolerance_and_tags_rims_and_the_re
         mesh.tets.iter().map(|&tet| shape_of(mesh, tet)).fold(f64::INFINITY, f64::min)
     };
     let (one, both) = (worst(&alone), worst(&mesh));
-    println!(
-        "{one} {both} {report:?} {} {}",
-        area_of(&mesh, &tags, 1) / area_of(&before, &old_tags, 1),
-        volume(&mesh) / volume(&before)
-    );
     assert!(both > 1.5 * one, "{one} {both}");
     assert!(interior.after.min_dihedral > quality(&alone).min_dihedral);
     assert_eq!(rim(&mesh, &tags), rim(&before, &old_tags));
