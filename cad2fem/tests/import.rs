@@ -264,3 +264,23 @@ fn printed_files_state_their_unit() {
     assert!((result(&dir).1 / 6000.0 - 1.0).abs() < 1e-6);
     dir.run(&["import", "box.3mf", "-o", "out", "--unit", "m"]).fails(2, "leave out --unit");
 }
+
+#[test]
+fn the_boundary_of_a_mesh_comes_with_a_patch_for_each_tag() {
+    let dir = Workdir::new();
+    // a block of 40 mm in millimetres, about a point in its middle
+    let skin = block(40.0, 30.0, 20.0);
+    let mut vertices = skin.vertices.clone();
+    vertices.push(Vec3::new(20.0, 15.0, 10.0));
+    let apex = vertices.len() - 1;
+    let tets = skin.triangles.iter().map(|&[a, b, c]| [a, c, b, apex]).collect();
+    let mut tags = mesh::Tags::new(vec!["floor".into(), "none".into()]);
+    let low = |t: &&[usize; 3]| t.iter().all(|&v| skin.vertices[v].z < 1e-9);
+    skin.triangles.iter().filter(low).for_each(|&t| tags.set(t, 1));
+    mesh::io::write_tets(&dir.path("in.msh"), &mesh::TetMesh { vertices, tets }, &tags).unwrap();
+    dir.run(&["import", "in.msh", "-o", "out"]).says("taken for mm");
+    let (surface, volume, patches) = result(&dir);
+    assert_eq!(surface.triangles.len(), 12);
+    assert_eq!(patches, ["floor", "rest"]);
+    assert!((volume - 24e3).abs() < 1e-6 * 24e3, "{volume} mm³");
+}

@@ -22,7 +22,8 @@ use crate::units::Unit;
 /// 3MF file; `outer` and `cavity` of a mesh; with several files those of each with its name.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// .stl, .obj, .ply, .3mf, .step, .brep or .iges; of several the union
+    /// .stl, .obj, .ply, .3mf, .step, .brep or .iges, or a tetrahedral .msh, whose boundary counts; of
+    /// several the union
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Folder to write

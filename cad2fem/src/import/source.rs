@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
 use mesh::SurfaceMesh;
-use mesh::io::{read_surface, threemf};
+use mesh::io::{MshFile, read_surface, read_tets, threemf};
 use mesh::measure::diagonal;
+use mesh::topology::boundary;
 use serde::Serialize;
 
 use super::{Patched, Patches};
@@ -78,6 +79,7 @@ impl Reader {
                 let name = if several { &stem } else { "outer" };
                 (whole(surface, name, patches), unit.symbol(), known)
             }
+            "msh" => self.skin(file, several.then_some(&stem), patches)?,
             "3mf" => self.printed(file, several.then_some(&stem), patches)?,
             _ => self.cad(file, several.then_some(&stem), patches)?,
         };
@@ -100,6 +102,26 @@ impl Reader {
         };
         self.guessed = Some(known.0);
         Ok(known)
+    }
+
+    /// The boundary of a tetrahedral mesh; a patch for each tag.
+    fn skin(
+        &mut self,
+        file: &Path,
+        stem: Option<&String>,
+        patches: &mut Patches,
+    ) -> Result<(Patched, &'static str, Known)> {
+        let MshFile { mut mesh, tags } = read_tets(file)?;
+        let (unit, known) = self.unit_of(file, diagonal(&mesh.vertices))?;
+        mesh.vertices.iter_mut().for_each(|v| *v *= unit.metres());
+        let skin = boundary(&mesh);
+        let patch = |facet: &[usize; 3]| {
+            let own = tags.get(*facet).map_or("rest", |id| &tags.names[id as usize - 1]);
+            let own = file_name(own);
+            patches.index(&stem.map_or(own.clone(), |stem| format!("{stem}-{own}")))
+        };
+        let patch = skin.facets.iter().map(patch).collect();
+        Ok((Patched { surface: skin.surface(&mesh).0, patch }, unit.symbol(), known))
     }
 
     fn printed(
