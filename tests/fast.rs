@@ -19,6 +19,8 @@ mod error_bars;
 mod failures;
 #[path = "fast/flat_element.rs"]
 mod flat_element;
+#[path = "fast/keep.rs"]
+mod keep;
 #[path = "fast/import.rs"]
 mod import;
 #[path = "fast/materials.rs"]

@@ -36,7 +36,9 @@ pub use symmetry::SymmetryConfig;
 pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
 use crate::schedule::{Field, axes};
-pub use design::{DesignConfig, Interior, OptimizerConfig, ParameterDesign, ShapeConfig, Spread};
+pub use design::{
+    DesignConfig, Interior, KeepConfig, OptimizerConfig, ParameterDesign, ShapeConfig, Spread,
+};
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 

@@ -103,11 +103,37 @@ pub struct ShapeConfig {
     /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
     #[serde(default)]
     pub margin: f64,
+    /// Planes in which flat faces of what moves stay: their vertices move along them only, so that a
+    /// flat floor stays flat and its mold can be pulled off it.
+    #[serde(default)]
+    pub keep: Vec<KeepConfig>,
     /// How far from where it is the surface that moves may be re-meshed, where elements at it are
     /// poor; 0: it keeps its vertices; by default a twentieth of its mean edge [m].
     pub surface_tolerance: Option<f64>,
     /// Levels from coarse to fine; some stand for several.
     pub level: Vec<LevelConfig>,
+}
+
+/// A plane across an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KeepConfig {
+    /// The axis across which it lies.
+    pub axis: Axis,
+    /// Its coordinate on that axis [m].
+    pub at: f64,
+}
+
+/// An axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
 }
 
 /// How handles are spread over a surface.

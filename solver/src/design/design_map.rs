@@ -10,10 +10,11 @@ use std::collections::BTreeMap;
 use anyhow::{Result, ensure};
 use mesh::Vec3;
 
+use super::held::{Flat, Held};
 use super::load_map::LoadMap;
 use super::{Extension, Patch};
 use crate::body::Body;
-use crate::config::{DesignConfig, Interior, LevelConfig, Spread};
+use crate::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
 use crate::element::at;
 use crate::scene::Scene;
 
@@ -31,6 +32,13 @@ pub struct DesignMap {
     mean_edge: f64,
 }
 
+/// The flat faces that a design keeps, of all that moves in any level.
+fn flats(shape: &ShapeConfig, body: &Body) -> Result<Vec<Flat>> {
+    let facets = shape.on.all().iter().map(|on| body.facets(on));
+    let moving = facets.collect::<Result<Vec<_>>>()?.concat();
+    shape.keep.iter().map(|keep| Flat::find(keep, &body.mesh.vertices, &moving)).collect()
+}
+
 impl DesignMap {
     /// The map of one level on a body.
     ///
@@ -44,13 +52,15 @@ impl DesignMap {
     ) -> Result<Self> {
         let rest = body.mesh.vertices.clone();
         let (mut patches, mut moving) = (Vec::new(), Vec::new());
-        for on in design.shape.iter().flat_map(|shape| shape.on.all()) {
-            let facets = body.facets(on)?;
-            let Some(moves) = level.moves(on) else { continue };
-            let shape = design.shape.as_ref();
-            let spread = shape.map_or((Spread::default(), 0.0), |s| (s.spread, s.margin));
-            patches.push(Patch::new(&rest, &facets, &body.planes, moves, spread)?);
-            moving.extend(facets);
+        if let Some(shape) = &design.shape {
+            let flats = flats(shape, body)?;
+            let held = Held { planes: &body.planes, flats: &flats, margin: shape.margin };
+            for on in shape.on.all() {
+                let facets = body.facets(on)?;
+                let Some(moves) = level.moves(on) else { continue };
+                patches.push(Patch::new(&rest, &facets, held, moves, shape.spread)?);
+                moving.extend(facets);
+            }
         }
         check_apart(&patches)?;
         let edges = if moving.is_empty() { body.boundary() } else { &moving };

@@ -19,8 +19,8 @@
 //! shape as it is. The rim does not move, whatever the variables.
 //!
 //! Where a plane of symmetry across axis k cuts the patch, what lies in the plane is no rim:
-//! it moves along the plane. For component k, w_j is then another weight, which is zero in the
-//! plane, too; a handle in the plane does not move across it.
+//! it moves along the plane, as does a flat face that is to stay in its plane. For component k, w_j is
+//! then another weight, which is zero in the plane, too; a handle in the plane does not move across it.
 //!
 //! Source: Gjoka et al. 2024, equation (17).
 
@@ -30,9 +30,9 @@ use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::sampling::{TooManyHandles, held, spread_points};
+use super::held::Held;
+use super::sampling::{TooManyHandles, spread_points};
 use crate::config::{HandleMotion, Spread};
-use crate::symmetry::Plane;
 
 type Mat3 = nalgebra::Matrix3<f64>;
 
@@ -60,28 +60,30 @@ pub struct Handles {
 }
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
-/// `spread`, and computes their weights. Planes of symmetry may cut the patch; within `margin` of
-/// its rim nothing moves [m].
+/// `spread`, and computes their weights.
 ///
 /// # Errors
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
 pub fn sample_handles(
     rest: &[Vec3],
-    (patch, planes, margin): (&[[usize; 3]], &[Plane], f64),
+    (patch, held): (&[[usize; 3]], Held),
     count: usize,
     spread: Spread,
 ) -> Result<Handles, HandleError> {
     let (surface, vertices) = topology::submesh(rest, patch);
-    let rim = held(&surface, &vertices, planes, margin);
+    let rim = held.rim(&surface, &vertices);
     let points = spread_points(&surface, &rim, count, spread)?;
     let along = Arc::new(bounded_biharmonic(&surface, &rim, &points)?);
     let mut weights = [0, 1, 2].map(|_| Arc::clone(&along));
-    for plane in planes {
-        let in_plane = (0..vertices.len()).filter(|&v| plane.contains(vertices[v]));
-        let mut stays: Vec<usize> = in_plane.chain(rim.iter().copied()).collect();
-        stays.sort_unstable();
-        stays.dedup();
-        weights[plane.axis] = Arc::new(weights_across(&surface, &stays, &points)?);
+    for (k, across) in weights.iter_mut().enumerate() {
+        let in_plane: Vec<usize> =
+            (0..vertices.len()).filter(|&v| held.along(vertices[v], k)).collect();
+        if !in_plane.is_empty() {
+            let mut stays = [in_plane, rim.clone()].concat();
+            stays.sort_unstable();
+            stays.dedup();
+            *across = Arc::new(weights_across(&surface, &stays, &points)?);
+        }
     }
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
@@ -253,9 +255,13 @@ mod tests {
     #[test]
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
-        let handles =
-            sample_handles(&surface.vertices, (&surface.triangles, &[], 0.0), 5, Spread::RePick)
-                .unwrap();
+        let handles = sample_handles(
+            &surface.vertices,
+            (&surface.triangles, Held::default()),
+            5,
+            Spread::RePick,
+        )
+        .unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -268,7 +274,8 @@ mod tests {
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
         let handles =
-            sample_handles(&ball.vertices, (&ball.triangles, &[], 0.0), 1, Spread::RePick).unwrap();
+            sample_handles(&ball.vertices, (&ball.triangles, Held::default()), 1, Spread::RePick)
+                .unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -289,7 +296,8 @@ mod tests {
     fn pull_back_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles = sample_handles(x, (&surface.triangles, &[], 0.0), 3, Spread::RePick).unwrap();
+        let handles =
+            sample_handles(x, (&surface.triangles, Held::default()), 3, Spread::RePick).unwrap();
         check_pull_back(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);

@@ -3,16 +3,15 @@
 use mesh::{Vec3, topology};
 
 use super::handles::{HandleError, Handles, sample_handles};
-use super::sampling::held;
+use super::held::Held;
 use crate::config::{Moves, Spread};
-use crate::symmetry::Plane;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
 pub enum Patch {
     /// Rigid motions of handles.
     Handles(Handles),
-    /// The displacement of every vertex off the rim, but none across planes of symmetry.
+    /// The displacement of every vertex off the rim, but none across planes in which it lies.
     Vertices(FreeVertices),
 }
 
@@ -26,29 +25,27 @@ pub struct FreeVertices {
 }
 
 impl Patch {
-    /// A patch with handles, or with all vertices free, of a body that planes of symmetry
-    /// may cut; within `margin` of its rim nothing moves [m].
+    /// A patch with handles, or with all vertices free.
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
     pub fn new(
         rest: &[Vec3],
         facets: &[[usize; 3]],
-        planes: &[Plane],
+        held: Held,
         moves: Moves,
-        (spread, margin): (Spread, f64),
+        spread: Spread,
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, (facets, planes, margin), count, spread)?;
+            let handles = sample_handles(rest, (facets, held), count, spread)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         let (surface, ids) = topology::submesh(rest, facets);
-        let held = held(&surface, &ids, planes, margin);
-        let free = (0..ids.len()).filter(|v| held.binary_search(v).is_err());
+        let rim = held.rim(&surface, &ids);
+        let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
         let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
-        let stays = |v: usize, k: usize| planes.iter().any(|p| p.axis == k && p.contains(v));
         let of_vertex = |(i, &v): (usize, &usize)| {
-            (0..3).filter(|&k| !stays(v, k)).map(|k| (i, k)).collect::<Vec<_>>()
+            (0..3).filter(|&k| !held.along(v, k)).map(|k| (i, k)).collect::<Vec<_>>()
         };
         let components = vertices.iter().enumerate().flat_map(of_vertex).collect();
         Ok(Self::Vertices(FreeVertices { vertices, components }))
@@ -114,7 +111,8 @@ mod tests {
         let distances = Geodesics::new(&surface).distances(&rim(&surface));
         for moves in [Moves::Vertices, Moves::Handles(4, HandleMotion::Rigid)] {
             let facets = &surface.triangles;
-            let patch = Patch::new(x, facets, &[], moves, (Spread::RePick, margin)).unwrap();
+            let held = Held { margin, ..Held::default() };
+            let patch = Patch::new(x, facets, held, moves, Spread::RePick).unwrap();
             let theta = Random::new(5).numbers(patch.variables());
             let moved = patch.apply(&theta, x);
             let way: Vec<f64> =
@@ -132,7 +130,8 @@ mod tests {
         let surface = cap(2);
         let x = &surface.vertices;
         let patch =
-            Patch::new(x, &surface.triangles, &[], Moves::Vertices, (Spread::RePick, 0.0)).unwrap();
+            Patch::new(x, &surface.triangles, Held::default(), Moves::Vertices, Spread::RePick)
+                .unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));

@@ -59,18 +59,6 @@ pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<u
     rim
 }
 
-/// The vertices of a patch that stay: [`open_rim`], and what is nearer to it than `margin` [m]
-/// along the surface, ascending.
-#[must_use]
-pub fn held(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane], margin: f64) -> Vec<usize> {
-    let rim = open_rim(surface, ids, planes);
-    if margin == 0.0 || rim.is_empty() {
-        return rim;
-    }
-    let distances = Geodesics::new(surface).within(&rim, margin);
-    (0..ids.len()).filter(|&v| distances[v] < margin).collect()
-}
-
 /// `count` vertices of a surface, none on its rim.
 ///
 /// # Errors
