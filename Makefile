@@ -79,7 +79,7 @@ test: setup  ## all tests that take seconds
 test-all: setup beam  ## also those that take minutes
 	@.ci/test -- --include-ignored
 
-test-cluster: setup .venv-sweep/installed  ## the same sweep on this machine and on its Slurm: the same table (needs sbatch; installs nothing)
+test-cluster: setup .venv-sweep/installed  ## the same sweep on this machine and on its Slurm: the same table (needs a Slurm, such as that of tests/cluster/slurm.sh)
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture sweep_on_slurm
 
 check-results: setup build/gripper/cylinder/model/model.json  ## simulate the kept designs again and compare with their results.json

@@ -66,8 +66,8 @@ $(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setu
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
-	$(BIN)/cad2fem picture $(call to,$(1))/model/patches/*.stl --together \
-		--captions "$$$$(basename -s .stl $(call to,$(1))/model/patches/*.stl | paste -sd,)" $(VIEW) --title "$(notdir $(1)): regions" -o $$@
+	patches=$$$$(ls -v $(call to,$(1))/model/patches/*.stl); $(BIN)/cad2fem picture $$$$patches --together $(APART) \
+		--captions "$$$$(basename -s .stl $$$$patches | paste -sd,)" $(VIEW) --title "$(notdir $(1)): regions" -o $$@
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@
@@ -466,6 +466,8 @@ build/worm/pictures/terms.svg: build/worm/optimize/report.json | setup
 build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg terms.svg)
 
 VIEW = --view $(or $(view.$(1)),iso)
+# Faces of a STEP file have numbers, those inside as well: they are drawn apart.
+APART = $(if $(wildcard $(call from,$(1))/model.step),--spread 1.2 --no-ground)
 view.frog := -60,20
 view.chamber := 60,10
 view.finger := front

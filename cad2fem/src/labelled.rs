@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_atomic, write_surface};
-use mesh::measure::{area, bounds, enclosed_volume};
+use mesh::measure::{area, bounds, enclosed_volume, triangle_area};
 use mesh::topology::{boundary_loops, components, submesh};
-use mesh::{SurfaceMesh, check};
+use mesh::{SurfaceMesh, Vec3, check};
 use program::Unusable;
 use serde::Serialize;
 
@@ -83,6 +83,8 @@ struct PatchReport {
     components: usize,
     /// Closed loops of its rim.
     loops: usize,
+    /// Middle of its area [m].
+    middle: [f64; 3],
 }
 
 impl PatchReport {
@@ -92,8 +94,18 @@ impl PatchReport {
             area: area(patch),
             components: components(&patch.triangles).len(),
             loops: boundary_loops(&patch.triangles).len(),
+            middle: centroid(patch).into(),
         }
     }
+}
+
+/// Middle of the area of a surface [m].
+fn centroid(patch: &SurfaceMesh) -> Vec3 {
+    let weighted = |t: usize| {
+        let [a, b, c] = patch.corners(t);
+        triangle_area(a, b, c) * patch.centroid(t)
+    };
+    (0..patch.triangles.len()).map(weighted).sum::<Vec3>() / area(patch)
 }
 
 impl LabelledSurface {
@@ -191,9 +203,13 @@ impl Report {
         );
         for RegionReport { name, patch } in &self.regions {
             log::info!(
-                "  {name:<12} {:>6} triangles  {:>8.2} cm2  {} component(s), {} rim loop(s)",
+                "  {name:<12} {:>6} triangles  {:>8.2} cm2  middle at {:.1}, {:.1}, {:.1} mm  {} \
+                 component(s), {} rim loop(s)",
                 patch.triangles,
                 patch.area * 1e4,
+                1e3 * patch.middle[0],
+                1e3 * patch.middle[1],
+                1e3 * patch.middle[2],
                 patch.components,
                 patch.loops
             );

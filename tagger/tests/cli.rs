@@ -179,6 +179,8 @@ fn several_patches_and_picked_faces_are_tags() {
     scene.fails(&scene.tag(&picked(200.0)), 2, &["from 0 to 180 degrees"]);
     let none = "[[tag]]\nname = \"a\"\npatch = \"face-*.stl\"\n";
     scene.fails(&scene.tag(none), 2, &["is called face-*.stl; there are", "skin.obj"]);
+    let one = none.replace("face-*", "fixed");
+    scene.fails(&scene.tag(&one), 2, &["is called fixed.stl; there are", "skin.obj"]);
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>
 fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     let path = folder.join(name);
     let pattern = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if !pattern.contains('*') {
+    if path.is_file() {
         return Ok(vec![path]);
     }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
