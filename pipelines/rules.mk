@@ -380,6 +380,33 @@ build/gripper/whole.msh: build/gripper/optimize/report.json | setup
 
 build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
 
+# The gripper of Gjoka et al. 2024 through our chain: the boundary of their mesh as CAD surface, their selections
+# offset, tetrahedra of our own. Their files are not part of the project.
+AUTHORS := ../shared/data/pneumatic-actuator-design/gripper_bellows
+GA := build/gripper-authors
+
+$(AUTHORS)/run_gripper_bellows_log_inside.json:
+	@echo "make gripper-authors: needs the published files of Gjoka et al. 2024 in $(@D)"; exit 1
+
+$(GA)/import/sim.toml: | $(AUTHORS)/run_gripper_bellows_log_inside.json setup
+	$(BIN)/solver import $(AUTHORS)/run_gripper_bellows_log_inside.json -o $(@D)
+
+$(GA)/model/model.json: $(GA)/import/sim.toml | setup
+	$(BIN)/cad2fem import $(<D)/gripper_bellows_thick.msh --unit m -o $(@D)
+
+$(GA)/selections/%.obj: $(GA)/model/model.json | setup
+	@mkdir -p $(@D)
+	$(BIN)/cad2fem offset $(<D)/patches/$*.stl --distance 5.8e-4 -o $@
+
+$(GA)/volume.msh: $(GA)/model/model.json pipelines/gripper/authors/cad2fem.toml | setup
+	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/gripper/authors/cad2fem.toml -o $@
+
+$(GA)/tagged.msh: $(GA)/volume.msh pipelines/gripper/authors/tags.toml $(patsubst %,$(GA)/selections/%.obj,s1 s2 s3 s4) | setup
+	$(BIN)/tagger tag $< --config pipelines/gripper/authors/tags.toml --patches $(GA)/selections -o $@
+
+$(GA)/baseline/report.json: pipelines/gripper/authors/sim.toml $(GA)/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
 # The arm at its targets.
 build/arm/pictures/reached.png: build/arm/reached/report.json | setup
 	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,000 001 002) --color displacement --view $(view.arm) \

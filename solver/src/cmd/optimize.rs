@@ -10,7 +10,7 @@ use program::{Changes, FolderLock, Settings, Unusable};
 use serde_json::{Value, json};
 
 use crate::config::{DesignConfig, beside};
-use crate::optimize::{Cascade, Checkpoint, Finished, mesh_file};
+use crate::optimize::{Cascade, Checkpoint, Finished, LATEST, mesh_file, write_bodies};
 use crate::report::failure;
 use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
@@ -166,7 +166,8 @@ fn forget(folder: &Path) -> Result<()> {
     remove(folder, &names)?;
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        let design = ["design.", "remeshed-"].iter().any(|first| name.starts_with(first));
+        let design =
+            ["design.", "latest.", "remeshed-"].iter().any(|first| name.starts_with(first));
         let design = design && name.ends_with(".msh");
         if design || (name.starts_with("run-") && name.ends_with(".npy")) {
             remove(folder, &[&name])?;
@@ -198,11 +199,9 @@ fn hash_inputs(file: &Settings, design: &DesignConfig, scene: &Scene) -> Result<
 }
 
 fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
-    for (part, (name, mut mesh, tags)) in scene.parts.iter().zip(finished.body.separate()) {
-        // as the scene reads it
-        let shift = mesh::Vec3::from(part.config.translate);
-        mesh.vertices.iter_mut().for_each(|v| *v -= shift);
-        mesh::io::write_tets(&folder.join(mesh_file("design", name.as_deref())), &mesh, &tags)?;
+    write_bodies(folder, "design", scene, &finished.body)?;
+    for part in &scene.body.parts {
+        remove(folder, &[&mesh_file(LATEST, part.name.as_deref())])?;
     }
     let (level, evaluation) = &finished.last;
     vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;

@@ -16,7 +16,7 @@ use serde_json::json;
 use self::say::{say_gain, time_left, variables};
 use super::checkpoint::Checkpoint;
 use super::history::{History, add_scenarios};
-use super::remesh::remesh;
+use super::remesh::{remesh, write_bodies};
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
@@ -34,6 +34,8 @@ const ARMIJO: f64 = 1e-4;
 const HALVINGS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
 const FLAT_TRIALS: usize = 2;
+/// Name of the mesh of the shape that was accepted last, while a design is not finished.
+pub const LATEST: &str = "latest";
 
 /// An optimisation in a folder.
 pub struct Cascade<'a> {
@@ -438,6 +440,11 @@ impl Cascade<'_> {
             if let Some(shares) = shares::describe(&evaluation.terms) {
                 log::info!("level {} begins with {shares}", checkpoint.level + 1);
             }
+        }
+        if !level.map().moving().is_empty() {
+            let mut shape = level.body.clone();
+            shape.mesh.vertices.clone_from(&step.evaluation.rest);
+            write_bodies(&self.folder, LATEST, self.scene, &shape)?;
         }
         let Evaluation { runs, terms, .. } = step.evaluation;
         checkpoint.terms = terms;

@@ -18,11 +18,11 @@ mod shares;
 mod trial_step;
 pub mod validity;
 
-pub use cascade::{Cascade, Finished};
+pub use cascade::{Cascade, Finished, LATEST};
 pub use checkpoint::Checkpoint;
 pub use lbfgs::Lbfgs;
 pub use lbfgsb::projected_gradient_norm;
 pub use level::{Evaluation, Level, Start};
 pub use parameter::{Parameter, Perturbed};
-pub use remesh::mesh_file;
+pub use remesh::{mesh_file, write_bodies};
 pub use scenario::{Rejected, Run, Scenario};

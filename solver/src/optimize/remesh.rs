@@ -1,6 +1,6 @@
 //! Meshes of a cascade: on disk before they are used, and elements made better.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use mesh::improve::{SurfaceReport, improve_interior, improve_with_surface};
@@ -9,6 +9,7 @@ use mesh::measure::mean_edge;
 use super::Cascade;
 use super::checkpoint::Checkpoint;
 use crate::body::{Body, Part};
+use crate::scene::Scene;
 
 /// Passes of the interior re-meshing.
 const REMESH_PASSES: usize = 10;
@@ -45,6 +46,19 @@ impl Cascade<'_> {
         checkpoint.write(&self.folder)?;
         Ok(checkpoint)
     }
+}
+
+/// Writes a mesh file for each body of a scene, placed as the scene reads them.
+///
+/// # Errors
+/// When one cannot be written.
+pub fn write_bodies(folder: &Path, what: &str, scene: &Scene, body: &Body) -> Result<()> {
+    for (part, (name, mut mesh, tags)) in scene.parts.iter().zip(body.separate()) {
+        let shift = mesh::Vec3::from(part.config.translate);
+        mesh.vertices.iter_mut().for_each(|v| *v -= shift);
+        mesh::io::write_tets(&folder.join(mesh_file(what, name.as_deref())), &mesh, &tags)?;
+    }
+    Ok(())
 }
 
 /// Name of a mesh file, of one body of several if it has a name.
