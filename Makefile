@@ -84,7 +84,7 @@ test-all: setup beam  ## also those that take minutes
 test-cluster: setup .venv-sweep/installed  ## the same sweep on this machine and on its Slurm: the same table (needs a Slurm, such as that of tests/cluster/slurm.sh)
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture sweep_on_slurm
 
-check-results: setup build/gripper/cylinder/model/model.json  ## simulate the kept designs again and compare with their results.json
+check-results: setup build/gripper/cylinder/model/model.json build/walker/tagged.msh  ## simulate the kept designs again and compare with their results.json
 	cargo test --release --locked -p tests --test slow -- --ignored --nocapture results_of_designs
 
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together or CASES=1000000 for each, SEED=1)
