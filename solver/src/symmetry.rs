@@ -14,9 +14,9 @@ use mesh::{TetMesh, Vec3, facet_key};
 
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
-/// Distance from its plane at which a vertex of a cut still counts as in it, in mean edges
-/// of the cut [1]. Such vertices are moved into the plane.
-const FLAT: f64 = 1e-3;
+/// Distance from its plane at which a vertex of a cut, or of a flat face, still counts as in it, in
+/// mean edges of the cut or face [1]. Vertices of a cut are moved into the plane.
+pub const FLAT: f64 = 1e-3;
 
 /// A plane of symmetry of a body.
 #[derive(Clone, Debug, PartialEq)]

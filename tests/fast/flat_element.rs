@@ -1,21 +1,17 @@
 //! Elements that are nearly flat do not end a level: the interior is re-meshed, and the surface that
 //! moves where they lie along it.
 
-use mesh::Vec3;
 use mesh::io::write_tets;
+use mesh::{TetMesh, Vec3};
 use serde_json::Value;
 use solver::body::Body;
 use tests::chamber::{DESIGN, SIM, workdir};
 use tests::workdir::{Run, Workdir};
 use tests::{block, tag};
 
-/// 60 × 60 × 60 mm with a chamber of 40 × 20 × 20 mm, open at x = 0. An inner vertex lies 20 µm
-/// off a facet of the chamber.
-fn body_with_a_flat_element() -> Body {
-    let middle = |i: usize| i == 2 || i == 3;
-    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
+fn tagged_chamber(mesh: TetMesh) -> Body {
     let inner = |x: f64| x > 0.019 && x < 0.041;
-    let mut body = tag(
+    tag(
         mesh,
         &[
             ("seat", &|p| p.x < 1e-6),
@@ -23,7 +19,15 @@ fn body_with_a_flat_element() -> Body {
             ("top", &|p| p.z > 0.06 - 1e-6),
             ("skin", &|_| true),
         ],
-    );
+    )
+}
+
+/// 60 × 60 × 60 mm with a chamber of 40 × 20 × 20 mm, open at x = 0. An inner vertex lies 20 µm
+/// off a facet of the chamber.
+fn body_with_a_flat_element() -> Body {
+    let middle = |i: usize| i == 2 || i == 3;
+    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
+    let mut body = tagged_chamber(mesh);
     let boundary: Vec<usize> = body.boundary().iter().flatten().copied().collect();
     let facet = body
         .facets("cavity")
@@ -53,16 +57,7 @@ fn body_with_needles() -> Body {
         p - Vec3::x() * 0.0096 * at_ring * (depth / 0.02).clamp(0.0, 1.0)
     };
     let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), squeezed);
-    let inner = |x: f64| x > 0.019 && x < 0.041;
-    tag(
-        mesh,
-        &[
-            ("seat", &|p| p.x < 1e-6),
-            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
-            ("top", &|p| p.z > 0.06 - 1e-6),
-            ("skin", &|_| true),
-        ],
-    )
+    tagged_chamber(mesh)
 }
 
 fn folder(body: &Body) -> Workdir {

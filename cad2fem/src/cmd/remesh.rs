@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::check::check_tets;
-use mesh::improve::{ImproveReport, improve_around, improve_with_surface};
+use mesh::improve::{ImproveReport, improve_around, improve_with_surface, usual_tolerance};
 use mesh::io::{MshFile, read_tets, write_tets};
-use mesh::measure::{Quality, mean_edge};
+use mesh::measure::Quality;
 use mesh::topology::boundary;
 
 use crate::report::findings;
@@ -32,9 +32,6 @@ pub struct Args {
     #[arg(long, value_name = "M", requires = "surface")]
     tolerance: Option<f64>,
 }
-
-/// How far a surface may move, in its mean edges, unless the user says.
-const TOLERANCE: f64 = 0.05;
 
 /// Runs the verb.
 ///
@@ -91,8 +88,8 @@ fn with_surface(file: &mut MshFile, args: &Args) -> Result<ImproveReport> {
     let named = |f: &[usize; 3]| file.tags.get(*f).is_some_and(|id| ids.contains(&id));
     let moving: Vec<[usize; 3]> = skin.into_iter().filter(named).collect();
     ensure!(!moving.is_empty(), "{}: no facet has the tag", args.mesh.display());
-    let edge = mean_edge(&file.mesh.vertices, &moving);
-    let tolerance = args.tolerance.unwrap_or(TOLERANCE * edge);
+    let usual = || usual_tolerance(&file.mesh.vertices, &moving);
+    let tolerance = args.tolerance.unwrap_or_else(usual);
     ensure!(tolerance > 0.0, "--tolerance {tolerance} m must be positive");
     let (mesh, tags) = (&mut file.mesh, &mut file.tags);
     let (interior, surface) = improve_with_surface(mesh, tags, &moving, tolerance, args.passes);

@@ -117,8 +117,7 @@ impl Reader {
         let skin = boundary(&mesh);
         let patch = |facet: &[usize; 3]| {
             let own = tags.get(*facet).map_or("rest", |id| &tags.names[id as usize - 1]);
-            let own = file_name(own);
-            patches.index(&stem.map_or(own.clone(), |stem| format!("{stem}-{own}")))
+            patches.index(&of_file(stem, &file_name(own)))
         };
         let patch = skin.facets.iter().map(patch).collect();
         Ok((Patched { surface: skin.surface(&mesh).0, patch }, unit.symbol(), known))
@@ -201,11 +200,16 @@ impl Source {
     }
 }
 
+/// The name of a patch of one file of several.
+fn of_file(stem: Option<&String>, name: &str) -> String {
+    stem.map_or(name.to_owned(), |stem| format!("{stem}-{name}"))
+}
+
 /// All faces that are no boundary between volumes.
 fn boundary_of(faces: &Faces, stem: Option<&String>, patches: &mut Patches) -> Patched {
-    let named = |name: &str| stem.map_or(name.to_owned(), |stem| format!("{stem}-{name}"));
-    let index: Vec<u32> = faces.names.iter().map(|name| patches.index(&named(name))).collect();
-    let rest = named("rest");
+    let index: Vec<u32> =
+        faces.names.iter().map(|name| patches.index(&of_file(stem, name))).collect();
+    let rest = of_file(stem, "rest");
     let mut of = |t: usize| faces.patch[t].map_or_else(|| patches.index(&rest), |i| index[i]);
     let patch: Vec<u32> = (0..faces.patch.len()).map(&mut of).collect();
     let skin: Vec<usize> = (0..patch.len()).filter(|&t| !faces.inside[t]).collect();

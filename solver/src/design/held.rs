@@ -7,10 +7,7 @@ use mesh::{SurfaceMesh, Vec3};
 use super::Geodesics;
 use super::sampling::open_rim;
 use crate::config::KeepConfig;
-use crate::symmetry::{AXES, Plane};
-
-/// Distance from its plane at which a vertex still counts as in a flat face, in mean edges [1].
-const FLAT: f64 = 1e-3;
+use crate::symmetry::{AXES, FLAT, Plane};
 
 /// A flat face that stays in its plane across an axis.
 #[derive(Clone, Debug)]

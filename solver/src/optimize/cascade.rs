@@ -124,8 +124,7 @@ impl Cascade<'_> {
         loop {
             let body = self.level_body(&checkpoint)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
-            let mut shape = level.body.clone();
-            shape.mesh.vertices.clone_from(&evaluation.rest);
+            let shape = level.shape(&evaluation);
             let levels = self.design.levels();
             let next = if checkpoint.flat { checkpoint.level } else { checkpoint.level + 1 };
             let Some(settings) = levels.get(next) else {
@@ -442,8 +441,7 @@ impl Cascade<'_> {
             }
         }
         if !level.map().moving().is_empty() {
-            let mut shape = level.body.clone();
-            shape.mesh.vertices.clone_from(&step.evaluation.rest);
+            let shape = level.shape(&step.evaluation);
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
         }
         let Evaluation { runs, terms, .. } = step.evaluation;

@@ -275,6 +275,14 @@ impl Level {
         pairs.map(|(scenario, run)| scenario.predict(run, &shape)).collect()
     }
 
+    /// The body with the rest shape of an evaluation.
+    #[must_use]
+    pub fn shape(&self, at: &Evaluation) -> Body {
+        let mut body = self.body.clone();
+        body.mesh.vertices.clone_from(&at.rest);
+        body
+    }
+
     /// The last displacements of an evaluation on another mesh of the same shape, by elements
     /// of another degree.
     #[must_use]

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use mesh::improve::{SurfaceReport, improve_interior, improve_with_surface};
-use mesh::measure::mean_edge;
+use mesh::improve::{SurfaceReport, improve_interior, improve_with_surface, usual_tolerance};
 
 use super::Cascade;
 use super::checkpoint::Checkpoint;
@@ -13,8 +12,6 @@ use crate::scene::Scene;
 
 /// Passes of the interior re-meshing.
 const REMESH_PASSES: usize = 10;
-/// How far the surface may move when it is re-meshed, in mean edges, unless a design says.
-const TOLERANCE: f64 = 0.05;
 
 impl Cascade<'_> {
     /// The mesh that a level began with, or that its iteration `meshed_at` made.
@@ -68,10 +65,10 @@ pub fn mesh_file(what: &str, body: Option<&str>) -> String {
 }
 
 /// Improves the bodies that have facets `moving`: their interior, and those facets within a
-/// `tolerance` [m] of where they are, [`TOLERANCE`] of their mean edge by default. Tags keep their
+/// `tolerance` [m] of where they are, [`usual_tolerance`] by default. Tags keep their
 /// rims. Where facets inside a body have tags, it stays as it is.
 pub(super) fn remesh(body: &Body, moving: &[[usize; 3]], tolerance: Option<f64>) -> Result<Body> {
-    let tolerance = tolerance.unwrap_or_else(|| TOLERANCE * mean_edge(&body.mesh.vertices, moving));
+    let tolerance = tolerance.unwrap_or_else(|| usual_tolerance(&body.mesh.vertices, moving));
     let mut bodies = body.separate();
     for (part, (_, mesh, tags)) in body.parts.iter().zip(&mut bodies) {
         let own = moving.iter().filter(|facet| part.vertices.contains(&facet[0]));

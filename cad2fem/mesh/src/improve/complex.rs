@@ -215,7 +215,7 @@ impl Complex {
 
     /// Whether an edge or a facet of `new` that `old` does not have exists already.
     /// That cannot be as long as all tetrahedra are positive.
-    pub fn repeats(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
+    fn repeats(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
         let old: Vec<[usize; 4]> = old.iter().map(|&t| self.tets[t]).collect();
         let is_old = |part: &[usize]| old.iter().any(|tet| part.iter().all(|v| tet.contains(v)));
         let exists = |part: &[usize]| {
@@ -229,8 +229,7 @@ impl Complex {
         })
     }
 
-    /// Replaces the tetrahedra `old` by `new`, whatever their shapes.
-    pub fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
+    fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
         self.changes += 1;
         for &t in old {
             for v in self.tets[t] {

@@ -22,7 +22,7 @@ use crate::measure::{Quality, quality};
 use complex::Complex;
 use serde::Serialize;
 pub use slit::improve_around;
-pub use surface::{SurfaceReport, improve_with_surface};
+pub use surface::{SurfaceReport, improve_with_surface, usual_tolerance};
 
 /// Tetrahedra below this shape have their edges and facets exchanged; the shape of
 /// a regular one is 1.

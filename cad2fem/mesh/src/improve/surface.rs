@@ -18,15 +18,17 @@ use serde::Serialize;
 use self::skin::{Facet, Old, Skin};
 use super::{ImproveReport, improve_interior};
 use crate::crossings::some_self_intersecting_pairs;
-use crate::measure::{hausdorff, quality};
+use crate::measure::{hausdorff, mean_edge, quality};
 use crate::topology::{boundary, is_manifold, pinched_vertices, submesh};
-use crate::{SurfaceMesh, Tags, TetMesh, facet_key};
+use crate::{SurfaceMesh, Tags, TetMesh, Vec3, facet_key};
 
 /// Tetrahedra below this shape, at the surface that moves, make it change. A regular one has 1,
 /// the worst of fTetWild about as much as this.
 const POOR: f64 = 0.02;
 /// Changes of the boundary, each followed by an improvement of the interior.
 const ROUNDS: usize = 3;
+/// How far a surface may move unless somebody says, in its mean edges [1].
+const TOLERANCE: f64 = 0.05;
 /// Points at which distances are measured.
 const SAMPLES: usize = 20_000;
 
@@ -51,6 +53,13 @@ impl SurfaceReport {
     pub fn changed(&self) -> bool {
         self.flips + self.collapses + self.splits + self.moved > 0
     }
+}
+
+/// How far facets may move when they are re-meshed, unless somebody says: a twentieth of their mean
+/// edge [m].
+#[must_use]
+pub fn usual_tolerance(vertices: &[Vec3], moving: &[[usize; 3]]) -> f64 {
+    TOLERANCE * mean_edge(vertices, moving)
 }
 
 /// Improves a mesh, with at most `passes` sweeps over its interior after each change of its

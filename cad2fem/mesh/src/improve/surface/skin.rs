@@ -133,11 +133,6 @@ impl<'a> Skin<'a> {
             && self.carries(facets)
     }
 
-    fn is_better(&self, old: &[usize], new: &[[usize; 4]]) -> bool {
-        let limit = GAIN * self.complex.worst(old).max(0.0);
-        new.iter().all(|&tet| self.complex.shape_of(tet) > limit) && !self.complex.repeats(old, new)
-    }
-
     /// Exchanges facets of one tag for others.
     fn exchange(&mut self, old: &[Facet], new: &[[usize; 3]]) {
         let Facet { tag, moves, .. } = old[0];
@@ -171,10 +166,9 @@ impl<'a> Skin<'a> {
         let Some(tets) = without_boundary_edge(&self.complex, &star, [a, b], [c, d]) else {
             return false;
         };
-        if !self.is_better(&star, &tets) {
+        if !self.complex.replace_if_better(&star, &tets, GAIN) {
             return false;
         }
-        self.complex.replace(&star, &tets);
         self.exchange(&old, &new);
         true
     }
@@ -203,10 +197,12 @@ impl<'a> Skin<'a> {
                 |facet| (crate::bvh::closest_on_triangle(&place, &corners(facet)) - place).norm();
             new.iter().map(distance).fold(f64::INFINITY, f64::min) <= self.old.tolerance
         };
-        if !self.can_become(&new) || !reached() || !self.is_better(&star, &tets) {
+        if !self.can_become(&new)
+            || !reached()
+            || !self.complex.replace_if_better(&star, &tets, GAIN)
+        {
             return false;
         }
-        self.complex.replace(&star, &tets);
         self.exchange(&old, &new);
         true
     }
@@ -216,25 +212,16 @@ impl<'a> Skin<'a> {
         let Some(old) = self.beside([a, b]) else { return false };
         let star = self.complex.edge_star(a, b);
         let middle = (self.complex.points[a] + self.complex.points[b]) / 2.0;
-        let limit = GAIN * self.complex.worst(&star).max(0.0);
-        let halves = |corner: usize, other: usize| {
-            let complex = &self.complex;
-            star.iter().filter_map(|&t| complex.tet(t)).map(move |tet| {
-                let at = |v: usize| if v == corner { middle } else { complex.points[v] };
-                debug_assert!(tet.contains(&other), "both ends of the edge");
-                shape(tet.map(at))
-            })
-        };
-        if !halves(a, b).chain(halves(b, a)).all(|shape| shape > limit) {
-            return false;
-        }
+        // one that is not accepted has no tetrahedra and goes with the others that were removed
         let m = self.complex.add_boundary_vertex(middle);
         self.about.resize(m + 1, BTreeSet::new());
         let with = |corner: usize| move |v: usize| if v == corner { m } else { v };
-        let tets: Vec<[usize; 4]> = star.iter().filter_map(|&t| self.complex.tet(t)).collect();
+        let old_tets = star.iter().filter_map(|&t| self.complex.tet(t));
         let tets: Vec<[usize; 4]> =
-            tets.into_iter().flat_map(|tet| [tet.map(with(a)), tet.map(with(b))]).collect();
-        self.complex.replace(&star, &tets);
+            old_tets.flat_map(|tet| [tet.map(with(a)), tet.map(with(b))]).collect();
+        if !self.complex.replace_if_better(&star, &tets, GAIN) {
+            return false;
+        }
         let new: Vec<[usize; 3]> =
             old.iter().flat_map(|f| [f.corners.map(with(a)), f.corners.map(with(b))]).collect();
         self.exchange(&old, &new);
