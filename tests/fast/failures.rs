@@ -15,7 +15,10 @@ use tests::{block, tag};
 fn failing(dir: &Workdir, scene: &str) -> (Run, Value) {
     let run = dir.solver(&format!("simulate {scene} -o out"));
     run.assert_refused(1, &[scene, "not_full_load.vtu", "worst element: tetrahedron"]);
-    assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
+    let mut files = dir.files("out");
+    // the load steps that were made, of which there may be none
+    files.retain(|name| !name.starts_with("step") && name != "result.pvd");
+    assert_eq!(files, ["not_full_load.vtu", "report.json"]);
     let report = dir.json("out/report.json");
     assert_eq!(report["usable"], false);
     (run, report)

@@ -120,7 +120,7 @@ fn an_unfinished_run_of_another_scene() {
     let sound = dir.text("sim.toml");
     dir.write("sim.toml", &sound.replace("friction = 0.4", "friction = 0.5"));
     let run = dir.solver(COMMAND);
-    run.assert_refused(2, &["checkpoint.json", "another scene", "time steps", "--restart"]);
+    run.assert_refused(2, &["checkpoint.json", "another scene", "steps", "--restart"]);
     assert!(dir.path("out/checkpoint.json").exists());
     // the floor counts, too
     dir.write("sim.toml", &sound);

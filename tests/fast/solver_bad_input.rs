@@ -287,15 +287,17 @@ fn a_mesh_without_tags_is_said_to_have_none() {
 }
 
 #[test]
-fn a_scene_without_a_load_is_remarked_on() {
+fn a_scene_without_a_load_is_refused_and_one_of_zero_remarked_on() {
     let dir = chamber::workdir();
     let remark = "nothing moves the body";
     assert!(!dir.solver("simulate p1.toml -o out").stderr.contains(remark));
+    let zero = dir.solver("simulate p1.toml --set chamber.cavity.pressure=0 -o zero");
+    zero.assert_good();
+    assert!(zero.stderr.contains("all its loads are zero"), "{}", zero.stderr);
     let text = dir.text("p1.toml");
     dir.write("p1.toml", &text[..text.find("[[chamber]]").unwrap()]);
-    let run = dir.solver("simulate p1.toml -o out");
-    run.assert_good();
-    assert!(run.stderr.contains(remark), "{}", run.stderr);
+    dir.solver("simulate p1.toml -o none").assert_refused(2, &[remark, "[[chamber]]"]);
+    assert!(!dir.path("none").exists());
 }
 
 /// A tolerance that everything meets is no tolerance: the body stays at rest.

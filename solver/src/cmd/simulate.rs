@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
@@ -32,8 +32,8 @@ use crate::uncertainty;
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
 /// (exact, of the last state), result.pvd with one .vtu per load step or, in a
 /// scene with [time], per time step, steps.jsonl with one line for each, and
-/// result.vtu. A run with [time] that was interrupted continues after its last
-/// time step when the same command is given again.
+/// result.vtu. A run that was interrupted continues after its last step when the same
+/// command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The scene
@@ -69,15 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     let begin = Instant::now();
-    if !has_load(&mut scene) {
-        log::warn!(
-            "{}: nothing moves the body: no chamber, no force, no gravity, and no support or \
-             obstacle that moves",
-            arguments.scene.display()
-        );
-    }
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
+    check_loads(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene)?;
@@ -96,8 +90,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         workspace.memory().describe(memory::available())
     );
     scene.body.log_share();
-    let steps = steps_of(&scene, arguments, done);
     let timed = scene.config.time.is_some();
+    let steps = steps_of(&scene, arguments, if timed { done } else { 0 });
     let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
@@ -106,15 +100,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     if let Some(checkpoint) = checkpoint {
-        log::info!("continuing after {} time steps", checkpoint.steps);
+        let steps = if timed { "time steps" } else { "load steps" };
+        log::info!("continuing after {} {steps}", checkpoint.steps);
         workspace.set_couplings(&problem, checkpoint.couplings);
         workspace.timings = checkpoint.timings;
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, arguments)?;
-    let states = all_states(&scene, &stepper, done);
-    let mut run =
-        Run { scene: &scene, problem: &problem, probes: &probes, workspace, stepper, states };
+    let states = all_states(&scene, &stepper, if timed { done } else { 0 });
+    let mut run = Run {
+        scene: &scene,
+        problem: &problem,
+        probes: &probes,
+        workspace,
+        stepper,
+        states,
+        done,
+        start: Instant::now(),
+    };
     let checkpoint = |run: &Run, steps: usize| Checkpoint {
         inputs: inputs.clone(),
         steps,
@@ -156,7 +159,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let grid = results::grid_with_fields(&problem.energies, &end);
     vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
     run.fill(&mut report, &end, &recorder)?;
-    let crossing = Crossing::find(&scene, &problem, &end);
+    let proved = (&scene, &scene.body);
+    let crossing = scene.certify.then(|| Crossing::find(proved, &problem, &end)).flatten();
     if let Some(crossing) = &crossing {
         report["usable"] = json!(false);
         report["status"] = json!("surfaces_crossed");
@@ -180,6 +184,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// Memory for all states, where error bars need them; others lie on disk [B].
 const STATE_MEMORY: f64 = 4e9;
 
+/// Least time between two checkpoints of a static run.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(1);
+
 /// A run of a scene.
 struct Run<'a> {
     scene: &'a Scene,
@@ -189,6 +196,9 @@ struct Run<'a> {
     stepper: TimeStepper,
     /// All states, where error bars need them.
     states: Option<Trajectory>,
+    /// Load steps of a static scene that an interrupted run has made.
+    done: usize,
+    start: Instant,
 }
 
 impl Run<'_> {
@@ -199,46 +209,33 @@ impl Run<'_> {
         writer: &mut Writer,
         checkpoint: impl Fn(&Self, usize) -> Checkpoint,
     ) -> Result<Option<Unreached>> {
-        let start = Instant::now();
-        let rest = &self.scene.body.mesh.vertices;
-        let timed = self.scene.config.time.is_some();
+        if self.scene.config.time.is_none() {
+            return self.go_to_load(writer, checkpoint);
+        }
         let count = time_steps.end;
         let mut leapt = false;
         for n in time_steps {
-            let before = timed.then(|| self.stepper.progress.reached().to_vec());
+            let before = self.stepper.progress.reached().to_vec();
             let mut steps: Vec<LoadStep> = Vec::new();
-            let observe = |step: &LoadStep| {
-                log::info!(
-                    "{}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
-                    if timed { format!("step {}/{count}  ", n + 1) } else { String::new() },
-                    self.scene.progress(step.load),
-                    step.newton_iterations,
-                    step.residual,
-                    start.elapsed().as_secs_f64()
-                );
-                steps.push(step.clone());
+            let end = self.scene.times()[n];
+            let outcome = loop {
+                match self.next(end, &format!("step {}/{count}  ", n + 1)) {
+                    Ok(step) => steps.push(step),
+                    Err(unreached) => break Err(unreached),
+                }
+                if steps.last().is_some_and(|step| step.ends_time_step) {
+                    break Ok(());
+                }
             };
-            let (workspace, end) = (&mut self.workspace, self.scene.times()[n]);
-            let outcome = self.stepper.advance(self.problem, workspace, rest, end, observe);
-            if let (Err(unreached), false) = (&outcome, timed) {
-                return Ok(Some(unreached.clone()));
-            }
-            let leap = before.filter(|_| !leapt).and_then(|before| {
-                leap(&self.scene.body, &before, self.stepper.progress.reached())
-            });
-            if let Some(leap) = leap {
+            let leap = leap(&self.scene.body, &before, self.stepper.progress.reached());
+            if let Some(leap) = leap.filter(|_| !leapt) {
                 log::warn!("{}: time step {}: {leap}", self.scene.path.display(), n + 1);
                 leapt = true;
             }
-            if let (Some(states), Ok(_)) = (&mut self.states, &outcome) {
-                states.push(end, self.stepper.progress.integrator.last().clone());
-            }
-            let ended = steps.last().is_some_and(|step| step.ends_time_step);
-            let reported =
-                if timed { steps.len() - usize::from(ended)..steps.len() } else { 0..steps.len() };
+            let reported = steps.len() - usize::from(outcome.is_ok())..steps.len();
             let integrator = &self.stepper.progress.integrator;
             let velocity = integrator.method.has_inertia().then(|| integrator.last().v.clone());
-            let goes_on = timed && outcome.is_ok() && n + 1 < count;
+            let goes_on = outcome.is_ok() && n + 1 < count;
             let checkpoint = goes_on.then(|| checkpoint(self, n + 1));
             writer.send(Finished { steps, reported, velocity, checkpoint })?;
             if let Err(unreached) = outcome {
@@ -246,6 +243,56 @@ impl Run<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Goes through the load steps of a static scene. Each is reported as soon as it is made; a
+    /// checkpoint costs time, too, and comes when [`BETWEEN_CHECKPOINTS`] have passed.
+    fn go_to_load(
+        &mut self,
+        writer: &mut Writer,
+        checkpoint: impl Fn(&Self, usize) -> Checkpoint,
+    ) -> Result<Option<Unreached>> {
+        let mut made = self.done;
+        let mut saved = Instant::now();
+        loop {
+            let step = match self.next(1.0, "") {
+                Ok(step) => step,
+                Err(unreached) => return Ok(Some(unreached)),
+            };
+            made += 1;
+            let ends = step.ends_time_step;
+            let due = !ends && saved.elapsed() >= BETWEEN_CHECKPOINTS;
+            let checkpoint = due.then(|| checkpoint(self, made));
+            if due {
+                saved = Instant::now();
+            }
+            writer.send(Finished {
+                steps: vec![step],
+                reported: 0..1,
+                velocity: None,
+                checkpoint,
+            })?;
+            if ends {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// The next load step towards the end of a time step.
+    fn next(&mut self, end: f64, which: &str) -> Result<LoadStep, Unreached> {
+        let rest = &self.scene.body.mesh.vertices;
+        let step = self.stepper.next(self.problem, &mut self.workspace, rest, end)?;
+        log::info!(
+            "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
+            self.scene.progress(step.load),
+            step.newton_iterations,
+            step.residual,
+            self.start.elapsed().as_secs_f64()
+        );
+        if let (Some(states), true) = (&mut self.states, step.ends_time_step) {
+            states.push(end, self.stepper.progress.integrator.last().clone());
+        }
+        Ok(step)
     }
 
     /// Error bars of the probes, into the report and in words.
@@ -315,10 +362,23 @@ fn steps_of(scene: &Scene, arguments: &Arguments, done: usize) -> Range<usize> {
     done..arguments.steps.map_or(count, |n| n.min(count))
 }
 
-/// Whether anything could move a body.
-fn has_load(scene: &mut Scene) -> bool {
-    let moving = scene.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
-    moving || scene.config.schedules().iter().any(|(_, _, value)| !value.is_zero())
+/// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
+fn check_loads(scene: &Scene) -> Result<()> {
+    let flies = scene.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
+    let mut config = scene.config.clone();
+    if flies || config.schedules().iter().any(|(_, _, value)| !value.is_zero()) {
+        return Ok(());
+    }
+    let path = scene.path.display();
+    let has_load =
+        !(config.chamber.is_empty() && config.body_force.is_empty() && config.traction.is_empty());
+    ensure!(
+        has_load,
+        "{path}: nothing moves the body: no chamber, no force, no gravity, and no support or obstacle \
+         that moves\n  give it a load, such as [[chamber]] with a pressure"
+    );
+    log::warn!("{path}: nothing moves the body: all its loads are zero");
+    Ok(())
 }
 
 fn merge(report: &mut Value, more: &Value) {

@@ -26,6 +26,8 @@ pub struct Progress {
     pub integrator: Integrator,
     /// End of the last time step [s].
     pub time: f64,
+    /// Fraction of the next time step that was made.
+    pub done: f64,
     /// Next increment, as a fraction of a time step.
     pub increment: f64,
     /// The last load steps, up to three, the latest last.
@@ -86,10 +88,15 @@ impl TimeStepper {
     /// Begins at t = 0.
     #[must_use]
     pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
-        let (time, increment, last) = (0.0, stepping.first, Vec::new());
-        let (newton_iterations, indefinite_starts) = (0, 0);
-        let progress =
-            Progress { integrator, time, increment, last, newton_iterations, indefinite_starts };
+        let progress = Progress {
+            integrator,
+            time: 0.0,
+            done: 0.0,
+            increment: stepping.first,
+            last: Vec::new(),
+            newton_iterations: 0,
+            indefinite_starts: 0,
+        };
         Self { stepping, progress, guide: None, step: None }
     }
 
@@ -110,8 +117,7 @@ impl TimeStepper {
     }
 
     /// Goes to the end of the next time step. `observe` is called after every
-    /// accepted load step. The next step depends on `self` and on the couplings in the
-    /// workspace alone.
+    /// accepted load step.
     ///
     /// # Errors
     /// [`Unreached`] with the load that was reached.
@@ -123,15 +129,37 @@ impl TimeStepper {
         end: f64,
         mut observe: impl FnMut(&LoadStep),
     ) -> Result<(), Unreached> {
-        workspace.linear_mut().forget();
-        workspace.indefinite_starts = self.progress.indefinite_starts;
-        let step = self.begin(problem, rest, end);
-        let mut done = 0.0; // fraction of the time step
-        while done < 1.0 {
-            let next = if done + self.progress.increment > 1.0 - 1e-9 {
-                1.0
-            } else {
-                done + self.progress.increment
+        loop {
+            let step = self.next(problem, workspace, rest, end)?;
+            observe(&step);
+            if step.ends_time_step {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Makes the next load step of the time step that ends at `end`. Where it begins a time step,
+    /// it depends on `self` and on the couplings in the workspace alone; within one, in its last
+    /// digits, on the factor that the workspace still has.
+    ///
+    /// # Errors
+    /// [`Unreached`] with the load that was reached.
+    pub fn next(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Result<LoadStep, Unreached> {
+        let step = match &self.step {
+            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
+            _ => self.begin(problem, workspace, rest, end),
+        };
+        loop {
+            let done = self.progress.done;
+            let next = match done + self.progress.increment {
+                beyond if beyond > 1.0 - 1e-9 => 1.0,
+                next => next,
             };
             let ends = next >= 1.0;
             let load =
@@ -140,49 +168,85 @@ impl TimeStepper {
             let start = self.predict(problem, workspace, (rest, &step), load, done == 0.0);
             match attempt(problem, workspace, &start, load, &newton) {
                 Ok(step) => {
-                    self.progress.newton_iterations += step.newton_iterations;
-                    if step.newton_iterations <= EASY {
-                        self.progress.increment =
-                            (1.5 * self.progress.increment).min(self.stepping.largest);
-                    }
-                    done = next;
-                    let step = LoadStep { ends_time_step: ends, ..step };
-                    observe(&step);
-                    self.progress.keep(step);
+                    return Ok(self.accept(
+                        LoadStep { ends_time_step: ends, ..step },
+                        next,
+                        workspace,
+                    ));
                 }
-                Err(Failed { failure, u, residuals }) => {
-                    self.progress.newton_iterations += residuals.len().saturating_sub(1);
-                    self.progress.increment *= match failure {
-                        // what is free is known: no need to halve up to it
-                        Failure::Blocked { free } => (NEARLY * free).clamp(SHORTEST, 0.5),
-                        _ => 0.5,
-                    };
-                    let increment = self.progress.increment;
-                    log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
-                    if increment < self.stepping.smallest {
-                        let at = self.iterate(problem, rest);
-                        let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
-                        let attempt = Attempt { reached, multipliers, step, load, u, residuals };
-                        let attempt = Box::new(attempt);
-                        return Err(Unreached { load: at.load, failure, attempt });
-                    }
-                }
+                Err(failed) => self.shorten(problem, rest, failed, load)?,
             }
         }
-        let u = self.progress.reached().to_vec();
-        self.progress.integrator.accept(&step, &u);
-        self.progress.time = end;
-        self.progress.indefinite_starts = workspace.indefinite_starts;
-        Ok(())
     }
 
-    /// The time step that follows.
-    fn begin(&mut self, problem: &Problem, rest: &[Vec3], end: f64) -> Arc<TimeStep> {
-        if self.progress.integrator.method.has_inertia() || self.guide.is_some() {
+    /// Takes in a load step, which ends at a fraction of its time step.
+    fn accept(&mut self, step: LoadStep, fraction: f64, workspace: &Workspace) -> LoadStep {
+        let progress = &mut self.progress;
+        progress.newton_iterations += step.newton_iterations;
+        if step.newton_iterations <= EASY {
+            progress.increment = (1.5 * progress.increment).min(self.stepping.largest);
+        }
+        progress.keep(step.clone());
+        progress.done = fraction;
+        progress.indefinite_starts = workspace.indefinite_starts;
+        if step.ends_time_step {
+            let made = self.step.as_ref().expect("it was begun");
+            progress.integrator.accept(made, &step.u);
+            progress.time = step.load;
+            progress.done = 0.0;
+        }
+        step
+    }
+
+    /// Makes the increment smaller after a load step to `load` has failed.
+    ///
+    /// # Errors
+    /// [`Unreached`] where it is as small as it may be.
+    fn shorten(
+        &mut self,
+        problem: &Problem,
+        rest: &[Vec3],
+        failed: Failed,
+        load: f64,
+    ) -> Result<(), Unreached> {
+        let Failed { failure, u, residuals } = failed;
+        self.progress.newton_iterations += residuals.len().saturating_sub(1);
+        self.progress.increment *= match failure {
+            // what is free is known: no need to halve up to it
+            Failure::Blocked { free } => (NEARLY * free).clamp(SHORTEST, 0.5),
+            _ => 0.5,
+        };
+        let increment = self.progress.increment;
+        log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
+        if increment >= self.stepping.smallest {
+            return Ok(());
+        }
+        let at = self.iterate(problem, rest);
+        let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
+        let step = self.step.clone().expect("it was begun");
+        let attempt = Attempt { reached, multipliers, step, load, u, residuals };
+        Err(Unreached { load: at.load, failure, attempt: Box::new(attempt) })
+    }
+
+    /// The time step that follows, or that was interrupted.
+    fn begin(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Arc<TimeStep> {
+        workspace.linear_mut().forget();
+        workspace.indefinite_starts = self.progress.indefinite_starts;
+        let interrupted = self.progress.done > 0.0;
+        if !interrupted && (self.progress.integrator.method.has_inertia() || self.guide.is_some()) {
             // with inertia, or a guide, the prediction is near the solution
             self.progress.increment = 1.0;
         }
-        let lagged_contacts = problem.lagged_contacts(&self.iterate(problem, rest));
+        let start = self.iterate(problem, rest);
+        let begun =
+            Iterate { u: &self.progress.integrator.last().u, load: self.progress.time, ..start };
+        let lagged_contacts = problem.lagged_contacts(&begun);
         let step = self.progress.integrator.step(end - self.progress.time);
         let step = Arc::new(TimeStep { lagged_contacts, ..step });
         self.step = Some(Arc::clone(&step));

@@ -22,19 +22,19 @@ pub const STEPS: &str = "steps.jsonl";
 /// From which an interrupted run continues.
 const CHECKPOINT: &str = "checkpoint.json";
 
-/// A run that was interrupted after a time step. Numbers are written so that they
+/// A run that was interrupted after a time step, or a static one after a load step. Numbers are written so that they
 /// are read back bit for bit.
 #[derive(Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Hash of the program's inputs; another hash is another run.
     pub inputs: String,
-    /// Time steps done, ...
+    /// Reported steps done, ...
     pub steps: usize,
     /// ... of which the lines of `steps.jsonl` have this SHA-256.
     pub lines: String,
     /// SHA-256 of their pictures, by the names of the files.
     pub pictures: BTreeMap<String, String>,
-    /// All that determines the next time step ...
+    /// All that determines the next step ...
     pub progress: Progress,
     /// ... with the pairs of nodes that contact couples.
     pub couplings: Vec<[usize; 2]>,
@@ -60,7 +60,7 @@ impl Checkpoint {
         let found: Self = program::read_checkpoint(&path, crate::report::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
-            "{}: a run of another scene or mesh was interrupted here after {} time steps\n  {anew}",
+            "{}: a run of another scene or mesh was interrupted here after {} steps\n  {anew}",
             path.display(),
             found.steps
         );

@@ -11,7 +11,7 @@ use crate::forward::{Clock, LoadStep, Time};
 /// Time steps that wait to be written, at most: each holds its states in memory.
 const WAITING: usize = 1;
 
-/// A time step that was computed, or a whole static scene.
+/// A time step that was computed, or a load step of a static scene.
 pub struct Finished {
     /// Its load steps, in order.
     pub steps: Vec<LoadStep>,
