@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::select::{Entry, SELECTORS};
 
 /// Keys of a `[[tag]]` besides the selectors.
-const TAG_KEYS: [&str; 4] = ["name", "pressure", "rim", "inside"];
+const TAG_KEYS: [&str; 5] = ["name", "pressure", "rim", "plug", "inside"];
 
 /// Keys of a `[[volume]]` besides the selectors.
 const VOLUME_KEYS: [&str; 1] = ["name"];
@@ -87,6 +87,8 @@ pub struct Tag {
     pub pressure: bool,
     /// Names of the fixed tags and planes of symmetry that hold the rim of an open pressure wall.
     pub rim: Vec<String>,
+    /// Whether plugs close an open pressure wall, whose rim may then lie anywhere.
+    pub plug: bool,
     /// Whether it is a surface inside the body.
     pub inside: bool,
 }
@@ -125,6 +127,13 @@ fn tags(generator: &mut SchemaGenerator) -> Schema {
     let more = [
         ("pressure", flag("Whether it is the wall of a chamber."), false),
         ("rim", rim, false),
+        (
+            "plug",
+            flag(
+                "Whether plugs close a pressure wall that is open, so that nothing need hold its rim.",
+            ),
+            false,
+        ),
         ("inside", flag("Whether the patch is a surface inside the body."), false),
     ];
     selections(generator, &more)
@@ -193,13 +202,18 @@ impl Tag {
         let pressure = take(&mut table, "pressure")?.unwrap_or(false);
         let rim = take::<Rim>(&mut table, "rim")?.map_or_else(Vec::new, Rim::all);
         ensure!(rim.is_empty() || pressure, "`rim` needs `pressure = true`");
+        let plug = take(&mut table, "plug")?.unwrap_or(false);
+        ensure!(
+            !plug || (pressure && rim.is_empty()),
+            "`plug = true` is for a wall with `pressure = true` and without `rim`"
+        );
         let inside = take(&mut table, "inside")?.unwrap_or(false);
         ensure!(
             !inside || (selector == "patch" && !pressure),
             "`inside = true` is for a `patch`, without `pressure`"
         );
         let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
-        Ok(Self { name, selector, value, pressure, rim, inside })
+        Ok(Self { name, selector, value, pressure, rim, plug, inside })
     }
 }
 
@@ -311,7 +325,7 @@ mod tests {
             ("epsilon = 1\nrelative_epsilon = 1\n[[tag]]\n", "give one of them"),
             (
                 "[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n",
-                "expected one of name, pressure, rim, inside, patch",
+                "expected one of name, pressure, rim, plug, inside, patch",
             ),
             ("[[tag]]\nname = \"a\"\n", "no selector; one of"),
             ("[[tag]]\nname = \"a\"\ncomponent = 0\npatch = \"a\"\n", "exactly one selector"),

@@ -39,7 +39,7 @@ pub fn fill_pinholes(
     holes.len()
 }
 
-/// Checks that a wall is a manifold patch, closed or with a fixed rim.
+/// Checks that a wall is a manifold patch, closed, plugged or with a fixed rim.
 ///
 /// # Errors
 /// A message with the boundary loops, their lengths and the first offending vertex.
@@ -52,14 +52,15 @@ pub fn check(
     let triangles = owned(facets, owners, wall);
     check_manifold(facets, &triangles)?;
     let loops = topology::boundary_loops(&triangles);
-    if loops.is_empty() {
+    if loops.is_empty() || config.tags[wall].plug {
         return Ok(());
     }
     let rims = &config.tags[wall].rim;
     if rims.is_empty() {
         return Err(format!(
             "the pressure wall is open: {} boundary loops{}\n  \
-             name the fixed tag that closes it with `rim = \"...\"`, or select the whole wall",
+             name the fixed tag that closes it with `rim = \"...\"`, write `plug = true` if a plug moves with \
+             it, or select the whole wall",
             loops.len(),
             describe(facets, &loops, &vec![Vec::new(); loops.len()])
         ));

@@ -41,7 +41,16 @@ struct Case {
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for degree in [1, 2] {
-        for name in ["elastic", "inertia", "isobaric", "sliding", "ideal", "volume"] {
+        for name in [
+            "elastic",
+            "inertia",
+            "isobaric",
+            "sliding",
+            "ideal",
+            "volume",
+            "plugged",
+            "plugged ideal",
+        ] {
             let body = body();
             let mut rest = body.mesh.vertices.clone();
             if name == "sliding" {
@@ -52,7 +61,11 @@ fn cases() -> Vec<Case> {
             for facet in body.facets("seat").unwrap() {
                 for node in space.facet_nodes(facet) {
                     // the mouth of the chamber slides in its plane x = 0
-                    let fixed = if name == "sliding" { 1 } else { 3 };
+                    let fixed = match name {
+                        "sliding" => 1,
+                        "plugged" | "plugged ideal" => 0,
+                        _ => 3,
+                    };
                     mask[3 * node..3 * node + fixed].fill(0.0);
                 }
             }
@@ -63,8 +76,11 @@ fn cases() -> Vec<Case> {
                 "elastic" => Box::new(Elastic::whole(Box::new(SILICONE))),
                 name => {
                     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
+                    let wall = if name.starts_with("plugged") { wall.plugged() } else { wall };
                     let gas: Box<dyn GasLaw> = match name {
-                        "isobaric" | "sliding" => Box::new(Isobaric { pressure: 20e3.into() }),
+                        "isobaric" | "sliding" | "plugged" => {
+                            Box::new(Isobaric { pressure: 20e3.into() })
+                        }
                         "volume" => Box::new(PrescribedVolume::Factor(1.3.into())),
                         _ => {
                             let (fill, ambient) = (20e3.into(), 101.3e3);
@@ -140,7 +156,7 @@ fn hessians_are_the_derivatives_of_the_gradients() {
             case.space.node_count(),
             case.space.element_nodes(),
             case.space.nodes_per_element(),
-            &[],
+            &case.energy.couplings(&case.at(&case.u, &case.rest), 1.0),
         );
         let mut hessian = BlockMatrix::zeros(&pattern);
         case.energy.add_hessian(&case.at(&case.u, &case.rest), Hessian::Exact, &mut hessian);
@@ -219,6 +235,23 @@ fn a_homogeneous_deformation_has_no_inner_force() {
 
 fn random_tet_mesh() -> [[f64; 3]; 3] {
     [[0.2, 0.1, -0.05], [0.0, -0.1, 0.15], [0.1, 0.05, 0.3]]
+}
+
+/// The gas in a plugged chamber pushes the body nowhere, whatever it looks like; without the plug it does.
+#[test]
+fn a_plugged_wall_feels_no_net_force_or_torque() {
+    for case in cases().iter().filter(|case| case.name.starts_with("plugged")) {
+        let mut g = vec![0.0; case.u.len()];
+        case.energy.add_gradient(&case.at(&case.u, &case.rest), &mut g);
+        let nodes = case.space.node_positions(&case.rest);
+        let at = |of: &[f64], n: usize| solver::element::at(of, n);
+        let force: Vec3 = (0..nodes.len()).map(|n| at(&g, n)).sum();
+        let torque: Vec3 =
+            (0..nodes.len()).map(|n| (nodes[n] + at(&case.u, n)).cross(&at(&g, n))).sum();
+        let size: f64 = (0..nodes.len()).map(|n| at(&g, n).norm()).sum();
+        assert!(force.norm() < 1e-13 * size, "{} {force}", case.name);
+        assert!(torque.norm() < 1e-13 * size * 0.03, "{} {torque}", case.name);
+    }
 }
 
 #[test]

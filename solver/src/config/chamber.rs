@@ -20,6 +20,8 @@ use crate::energy::gas_law;
 pub struct ChamberConfig {
     /// Tag name of the wall.
     pub on: String,
+    /// Whether plugs close what is open of it.
+    pub plug: bool,
     /// What is behind it.
     pub gas: Box<dyn GasLaw>,
 }
@@ -40,6 +42,9 @@ impl Serialize for ChamberConfig {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("on", &self.on)?;
+        if self.plug {
+            map.serialize_entry("plug", &true)?;
+        }
         for (key, value) in self.gas.table() {
             map.serialize_entry(&key, &value)?;
         }
@@ -52,9 +57,11 @@ impl<'de> Deserialize<'de> for ChamberConfig {
         let mut keys = toml::Table::deserialize(deserializer)?;
         let on = keys.remove("on").ok_or_else(|| D::Error::missing_field("on"))?;
         let on: String = on.try_into().map_err(|e| D::Error::custom(format!("on: {e}")))?;
+        let plug = keys.remove("plug").map_or(Ok(false), toml::Value::try_into);
+        let plug = plug.map_err(|e| D::Error::custom(format!("{}: plug: {e}", title(&on))))?;
         let gas = gas_law::read(keys)
             .map_err(|what| D::Error::custom(format!("{}: {what}", title(&on))))?;
-        Ok(Self { on, gas })
+        Ok(Self { on, plug, gas })
     }
 }
 
@@ -66,7 +73,9 @@ impl JsonSchema for ChamberConfig {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut schema = gas_law::schema(generator);
         let on = json!({ "type": "string", "description": "Tag of its wall." });
-        add_keys(&mut schema, &[("on", on, true)]);
+        let plug = json!({ "type": "boolean", "default": false, "description": "Whether plugs, on which the gas \
+            pushes and which move with it, close what is open of the wall, so that its rim need not be fixed." });
+        add_keys(&mut schema, &[("on", on, true), ("plug", plug, false)]);
         schema
     }
 }

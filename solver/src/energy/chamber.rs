@@ -83,6 +83,10 @@ impl Energy for Chamber {
         self.wall.add_stiffness(iterate.space, x, gas.pressure, out);
     }
 
+    fn couplings(&self, iterate: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
+        self.wall.couplings(iterate.space)
+    }
+
     fn rank_one(&self, iterate: &Iterate) -> Option<RankOne> {
         let x = positions(iterate);
         let (_, gas) = self.state_at(iterate, x);

@@ -8,7 +8,7 @@
 //! chamber. An open wall is closed by caps, one for each loop of its [`Rim`]: the
 //! cone from the mean c of the loop's vertices, of volume
 //! C = ⅙ ∮ ((x − o) × dx) · (c − o). Its rim must not move, or only within a plane in which
-//! the cap then lies: in both cases the cap does no work. S is symmetric when Γ is closed
+//! the cap then lies: in both cases the cap does no work. Or a plug holds the gas there ([`plug`]). S is symmetric when Γ is closed
 //! or its rim is held like that: what is not symmetric is ∮ (δ₁x × δ₂x) · dx along the rim.
 //!
 //! A wall that planes of symmetry cut is closed by a piece of each plane. The origin o lies
@@ -18,6 +18,8 @@
 //!
 //! Source: Rumpel and Schweizerhof 2003, doi:10.1002/nme.561; Niewiarowski,
 //! Adriaenssens and Pauletti 2020, doi:10.1016/j.cma.2020.113059.
+
+mod plug;
 
 use mesh::Vec3;
 
@@ -38,6 +40,8 @@ pub struct Wall {
     facets: Vec<Vec<usize>>,
     /// What caps close.
     rims: Vec<Rim>,
+    /// Whether the gas pushes on the caps, too.
+    plugged: bool,
     /// o [m].
     origin: Vec3,
 }
@@ -73,7 +77,7 @@ impl Wall {
         let mut origin = Vec3::zeros();
         planes.iter().for_each(|plane| origin[plane.axis] = plane.level);
         let facets_of_nodes = facets.iter().map(|&f| space.facet_nodes(f)).collect();
-        Self { facets: facets_of_nodes, rims: rims(facets, planes), origin }
+        Self { facets: facets_of_nodes, rims: rims(facets, planes), plugged: false, origin }
     }
 
     /// Whether the wall, with its mirror images, encloses the chamber without caps.
@@ -155,8 +159,8 @@ impl Wall {
         volume
     }
 
-    /// Adds `scale` ∂V/∂x at the nodes, of the wall alone [m²]: minus the force
-    /// of a unit pressure on it.
+    /// Adds `scale` ∂V/∂x at the nodes, of the wall alone if it has no plugs [m²]: minus the
+    /// force of a unit pressure.
     pub fn add_wall_gradient(
         &self,
         space: &FunctionSpace,
@@ -164,6 +168,9 @@ impl Wall {
         scale: f64,
         out: &mut [f64],
     ) {
+        if self.plugged {
+            return self.add_gradient(space, x, scale, out);
+        }
         let of_facet = |nodes: &[usize]| {
             let mut forces = [Vec3::zeros(); MOST_NODES];
             points(space, nodes, &x, |_, p| {
@@ -226,7 +233,7 @@ impl Wall {
         space.add_to_vertices(&nodal, out);
     }
 
-    /// Adds `scale` S to the lower triangle.
+    /// Adds `scale` S to the lower triangle; of a wall with plugs S = −∂²V/∂x∂x of wall and caps.
     pub fn add_stiffness(
         &self,
         space: &FunctionSpace,
@@ -234,6 +241,9 @@ impl Wall {
         scale: f64,
         out: &mut BlockMatrix,
     ) {
+        if self.plugged {
+            return self.add_plugged_stiffness(space, &x, scale, out);
+        }
         let of_facet = |nodes: &[usize]| {
             let mut blocks = vec![Mat3::zeros(); nodes.len() * nodes.len()];
             points(space, nodes, &x, |_, p| {
@@ -264,6 +274,9 @@ impl Wall {
         scale: f64,
         out: &mut [f64],
     ) {
+        if self.plugged {
+            return self.add_plugged_stiffness_vjp(space, &x, lambda, scale, out);
+        }
         self.for_each_point(space, &x, |nodes, _, p| {
             let l: Vec3 = nodes.iter().zip(p.values).map(|(n, v)| at(lambda, *n) * *v).sum();
             for (b, node) in nodes.iter().enumerate() {

@@ -30,7 +30,16 @@ impl Scene {
         for config in &self.config.chamber {
             let on = &config.on;
             let facets = body.facets(on).with_context(context)?;
-            let wall = Wall::cut_by(&body.planes, space, &facets);
+            let mut wall = Wall::cut_by(&body.planes, space, &facets);
+            if config.plug {
+                ensure!(
+                    !wall.is_closed(),
+                    "{}: {}: plug = true: the wall is closed, there is nothing to plug",
+                    self.path.display(),
+                    config.title()
+                );
+                wall = wall.plugged();
+            }
             let volume = wall.volume(space, |n| nodes[n]);
             if config.gas.pressure().is_none() && volume <= 0.0 {
                 bail!(
@@ -78,7 +87,7 @@ impl Scene {
 }
 
 /// The gas force has a potential only when every rim of its wall is fixed along
-/// all axes, or moves only within a plane.
+/// all axes, moves only within a plane, or is plugged.
 pub(super) fn check_rim(
     name: &str,
     wall: &Wall,
@@ -86,6 +95,9 @@ pub(super) fn check_rim(
     space: &FunctionSpace,
     body: &Body,
 ) -> Result<()> {
+    if wall.is_plugged() {
+        return Ok(());
+    }
     let nodes = |&[a, b]: &[usize; 2]| [a, b].into_iter().chain(space.edge_nodes([a, b]));
     let clamped = |edge: &[usize; 2]| nodes(edge).all(|node| supports.clamps(node));
     let (mut count, mut free) = (0, Vec::new());
@@ -102,7 +114,7 @@ pub(super) fn check_rim(
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
              rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
              along that: add the tag around the opening to [[fixed]], or to [[symmetry]] if the body \
-             is cut there",
+             is cut there; or write plug = true, if a plug closes it and moves with the body",
             free.len(),
             p.x,
             p.y,
