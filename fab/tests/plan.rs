@@ -313,3 +313,27 @@ fn the_hull_saves_plastic_and_shrinkage_enlarges_the_mold() {
     let (_, _, larger) = volumes("labels = false\nshrinkage = 0.01");
     assert!((larger / cast - 0.99_f64.powi(-3)).abs() < 1e-6, "{}", larger / cast);
 }
+
+#[test]
+fn values_are_set_from_outside() {
+    let scene = Scene::new(&TUBE, "");
+    let file = |name| scene.path(name).display().to_string();
+    let [mesh, config, out] = ["design.msh", "mold.toml", "mold"].map(file);
+    let plan =
+        |more: &[&str]| fab(&[&["plan", &mesh, "--config", &config, "-o", &out], more].concat());
+    let method = |more: &[&str]| {
+        let planned = plan(more);
+        assert!(planned.status.success(), "{}", stderr(&planned));
+        PlanReport::read(&scene.path("mold")).unwrap().method.name()
+    };
+    assert_eq!(method(&[]), "soluble");
+    assert_eq!(method(&["--set", "method=pull-out"]), "pull-out");
+    let tight = plan(&["--set", "method=pull-out", "--set", "limits.girth=0.9"]);
+    assert_eq!(tight.status.code(), Some(2));
+    assert!(stderr(&tight).contains("limits.girth is 0.90"), "{}", stderr(&tight));
+    let unknown = plan(&["--set", "limits.grith=2"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("girth"), "{}", stderr(&unknown));
+    let nothing = fab(&["plan", &mesh, "-o", &out, "--set", "wall=4e-3"]);
+    assert!(stderr(&nothing).contains("name it with --config"), "{}", stderr(&nothing));
+}

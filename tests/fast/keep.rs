@@ -45,6 +45,34 @@ fn a_flat_floor_stays_flat_and_moves_along_its_plane() {
     }
 }
 
+/// The same plane by its normal; it is not an axis for the program.
+#[test]
+fn a_plane_by_its_normal_is_the_same() {
+    let dir = folder("[[shape.level]]\nhandles = 4\niterations = 3\n");
+    dir.solver("optimize design.toml -o out").assert_good();
+    let by_normal = "keep = [{ normal = [0, 0, -2], at = -0.01 }]";
+    dir.write("design.toml", &dir.text("design.toml").replace(FLOOR, by_normal));
+    dir.solver("optimize design.toml -o by-normal").assert_good();
+    let read = |path: &str| mesh::io::read_tets(&dir.path(path)).unwrap().mesh.vertices;
+    let (a, b) = (read("out/design.msh"), read("by-normal/design.msh"));
+    let apart = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart}");
+}
+
+#[test]
+fn tags_that_give_no_plane_are_refused() {
+    let dir = folder("[[shape.level]]\nhandles = 3\niterations = 3\n");
+    let refused = |keep: &str, words: &[&str]| {
+        dir.write("bad.toml", &dir.text("design.toml").replace(FLOOR, keep));
+        dir.solver("optimize bad.toml -o out").assert_refused(2, words);
+    };
+    refused("keep = [\"skin\"]", &["\"skin\" is not flat", "mm apart"]);
+    refused("keep = [\"top\"]", &["no facet that moves lies in the plane of \"top\""]);
+    refused("keep = [\"floor\"]", &["\"floor\""]);
+    refused("keep = [{ normal = [0, 0, 0], at = 1 }]", &["normal", "direction"]);
+    refused("keep = [{ axis = \"z\", height = 1 }]", &["expected a tag of a flat face"]);
+}
+
 #[test]
 fn gradients_pass_the_taylor_test_beside_a_kept_face() {
     let dir = folder("[[shape.level]]\nhandles = 3\niterations = 3\n");

@@ -1,8 +1,16 @@
 //! Programs that ours runs, and that end with it.
 
 use std::io;
+use std::path::PathBuf;
 use std::process::{Child, ChildStderr, Command, ExitStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+/// A program of ours: beside the one that runs, or else on the path.
+#[must_use]
+pub fn beside(name: &str) -> PathBuf {
+    let beside = std::env::current_exe().map(|own| own.with_file_name(name));
+    beside.ok().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from(name))
+}
 
 /// A program that runs until it ends, is killed, or ours is interrupted.
 pub struct Process(Arc<Mutex<Child>>);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh::io::IoError;
+use mesh::io::{IoError, is_standard, read_standard};
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of some bytes, hexadecimal.
@@ -21,6 +21,9 @@ fn hexadecimal(digest: &[u8]) -> String {
 /// If the file cannot be read.
 pub fn sha256_file(path: &Path) -> Result<String, IoError> {
     let fail = |cause| IoError::System { path: path.to_owned(), action: "read", cause };
+    if is_standard(path)? {
+        return Ok(sha256(read_standard().map_err(fail)?));
+    }
     let mut file = std::fs::File::open(path).map_err(fail)?;
     let mut digest = Sha256::new();
     std::io::copy(&mut file, &mut digest).map_err(fail)?;

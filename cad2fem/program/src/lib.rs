@@ -16,7 +16,7 @@ mod settings;
 mod shell;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
-pub use child::Process;
+pub use child::{Process, beside};
 pub use cli::{Unusable, Verbosity, run};
 pub use hash::{sha256, sha256_file};
 pub use input::{InputFile, relative};
@@ -24,5 +24,5 @@ pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
 pub use nearest::{did_you_mean, nearest};
 pub use progress::{Progress, Spinner};
-pub use settings::{Change, Changes, Keys, Settings, VERSION, read_checked, read_toml};
+pub use settings::{Change, Changes, Keys, Settings, VERSION, read_toml};
 pub use shell::parse;

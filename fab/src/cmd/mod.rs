@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
 use mesh::io::{IoError, read_tets};
-use program::Progress;
 use program::schema::SchemaArguments;
+use program::{Changes, Progress};
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
@@ -51,6 +51,9 @@ pub struct Task {
     /// Folder for what is made
     #[arg(short, long)]
     pub output: PathBuf,
+    /// What is asked for instead
+    #[command(flatten)]
+    pub changes: Changes,
 }
 
 /// How a task is to be done.
@@ -77,7 +80,7 @@ impl Task {
     /// # Errors
     /// If the mesh or the configuration cannot be used, or the body cannot be molded.
     pub fn plan(&self) -> Result<Planned> {
-        let config = self.config.as_deref().map_or_else(|| Config::parse(""), Config::read)?;
+        let config = Config::read(self.config.as_deref(), &self.changes.set)?;
         let file = read_tets(&self.mesh)?;
         let boundary = self.named(Boundary::new(&file, &config.chamber))?;
         let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
@@ -98,7 +101,9 @@ impl Task {
     #[must_use]
     pub fn asked(&self) -> String {
         let config = self.config.as_ref().map(|path| format!(" --config {}", path.display()));
-        format!("fab mold {}{}", self.mesh.display(), config.unwrap_or_default())
+        let set: String =
+            self.changes.set.iter().map(|change| format!(" --set {change}")).collect();
+        format!("fab mold {}{}{set}", self.mesh.display(), config.unwrap_or_default())
     }
 
     /// The mesh as a report in `folder` names it.

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use library::printers;
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::measure;
-use program::Changes;
+use program::{Changes, beside};
 
 use crate::tolerance::offset::offset;
 use crate::tolerance::run::Solver;
@@ -55,8 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
         tolerance > 0.0 && tolerance < 0.01,
         "--tolerance is {tolerance}, must be above 0 and below 0.01 (lengths are metres)"
     );
-    let beside = || std::env::current_exe().map(|path| path.with_file_name("solver"));
-    let program = args.solver.clone().map_or_else(beside, Ok)?;
+    let program = args.solver.clone().unwrap_or_else(|| beside("solver"));
     let (scene, body) = (args.scene.clone(), args.body.clone());
     let solver = Solver { program, scene, body, changes: args.changes.set.clone() };
     let msh = read_tets(&args.mesh)?;

@@ -25,7 +25,7 @@ use std::path::Path;
 use anyhow::{Result, bail, ensure};
 use library::{Chemistry, printers, silicones};
 use program::schema::one_of_these;
-use program::{Settings, read_checked};
+use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer};
 
@@ -139,12 +139,17 @@ pub fn markdown() -> String {
 }
 
 impl Config {
-    /// Reads and checks a file.
+    /// Reads and checks a file with changes from outside, or gives the defaults.
     ///
     /// # Errors
-    /// If it cannot be read, is not TOML, has an unknown key or a value out of range.
-    pub fn read(path: &Path) -> Result<Self> {
-        read_checked(path, Self::of)
+    /// If it cannot be read, is not TOML, has an unknown key or a value out of range, or there is
+    /// no file to change.
+    pub fn read(path: Option<&Path>, changes: &[Change]) -> Result<Self> {
+        let Some(path) = path else {
+            ensure!(changes.is_empty(), "--set changes a key of a file: name it with --config");
+            return Self::parse("");
+        };
+        Settings::read(path, changes, Keys::default())?.checked(Self::of)
     }
 
     /// Reads and checks the text of a file.

@@ -10,7 +10,7 @@ use program::{Changes, FolderLock, Settings, Unusable};
 use serde_json::{Value, json};
 
 use crate::config::{DesignConfig, beside};
-use crate::optimize::{Cascade, Checkpoint, Finished, LATEST, mesh_file, write_bodies};
+use crate::optimize::{Cascade, Checkpoint, Finished, LATEST, Molding, mesh_file, write_bodies};
 use crate::report::failure;
 use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
@@ -42,6 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let Problem { file, design, scene } = read(&arguments.design, &[], &arguments.changes)?;
     scene.body.log_share();
+    let molding = file.checked(|_| Molding::new(&arguments.design, &design, &scene.body))?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let objectives =
@@ -58,6 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene: &scene,
         design: &design,
         objectives: &objectives,
+        molding,
         folder: folder.clone(),
         inputs,
     };
@@ -71,6 +73,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let files = [("design", &file), ("scene", &scene.file)];
     let (inputs, set) = results::provenance(folder, &files, &scene)?;
     (report["inputs"], report["set"]) = (inputs, json!(set));
+    let (level, evaluation) = &finished.last;
+    let crossing = level.crossing(evaluation);
+    if let Some(crossing) = &crossing {
+        report["usable"] = json!(false);
+        report["status"] = json!("surfaces_crossed");
+        report["crossing"] = crossing.report();
+    }
     results::write_json(&folder.join("report.json"), &report)?;
     let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
     let (before, after) = (objective("objective_before"), objective("objective_after"));
@@ -84,6 +93,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
     } else {
         log::info!("the objective fell by {:.1} %", 100.0 * fall);
+    }
+    if let Some(crossing) = crossing {
+        let design = arguments.design.display();
+        return Err(Unusable(format!("{design}: {}", crossing.in_words())).into());
     }
     if fall.is_nan() || fall <= 0.0 {
         return Err(Unusable(format!(
@@ -283,6 +296,10 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "wall_s_of_this_run": start.elapsed().as_secs_f64(),
         "peak_rss_mb": program::peak_rss_mb(),
     });
+    if last["mold"].is_object() {
+        report["mold_before"] = first["mold"].clone();
+        report["mold_after"] = last["mold"].clone();
+    }
     if last["scenarios"].is_object() {
         report["scenarios_before"] = first["scenarios"].clone();
         report["scenarios_after"] = last["scenarios"].clone();

@@ -1,5 +1,6 @@
 //! The format of `design.toml`.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
@@ -12,8 +13,9 @@ use super::{
     superseded,
 };
 use crate::body::Names;
+use crate::symmetry::AXES;
 
-const KEYS: Keys = Keys { paths: &["scene", "target"], named: &[] };
+const KEYS: Keys = Keys { paths: &["scene", "target", "config"], named: &[] };
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -40,11 +42,25 @@ pub struct DesignConfig {
     /// How their objectives become one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<RobustConfig>,
+    /// How the body is to be cast: `fab plan` is asked about every accepted shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mold: Option<MoldConfig>,
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
     /// Weighted terms of the objective.
     pub objective: Vec<ObjectiveConfig>,
+}
+
+/// What `fab plan` is asked about during a design.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MoldConfig {
+    /// What the mold is to be like, a `mold.toml`.
+    pub config: PathBuf,
+    /// The body that is cast, of a scene with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
 }
 
 /// How to go down, and when to stop.
@@ -103,8 +119,8 @@ pub struct ShapeConfig {
     /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
     #[serde(default)]
     pub margin: f64,
-    /// Planes in which flat faces of what moves stay: their vertices move along them only, so that a
-    /// flat floor stays flat and its mold can be pulled off it.
+    /// Planes in which flat faces of what moves stay, each a tag of a flat face or a table: their vertices
+    /// move along them only, so that a flat floor stays flat and its mold can be pulled off it.
     #[serde(default)]
     pub keep: Vec<KeepConfig>,
     /// How far from where it is the surface that moves may be re-meshed, where elements at it are
@@ -114,14 +130,53 @@ pub struct ShapeConfig {
     pub level: Vec<LevelConfig>,
 }
 
-/// A plane across an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct KeepConfig {
-    /// The axis across which it lies.
-    pub axis: Axis,
-    /// Its coordinate on that axis [m].
-    pub at: f64,
+/// A plane in which a flat face stays.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "expected a tag of a flat face, { axis = \"z\", at = 0.01 } or { normal = [0, 0.6, 0.8], at = 0.01 }"
+)]
+pub enum KeepConfig {
+    /// That of a tag whose facets are flat.
+    Face(String),
+    /// One across an axis.
+    Across {
+        /// The axis across which it lies.
+        axis: Axis,
+        /// Its coordinate on that axis [m].
+        at: f64,
+    },
+    /// One at an angle.
+    Plane {
+        /// Its normal, of any length but 0.
+        normal: [f64; 3],
+        /// Its distance from the origin along the normal [m].
+        at: f64,
+    },
+}
+
+impl KeepConfig {
+    fn check(&self) -> Result<()> {
+        if let Self::Plane { normal, .. } = self {
+            let length = normal.iter().map(|n| n * n).sum::<f64>();
+            ensure!(
+                length.is_finite() && length > 0.0,
+                "[shape] keep: normal = {normal:?}: must have a direction"
+            );
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for KeepConfig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Face(tag) => write!(f, "the plane of \"{tag}\""),
+            Self::Across { axis, at } => write!(f, "the plane {} = {at} m", AXES[*axis as usize]),
+            Self::Plane { normal, at } => write!(f, "the plane across {normal:?} at {at} m"),
+        }
+    }
 }
 
 /// An axis of space.
@@ -272,6 +327,10 @@ impl DesignConfig {
         objective::check_shares(&self.objective)?;
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
+        ensure!(
+            self.mold.is_none() || self.shape.is_some(),
+            "[mold] without [shape]: no shape changes that would be cast"
+        );
         if let Some(shape) = &self.shape {
             let on = shape.on.all();
             ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
@@ -286,6 +345,7 @@ impl DesignConfig {
                 tolerance >= 0.0 && tolerance.is_finite(),
                 "[shape] surface_tolerance = {tolerance} m must not be negative"
             );
+            shape.keep.iter().try_for_each(KeepConfig::check)?;
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;

@@ -36,7 +36,7 @@ pub struct DesignMap {
 fn flats(shape: &ShapeConfig, body: &Body) -> Result<Vec<Flat>> {
     let facets = shape.on.all().iter().map(|on| body.facets(on));
     let moving = facets.collect::<Result<Vec<_>>>()?.concat();
-    shape.keep.iter().map(|keep| Flat::find(keep, &body.mesh.vertices, &moving)).collect()
+    shape.keep.iter().map(|keep| Flat::find(keep, body, &moving)).collect()
 }
 
 impl DesignMap {

@@ -18,9 +18,15 @@
 //! changes of any variable move the surface about equally far. θ = 0 is the
 //! shape as it is. The rim does not move, whatever the variables.
 //!
-//! Where a plane of symmetry across axis k cuts the patch, what lies in the plane is no rim:
-//! it moves along the plane, as does a flat face that is to stay in its plane. For component k, w_j is
-//! then another weight, which is zero in the plane, too; a handle in the plane does not move across it.
+//! Where a plane of symmetry cuts the patch, what lies in the plane is no rim: it moves along the
+//! plane, as does a flat face that is to stay in its plane. For the component along the plane's normal
+//! n, w_j is then another weight, which is zero in the plane, too; a handle in the plane does not move
+//! across it. With several planes that are not at right angles,
+//!
+//! v' − v = P_v Σ_j (w_j + Σ_n (w_jn − w_j) n nᵀ) (T_j v − v)
+//!
+//! w_jn  the weight that is zero in all planes across n [1]
+//! P_v   projection onto the planes in which v lies
 //!
 //! Source: Gjoka et al. 2024, equation (17).
 
@@ -30,7 +36,7 @@ use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
-use super::held::Held;
+use super::held::{Held, off};
 use super::sampling::{TooManyHandles, spread_points};
 use crate::config::{HandleMotion, Spread};
 
@@ -47,6 +53,9 @@ pub enum HandleError {
     Weights(#[from] WeightError),
 }
 
+/// A weight for each vertex, by handle [1].
+type Weights = Arc<Vec<Vec<f64>>>;
+
 /// Handles on a surface patch.
 #[derive(Clone, Debug)]
 pub struct Handles {
@@ -54,8 +63,13 @@ pub struct Handles {
     vertices: Vec<usize>,
     centers: Vec<Vec3>,
     radii: Vec<f64>,
-    /// Weights of each component of the motion by handle, in the order of `vertices`.
-    weights: [Arc<Vec<Vec<f64>>>; 3],
+    /// Weights by handle, in the order of `vertices`.
+    weights: Weights,
+    /// Normals of planes, with the weights of the motion along them.
+    across: Vec<(Vec3, Weights)>,
+    /// Indices in `vertices` of those that lie in planes, with orthonormal directions in which they
+    /// do not move.
+    in_planes: Vec<(usize, Vec<Vec3>)>,
     motion: HandleMotion,
 }
 
@@ -73,26 +87,29 @@ pub fn sample_handles(
     let (surface, vertices) = topology::submesh(rest, patch);
     let rim = held.rim(&surface, &vertices);
     let points = spread_points(&surface, &rim, count, spread)?;
-    let along = Arc::new(bounded_biharmonic(&surface, &rim, &points)?);
-    let mut weights = [0, 1, 2].map(|_| Arc::clone(&along));
-    for (k, across) in weights.iter_mut().enumerate() {
+    let weights = Arc::new(bounded_biharmonic(&surface, &rim, &points)?);
+    let mut across = Vec::new();
+    for normal in held.normals() {
         let in_plane: Vec<usize> =
-            (0..vertices.len()).filter(|&v| held.along(vertices[v], k)).collect();
+            (0..vertices.len()).filter(|&v| held.along(vertices[v], &normal)).collect();
         if !in_plane.is_empty() {
             let mut stays = [in_plane, rim.clone()].concat();
             stays.sort_unstable();
             stays.dedup();
-            *across = Arc::new(weights_across(&surface, &stays, &points)?);
+            across.push((normal, Arc::new(weights_across(&surface, &stays, &points)?)));
         }
     }
+    let fixed = vertices.iter().map(|&v| held.directions(v).0).enumerate();
+    let in_planes = fixed.filter(|(_, fixed)| !fixed.is_empty()).collect();
     let centers: Vec<Vec3> = points.iter().map(|&p| surface.vertices[p]).collect();
     let edge = mean_edge(&surface.vertices, &surface.triangles);
     let radii = centers
         .iter()
-        .zip(&*along)
+        .zip(&*weights)
         .map(|(c, w)| radius(&surface.vertices, c, w).max(edge))
         .collect();
-    Ok(Handles { vertices, centers, radii, weights, motion: HandleMotion::default() })
+    let motion = HandleMotion::default();
+    Ok(Handles { vertices, centers, radii, weights, across, in_planes, motion })
 }
 
 /// Weights of the handles for the component across a plane, zero at the `held` vertices in it;
@@ -155,27 +172,30 @@ impl Handles {
     #[must_use]
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         assert_eq!(theta.len(), self.variables(), "variables of all handles");
-        let mut moved: Vec<Vec3> = self.vertices.iter().map(|&v| rest[v]).collect();
+        let mut way = vec![Vec3::zeros(); self.vertices.len()];
         for (j, motion) in self.motions(theta).iter().enumerate() {
             let turn = motion.rotation() - Mat3::identity();
             for (i, &v) in self.vertices.iter().enumerate() {
                 let arm = rest[v] - self.centers[j];
-                moved[i] += self.weight(j, i).component_mul(&(turn * arm + motion.translation));
+                way[i] += self.weighted(j, i, &(turn * arm + motion.translation));
             }
         }
-        moved
+        self.project(&mut way);
+        self.vertices.iter().zip(way).map(|(&v, way)| rest[v] + way).collect()
     }
 
     /// (∂v'/∂θ)ᵀ `bar` for cotangents of the patch vertices.
     #[must_use]
     pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         assert_eq!(bar.len(), self.vertices.len(), "one cotangent per patch vertex");
+        let mut bar = bar.to_vec();
+        self.project(&mut bar);
         let mut gradient = Vec::with_capacity(self.variables());
         for (j, motion) in self.motions(theta).iter().enumerate() {
             // the derivatives by the six variables need only Σ w v̄ and Σ w v̄ (v − c)ᵀ
             let (mut force, mut moment) = (Vec3::zeros(), Mat3::zeros());
             for (i, &v) in self.vertices.iter().enumerate() {
-                let pull = self.weight(j, i).component_mul(&bar[i]);
+                let pull = self.weighted(j, i, &bar[i]);
                 force += pull;
                 moment += pull * (rest[v] - self.centers[j]).transpose();
             }
@@ -188,9 +208,19 @@ impl Handles {
         gradient
     }
 
-    /// Weights of handle j at vertex i for each component.
-    fn weight(&self, j: usize, i: usize) -> Vec3 {
-        Vec3::from_fn(|k, _| self.weights[k][j][i])
+    /// (w + Σ_n (w_n − w) n nᵀ) d, with the weights of handle j at vertex i: symmetric in d.
+    fn weighted(&self, j: usize, i: usize, d: &Vec3) -> Vec3 {
+        let w = self.weights[j][i];
+        let add =
+            |sum: Vec3, (n, across): &(Vec3, Weights)| sum + (across[j][i] - w) * n.dot(d) * n;
+        self.across.iter().fold(w * d, add)
+    }
+
+    /// Takes from vectors at the vertices what leads out of planes in which they stay.
+    fn project(&self, vectors: &mut [Vec3]) {
+        for (i, fixed) in &self.in_planes {
+            vectors[*i] = off(fixed, &vectors[*i]);
+        }
     }
 
     fn motions(&self, theta: &[f64]) -> Vec<Motion> {

@@ -73,7 +73,7 @@ impl LoadMap {
         for design in parameters {
             map.add_number(design, scene, edge)?;
         }
-        for (i, ChamberConfig { on, gas }) in scene.config.chamber.iter().enumerate() {
+        for (i, ChamberConfig { on, gas, .. }) in scene.config.chamber.iter().enumerate() {
             let (id, schedule) = (ChamberId::of(i), gas.schedule());
             if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
                 continue;

@@ -20,8 +20,8 @@ pub enum Patch {
 pub struct FreeVertices {
     /// Vertex ids off the rim, ascending.
     vertices: Vec<usize>,
-    /// Of each variable the index of its vertex and its component.
-    components: Vec<(usize, usize)>,
+    /// Of each variable the index of its vertex and its direction.
+    ways: Vec<(usize, Vec3)>,
 }
 
 impl Patch {
@@ -45,10 +45,11 @@ impl Patch {
         let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
         let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
         let of_vertex = |(i, &v): (usize, &usize)| {
-            (0..3).filter(|&k| !held.along(v, k)).map(|k| (i, k)).collect::<Vec<_>>()
+            let (_, free) = held.directions(v);
+            free.into_iter().map(move |direction| (i, direction))
         };
-        let components = vertices.iter().enumerate().flat_map(of_vertex).collect();
-        Ok(Self::Vertices(FreeVertices { vertices, components }))
+        let ways = vertices.iter().enumerate().flat_map(of_vertex).collect();
+        Ok(Self::Vertices(FreeVertices { vertices, ways }))
     }
 
     /// Number of design variables.
@@ -56,7 +57,7 @@ impl Patch {
     pub fn variables(&self) -> usize {
         match self {
             Self::Handles(handles) => handles.variables(),
-            Self::Vertices(free) => free.components.len(),
+            Self::Vertices(free) => free.ways.len(),
         }
     }
 
@@ -77,7 +78,7 @@ impl Patch {
             Self::Handles(handles) => handles.apply(theta, rest),
             Self::Vertices(free) => {
                 let mut moved: Vec<Vec3> = free.vertices.iter().map(|&v| rest[v]).collect();
-                free.components.iter().zip(theta).for_each(|(&(i, k), d)| moved[i][k] += d);
+                free.ways.iter().zip(theta).for_each(|((i, way), d)| moved[*i] += *d * way);
                 moved
             }
         }
@@ -88,7 +89,7 @@ impl Patch {
     pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.pull_back(theta, rest, bar),
-            Self::Vertices(free) => free.components.iter().map(|&(i, k)| bar[i][k]).collect(),
+            Self::Vertices(free) => free.ways.iter().map(|(i, way)| way.dot(&bar[*i])).collect(),
         }
     }
 }

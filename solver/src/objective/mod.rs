@@ -10,6 +10,7 @@ mod contact_force;
 mod contact_proxy;
 mod context;
 mod distance_field;
+mod draft;
 mod integral;
 mod kind;
 mod motion;
@@ -35,6 +36,7 @@ pub use contact_force::{ContactForce, Resultant};
 pub use contact_proxy::{ContactProxy, PartsTouch};
 pub use context::{Context, Law};
 pub use distance_field::{DistanceField, DistanceKind};
+pub use draft::Draft;
 pub use integral::TimeIntegral;
 pub use kind::{Builder, COMMON_KEYS, Kind, Specification, from_keys, refuse_unknown};
 pub use motion::{Motion, Quantity};
@@ -60,6 +62,7 @@ pub const KINDS: &[Kind] = &[
     stress::KIND,
     strain_limit::KIND,
     probe::KIND,
+    draft::KIND,
 ];
 
 /// Which shape areas, volumes and distances are of.

@@ -16,6 +16,7 @@ use serde_json::json;
 use self::say::{say_gain, time_left, variables};
 use super::checkpoint::Checkpoint;
 use super::history::{History, add_scenarios};
+use super::molding::{self, Molding};
 use super::remesh::{remesh, write_bodies};
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
@@ -45,6 +46,8 @@ pub struct Cascade<'a> {
     pub design: &'a DesignConfig,
     /// Terms of the objective.
     pub objectives: &'a ObjectiveBuilder<'a>,
+    /// Who is asked how shapes can be cast.
+    pub molding: Option<Molding>,
     /// Where checkpoint, history and meshes go.
     pub folder: PathBuf,
     /// Hash of all inputs.
@@ -443,6 +446,12 @@ impl Cascade<'_> {
         if !level.map().moving().is_empty() {
             let shape = level.shape(&step.evaluation);
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
+            if let Some(molding) = &self.molding {
+                let verdict = molding.ask(&shape)?;
+                molding::say(&verdict, &checkpoint.mold);
+                line["mold"] = verdict.clone();
+                checkpoint.mold = verdict;
+            }
         }
         let Evaluation { runs, terms, .. } = step.evaluation;
         checkpoint.terms = terms;

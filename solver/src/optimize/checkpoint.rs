@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use mesh::io::npy;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::progress::LevelProgress;
 use super::{Lbfgs, Run};
@@ -68,6 +69,9 @@ pub struct Checkpoint {
     pub stopped: Option<String>,
     /// Levels before this one that ended early, and why.
     pub stopped_before: Vec<(usize, String)>,
+    /// What `fab plan` says of the shape at θ, where it is asked.
+    #[serde(default)]
+    pub mold: Value,
 }
 
 impl Checkpoint {
@@ -98,6 +102,7 @@ impl Checkpoint {
             files: BTreeMap::new(),
             stopped: None,
             stopped_before: Vec::new(),
+            mold: Value::Null,
         }
     }
 
@@ -105,7 +110,7 @@ impl Checkpoint {
     #[must_use]
     pub fn next_level(self, (start, loads): (Vec<Vec<f64>>, Vec<f64>), lbfgs: Lbfgs) -> Self {
         let stopped_before = self.all_stopped();
-        let Self { level, total_s, history, lines, weights, mut files, .. } = self;
+        let Self { level, total_s, history, lines, weights, mold, mut files, .. } = self;
         let level = level + 1;
         // The meshes of the levels before stay in the folder, as a part of the result.
         files.retain(|name, _| !is_run(name));
@@ -119,6 +124,7 @@ impl Checkpoint {
             start,
             loads,
             stopped_before,
+            mold,
             ..Self::new(self.inputs, lbfgs)
         }
     }

@@ -18,6 +18,7 @@ use crate::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use crate::design::DesignMap;
 use crate::math::linear::sum;
 use crate::memory::{self, Need};
+use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::scene::{ObjectiveBuilder, Scene};
 
@@ -379,6 +380,13 @@ impl Level {
     #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
         self.first().grid(&at.runs[0])
+    }
+
+    /// Surfaces that have passed through each other at the end of a scenario.
+    #[must_use]
+    pub fn crossing(&self, at: &Evaluation) -> Option<Crossing> {
+        let mut all = self.scenarios.iter().zip(&at.runs);
+        all.find_map(|(scenario, run)| scenario.crossing(run, &self.body))
     }
 }
 

@@ -23,8 +23,9 @@ use crate::forward::{
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
 use crate::objective::Equilibrium;
+use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
-use crate::report::results::displacements;
+use crate::report::results::{displacements, grid_with_fields};
 use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
@@ -411,9 +412,23 @@ impl Scenario {
         body.used_tags().map(one).collect()
     }
 
-    /// The solution's grid for ParaView.
+    /// The solution's grid for ParaView, at the end of a run.
     #[must_use]
     pub fn grid(&self, run: &Run) -> mesh::io::vtu::Grid {
-        crate::report::results::grid(&self.problem.space, &run.rest, &run.states.last())
+        self.at_end(run, |end| grid_with_fields(&self.problem.energies, end))
+    }
+
+    /// Surfaces of the body that have passed through each other at the end of a run.
+    #[must_use]
+    pub fn crossing(&self, run: &Run, body: &Body) -> Option<Crossing> {
+        self.at_end(run, |end| Crossing::find((&self.scene, body), &self.problem, end))
+    }
+
+    /// Looks at the end of a run.
+    fn at_end<T>(&self, run: &Run, look: impl FnOnce(&Iterate) -> T) -> T {
+        let (states, rest) = (&run.states, &run.rest);
+        let (u, load) = (states.last(), states.times[states.steps()]);
+        let step = states.step(&self.problem, rest, states.steps());
+        look(&Iterate { step: Some(&step), ..self.problem.iterate(rest, &u, load) })
     }
 }

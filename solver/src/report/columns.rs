@@ -20,7 +20,7 @@ const RENAMED: [[&str; 2]; 3] = [
 pub fn rows(path: &Path) -> Result<Vec<Value>> {
     let text = mesh::io::read_text(path)?;
     let context = || path.display().to_string();
-    if path.extension().is_some_and(|e| e == "jsonl") {
+    if mesh::io::extension(path) == "jsonl" {
         let lines = text.lines().enumerate();
         let row = |(i, line): (usize, &str)| {
             serde_json::from_str(line)

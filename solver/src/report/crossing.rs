@@ -3,6 +3,7 @@
 use mesh::Vec3;
 use serde_json::{Value, json};
 
+use crate::body::Body;
 use crate::contact::certificate::crossing_pairs;
 use crate::contact::surface::Surface;
 use crate::energy::Iterate;
@@ -20,14 +21,13 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// At a state of a scene without contact; none where it has contact, or says that it is
-    /// ignored, or nothing is to be proved, or nothing intersects. Decided by exact predicates.
+    /// At a state of a body in a scene without contact; none where it has contact, or says that
+    /// it is ignored, or nothing intersects. Decided by exact predicates.
     #[must_use]
-    pub fn find(scene: &Scene, problem: &Problem, at: &Iterate) -> Option<Self> {
-        if scene.config.contact.is_some() || !scene.certify {
+    pub fn find((scene, body): (&Scene, &Body), problem: &Problem, at: &Iterate) -> Option<Self> {
+        if scene.config.contact.is_some() {
             return None;
         }
-        let body = &scene.body;
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let (space, fixed) = (at.space, problem.dirichlet.fixed());
         let facets = (body.boundary(), &parts[..]);

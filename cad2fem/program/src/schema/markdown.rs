@@ -215,12 +215,14 @@ fn choice_of_one(form: &Value) -> Option<&String> {
     (form["required"] == serde_json::json!([key])).then_some(key)
 }
 
-/// What tells a form of a table from the others.
+/// What tells a form of a table from the others: its kind, its title or else the keys that it needs.
 fn choice(form: &Value) -> String {
-    match form["properties"]["kind"]["const"].as_str() {
-        Some(kind) => format!("`kind = \"{kind}\"`"),
-        None => form["title"].as_str().unwrap_or_default().to_owned(),
+    if let Some(kind) = form["properties"]["kind"]["const"].as_str() {
+        return format!("`kind = \"{kind}\"`");
     }
+    let keys = form["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let keys = || keys.map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+    form["title"].as_str().map_or_else(keys, str::to_owned)
 }
 
 fn paragraph(text: &str) -> String {

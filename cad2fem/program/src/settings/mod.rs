@@ -375,13 +375,5 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     Settings::read(path, &[], Keys::default())?.parse()
 }
 
-/// Reads a file in TOML that takes no changes, checks included: what `read` makes of it.
-///
-/// # Errors
-/// As for [`Settings::read`] and [`Settings::checked`].
-pub fn read_checked<T>(path: &Path, read: impl FnOnce(&Settings) -> Result<T>) -> Result<T> {
-    Settings::read(path, &[], Keys::default())?.checked(read)
-}
-
 #[cfg(test)]
 mod tests;

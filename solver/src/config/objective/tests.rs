@@ -1,7 +1,7 @@
 use super::*;
 
 /// A term of each kind with all that it needs.
-const SOUND: [&str; 12] = [
+const SOUND: [&str; 13] = [
     "kind = 'target'\non = 'a'\ntarget = 'a.stl'\ndistance = 'signed'",
     "kind = 'displacement'\non = ['a', 'b']\ndisplacement = [0.03, '0.1*t', 0]\nover = 'simpson'",
     "kind = 'position'\non = 'a'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
@@ -14,6 +14,7 @@ const SOUND: [&str; 12] = [
     "kind = 'stress'\npower = 8",
     "kind = 'strain-limit'\nlargest = 3",
     "kind = 'probe'\nprobe = 'tip'\ntarget = '2*t'\nscale = 0.5",
+    "kind = 'draft'\non = 'a'\npull = [0, 0, 1]\ndraft = 0.03",
 ];
 
 fn read(text: &str, weight: &str) -> anyhow::Result<ObjectiveConfig> {

@@ -81,6 +81,11 @@ kind = 'probe'
 probe = 'lift'
 target = '0.2*t'
 scale = 0.01
+[[objective]]
+kind = 'draft'
+on = 'upper.top'
+pull = [0, 3, -4]
+draft = 0.2
 ";
 
 #[derive(serde::Deserialize)]
@@ -163,6 +168,8 @@ fn every_kind_is_built_on_what_it_names() {
     close(10, 0.05 * 0.05);
     // lifted by 0.1 where 0.2 is wanted, ten times the scale
     close(11, 100.0);
+    // its normal leans by 0.8 against the pull
+    close(12, 1.0);
 }
 
 #[test]

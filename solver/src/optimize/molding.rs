@@ -1,0 +1,122 @@
+//! How the shapes of a design can be cast: what `fab plan` says of them.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+use mesh::{Tags, TetMesh};
+use program::Process;
+use serde_json::{Map, Value, json};
+
+use crate::body::Body;
+use crate::config::{DesignConfig, beside};
+use crate::report::mirror::mirror_body;
+
+/// Exit code of a plan whose file is wrong, or asks for what the body does not have.
+const WRONG: i32 = 2;
+
+/// Asks `fab plan`, which runs as a program of its own.
+pub struct Molding {
+    config: PathBuf,
+    /// The part of the body that is cast.
+    part: usize,
+}
+
+impl Molding {
+    /// As a design asks for it, if it does; `path` is its file, and `body` the shape at the start.
+    ///
+    /// # Errors
+    /// When there is no such file, it is not said which of several bodies is cast, or the file does not fit the
+    /// body at the start.
+    pub fn new(path: &Path, design: &DesignConfig, body: &Body) -> Result<Option<Self>> {
+        let Some(mold) = &design.mold else { return Ok(None) };
+        let config = beside(path, &mold.config);
+        ensure!(config.exists(), "[mold] config: {}: no such file", config.display());
+        let names: Vec<&str> = body.parts.iter().filter_map(|part| part.name.as_deref()).collect();
+        let known = names.join(", ");
+        let part = match &mold.body {
+            None if body.parts.len() == 1 => 0,
+            None => bail!("[mold] needs body = ..., one of {known}"),
+            Some(name) => names
+                .iter()
+                .position(|other| other == name)
+                .with_context(|| format!("[mold] body: there is no \"{name}\", only {known}"))?,
+        };
+        let molding = Self { config, part };
+        if let Err((said, Some(WRONG))) = molding.plan(body)? {
+            bail!("[mold] config: fab plan --config {}: {said}", molding.config.display());
+        }
+        Ok(Some(molding))
+    }
+
+    /// The verdict on a shape: `method`, `reason` and `measures` of the plan, or why it is `refused`.
+    ///
+    /// # Errors
+    /// When `fab` is not to be found.
+    pub fn ask(&self, shape: &Body) -> Result<Value> {
+        Ok(self.plan(shape)?.unwrap_or_else(|(said, _)| json!({ "refused": said })))
+    }
+
+    /// The verdict, or what `fab plan` said with its exit code.
+    fn plan(&self, shape: &Body) -> Result<Result<Value, (String, Option<i32>)>> {
+        let folder = tempfile::tempdir()?;
+        let (mesh, tags) = self.whole(shape)?;
+        let file = folder.path().join("shape.msh");
+        mesh::io::write_tets(&file, &mesh, &tags)?;
+        let plan = folder.path().join("plan");
+        let mut command = Command::new(program::beside("fab"));
+        command.arg("-q").arg("plan").arg(&file).arg("--config").arg(&self.config);
+        command.arg("--output").arg(&plan).stdin(Stdio::null()).stderr(Stdio::piped());
+        let process = Process::spawn(&mut command)
+            .context("fab, which plans molds: it should lie beside solver, or on the PATH")?;
+        let mut said = String::new();
+        if let Some(mut stderr) = process.take_stderr() {
+            stderr.read_to_string(&mut said)?;
+        }
+        let status = process.wait()?;
+        if status.success() {
+            return verdict(&plan.join("plan.json")).map(Ok);
+        }
+        let said = said.trim().trim_start_matches("fab: ");
+        Ok(Err((said.replace(&format!("{}: ", file.display()), ""), status.code())))
+    }
+
+    /// The body that is cast, without symmetry.
+    fn whole(&self, shape: &Body) -> Result<(TetMesh, Tags)> {
+        let (name, mut mesh, mut tags) = shape.separate().swap_remove(self.part);
+        let prefix = name.map_or_else(String::new, |name| format!("{name}."));
+        for cut in shape.cuts() {
+            let own: Vec<String> =
+                cut.iter().filter_map(|tag| tag.strip_prefix(&prefix)).map(str::to_owned).collect();
+            if !own.is_empty() {
+                let body = Body::new(mesh, tags).cut_by(&[own])?;
+                (mesh, tags) = mirror_body(&body.mesh, &body.tags, &body.planes[0]);
+            }
+        }
+        Ok((mesh, tags))
+    }
+}
+
+/// What a plan says, in short.
+fn verdict(path: &Path) -> Result<Value> {
+    let context = || path.display().to_string();
+    let plan: Value =
+        serde_json::from_str(&mesh::io::read_own_text(path)?).with_context(context)?;
+    let measures = plan["measures"].as_array().into_iter().flatten();
+    let named = measures.filter_map(|m| Some((m["name"].as_str()?.to_owned(), m["value"].clone())));
+    let measures: Map<String, Value> = named.collect();
+    Ok(json!({ "method": plan["method"], "reason": plan["reason"], "measures": measures }))
+}
+
+/// Says how a shape can be cast where that differs from what was `before`.
+pub fn say(now: &Value, before: &Value) {
+    if let Some(why) = now["refused"].as_str() {
+        if before["refused"].is_null() {
+            log::warn!("fab plan: this shape cannot be cast: {why}");
+        }
+    } else if now["method"] != before["method"] {
+        let method = now["method"].as_str().unwrap_or_default();
+        log::info!("fab plan: {method}: {}", now["reason"].as_str().unwrap_or_default());
+    }
+}

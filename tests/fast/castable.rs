@@ -1,0 +1,99 @@
+//! `[mold]` in a design: what `fab plan` says of every accepted shape. And objectives of kind `draft`.
+
+use serde_json::Value;
+use tests::chamber::{DESIGN, SIM, workdir};
+use tests::workdir::Workdir;
+
+const DRAFT: &str = "
+[[objective]]
+kind = \"draft\"
+name = \"pull\"
+weight = 1e5
+on = \"cavity\"
+pull = [-1, 0, 0]
+draft = 0.05
+";
+
+/// The chamber's core is pulled out at its mouth; its mouth is as wide as it is.
+fn folder(mold: &str, more: &str) -> Workdir {
+    let dir = workdir();
+    dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
+    dir.write("mold.toml", mold);
+    let asked = "[mold]\nconfig = \"mold.toml\"\n\n[optimizer]";
+    let design = DESIGN.replace("sim.toml", "p1.toml").replace("[optimizer]", asked);
+    dir.write("design.toml", &format!("{design}{more}"));
+    dir
+}
+
+fn verdicts(dir: &Workdir) -> Vec<Value> {
+    let line = |line: &str| serde_json::from_str::<Value>(line).unwrap()["mold"].clone();
+    dir.text("out/history.jsonl").lines().map(line).collect()
+}
+
+#[test]
+fn the_history_tells_how_each_shape_can_be_cast() {
+    let dir = folder("", "");
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_good();
+    let found = verdicts(&dir);
+    assert_eq!(found.len(), 8);
+    for verdict in &found {
+        assert_eq!(verdict["method"], "pull-out", "{verdict}");
+        let girth = verdict["measures"]["girth of the core over girth of its inlet"].as_f64();
+        assert!(girth.is_some_and(|g| (0.9..1.6).contains(&g)), "{verdict}");
+    }
+    assert_ne!(found[0], found[7], "the shape has changed");
+    let report = dir.json("out/report.json");
+    assert_eq!((&report["mold_before"], &report["mold_after"]), (&found[0], &found[7]));
+    // said once, as it does not change
+    assert_eq!(run.stderr.matches("fab plan: pull-out").count(), 1, "{}", run.stderr);
+    // the program itself says the same of the last shape
+    let plan =
+        dir.command_of("fab", "plan out/design.msh --config mold.toml -o plan").output().unwrap();
+    assert!(plan.status.success());
+    assert_eq!(dir.json("plan/plan.json")["reason"], found[7]["reason"]);
+}
+
+/// The core is pulled out at the start; the design makes it thicker than its mouth lets through.
+#[test]
+fn shapes_that_cannot_be_cast_as_asked_are_said_to_be_refused() {
+    let dir = folder("method = \"pull-out\"\n\n[limits]\ngirth = 1.01\n", "");
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_good();
+    let found = verdicts(&dir);
+    let refused =
+        |verdict: &Value| verdict["refused"].as_str().is_some_and(|why| why.contains("girth"));
+    assert!(!refused(&found[0]) && refused(&found[7]), "{found:?}");
+    assert!(run.stderr.contains("this shape cannot be cast"), "{}", run.stderr);
+}
+
+#[test]
+fn a_wrong_file_of_the_mold_is_refused() {
+    let dir = folder("wal = 3\n", "");
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["mold.toml", "wal"]);
+    dir.write("mold.toml", "method = \"pull-out\"\n\n[limits]\ngirth = 0.5\n");
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["mold.toml", "must stretch by"]);
+    assert!(!dir.path("out").exists());
+    std::fs::remove_file(dir.path("mold.toml")).unwrap();
+    dir.solver("optimize design.toml -o new").assert_refused(2, &["[mold] config", "no such file"]);
+    let text = dir
+        .text("design.toml")
+        .replace("config = \"mold.toml\"", "config = \"p1.toml\"\nbody = \"hand\"");
+    dir.write("design.toml", &text);
+    dir.solver("optimize design.toml -o new").assert_refused(2, &["[mold] body", "\"hand\""]);
+}
+
+/// The straight walls of the chamber begin to lean away from the pull.
+#[test]
+fn draft_is_gained_by_a_design() {
+    let dir = folder("", DRAFT);
+    dir.solver("optimize design.toml -o out").assert_good();
+    let history = dir.text("out/history.jsonl");
+    let pull = |line: &str| {
+        serde_json::from_str::<Value>(line).unwrap()["terms"]["pull"].as_f64().unwrap()
+    };
+    let (first, last) =
+        (pull(history.lines().next().unwrap()), pull(history.lines().last().unwrap()));
+    assert!(first > 0.0 && last < 0.7 * first, "{first} -> {last}");
+    dir.solver("check design.toml --handles 3 --design-only").assert_good();
+}
