@@ -11,17 +11,8 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-KINDS = ("grid", "list", "latin")
-# Keys of the file, and of each parameter, with the types of their values.
-KEYS = {
-    "puffer": str, "kind": str, "cases": int, "seed": int, "simulate": str, "optimize": str, "model": str,
-    "mesh": str, "tags": str, "body": str, "inside": list, "threads": int, "memory_mb": int, "minutes": (int, float),
-    "picture": str, "parameters": dict,
-}
-PARAMETER_KEYS = {
-    "file": str, "set": (str, list), "value": None, "values": list, "from": (int, float), "to": (int, float),
-    "count": int, "scale": str, "unit": str,
-}
+from keys import KEYS, KINDS, PARAMETER_KEYS, PARAMETER_NEEDED
+
 MOST_CASES = 1_000_000
 # Longest wait for one case, if the file says nothing [min].
 MINUTES = 24 * 60
@@ -87,7 +78,7 @@ class Source:
                 near = difflib.get_close_matches(key, known, 1)
                 proposal = f"; did you mean `{near[0]}`?" if near else ""
                 self.refuse(f"unknown key `{key}`{proposal} (known: {', '.join(known)})", name, key)
-            kind = known[key]
+            kind, _ = known[key]
             if kind is not None and (not isinstance(value, kind) or isinstance(value, bool)):
                 words = {str: "a text", int: "a whole number", list: "a list", dict: "tables [parameters.NAME]"}
                 expected = words.get(kind, "a text or a list of texts" if kind == (str, list) else "a number")
@@ -145,7 +136,7 @@ class Sweep:
         if not isinstance(table, dict):
             self.source.refuse(f"parameters.{name} = {table!r}: expected a table [parameters.{name}]")
         self.source.check_keys(table, PARAMETER_KEYS, name)
-        for key in ("file", "set"):
+        for key in PARAMETER_NEEDED:
             if key not in table:
                 refuse(f"no `{key}`: it needs the `file` that the number is in, and in `set` its key there")
         if table["file"] not in self.files.values():

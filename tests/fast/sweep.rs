@@ -193,6 +193,45 @@ fn failures_are_kept_and_what_was_killed_continues() {
     assert_eq!(solved(), before + 1);
 }
 
+/// An independent validator takes what the program takes, and refuses what it refuses by its keys.
+#[test]
+fn the_schema_knows_the_keys() {
+    let folder = repository().join("pipelines");
+    let output = Command::new("python3").arg(folder.join("sweep/schema.py")).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let schema = serde_json::from_slice(&output.stdout).unwrap();
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let valid = |text: &str| {
+        let value: toml::Value = toml::from_str(text).unwrap();
+        validator.is_valid(&serde_json::to_value(value).unwrap())
+    };
+    let mut count = 0;
+    for entry in fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path().join("sweep.toml");
+        if path.is_file() {
+            assert!(valid(&fs::read_to_string(&path).unwrap()), "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 0);
+    let p = "[parameters.p]\nfile = \"sim.toml\"\nset = \"degree\"\n";
+    assert!(valid(&format!("kind = \"grid\"\n{p}values = [1, 2]")));
+    for bad in [
+        format!("{p}values = [1, 2]"),
+        format!("kind = \"gird\"\n{p}values = [1, 2]"),
+        format!("kind = \"grid\"\ncasse = 3\n{p}values = [1, 2]"),
+        format!("kind = \"grid\"\n{p}"),
+        format!("kind = \"grid\"\n{p}valeus = [1]"),
+        format!("kind = \"grid\"\n{p}values = [1]\nvalue = 2"),
+        format!("kind = \"grid\"\n{p}from = 1\ncount = 3"),
+        format!("kind = \"grid\"\n{p}values = [1, 2]\nscale = \"log\""),
+        format!("kind = \"grid\"\nsimulate = \"a\"\noptimize = \"b\"\n{p}values = [1, 2]"),
+        "kind = \"grid\"\n".to_owned(),
+    ] {
+        assert!(!valid(&bad), "{bad}");
+    }
+}
+
 #[test]
 fn sweeps_that_cannot_be_used_are_refused() {
     let Some(python) = python() else { return };
