@@ -48,22 +48,25 @@ impl Layers {
         if self.is_empty() {
             return (all, 0);
         }
-        let mut places: HashMap<[u64; 3], usize> =
-            boundary.vertices.iter().map(place_key).zip(0..).collect();
-        for surface in &self.surfaces {
-            let mut vertex = |v: usize| {
-                let p = surface.vertices[v];
-                *places.entry(place_key(&p)).or_insert_with(|| {
-                    all.vertices.push(p);
-                    all.vertices.len() - 1
-                })
-            };
-            let triangles: Vec<_> = surface.triangles.iter().map(|t| t.map(&mut vertex)).collect();
-            all.triangles.extend(triangles);
-        }
+        self.surfaces.iter().for_each(|surface| append(&mut all, surface));
         let inside = all.triangles.len() - boundary.triangles.len();
         (all, inside)
     }
+}
+
+/// Adds the triangles of a surface to others; vertices at the same place become one.
+pub fn append(all: &mut SurfaceMesh, surface: &SurfaceMesh) {
+    let mut places: HashMap<[u64; 3], usize> =
+        all.vertices.iter().map(place_key).zip(0..).collect();
+    let mut vertex = |v: usize| {
+        let p = surface.vertices[v];
+        *places.entry(place_key(&p)).or_insert_with(|| {
+            all.vertices.push(p);
+            all.vertices.len() - 1
+        })
+    };
+    let triangles: Vec<_> = surface.triangles.iter().map(|t| t.map(&mut vertex)).collect();
+    all.triangles.extend(triangles);
 }
 
 /// The facets of a mesh that are triangles of the surfaces, if all of these are facets; a mesher

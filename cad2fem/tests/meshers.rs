@@ -6,11 +6,12 @@
 use std::fs;
 
 use crate::support::{Workdir, python_with, scene};
-use mesh::TetMesh;
 use mesh::check::check_surface;
-use mesh::io::{read_surface, read_tets};
+use mesh::io::{read_surface, read_tets, write_surface};
 use mesh::measure::{area, enclosed_volume, quality, volume};
+use mesh::solid::Solid;
 use mesh::topology::{boundary, boundary_loops};
+use mesh::{TetMesh, Vec3};
 
 #[test]
 fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
@@ -237,4 +238,38 @@ fn surfaces_inside_are_facets_of_both_meshers() {
     let crossing = ["tetmesh", "model/model.stl", "--mesher", "gmsh", "-o", "never.msh"];
     let crossing = [&crossing[..], &["--inside", "across/model.stl"]].concat();
     run(&crossing).fails(2, "surfaces inside cross each other or the boundary");
+}
+
+/// A skin and a chamber from two files, and the volume of a selection, which reaches out of the body.
+#[test]
+fn several_files_and_a_selection_go_to_the_mesher_together() {
+    let Some(python) = python_with("wildmeshing") else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let cuboid = |name: &str, low: [f64; 3], high: [f64; 3]| {
+        let surface = Solid::cube(&Vec3::from(low), &Vec3::from(high)).to_surface();
+        write_surface(&dir.path(name), &surface).unwrap();
+    };
+    cuboid("skin.stl", [0.0; 3], [0.02, 0.01, 0.01]);
+    cuboid("chamber.stl", [0.004, 0.003, 0.003], [0.016, 0.007, 0.007]);
+    cuboid("selection.stl", [0.0124, -0.001, -0.001], [0.021, 0.011, 0.011]);
+    let both = ["tetmesh", "skin.stl", "chamber.stl", "--edge-length", "0.002", "-o", "out.msh"];
+    run(&[&both[..], &["--inside", "selection.stl"]].concat()).succeeds();
+    let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
+    let expected = 2e-6 - 0.012 * 0.004 * 0.004;
+    assert!((volume(&tets) / expected - 1.0).abs() < 1e-3, "{:e}", volume(&tets));
+    // no tetrahedron is cut by the selection, but for the envelope
+    let cut = |t: &usize| {
+        let x = tets.corners(*t).map(|p| p.x - 0.0124);
+        x.iter().any(|x| *x < -5e-5) && x.iter().any(|x| *x > 5e-5)
+    };
+    assert_eq!((0..tets.tets.len()).filter(cut).count(), 0);
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(dir.path("out.report.json")).unwrap()).unwrap();
+    assert_eq!(report["shells"], 2);
+    assert_eq!(report["input"][1]["path"], "chamber.stl");
+    // one of them alone is no body
+    cuboid("beside.stl", [0.018, 0.002, 0.002], [0.03, 0.008, 0.008]);
+    run(&["tetmesh", "skin.stl", "beside.stl", "-o", "never.msh"])
+        .fails(2, "skin.stl, beside.stl: it does not bound");
 }

@@ -37,7 +37,8 @@ pub use crate::contact::barrier::Form as ContactForm;
 use crate::forward::Method;
 use crate::schedule::{Field, axes};
 pub use design::{
-    DesignConfig, Interior, KeepConfig, OptimizerConfig, ParameterDesign, ShapeConfig, Spread,
+    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
+    Spread,
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};

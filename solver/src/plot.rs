@@ -77,7 +77,7 @@ pub struct Series {
 /// or not positive on a logarithmic axis), or the file cannot be written.
 pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
     let context = |e| anyhow!("{}: {e}", path.display());
-    let format = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let format = mesh::io::extension(path);
     ensure!(
         format == "svg" || format == "png",
         "{}: plots are written as SVG or PNG; the name of the output has to end with .svg or .png",

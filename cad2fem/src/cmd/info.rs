@@ -84,7 +84,7 @@ struct FindingInfo {
 /// # Errors
 /// If the file cannot be read; with `--check` also if there are findings.
 pub fn run(args: &Args) -> Result<()> {
-    let is_mesh = args.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("msh"));
+    let is_mesh = mesh::io::extension(&args.file) == "msh";
     let (info, found) = if is_mesh { of_tets(args)? } else { of_surface(args)? };
     let mut out = std::io::stdout().lock();
     if args.json {

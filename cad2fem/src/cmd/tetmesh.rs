@@ -4,26 +4,28 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use mesh::Tags;
-use mesh::io::{write_atomic, write_tets};
+use mesh::io::{is_standard, write_atomic, write_tets};
 use mesh::measure::diagonal;
+use mesh::{SurfaceMesh, Tags};
 use program::Changes;
 use serde::Serialize;
 
 use crate::cache::Cache;
 use crate::config::{Config, Tetmesh};
-use crate::layers::Layers;
+use crate::layers::{Layers, append};
 use crate::mesher::python::Python;
 use crate::report::{Input, read_in};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
 use crate::units::Unit;
 
 /// Settings come from --config, then from the flags; what neither says has a default.
-/// Writes OUT and OUT with the extension .report.json
+/// Writes OUT and OUT with the extension .report.json, which standard output, msh:-, has not
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Closed surface [m], or as --unit says
-    surface: PathBuf,
+    /// Closed surface [m], or as --unit says; of several files, shells or faces that meet in common
+    /// vertices, all together
+    #[arg(required = true)]
+    surfaces: Vec<PathBuf>,
     /// Unit of the surfaces, if not metres
     #[arg(long)]
     unit: Option<Unit>,
@@ -71,7 +73,7 @@ pub struct Args {
 #[derive(Serialize)]
 struct Report {
     program: &'static str,
-    input: Input,
+    input: Vec<Input>,
     #[serde(flatten)]
     outcome: Outcome,
 }
@@ -83,9 +85,14 @@ struct Report {
 pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
     let of_config = || args.config.as_ref().map_or("settings".into(), |p| p.display().to_string());
-    let input = Input::of(&args.surface)?;
-    let mut surface = read_in(&args.surface, args.unit)?;
-    let place = || args.surface.display().to_string();
+    let input = args.surfaces.iter().map(|file| Input::of(file)).collect::<Result<_>>()?;
+    let read = args.surfaces.iter().map(|file| read_in(file, args.unit));
+    let mut surface = joined(read.collect::<Result<_>>()?);
+    let place = || {
+        let all: Vec<String> =
+            args.surfaces.iter().map(|file| file.display().to_string()).collect();
+        all.join(", ")
+    };
     prepare(&mut surface, args.orient).with_context(place)?;
     let request = Request {
         python: Python::find()?,
@@ -99,16 +106,29 @@ pub fn run(args: &Args) -> Result<()> {
     let (mesh, outcome) = tetrahedralize(&surface, &request).with_context(place)?;
     outcome.log();
     write_tets(&args.output, &mesh, &Tags::default())?;
+    if is_standard(&args.output)? {
+        return Ok(());
+    }
     let report = Report { program: crate::PROGRAM, input, outcome };
     let text = serde_json::to_string_pretty(&report)?;
     write_atomic(&args.output.with_extension("report.json"), |out| writeln!(out, "{text}"))?;
     Ok(())
 }
 
+/// Several surfaces as one, in which vertices at the same place are one.
+fn joined(surfaces: Vec<SurfaceMesh>) -> SurfaceMesh {
+    let mut surfaces = surfaces.into_iter();
+    let Some(mut all) = surfaces.next() else { return SurfaceMesh::default() };
+    for surface in surfaces {
+        append(&mut all, &surface);
+    }
+    all
+}
+
 impl Args {
-    /// Surfaces inside: those of the settings lie beside the surface.
+    /// Surfaces inside: those of the settings lie beside the first surface.
     fn inside(&self, settings: &Tetmesh) -> Vec<PathBuf> {
-        let folder = self.surface.parent().unwrap_or(Path::new(""));
+        let folder = self.surfaces[0].parent().unwrap_or(Path::new(""));
         let of_settings = settings.inside.iter().map(|file| folder.join(file));
         of_settings.chain(self.inside.iter().cloned()).collect()
     }

@@ -6,13 +6,14 @@ use std::path::Path;
 
 use super::IoError;
 use super::inputs::{note_written, refuse_input};
+use super::standard::is_standard;
 use super::unfinished::{PREFIX, Unfinished, remove_forgotten};
 
 /// Writes a file so that `path` holds either its old content or all of the new:
 /// a temporary file beside it is filled, flushed to the disk and renamed. If
 /// anything fails, the temporary file is removed and `path` is untouched.
 /// Missing parent directories are created. Devices and pipes such as
-/// `/dev/stdout` cannot be replaced and are written to directly.
+/// `/dev/stdout`, and standard output as `stl:-`, cannot be replaced and are written to directly.
 ///
 /// # Errors
 /// If `path` was read as an input of this process, a directory or file cannot be created, or `fill` or the disk fails.
@@ -22,6 +23,10 @@ pub fn write_atomic(
 ) -> Result<(), IoError> {
     let fail = |action| move |cause| IoError::system(path, action, cause);
     refuse_input(path)?;
+    if is_standard(path)? {
+        let mut out = BufWriter::new(io::stdout().lock());
+        return fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"));
+    }
     if is_device(path) {
         let device = OpenOptions::new().write(true).open(path).map_err(fail("open"))?;
         let mut out = BufWriter::new(device);

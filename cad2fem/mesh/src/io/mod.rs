@@ -11,6 +11,7 @@ pub mod msh;
 pub mod npy;
 mod obj;
 mod ply;
+mod standard;
 mod stl;
 mod tags;
 mod text;
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, write_tets};
+pub use standard::{extension, is_standard, read_standard};
 pub use tags::{read_tags, write_tags};
 pub use text::{read_own_text, read_text};
 pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
@@ -106,7 +108,8 @@ pub const FORMATS: &[Format] = &[
 /// # Errors
 /// If the extension is not in [`FORMATS`]; the message lists those that are.
 fn format_of(path: &Path) -> Result<&'static Format, IoError> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    is_standard(path)?;
+    let extension = extension(path);
     FORMATS.iter().find(|f| f.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|f| f.extension).collect();
         let known = known.join(", ");
@@ -198,6 +201,9 @@ fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     let too_large = |size: String| {
         IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
     };
+    if is_standard(path)? {
+        return Ok(read_standard().map_err(fail)?.to_vec());
+    }
     let file = std::fs::File::open(path).map_err(fail)?;
     let announced = file.metadata().map_err(fail)?.len();
     if announced > LARGEST {

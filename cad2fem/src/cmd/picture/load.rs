@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::vtu::{Field, Grid, read_vtu};
-use mesh::io::{read_surface, read_tets};
+use mesh::io::{extension, read_surface, read_tets};
 use mesh::{SurfaceMesh, Vec3, topology};
 
 use super::options::Component;
@@ -44,9 +44,9 @@ pub struct Loaded {
 /// # Errors
 /// If the file cannot be read or has no such field.
 pub fn load(path: &Path, paint: &Paint) -> Result<Loaded> {
-    let loaded = match path.extension().and_then(|e| e.to_str()) {
-        Some("msh") => tagged(path, paint),
-        Some("vtu") => result(&read_vtu(path)?.at_most_quadratic(), paint)
+    let loaded = match extension(path).as_str() {
+        "msh" => tagged(path, paint),
+        "vtu" => result(&read_vtu(path)?.at_most_quadratic(), paint)
             .with_context(|| path.display().to_string()),
         _ => Ok(surface(&read_surface(path)?, paint)),
     }?;
