@@ -137,6 +137,7 @@ book:  ## the book, as pages that load nothing from the network: build/book/inde
 schemas: setup  ## JSON Schemas of all files that people write, for editors, in build/schemas
 	@mkdir -p build/schemas
 	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
+	@$(PYTHON) pipelines/sweep/schema.py > build/schemas/sweep.json
 
 dist:  ## static programs for Linux with licences and checksums, in build/dist (TARGET=aarch64-unknown-linux-musl)
 	.ci/dist $(TARGET)

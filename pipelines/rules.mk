@@ -420,9 +420,8 @@ build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker
 		pipelines/walker/floor.stl build/walker/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
-build/walker/sim.optimized.toml: pipelines/walker/sim.toml build/walker/optimize/report.json
-	sed -e '/^\[parameters\]/,/^$$/d' -e 's#../../build/walker/##' -e 's#"floor.stl"#"../../pipelines/walker/floor.stl"#' $< \
-		| cat - build/walker/optimize/parameters.toml > $@
+build/walker/sim.optimized.toml: build/walker/optimize/report.json
+	printf 'include = ["../../%s", "%s"]\n' pipelines/walker/sim.toml optimize/parameters.toml > $@
 
 build/walker/optimized/report.json: build/walker/sim.optimized.toml | setup
 	$(BIN)/solver simulate $< -o $(@D)

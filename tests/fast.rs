@@ -7,6 +7,8 @@ mod bad_design;
 mod book;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
+#[path = "fast/castable.rs"]
+mod castable;
 #[path = "fast/compare.rs"]
 mod compare;
 #[path = "fast/contact_failures.rs"]
@@ -35,6 +37,8 @@ mod newton;
 mod optimize;
 #[path = "fast/page.rs"]
 mod page;
+#[path = "fast/plug.rs"]
+mod plug;
 #[path = "fast/polyfem.rs"]
 mod polyfem;
 #[path = "fast/probes.rs"]
@@ -47,6 +51,8 @@ mod reference;
 mod resume;
 #[path = "fast/resume_in_time.rs"]
 mod resume_in_time;
+#[path = "fast/resume_static.rs"]
+mod resume_static;
 #[path = "fast/scenarios.rs"]
 mod scenarios;
 #[path = "fast/schemas.rs"]
@@ -61,6 +67,8 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
+#[path = "fast/standard.rs"]
+mod standard;
 #[path = "fast/sweep.rs"]
 mod sweep;
 #[path = "fast/symmetric_contact.rs"]

@@ -25,6 +25,9 @@ mod molds;
 #[path = "slow/new.rs"]
 mod new;
 
+#[path = "slow/pages.rs"]
+mod pages;
+
 #[path = "slow/results.rs"]
 mod results;
 

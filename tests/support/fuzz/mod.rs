@@ -90,7 +90,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "mold.toml",
-        read: |b| read(b, "mold.toml", |p| fab::config::Config::read(p).map(drop)),
+        read: |b| read(b, "mold.toml", |p| fab::config::Config::read(Some(p), &[]).map(drop)),
         corpus: || corpus::pipelines("mold.toml"),
     },
     Target {
