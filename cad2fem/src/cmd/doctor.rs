@@ -28,7 +28,7 @@ const PACKAGES: [(&str, &str); 3] =
     [("wildmeshing", "cad2fem tetmesh"), ("gmsh", "CAD files"), ("numpy", "both meshers")];
 
 /// What gmsh loads, which a Debian without a desktop lacks.
-const LIBRARIES: &str = "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1";
+const LIBRARIES: &str = "apt install libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1";
 
 /// Memory below which the frog's design does not fit [MB].
 const MEMORY: u64 = 2000;
