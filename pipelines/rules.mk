@@ -421,7 +421,7 @@ build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker
 	$(BIN)/solver optimize $< -o $(@D)
 
 build/walker/sim.optimized.toml: build/walker/optimize/report.json
-	printf 'include = ["../../%s", "%s"]\n' pipelines/walker/sim.toml optimize/parameters.toml > $@
+	echo 'include = ["../../pipelines/walker/sim.toml", "optimize/parameters.toml"]' > $@
 
 build/walker/optimized/report.json: build/walker/sim.optimized.toml | setup
 	$(BIN)/solver simulate $< -o $(@D)

@@ -1,8 +1,11 @@
 //! `plug = true` in `[[chamber]]`: bodies with an open inlet that nothing holds.
 
+use mesh::Vec3;
+use mesh::io::write_tets;
 use serde_json::Value;
 use tests::chamber::{self, DESIGN, PROBES, SIM};
 use tests::workdir::Workdir;
+use tests::{block, tag};
 
 const PLUG: &str = "pressure = 8e3\nplug = true";
 
@@ -71,7 +74,11 @@ fn gradients_of_a_plugged_body_pass_the_taylor_test() {
 #[test]
 fn plugs_without_an_opening_are_refused() {
     let dir = free();
-    let text = dir.text("p1.toml").replace("on = \"cavity\"", "on = \"seat\"");
-    dir.write("bad.toml", &text.replace("plug = true", "plug = 1"));
+    dir.write("bad.toml", &dir.text("p1.toml").replace("plug = true", "plug = 1"));
     dir.solver("simulate bad.toml -o out").assert_refused(2, &["plug", "boolean"]);
+    let hollow = |p: Vec3| (p - Vec3::repeat(0.015)).amax() < 0.006;
+    let closed = block([3, 3, 3], 0.01, |c| c == [1, 1, 1], |p| p);
+    let body = tag(closed, &[("cavity", &hollow), ("top", &|p| p.z > 0.029)]);
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.solver("simulate p1.toml -o out").assert_refused(2, &["on \"cavity\"", "nothing to plug"]);
 }

@@ -91,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     scene.body.log_share();
     let timed = scene.config.time.is_some();
-    let steps = steps_of(&scene, arguments, if timed { done } else { 0 });
+    let time_steps_done = if timed { done } else { 0 };
+    let steps = steps_of(&scene, arguments, time_steps_done);
     let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
@@ -107,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, arguments)?;
-    let states = all_states(&scene, &stepper, if timed { done } else { 0 });
+    let states = all_states(&scene, &stepper, time_steps_done);
     let mut run = Run {
         scene: &scene,
         problem: &problem,
