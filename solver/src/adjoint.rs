@@ -6,6 +6,7 @@
 //!
 //! history = Σ αᵢ u₋ᵢ      free flight = Σ αᵢ (u₋ᵢ + h v₋ᵢ)
 //! lagged contacts:   a function of u₋₁ and X      v_n = (u_n − history) / h
+//! relaxed stresses:  Σ αᵢ Z₋ᵢ, each a function of u, X, p and the past of its own step
 //!
 //! With ū_n, v̄_n the cotangents of the state that later steps and the objective have
 //! gathered, from the last step to the first:
@@ -31,7 +32,9 @@ use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, Iterate, ParameterGradients, PastCotangent, Term};
+use crate::energy::{
+    Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term,
+};
 use crate::forward::{Linearization, Problem, State, Trajectory, Workspace, solve_multipliers};
 use crate::math::linear::{dot, norm};
 
@@ -95,7 +98,7 @@ pub fn sweep(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        let State { u, v } = states[n].take().unwrap_or_else(|| zeros(len));
+        let State { u, v, relaxed } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials::new(u);
         partials(&problem.space, n, &mut own);
         let (state, step) = (run.state(n), run.step(problem, rest, n));
@@ -103,21 +106,24 @@ pub fn sweep(
         let at = Iterate { step: Some(&step), ..at };
         let multipliers = solve_multipliers(problem, workspace, &at);
         let at = Iterate { multipliers: &multipliers, ..at };
+        let into = (&mut own.by_u[..], &mut rest_bar[..], &mut parameters);
+        let before = pull_back_relaxed(problem, &at, &relaxed, n - 1, into);
         let moment = Moment { at, h: step.h, by_velocity: v, partials: own };
         let linearization = linearization.filter(|_| n == steps);
         let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
-        let past = moment.pull_back(problem, &solution, n - 1, into);
+        let mut past = moment.pull_back(problem, &solution, n - 1, into);
+        add_where_any(&mut past.relaxed, &before, 1.0);
         pull_back_past(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
     }
-    let State { u, v } = states[0].take().unwrap_or_else(|| zeros(len));
+    let State { u, v, .. } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials::new(u);
     partials(&problem.space, 0, &mut first);
-    Ok(Gradient { rest: rest_bar, parameters, start: State { u: first.by_u, v } })
+    Ok(Gradient { rest: rest_bar, parameters, start: State::new(first.by_u, v) })
 }
 
 fn zeros(len: usize) -> State {
-    State { u: vec![0.0; len], v: vec![0.0; len] }
+    State::new(vec![0.0; len], vec![0.0; len])
 }
 
 /// Of the adjoint system of a step.
@@ -187,13 +193,59 @@ impl Moment<'_> {
             energy.add_past_vjp(at, lambda, &mut past);
             let mut by = energy.parameter_vjp(at, lambda);
             by.extend(energy.constraint_vjp(at, mu, rest_bar));
-            if let Some(id) = kind.parameter() {
-                parameters.add(step, id, by);
-            }
+            add_parameters(problem, kind, step, by, parameters);
         }
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / self.h);
         past
     }
+}
+
+/// What cotangents of the relaxed stresses of a state make of it; adds them to those of the state,
+/// the rest shape and the parameters in a time step counted from 0. The result is that of the past of
+/// the step; nothing where there are none.
+fn pull_back_relaxed(
+    problem: &Problem,
+    at: &Iterate,
+    cotangents: &[f64],
+    step: usize,
+    (by_u, rest_bar, parameters): (&mut [f64], &mut [f64], &mut ParameterGradients),
+) -> Vec<f64> {
+    let mut past = Vec::new();
+    if cotangents.is_empty() {
+        return past;
+    }
+    for (body, viscous) in problem.energies.viscous() {
+        let by = viscous.add_relaxed_vjp(at, cotangents, by_u, rest_bar);
+        past.extend(by.past);
+        add_parameters(problem, Kind::Viscous(body), step, by.parameters, parameters);
+    }
+    past
+}
+
+/// Adds the derivatives by the numbers that a term is made with; a viscous one has those of the
+/// law of its body, then its own.
+fn add_parameters(
+    problem: &Problem,
+    kind: Kind,
+    step: usize,
+    mut by: Vec<f64>,
+    parameters: &mut ParameterGradients,
+) {
+    if let Kind::Viscous(body) = kind {
+        let law = problem.energies.bodies[body].elastic.material.parameter_count();
+        parameters.add(step, ParameterId::Relaxation(body), by.split_off(law));
+    }
+    if let Some(id) = kind.parameter() {
+        parameters.add(step, id, by);
+    }
+}
+
+/// Adds a multiple of some numbers to others, of which there may be none yet.
+fn add_where_any(to: &mut Vec<f64>, by: &[f64], factor: f64) {
+    if to.is_empty() {
+        to.resize(by.len(), 0.0);
+    }
+    to.iter_mut().zip(by).for_each(|(to, by)| *to += factor * by);
 }
 
 /// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
@@ -251,6 +303,7 @@ fn pull_back_past(
             state.u[d] += alpha * (past.history[d] + flight);
             state.v[d] += alpha * h * flight;
         }
+        add_where_any(&mut state.relaxed, &past.relaxed, *alpha);
     }
     if past.lagged_contacts.is_empty() {
         return;

@@ -11,6 +11,7 @@ mod material;
 mod membrane;
 mod objective;
 mod probe;
+mod relaxation;
 mod scenario;
 mod superseded;
 mod symmetry;
@@ -30,6 +31,7 @@ pub use material::{MaterialConfig, VolumeMaterial};
 pub use membrane::MembraneConfig;
 pub use objective::{ObjectiveConfig, Weight};
 pub use probe::ProbeConfig;
+pub use relaxation::RelaxationConfig;
 pub use scenario::{EXCESS, RobustConfig, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;
 
@@ -88,6 +90,9 @@ pub struct SimConfig {
     /// Thin sheets bonded to tags.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub membrane: Vec<MembraneConfig>,
+    /// Overstress of viscoelastic bodies; several tables make a Prony series.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub relaxation: Vec<RelaxationConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,

@@ -140,7 +140,7 @@ impl Scene {
         }
         let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
         let membranes = membranes.with_context(context)?;
-        Ok(Self {
+        let mut scene = Self {
             path: path.to_path_buf(),
             file: file.clone(),
             config,
@@ -149,7 +149,9 @@ impl Scene {
             membranes,
             body,
             certify: true,
-        })
+        };
+        scene.add_branches().with_context(context)?;
+        Ok(scene)
     }
 
     /// The same scene with the degree and the time steps of a level of a design.
@@ -270,7 +272,7 @@ impl Scene {
             }
         }
         problem.dirichlet.supports().iter().for_each(|&dof| v[dof] = 0.0);
-        Integrator::new(self.config.method(), State { u: vec![0.0; 3 * nodes], v })
+        Integrator::new(self.config.method(), State::new(vec![0.0; 3 * nodes], v))
     }
 
     /// Whether the density of a law matters, by its place among all.
@@ -288,9 +290,15 @@ impl Scene {
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<Energies> {
-        let laws = self.laws.iter();
-        let bodies = laws.map(|law| self.law_energies(law, body, space, supports));
-        let mut energies = Energies::bodies(bodies.collect::<Result<_>>()?);
+        let mut bodies: Vec<BodyEnergies> = Vec::new();
+        let mut relaxed = 0;
+        for law in &self.laws {
+            let mut own = self.law_energies(law, body, space, supports)?;
+            own.viscous = self.overstress(law, law.elements(body), relaxed);
+            relaxed += own.viscous.as_ref().map_or(0, |viscous| viscous.len(space));
+            bodies.push(own);
+        }
+        let mut energies = Energies::bodies(bodies);
         energies.membranes = self.sheets(body, space)?;
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
@@ -341,7 +349,7 @@ impl Scene {
             None
         };
         let elastic = Elastic::part(law.material.build(), tets);
-        Ok(BodyEnergies { elastic, weight: weight.transpose()?, inertia })
+        Ok(BodyEnergies { weight: weight.transpose()?, inertia, ..BodyEnergies::new(elastic) })
     }
 
     /// Names of all surfaces that may touch: bodies, then obstacles.

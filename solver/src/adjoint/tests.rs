@@ -22,6 +22,7 @@ use crate::testing::{check_gradient, cube, flat, points};
 
 mod membrane;
 mod tangent;
+mod viscous;
 
 const TIGHT: Stepping = Stepping {
     first: 1.0,
@@ -160,6 +161,7 @@ impl Case {
         };
         let mut energies = Energies::bodies(vec![BodyEnergies {
             elastic: Elastic::whole(Box::new(law)),
+            viscous: None,
             weight: Some(BodyForce::weight(gravity, numbers.density, 0..count)),
             inertia,
         }]);
@@ -236,7 +238,7 @@ impl Case {
                 }
             }
         }
-        State { u: vec![0.0; problem.dofs()], v }
+        State::new(vec![0.0; problem.dofs()], v)
     }
 }
 
@@ -387,14 +389,14 @@ fn check(case: &Case, forces: bool) {
         let by: Vec<f64> = free(&gradient.start.v);
         check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { 0.2 }, |v| {
             let (problem, mut workspace, _) = case.problem(&NUMBERS);
-            let from = State { u: start.u.clone(), v: free(v) };
+            let from = State::new(start.u.clone(), free(v));
             let run = case.run(&problem, &mut workspace, &rest, from);
             probe.value(&problem, &rest, &run)
         });
         let by: Vec<f64> = free(&gradient.start.u);
         check_gradient(&start.u, &by, size * if case.hits() { 1e-6 } else { 2e-4 }, |u| {
             let (problem, mut workspace, _) = case.problem(&NUMBERS);
-            let from = State { u: free(u), v: start.v.clone() };
+            let from = State::new(free(u), start.v.clone());
             let run = case.run(&problem, &mut workspace, &rest, from);
             probe.value(&problem, &rest, &run)
         });

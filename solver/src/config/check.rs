@@ -63,6 +63,7 @@ impl SimConfig {
         }
         self.check_symmetry()?;
         self.check_membranes()?;
+        self.check_relaxation()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check(self).context("[uncertainty]")?;

@@ -39,17 +39,17 @@ pub struct Elastic {
 }
 
 /// Geometry of one straight-sided element.
-struct Element<'a> {
-    nodes: &'a [usize],
+pub(super) struct Element<'a> {
+    pub(super) nodes: &'a [usize],
     /// G⁻ᵀ: maps reference gradients to rest gradients [1/m].
-    to_rest: Mat3,
+    pub(super) to_rest: Mat3,
     /// Rest volume [m³].
-    volume: f64,
+    pub(super) volume: f64,
 }
 
 impl<'a> Element<'a> {
     #[inline(always)]
-    fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
+    pub(super) fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
         let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
         let g = Mat3::from_columns(&[b - a, c - a, d - a]);
         let det = g.determinant();
@@ -157,7 +157,7 @@ fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
 }
 
 /// Rest gradients of the four barycentric coordinates.
-fn corner_gradients(element: &Element) -> [Vec3; 4] {
+pub(super) fn corner_gradients(element: &Element) -> [Vec3; 4] {
     let c = |k: usize| element.to_rest.column(k).into_owned();
     [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
 }

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
-use super::{Iterate, Springs, Traction};
+use super::{Iterate, Springs, Traction, Viscous};
 use crate::material::Material;
 
 /// The terms of the potential energy of some bodies. A copy shares the large terms.
@@ -38,6 +38,8 @@ pub struct Energies {
 pub struct BodyEnergies {
     /// Elastic energy.
     pub elastic: Elastic,
+    /// What its stress is more than elastic, if it is viscoelastic.
+    pub viscous: Option<Viscous>,
     /// Energy in the field of gravity, if there is one.
     pub weight: Option<BodyForce>,
     /// Inertia, or the tiny mass of a body that is loose.
@@ -70,6 +72,8 @@ impl ChamberId {
 pub enum Kind {
     /// Elastic energy of a body.
     Elastic(usize),
+    /// Overstress of a body.
+    Viscous(usize),
     /// Weight of a body.
     Weight(usize),
     /// Elastic energy of a sheet, by its index.
@@ -100,6 +104,8 @@ pub enum Kind {
 pub enum ParameterId {
     /// Parameters of the law of a body.
     Material(usize),
+    /// Overstress and time of each branch of a body.
+    Relaxation(usize),
     /// Thickness of a sheet, then the parameters of its law.
     Membrane(usize),
     /// Density of a body.
@@ -130,7 +136,7 @@ impl Kind {
     /// and have no resultant.
     #[must_use]
     pub fn is_elastic(self) -> bool {
-        matches!(self, Self::Elastic(_) | Self::Membrane(_))
+        matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Membrane(_))
     }
 
     /// Whether its forces are given and do not depend on the displacement.
@@ -139,18 +145,18 @@ impl Kind {
         matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction)
     }
 
-    /// Whether energy is stored in it: neither what inertia nor what friction adds to
-    /// the potential of a time step is.
+    /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
+    /// a time step is not.
     #[must_use]
     pub fn is_stored(self) -> bool {
-        !matches!(self, Self::Inertia(_) | Self::TinyMass(_) | Self::Friction)
+        !matches!(self, Self::Viscous(_) | Self::Inertia(_) | Self::TinyMass(_) | Self::Friction)
     }
 
     /// The numbers that it is made with. Of a tiny mass the density does not count.
     #[must_use]
     pub fn parameter(self) -> Option<ParameterId> {
         match self {
-            Self::Elastic(body) => Some(ParameterId::Material(body)),
+            Self::Elastic(body) | Self::Viscous(body) => Some(ParameterId::Material(body)),
             Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
             Self::Weight(body) | Self::Inertia(body) => Some(ParameterId::Density(body)),
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
@@ -164,7 +170,7 @@ impl BodyEnergies {
     /// Without weight and inertia.
     #[must_use]
     pub fn new(elastic: Elastic) -> Self {
-        Self { elastic, weight: None, inertia: None }
+        Self { elastic, viscous: None, weight: None, inertia: None }
     }
 }
 
@@ -195,7 +201,7 @@ impl Energies {
         self
     }
 
-    /// All terms: elastic energy and weight of each body, sheets, inertia of each, chambers,
+    /// All terms: elastic energy, overstress and weight of each body, sheets, inertia of each, chambers,
     /// contact, friction, body forces, tractions, springs, others.
     pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
         fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
@@ -203,7 +209,8 @@ impl Energies {
         }
         let statics = self.bodies.iter().enumerate().flat_map(|(i, body)| {
             let weight = body.weight.as_ref().map(|weight| term(Kind::Weight(i), weight));
-            [term(Kind::Elastic(i), &body.elastic)].into_iter().chain(weight)
+            let viscous = body.viscous.as_ref().map(|viscous| term(Kind::Viscous(i), viscous));
+            [term(Kind::Elastic(i), &body.elastic)].into_iter().chain(viscous).chain(weight)
         });
         let sheets = self.membranes.iter().enumerate();
         let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));
@@ -247,6 +254,19 @@ impl Energies {
     /// Inertia of all bodies, without tiny masses.
     pub fn inertia(&self) -> impl Iterator<Item = &Inertia> {
         self.bodies.iter().filter_map(|body| body.inertia.as_ref()).filter(|i| !i.is_tiny())
+    }
+
+    /// The relaxed stresses of all viscous terms at the end of a step [Pa], one term after the
+    /// other; empty where there is none.
+    #[must_use]
+    pub fn relaxed(&self, at: &Iterate) -> Vec<f64> {
+        self.viscous().flat_map(|(_, viscous)| viscous.relaxed(at)).collect()
+    }
+
+    /// The viscous terms, with their bodies.
+    pub fn viscous(&self) -> impl Iterator<Item = (usize, &Viscous)> {
+        let bodies = self.bodies.iter().enumerate();
+        bodies.filter_map(|(i, body)| Some((i, body.viscous.as_ref()?)))
     }
 
     /// Nodal forces of contact and friction, −∂E/∂u [N], three components per node.

@@ -1,5 +1,6 @@
 //! Terms of the potential energy [J]: elasticity, sheets, inertia as an incremental potential, dead
-//! loads, follower loads (gas in chambers), the contact barrier and lagged friction.
+//! loads, follower loads (gas in chambers), the contact barrier and lagged friction; and the
+//! overstress of viscoelastic bodies as one.
 
 mod body_force;
 mod chamber;
@@ -11,8 +12,9 @@ pub mod gas_law;
 mod inertia;
 mod membrane;
 mod springs;
-mod traction;
 mod rim;
+mod traction;
+mod viscous;
 mod wall;
 
 pub use body_force::BodyForce;
@@ -29,6 +31,7 @@ pub use membrane::{Membrane, MembraneSummary};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;
+pub use viscous::{Branch, RelaxedCotangent, Viscous};
 pub use wall::Wall;
 
 use mesh::Vec3;
@@ -68,6 +71,8 @@ pub struct TimeStep {
     pub free_flight: Option<Vec<f64>>,
     /// Contacts with friction, lagged: as they were at the start of the step.
     pub lagged_contacts: Vec<LaggedContact>,
+    /// Σ αᵢ Z₋ᵢ of the relaxed stresses of [`Viscous`] terms [Pa]; empty where all are zero.
+    pub relaxed: Vec<f64>,
 }
 
 /// Cotangents (adjoint variables) of the past in a [`TimeStep`].
@@ -79,13 +84,16 @@ pub struct PastCotangent {
     pub free_flight: Vec<f64>,
     /// Of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
+    /// Of the relaxed stresses; empty if nothing depends on them.
+    pub relaxed: Vec<f64>,
 }
 
 impl PastCotangent {
     /// Zero, for a number of degrees of freedom.
     #[must_use]
     pub fn zeros(len: usize) -> Self {
-        Self { history: vec![0.0; len], free_flight: vec![0.0; len], lagged_contacts: Vec::new() }
+        let (history, free_flight) = (vec![0.0; len], vec![0.0; len]);
+        Self { history, free_flight, ..Self::default() }
     }
 }
 
@@ -170,7 +178,7 @@ pub trait Energy: Send + Sync {
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
-    /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts).
+    /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts, relaxed stresses).
     fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
     /// Adds to `by_u` and `by_rest` what cotangents of its [`Self::lagged_contacts`] make
     /// of this state; of all terms of a system at most one has lagged contacts.

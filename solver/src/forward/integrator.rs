@@ -54,13 +54,24 @@ impl Method {
     }
 }
 
-/// A displacement [m] and its velocity [m/s], three components per node.
+/// A displacement and its velocity, three components per node, and what bodies remember.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Displacement [m].
     pub u: Vec<f64>,
     /// Velocity [m/s].
     pub v: Vec<f64>,
+    /// Relaxed stresses of all viscous terms [Pa]; empty where all are zero.
+    #[serde(default)]
+    pub relaxed: Vec<f64>,
+}
+
+impl State {
+    /// Without relaxed stresses.
+    #[must_use]
+    pub fn new(u: Vec<f64>, v: Vec<f64>) -> Self {
+        Self { u, v, relaxed: Vec::new() }
+    }
 }
 
 /// The past that the next step needs.
@@ -97,8 +108,9 @@ impl Integrator {
         let (alpha, beta) = self.formula();
         let h = beta * dt;
         let sum = |of: fn(&State) -> &Vec<f64>| -> Vec<f64> {
-            let len = self.last().u.len();
-            let at = |d: usize| alpha.iter().zip(&self.states).map(|(a, s)| a * of(s)[d]).sum();
+            let len = of(self.last()).len();
+            let value = |s: &State, d: usize| of(s).get(d).copied().unwrap_or(0.0);
+            let at = |d: usize| alpha.iter().zip(&self.states).map(|(a, s)| a * value(s, d)).sum();
             (0..len).map(at).collect()
         };
         let history = sum(|s| &s.u);
@@ -106,13 +118,14 @@ impl Integrator {
             let velocity = sum(|s| &s.v);
             history.iter().zip(&velocity).map(|(u, v)| u + h * v).collect()
         });
-        TimeStep { h, history, free_flight, lagged_contacts: Vec::new() }
+        let relaxed = sum(|s| &s.relaxed);
+        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), relaxed }
     }
 
-    /// Goes to the end `u` [m] of a step.
-    pub fn accept(&mut self, step: &TimeStep, u: &[f64]) {
+    /// Goes to the end `u` [m] of a step, with the relaxed stresses there [Pa].
+    pub fn accept(&mut self, step: &TimeStep, u: &[f64], relaxed: Vec<f64>) {
         let v = u.iter().zip(&step.history).map(|(u, past)| (u - past) / step.h).collect();
-        self.states.insert(0, State { u: u.to_vec(), v });
+        self.states.insert(0, State { u: u.to_vec(), v, relaxed });
         self.states.truncate(self.method.order());
     }
 }
@@ -130,7 +143,7 @@ mod tests {
         {
             let error = |steps: usize| {
                 let dt = 1.0 / steps as f64;
-                let exact = |t: f64| State { u: vec![t.sin()], v: vec![t.cos()] };
+                let exact = |t: f64| State::new(vec![t.sin()], vec![t.cos()]);
                 let mut integrator = Integrator::new(method, exact(0.0));
                 // states before the start, so that the first steps are as good as the others
                 let before = (1..method.order()).map(|i| exact(-dt * i as f64));
@@ -139,7 +152,7 @@ mod tests {
                     let step = integrator.step(dt);
                     // u'' = −u: (u − ũ)/h² = −u
                     let free = step.free_flight.as_ref().expect("inertia")[0];
-                    integrator.accept(&step, &[free / (1.0 + step.h * step.h)]);
+                    integrator.accept(&step, &[free / (1.0 + step.h * step.h)], Vec::new());
                 }
                 (integrator.last().u[0] - 1.0_f64.sin()).abs()
             };
@@ -152,11 +165,11 @@ mod tests {
     fn free_fall_follows_the_recursion_of_implicit_euler() {
         let (dt, g) = (0.01, -9.8);
         let mut integrator =
-            Integrator::new(Method::ImplicitEuler, State { u: vec![0.0], v: vec![0.0] });
+            Integrator::new(Method::ImplicitEuler, State::new(vec![0.0], vec![0.0]));
         for n in 1..=20 {
             let step = integrator.step(dt);
             let u = step.free_flight.as_ref().expect("inertia")[0] + step.h * step.h * g;
-            integrator.accept(&step, &[u]);
+            integrator.accept(&step, &[u], Vec::new());
             let expected = 0.5 * g * dt * dt * f64::from(n * (n + 1));
             assert!((integrator.last().u[0] / expected - 1.0).abs() < 1e-13);
         }

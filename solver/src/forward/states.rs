@@ -21,8 +21,8 @@ pub struct States {
 #[derive(Debug)]
 enum Kept {
     Here(State),
-    /// Where in the file, and the number of degrees of freedom.
-    There(u64, usize),
+    /// Where in the file, and the numbers of degrees of freedom and relaxed stresses.
+    There(u64, [usize; 2]),
 }
 
 impl States {
@@ -62,9 +62,9 @@ impl States {
     pub fn get(&self, n: usize) -> Cow<'_, State> {
         match &self.kept[n] {
             Kept::Here(state) => Cow::Borrowed(state),
-            &Kept::There(at, len) => {
+            &Kept::There(at, lengths) => {
                 let file = self.file.as_ref().expect("written to");
-                Cow::Owned(read(file, at, len).expect("what was written can be read"))
+                Cow::Owned(read(file, at, lengths).expect("what was written can be read"))
             }
         }
     }
@@ -75,28 +75,29 @@ impl States {
         }
         let mut file = self.file.as_ref().expect("made above");
         let at = file.seek(SeekFrom::End(0))?;
-        let numbers = state.u.iter().chain(&state.v);
+        let numbers = state.u.iter().chain(&state.v).chain(&state.relaxed);
         let bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
         if let Err(error) = file.write_all(&bytes) {
             file.set_len(at)?;
             return Err(error);
         }
-        Ok(Kept::There(at, state.u.len()))
+        Ok(Kept::There(at, [state.u.len(), state.relaxed.len()]))
     }
 }
 
 fn bytes(state: &State) -> usize {
-    8 * (state.u.len() + state.v.len())
+    8 * (state.u.len() + state.v.len() + state.relaxed.len())
 }
 
-fn read(mut file: &File, at: u64, len: usize) -> std::io::Result<State> {
-    let mut bytes = vec![0; 16 * len];
+fn read(mut file: &File, at: u64, [len, relaxed]: [usize; 2]) -> std::io::Result<State> {
+    let mut bytes = vec![0; 8 * (2 * len + relaxed)];
     file.seek(SeekFrom::Start(at))?;
     file.read_exact(&mut bytes)?;
     let numbers = bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes")));
     let mut u: Vec<f64> = numbers.collect();
-    let v = u.split_off(len);
-    Ok(State { u, v })
+    let mut v = u.split_off(len);
+    let relaxed = v.split_off(len);
+    Ok(State { u, v, relaxed })
 }
 
 #[cfg(test)]
@@ -105,13 +106,14 @@ mod tests {
 
     fn state(n: usize) -> State {
         let numbers = |by: f64| (0..5).map(|i| by / (1.0 + (i + n) as f64)).collect();
-        State { u: numbers(0.1), v: numbers(-1e-300) }
+        let relaxed = if n == 0 { Vec::new() } else { numbers(3.0) };
+        State { u: numbers(0.1), v: numbers(-1e-300), relaxed }
     }
 
     #[test]
     fn what_exceeds_the_budget_comes_back_from_disk_bit_for_bit() {
         for (in_memory, on_disk) in [(1, 6), (3, 4), (7, 0)] {
-            let mut states = States::new(state(0), 80.0 * in_memory as f64);
+            let mut states = States::new(state(0), 80.0 + 120.0 * (in_memory - 1) as f64);
             (1..7).for_each(|n| states.push(state(n)));
             let there = states.kept.iter().filter(|k| matches!(k, Kept::There(..)));
             assert_eq!(there.count(), on_disk);

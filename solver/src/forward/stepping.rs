@@ -164,7 +164,7 @@ pub fn solve_in_time(
     mut observe: impl FnMut(&LoadStep),
 ) -> Result<Solution, Unreached> {
     let zero = vec![0.0; problem.dofs()];
-    let start = State { u: zero.clone(), v: zero };
+    let start = State::new(zero.clone(), zero);
     let mut stepper = TimeStepper::new(*stepping, Integrator::new(Method::Quasistatic, start));
     let mut steps = Vec::new();
     for &end in times {

@@ -168,11 +168,8 @@ impl TimeStepper {
             let start = self.predict(problem, workspace, (rest, &step), load, done == 0.0);
             match attempt(problem, workspace, &start, load, &newton) {
                 Ok(step) => {
-                    return Ok(self.accept(
-                        LoadStep { ends_time_step: ends, ..step },
-                        next,
-                        workspace,
-                    ));
+                    let step = LoadStep { ends_time_step: ends, ..step };
+                    return Ok(self.accept(step, next, (problem, workspace, rest)));
                 }
                 Err(failed) => self.shorten(problem, rest, failed, load)?,
             }
@@ -180,7 +177,12 @@ impl TimeStepper {
     }
 
     /// Takes in a load step, which ends at a fraction of its time step.
-    fn accept(&mut self, step: LoadStep, fraction: f64, workspace: &Workspace) -> LoadStep {
+    fn accept(
+        &mut self,
+        step: LoadStep,
+        fraction: f64,
+        (problem, workspace, rest): (&Problem, &Workspace, &[Vec3]),
+    ) -> LoadStep {
         let progress = &mut self.progress;
         progress.newton_iterations += step.newton_iterations;
         if step.newton_iterations <= EASY {
@@ -191,7 +193,8 @@ impl TimeStepper {
         progress.indefinite_starts = workspace.indefinite_starts;
         if step.ends_time_step {
             let made = self.step.as_ref().expect("it was begun");
-            progress.integrator.accept(made, &step.u);
+            let relaxed = problem.energies.relaxed(&step.iterate(problem, rest));
+            progress.integrator.accept(made, &step.u, relaxed);
             progress.time = step.load;
             progress.done = 0.0;
         }

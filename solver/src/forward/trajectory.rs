@@ -6,7 +6,7 @@ use mesh::Vec3;
 
 use super::states::States;
 use super::{Integrator, Method, Problem, State};
-use crate::energy::TimeStep;
+use crate::energy::{Iterate, TimeStep};
 
 /// A run through time; a static scene is one time step from t = 0 to 1.
 #[derive(Debug)]
@@ -33,11 +33,12 @@ impl Trajectory {
         self.states.push(state);
     }
 
-    /// Adds the end of a time step by its displacement [m].
-    pub fn push_displacement(&mut self, time: f64, u: &[f64]) {
+    /// Adds the end of a time step by its displacement [m], on a rest shape [m].
+    pub fn push_displacement(&mut self, problem: &Problem, rest: &[Vec3], time: f64, u: &[f64]) {
         let mut integrator = self.past(self.times.len());
         let step = integrator.step(time - self.times[self.steps()]);
-        integrator.accept(&step, u);
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
+        integrator.accept(&step, u, problem.energies.relaxed(&at));
         self.push(time, integrator.last().clone());
     }
 

@@ -13,7 +13,7 @@
 //! Analysis", chapter on hyperelasticity.
 
 use super::points::Points;
-use super::{Kinematics, Material};
+use super::{Isochoric, Kinematics, Material};
 use crate::math::lanes::Scalar;
 use crate::math::lanes::tensor::{lane, splat};
 use crate::math::tensor::{Mat3, Mat9};
@@ -59,7 +59,7 @@ fn alone(k: &Kinematics) -> Points<Scalar> {
     Points::new(Scalar, &splat(Scalar, &k.grad_u))
 }
 
-impl<T: Isotropic> Material for T {
+impl<T: Isotropic + Clone + 'static> Material for T {
     fn energy_density(&self, k: &Kinematics) -> f64 {
         let at = Points::invariants(&alone(k))[0];
         if at.j > 0.0 { self.partials(&at).value } else { f64::INFINITY }
@@ -89,5 +89,9 @@ impl<T: Isotropic> Material for T {
 
     fn isotropic(&self) -> Option<&dyn Isotropic> {
         Some(self)
+    }
+
+    fn isochoric(&self) -> Option<Isochoric> {
+        Some(Isochoric::new(self.clone()))
     }
 }

@@ -3,6 +3,7 @@
 //! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`].
 
 mod gent;
+mod isochoric;
 mod isotropic;
 mod kinematics;
 mod lame;
@@ -22,6 +23,7 @@ mod tests;
 mod yeoh;
 
 pub use gent::Gent;
+pub use isochoric::Isochoric;
 pub use isotropic::{Invariants, Isotropic, Partials};
 pub use kinematics::Kinematics;
 pub use lame::Lame;
@@ -53,6 +55,10 @@ pub trait Material: Send + Sync {
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]);
     /// The law as ψ(Ī₁, Ī₂, J), if it is one.
     fn isotropic(&self) -> Option<&dyn Isotropic> {
+        None
+    }
+    /// ψ(J^{−1/3} F), if it is a law in Ī₁ and Ī₂.
+    fn isochoric(&self) -> Option<Isochoric> {
         None
     }
 }

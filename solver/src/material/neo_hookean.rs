@@ -8,7 +8,7 @@
 
 use super::lame::{self, Lame};
 use super::law::Law;
-use super::{Kinematics, Material};
+use super::{Invariants, Isochoric, Isotropic, Kinematics, Material, Partials};
 use crate::math::tensor::{Mat3, Mat9, cross_matrix, vec9};
 
 /// Parameters of the law.
@@ -66,6 +66,29 @@ impl Material for NeoHookean {
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
         let [by_mu, by_lambda] = by_lame(k);
         self.0.add_vjp(by_mu.dot(p_bar), by_lambda.dot(p_bar), out);
+    }
+
+    fn isochoric(&self) -> Option<Isochoric> {
+        Some(Isochoric::new(Shear(self.0)))
+    }
+}
+
+/// ½μ(Ī₁ − 3), what is left of the law where J = 1.
+#[derive(Clone)]
+struct Shear(Lame);
+
+impl Isotropic for Shear {
+    fn partials(&self, at: &Invariants) -> Partials {
+        let half = 0.5 * self.0.mu;
+        Partials { value: half * at.a, first: [half, 0.0, 0.0], second: [0.0; 4] }
+    }
+
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
+    fn add_partials_vjp(&self, _: &Invariants, bar: [f64; 3], out: &mut [f64]) {
+        self.0.add_vjp(0.5 * bar[0], 0.0, out);
     }
 }
 

@@ -230,11 +230,12 @@ impl Scenario {
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Run, E> {
         self.loads.apply(loads, &mut self.problem.energies);
+        let rest = self.rest(designed);
         let mut states = Trajectory::begin(&self.start, self.state_memory);
         for (&end, u) in self.times.iter().zip(displacements) {
-            states.push_displacement(end, &u?);
+            states.push_displacement(&self.problem, &rest, end, &u?);
         }
-        Ok(self.evaluated(self.rest(designed), states, 0))
+        Ok(self.evaluated(rest, states, 0))
     }
 
     fn evaluated(&mut self, rest: Vec<Vec3>, states: Trajectory, newton_iterations: usize) -> Run {
@@ -272,20 +273,20 @@ impl Scenario {
     /// The one equilibrium next to a displacement.
     fn solve_next_to(&mut self, rest: &[Vec3], u: &[f64]) -> Result<(Trajectory, usize), Rejected> {
         let load = self.times[0];
-        let step = Arc::new(self.one_step(u).step(&self.problem, rest, 1));
+        let step = Arc::new(self.one_step(rest, u).step(&self.problem, rest, 1));
         let at = Iterate { step: Some(&step), ..self.problem.iterate(rest, u, load) };
         let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
         let start = Configuration { rest, load, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
         let solution = solve_from(&self.problem, &mut self.workspace, &start, &newton)
             .map_err(|e| self.reject(e))?;
-        Ok((self.one_step(&solution.u), solution.newton_iterations))
+        Ok((self.one_step(rest, &solution.u), solution.newton_iterations))
     }
 
     /// The run to a displacement in one step.
-    fn one_step(&self, u: &[f64]) -> Trajectory {
+    fn one_step(&self, rest: &[Vec3], u: &[f64]) -> Trajectory {
         let mut run = Trajectory::begin(&self.start, self.state_memory);
-        run.push_displacement(self.times[0], u);
+        run.push_displacement(&self.problem, rest, self.times[0], u);
         run
     }
 

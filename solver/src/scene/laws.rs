@@ -7,8 +7,9 @@ use mesh::{Tags, TetMesh, Volumes};
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::{BodyConfig, MaterialConfig};
-use crate::material::Specification;
+use crate::config::{BodyConfig, MaterialConfig, RelaxationConfig};
+use crate::energy::{Branch, Viscous};
+use crate::material::{LAWS, Law, Specification};
 
 /// The law of a body or of one of its volumes.
 #[derive(Clone)]
@@ -21,6 +22,8 @@ pub struct SceneLaw {
     pub config: MaterialConfig,
     /// Law and parameters.
     pub material: Specification,
+    /// Its overstress.
+    pub branches: Vec<Branch>,
 }
 
 impl SceneLaw {
@@ -47,11 +50,61 @@ impl Scene {
         }
     }
 
+    /// Gives the laws the overstress of `[[relaxation]]`.
+    ///
+    /// # Errors
+    /// When a name is none of the bodies and volumes, or a law has no isochoric part.
+    pub(super) fn add_branches(&mut self) -> Result<()> {
+        for RelaxationConfig { on, overstress, time } in self.config.relaxation.clone() {
+            let is_own = |law: &SceneLaw| on.as_ref().is_none_or(|on| self.is_law_of(law, on));
+            let own: Vec<usize> = (0..self.laws.len()).filter(|&i| is_own(&self.laws[i])).collect();
+            let names = || self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>();
+            ensure!(
+                !own.is_empty(),
+                "[[relaxation]] on \"{}\": no body or volume has this name; there are: {}",
+                on.as_deref().unwrap_or_default(),
+                names().join(", ")
+            );
+            for &i in &own {
+                let law = &self.laws[i];
+                ensure!(
+                    law.material.build().isochoric().is_some(),
+                    "[[relaxation]]: the law {} of \"{}\" has no isochoric part in Ī₁ and Ī₂; expected \
+                     one of: {}",
+                    law.material.law.key,
+                    self.law_name(law),
+                    with_isochoric_part().join(", ")
+                );
+            }
+            own.iter().for_each(|&i| self.laws[i].branches.push(Branch { overstress, time }));
+        }
+        Ok(())
+    }
+
+    /// The overstress of a law on some elements, if it has any; `first` relaxed stresses are of the
+    /// terms before.
+    pub(super) fn overstress(
+        &self,
+        law: &SceneLaw,
+        elements: Range<usize>,
+        first: usize,
+    ) -> Option<Viscous> {
+        let isochoric = law.material.build().isochoric();
+        let isochoric = isochoric.filter(|_| !law.branches.is_empty())?;
+        Some(Viscous::new(isochoric, law.branches.clone(), elements, first))
+    }
+
     /// Whether a law is called so, or is of a body that is.
     #[must_use]
     pub fn is_law_of(&self, law: &SceneLaw, name: &str) -> bool {
         self.law_name(law) == name || self.parts[law.part].config.name == name
     }
+}
+
+/// The laws that have an isochoric part.
+fn with_isochoric_part() -> Vec<&'static str> {
+    let has = |law: &&Law| (law.build)(law.sample).isochoric().is_some();
+    LAWS.iter().filter(has).map(|law| law.key).collect()
 }
 
 /// The laws of one body. Tetrahedra of each volume with a law of its own follow each other from now
@@ -69,7 +122,7 @@ pub(super) fn laws(
         tags.volumes = Volumes::default();
         let material = config.material.specification()?;
         let config = config.material.clone();
-        return Ok(vec![SceneLaw { part, volume: None, config, material }]);
+        return Ok(vec![SceneLaw { part, volume: None, config, material, branches: Vec::new() }]);
     };
     if tags.volumes.names.is_empty() {
         let names = vec![mesh::io::msh::BODY.to_owned()];
@@ -102,7 +155,8 @@ pub(super) fn laws(
         let context = || format!("[[material]] on \"{name}\"");
         let config = material.material().with_context(context)?;
         let material = config.specification().with_context(context)?;
-        found.push(SceneLaw { part, volume: Some(name.clone()), config, material });
+        let (volume, branches) = (Some(name.clone()), Vec::new());
+        found.push(SceneLaw { part, volume, config, material, branches });
     }
     sort_by_volume(mesh, &mut tags.volumes);
     Ok(found)

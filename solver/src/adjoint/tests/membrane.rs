@@ -65,7 +65,7 @@ impl Sheets {
         let run = |factors: &[f64], rest: &[Vec3]| {
             let (problem, mut workspace) = self.problem(factors);
             let len = problem.dofs();
-            let start = State { u: vec![0.0; len], v: vec![0.0; len] };
+            let start = State::new(vec![0.0; len], vec![0.0; len]);
             let integrator = Integrator::new(Method::Quasistatic, start);
             let mut run = Trajectory::begin(&integrator, ON_DISK);
             let mut stepper = TimeStepper::new(TIGHT, integrator);

@@ -65,7 +65,7 @@ impl Tangent<'_> {
             });
             let h = step.h;
             let v = du.iter().zip(&history).map(|(u, past)| (u - past) / h).collect();
-            changes.push(State { u: du, v });
+            changes.push(State::new(du, v));
         }
         changes
     }

@@ -53,8 +53,7 @@ fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher 
     energies.contact = Some(Arc::new(Contact::new(Arc::new(surface), barrier).certified()));
     let still = vec![0.0; fixed.len()];
     let free_flight = h.map(|_| still.clone());
-    let step =
-        TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, lagged_contacts: Vec::new() };
+    let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, ..TimeStep::default() };
     let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { distance } else { 0.0 }).collect();
     let problem = Problem::new(space, energies, &fixed).with_displacement(&up);
     Pusher { workspace: Workspace::new(&problem), problem, rest, step: Arc::new(step) }

@@ -10,7 +10,13 @@ fn sliding_blocks(form: Form, scale: f64) -> (Scene, Friction) {
     let mut random = Random::new(9);
     // speeds from below to above the full one
     scene.u.iter_mut().for_each(|u| *u += 4e-3 * scale * random.uniform());
-    scene.step = Some(TimeStep { h: 0.01, history, free_flight: None, lagged_contacts });
+    scene.step = Some(TimeStep {
+        h: 0.01,
+        history,
+        free_flight: None,
+        lagged_contacts,
+        ..TimeStep::default()
+    });
     let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.7, 0.4 * scale);
     (scene, friction)
 }
@@ -56,7 +62,13 @@ fn sliding_as_a_whole_has_the_force_of_coulomb() {
         let by = Vec3::new(relative, 0.003, 0.0) * h;
         scene.u = (0..scene.space.node_count()).flat_map(|_| <[f64; 3]>::from(by)).collect();
         let (history, lagged_contacts) = (history.clone(), lagged_contacts.clone());
-        scene.step = Some(TimeStep { h, history, free_flight: None, lagged_contacts });
+        scene.step = Some(TimeStep {
+            h,
+            history,
+            free_flight: None,
+            lagged_contacts,
+            ..TimeStep::default()
+        });
         let force = friction.body_forces(&scene.here())[0].force;
         let expected = Vec3::new(-0.5 * normal.z * share, 0.0, 0.0);
         assert!((force - expected).norm() < 1e-6 * expected.norm(), "{force} {expected}");

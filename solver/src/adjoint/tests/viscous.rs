@@ -1,0 +1,126 @@
+//! Runs of viscoelastic bodies: their gradients, and closed forms of relaxation.
+
+use super::*;
+use crate::energy::{Branch, Viscous};
+use crate::material::Material;
+
+const BRANCHES: [Branch; 2] =
+    [Branch { overstress: 0.6, time: 0.03 }, Branch { overstress: 0.3, time: 0.4 }];
+
+/// The problem of a case with overstress.
+fn problem(case: &Case, numbers: &Numbers, branches: &[Branch]) -> (Problem, Workspace, Vec<Vec3>) {
+    let (mut problem, _, rest) = case.problem(numbers);
+    let [c1, c2, c3, d1] = numbers.law;
+    let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
+    let count = problem.space.tets().len();
+    let own = &mut problem.energies.bodies[0];
+    own.viscous = Some(Viscous::new(law, branches.to_vec(), 0..count, 0));
+    let workspace = Workspace::new(&problem);
+    (problem, workspace, rest)
+}
+
+fn check_viscous(case: &Case) {
+    let (own, mut workspace, rest) = problem(case, &NUMBERS, &BRANCHES);
+    let start = case.start(&own, &rest);
+    let run = case.run(&own, &mut workspace, &rest, start.clone());
+    let probe = Probe::new(own.dofs(), case.hits());
+    let gradient = probe.gradient(&own, &mut workspace, &rest, &run);
+    let value = |numbers: &Numbers, branches: &[Branch], rest: &[Vec3]| {
+        let (problem, mut workspace, _) = problem(case, numbers, branches);
+        let run = case.run(&problem, &mut workspace, rest, start.clone());
+        probe.value(&problem, rest, &run)
+    };
+    check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| value(&NUMBERS, &BRANCHES, &points(x)));
+    let by = gradient.parameters.total(ParameterId::Material(0));
+    let by: Vec<f64> = by.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
+    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+        let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
+        value(&Numbers { law, ..NUMBERS }, &BRANCHES, &rest)
+    });
+    let by = gradient.parameters.total(ParameterId::Relaxation(0));
+    let numbers = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]);
+    let by: Vec<f64> = by.iter().zip(numbers).map(|(g, c)| g * c).collect();
+    assert!(by.len() == 4 && by.iter().all(|by| *by != 0.0), "{by:?}");
+    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+        let scaled = |(i, b): (usize, &Branch)| Branch {
+            overstress: p[2 * i] * b.overstress,
+            time: p[2 * i + 1] * b.time,
+        };
+        let branches: Vec<Branch> = BRANCHES.iter().enumerate().map(scaled).collect();
+        value(&NUMBERS, &branches, &rest)
+    });
+}
+
+#[test]
+fn viscous_runs_have_their_gradients_with_any_formula() {
+    for (method, degree, steps, body, inside) in [
+        (Method::Quasistatic, 1, 3, Shape::Tet, Inside::Pressure),
+        (Method::ImplicitEuler, 1, 3, Shape::Tet, Inside::Gas),
+        (Method::ImplicitEuler, 2, 3, Shape::Tet, Inside::Volume),
+        (Method::Bdf2, 1, 4, Shape::Tet, Inside::Pressure),
+        (Method::Bdf3, 1, 5, Shape::Tet, Inside::Pressure),
+        (Method::Quasistatic, 2, 2, Shape::Hollow, Inside::Pressure),
+    ] {
+        check_viscous(&Case { method, degree, steps, dt: 0.02, body, inside });
+    }
+    let blocks = Case {
+        method: Method::ImplicitEuler,
+        degree: 1,
+        steps: 3,
+        dt: 2e-3,
+        body: Shape::Blocks,
+        inside: Inside::Pressure,
+    };
+    check_viscous(&blocks);
+}
+
+/// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.
+#[test]
+fn stress_relaxes_as_the_formula_says() {
+    let mesh = cube(1, 0.0);
+    let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
+    let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 0.0, d1: 1e6 };
+    let count = mesh.tets.len();
+    let elastic = Elastic::whole(Box::new(law));
+    let mut energies = Energies::bodies(vec![BodyEnergies::new(elastic)]);
+    let isochoric = law.isochoric().expect("in invariants");
+    energies.bodies[0].viscous = Some(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
+    let problem = Problem::new(space, energies, &vec![true; 3 * 27]);
+    let rest = &mesh.vertices;
+    let nodes = problem.space.node_positions(rest);
+    let shear: Vec<f64> = nodes.iter().flat_map(|x| [0.3 * x.y, 0.0, 0.0]).collect();
+    let top: Vec<usize> = (0..nodes.len()).filter(|&i| nodes[i].y == 1.0).collect();
+    // in simple shear the stress xy is isochoric: μ γ, with μ = 2 (c₁ + c₂)
+    let elastic = 2.0 * 60e3 * 0.3;
+    let over = |of: &dyn Fn(f64) -> f64| -> f64 {
+        BRANCHES.iter().map(|b| b.overstress * of(b.time)).sum()
+    };
+    // strain jumps at t = 0; force at 0.1 s
+    let force = |method: Method, steps: usize| -> f64 {
+        let dt = 0.1 / steps as f64;
+        let zero = vec![0.0; problem.dofs()];
+        let mut integrator = Integrator::new(method, State::new(zero.clone(), zero));
+        let mut force = 0.0;
+        for n in 1..=steps {
+            let step = integrator.step(dt);
+            let at = problem.iterate(rest, &shear, dt * n as f64);
+            let at = Iterate { step: Some(&step), ..at };
+            let (gradient, _) = problem.gradient(&at);
+            force = top.iter().map(|&i| gradient[3 * i]).sum();
+            integrator.accept(&step, &shear, problem.energies.relaxed(&at));
+        }
+        force
+    };
+    let exact = elastic * (1.0 + over(&|time| (-0.1 / time).exp()));
+    for steps in [1, 7, 80] {
+        let dt = 0.1 / f64::from(steps);
+        let euler = elastic * (1.0 + over(&|time| (1.0 + dt / time).powi(-steps)));
+        let off = (force(Method::Quasistatic, steps as usize) / euler - 1.0).abs();
+        assert!(off < 1e-12, "{steps} steps: {off:.1e}");
+    }
+    let error = |method, steps| (force(method, steps) / exact - 1.0).abs();
+    let slope = (error(Method::Quasistatic, 80) / error(Method::Quasistatic, 160)).log2();
+    assert!((slope - 1.0).abs() < 0.1, "{slope}");
+    let (euler, bdf2) = (error(Method::Quasistatic, 80), error(Method::Bdf2, 80));
+    assert!(bdf2 < 0.25 * euler, "{bdf2:.1e} and {euler:.1e}");
+}

@@ -1,0 +1,438 @@
+//! Overstress of a viscoelastic body: Maxwell branches beside its law, a Prony series on the
+//! isochoric part ψ̄(Ī₁, Ī₂) = ψ(Ī₁, Ī₂, J) − ψ(3, 3, J) of that.
+//!
+//! A branch of overstress γ and relaxation time τ carries γ (S − Z): S = 2 ∂ψ̄/∂C is the isochoric
+//! stress (second Piola–Kirchhoff), and Z follows it, τ Ż = S − Z, from 0 at rest. The law alone is
+//! what is left after a long time; at once the isochoric part is 1 + Σ γ times as stiff.
+//!
+//! With the formula of the time step, h = β Δt and a = h/τ, from the relaxed stresses
+//! Z° = Σ αᵢ Z₋ᵢ of the last states:
+//!
+//! Z = (Z° + a S) / (1 + a)        γ (S − Z) = c (S − Z°),  c = γ / (1 + a)
+//!
+//! Z° is given during the step, so that the overstress has an incremental potential:
+//!
+//! E(u; X, Z°) = ∫ Σ c (ψ̄(F) − Z° : E) dX        E = ½ (FᵀF − I)
+//! P = Σ c (P̄ − F Z°)                            ∂P/∂F = Σ c (∂P̄/∂F − I ⊗ Z°)
+//!
+//! Without a step in time E is zero. Stresses Z are six numbers (xx, yy, zz, yz, zx, xy) for each
+//! quadrature point, branch after branch, element after element. Where strain is constant in an
+//! element, one point stands for all.
+//!
+//! Its parameters are those of the law, then γ and τ of each branch.
+//!
+//! Source: Simo 1987, "On a fully three-dimensional finite-strain viscoelastic damage model",
+//! doi:10.1016/0045-7825(87)90107-1; Holzapfel, "Nonlinear Solid Mechanics", section 6.10. The
+//! backward formula in place of their exponential one is ours: it is that of the velocities.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use mesh::Vec3;
+
+use super::elastic::{Element, corner_gradients};
+use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
+use crate::element::{FunctionSpace, add_at, at};
+use crate::material::{Isochoric, Kinematics, Material};
+use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
+use crate::math::tensor::{Mat3, Mat9, project_positive, vec9};
+use crate::parallel::{fill, map_merge, map_merge_waves};
+
+/// Nodes of an element, at most.
+const MOST_NODES: usize = 20;
+/// Numbers of a symmetric tensor.
+const SIX: usize = 6;
+/// Their rows and columns.
+const PLACES: [(usize, usize); SIX] = [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)];
+
+/// One term of the Prony series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch {
+    /// γ: isochoric stress at once, as a part of that of the law [1].
+    pub overstress: f64,
+    /// τ: after which 1/e of it is left [s].
+    pub time: f64,
+}
+
+/// Overstress of consecutive elements with one law.
+#[derive(Clone)]
+pub struct Viscous {
+    law: Arc<Isochoric>,
+    branches: Vec<Branch>,
+    elements: Range<usize>,
+    /// Where its relaxed stresses begin among those of all terms.
+    first: usize,
+}
+
+/// What cotangents of relaxed stresses make of the state that they are of.
+pub struct RelaxedCotangent {
+    /// Of Z° [1/Pa], six for each point.
+    pub past: Vec<f64>,
+    /// Of the parameters.
+    pub parameters: Vec<f64>,
+}
+
+/// A quadrature point of an element.
+struct Point {
+    /// Its place among all of the term.
+    place: usize,
+    /// Volume that it stands for [m³].
+    weight: f64,
+    /// ∇φ_a [1/m].
+    gradients: [Vec3; MOST_NODES],
+    k: Kinematics,
+}
+
+impl Point {
+    /// ∇w of nodal values of the element.
+    fn gradient(&self, element: &Element, w: &[f64]) -> Mat3 {
+        let terms = element.nodes.iter().zip(&self.gradients);
+        terms.map(|(&node, g)| at(w, node) * g.transpose()).sum()
+    }
+
+    /// F⁻¹.
+    fn inverse(&self) -> Mat3 {
+        self.k.cofactor.transpose() / self.k.j()
+    }
+}
+
+fn tensor(six: &[f64]) -> Mat3 {
+    let mut tensor = Mat3::zeros();
+    for (&(i, j), value) in PLACES.iter().zip(six) {
+        tensor[(i, j)] = *value;
+        tensor[(j, i)] = *value;
+    }
+    tensor
+}
+
+/// The derivative by the six numbers of a symmetric tensor, from that by its nine.
+fn by_six(m: &Mat3) -> [f64; SIX] {
+    PLACES.map(|(i, j)| if i == j { m[(i, i)] } else { m[(i, j)] + m[(j, i)] })
+}
+
+/// The symmetric derivative by nine, from that by six.
+fn by_nine(six: &[f64]) -> Mat3 {
+    tensor(six).map_with_location(|i, j, v| if i == j { v } else { 0.5 * v })
+}
+
+impl Viscous {
+    /// Branches beside the isochoric part of a law; `first` is the number of relaxed stresses of
+    /// the terms before.
+    #[must_use]
+    pub fn new(
+        law: Isochoric,
+        branches: Vec<Branch>,
+        elements: Range<usize>,
+        first: usize,
+    ) -> Self {
+        Self { law: Arc::new(law), branches, elements, first }
+    }
+
+    /// Number of its relaxed stresses, six for each point of each branch.
+    #[must_use]
+    pub fn len(&self, space: &FunctionSpace) -> usize {
+        SIX * self.branches.len() * self.elements.len() * points(space).len()
+    }
+
+    /// Number of parameters of the law, which come first.
+    #[must_use]
+    pub fn law_parameters(&self) -> usize {
+        Material::parameter_count(&*self.law)
+    }
+
+    fn each_point<'a>(
+        &self,
+        iterate: &Iterate<'a>,
+        e: usize,
+    ) -> (Element<'a>, impl Iterator<Item = Point> + use<'a>) {
+        let (space, u) = (iterate.space, iterate.u);
+        let element = Element::new(space, iterate.rest, e);
+        let (nodes, volume, to_rest) = (element.nodes, element.volume, element.to_rest);
+        let points = points(space);
+        let first = (e - self.elements.start) * points.len();
+        let point = move |(q, weight): (usize, f64)| {
+            let mut gradients = [Vec3::zeros(); MOST_NODES];
+            let table = &space.volume_table().gradients[q];
+            let mut grad_u = Mat3::zeros();
+            for ((g, t), &node) in gradients.iter_mut().zip(table).zip(nodes) {
+                *g = to_rest * Vec3::from(*t);
+                grad_u += at(u, node) * g.transpose();
+            }
+            let k = Kinematics::new(&grad_u);
+            Point { place: first + q, weight: weight * volume, gradients, k }
+        };
+        (element, points.into_iter().enumerate().map(point))
+    }
+
+    /// Where the stress of a branch at a point lies among those of all terms.
+    fn at(&self, points: usize, branch: usize, place: usize) -> Range<usize> {
+        let of_branch = self.elements.len() * points;
+        let start = self.first + SIX * (branch * of_branch + place);
+        start..start + SIX
+    }
+
+    /// Each branch: c, and Z° at a point.
+    fn branches_at(
+        &self,
+        step: &TimeStep,
+        points: usize,
+        place: usize,
+    ) -> impl Iterator<Item = (f64, Mat3)> {
+        self.branches.iter().enumerate().map(move |(i, branch)| {
+            let past = step.relaxed.get(self.at(points, i, place));
+            (branch.overstress / (1.0 + step.h / branch.time), past.map_or(Mat3::zeros(), tensor))
+        })
+    }
+
+    /// Σ c and Σ c Z° at a point.
+    fn sums(&self, step: &TimeStep, points: usize, place: usize) -> (f64, Mat3) {
+        let mut sums = (0.0, Mat3::zeros());
+        for (c, past) in self.branches_at(step, points, place) {
+            sums.0 += c;
+            sums.1 += c * past;
+        }
+        sums
+    }
+
+    fn stress(&self, point: &Point, (c, past): &(f64, Mat3)) -> Mat3 {
+        *c * self.law.first_piola(&point.k) - point.k.f * past
+    }
+
+    /// ∂P/∂F.
+    fn tangent(&self, point: &Point, (c, past): &(f64, Mat3)) -> Mat9 {
+        *c * self.law.tangent(&point.k) - past.kronecker(&Mat3::identity())
+    }
+
+    /// S.
+    fn isochoric_stress(&self, point: &Point) -> Mat3 {
+        point.inverse() * self.law.first_piola(&point.k)
+    }
+
+    /// Z at all points at the end of a step [Pa].
+    ///
+    /// # Panics
+    /// Without a step.
+    #[must_use]
+    pub fn relaxed(&self, iterate: &Iterate) -> Vec<f64> {
+        let step = iterate.step.expect("stresses relax in a step in time");
+        let points = points(iterate.space).len();
+        let stresses = fill(self.elements.len(), SIX * points, 0.0, |range, out| {
+            let own = range.flat_map(|e| self.each_point(iterate, self.elements.start + e).1);
+            for (point, out) in own.zip(out.chunks_exact_mut(SIX)) {
+                let s = self.isochoric_stress(&point);
+                out.iter_mut().zip(PLACES).for_each(|(out, place)| *out = s[place]);
+            }
+        });
+        let of_branch = |(i, branch): (usize, &Branch)| -> Vec<f64> {
+            let a = step.h / branch.time;
+            let begin = self.at(points, i, 0).start;
+            let past = |k: usize| step.relaxed.get(begin + k).copied().unwrap_or(0.0);
+            stresses.iter().enumerate().map(|(k, s)| (past(k) + a * s) / (1.0 + a)).collect()
+        };
+        self.branches.iter().enumerate().flat_map(of_branch).collect()
+    }
+
+    /// Adds to `by_u` and `by_rest` what cotangents of the relaxed stresses of all terms, at the
+    /// end of a step, make of the state there.
+    ///
+    /// # Panics
+    /// Without a step.
+    pub fn add_relaxed_vjp(
+        &self,
+        iterate: &Iterate,
+        cotangents: &[f64],
+        by_u: &mut [f64],
+        by_rest: &mut [f64],
+    ) -> RelaxedCotangent {
+        let step = iterate.step.expect("stresses relax in a step in time");
+        let points = points(iterate.space).len();
+        let mut out = RelaxedCotangent {
+            past: vec![0.0; self.len(iterate.space)],
+            parameters: vec![0.0; self.law_parameters() + 2 * self.branches.len()],
+        };
+        for e in self.elements.clone() {
+            let (element, own) = self.each_point(iterate, e);
+            let corner = corner_gradients(&element);
+            for point in own {
+                let (s, inverse) = (self.isochoric_stress(&point), point.inverse());
+                let mut s_bar = Mat3::zeros();
+                for (i, branch) in self.branches.iter().enumerate() {
+                    let place = self.at(points, i, point.place);
+                    let (bar, a) = (&cotangents[place.clone()], step.h / branch.time);
+                    let past = step.relaxed.get(place.clone()).map_or(Mat3::zeros(), tensor);
+                    let to = place.start - self.first;
+                    out.past[to..to + SIX]
+                        .iter_mut()
+                        .zip(bar)
+                        .for_each(|(p, b)| *p = b / (1.0 + a));
+                    let bar = by_nine(bar);
+                    s_bar += a / (1.0 + a) * bar;
+                    // ∂Z/∂τ = −a/τ (S − Z°)/(1 + a)²
+                    out.parameters[self.law_parameters() + 2 * i + 1] -=
+                        a / branch.time / (1.0 + a).powi(2) * bar.dot(&(s - past));
+                }
+                // S = F⁻¹ P̄: δS = F⁻¹ (δP̄ − δF S)
+                let pushed = inverse.transpose() * s_bar;
+                self.law.add_parameter_vjp(&point.k, &pushed, &mut out.parameters);
+                let through = self.law.tangent(&point.k) * vec9(&pushed);
+                let by_f = Mat3::from_column_slice(through.as_slice()) - pushed * s;
+                for (&node, g) in element.nodes.iter().zip(&point.gradients) {
+                    add_at(by_u, node, &(by_f * g));
+                }
+                // ∇u at fixed nodal u changes by −∇u ∇V
+                let m = -point.k.grad_u.transpose() * by_f;
+                for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner) {
+                    add_at(by_rest, vertex, &(m * c));
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Weights of the points of an element.
+fn points(space: &FunctionSpace) -> Vec<f64> {
+    if space.nodes_per_element() == 4 { vec![1.0] } else { space.volume_table().weights.clone() }
+}
+
+/// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
+fn add_point(tangent: &Mat9, point: &Point, nodes: usize, local: &mut [[f64; 9]]) {
+    for b in 0..nodes {
+        for j in 0..3 {
+            let mut strain = Mat3::zeros();
+            strain.set_row(j, &point.gradients[b].transpose());
+            let stress = tangent * vec9(&strain);
+            let stress = point.weight * Mat3::from_column_slice(stress.as_slice());
+            for a in b..nodes {
+                let force = stress * point.gradients[a];
+                let block = &mut local[pair_index(a, b)];
+                (0..3).for_each(|i| block[3 * i + j] += force[i]);
+            }
+        }
+    }
+}
+
+impl Energy for Viscous {
+    fn name(&self) -> &'static str {
+        "viscous"
+    }
+
+    fn value(&self, iterate: &Iterate) -> f64 {
+        let Some(step) = iterate.step else { return 0.0 };
+        let points = points(iterate.space).len();
+        let one = |e: usize| -> f64 {
+            let of = |point: Point| {
+                let (c, past) = self.sums(step, points, point.place);
+                let density = c * self.law.energy_density(&point.k) - past.dot(&point.k.green);
+                point.weight * density
+            };
+            self.each_point(iterate, self.elements.start + e).1.map(of).sum()
+        };
+        let mut sum = 0.0;
+        map_merge(self.elements.len(), |r| r.map(one).sum::<f64>(), |_, part| sum += part);
+        sum
+    }
+
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        let Some(step) = iterate.step else { return };
+        let (points, n) = (points(iterate.space).len(), iterate.space.nodes_per_element());
+        let forces = fill(self.elements.len(), n, Vec3::zeros(), |range, forces| {
+            for (e, forces) in range.zip(forces.chunks_exact_mut(n)) {
+                for point in self.each_point(iterate, self.elements.start + e).1 {
+                    let stress = self.stress(&point, &self.sums(step, points, point.place));
+                    let terms = forces.iter_mut().zip(&point.gradients);
+                    terms.for_each(|(f, g)| *f += point.weight * (stress * g));
+                }
+            }
+        });
+        let places = n * self.elements.start..n * self.elements.end;
+        iterate.space.incidence().add(places, &forces, out);
+    }
+
+    fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        let Some(step) = iterate.step else { return };
+        let (points, n) = (points(iterate.space).len(), iterate.space.nodes_per_element());
+        let first = self.elements.start;
+        let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
+            let mut blocks = vec![[0.0; 9]; pair_count(n) * range.len()];
+            for (e, local) in range.zip(blocks.chunks_exact_mut(pair_count(n))) {
+                for point in self.each_point(iterate, first + e).1 {
+                    let mut tangent = self.tangent(&point, &self.sums(step, points, point.place));
+                    if kind == Hessian::Projected {
+                        tangent = project_positive(&tangent);
+                    }
+                    add_point(&tangent, &point, n, local);
+                }
+            }
+            blocks
+        };
+        map_merge_waves(self.elements.len(), blocks, |r, parts| {
+            let parts: Vec<&[[f64; 9]]> = parts.iter().map(|part| &part[..]).collect();
+            out.add_elements(first + r.start..first + r.end, &parts);
+        });
+    }
+
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        let Some(step) = iterate.step else { return };
+        let points = points(iterate.space).len();
+        for e in self.elements.clone() {
+            let (element, own) = self.each_point(iterate, e);
+            let corner = corner_gradients(&element);
+            for point in own {
+                let sums = self.sums(step, points, point.place);
+                let (stress, grad_l) =
+                    (self.stress(&point, &sums), point.gradient(&element, lambda));
+                let pushed = self.tangent(&point, &sums) * vec9(&grad_l);
+                let pushed = Mat3::from_column_slice(pushed.as_slice());
+                let m = Mat3::identity() * stress.dot(&grad_l)
+                    - point.k.grad_u.transpose() * pushed
+                    - grad_l.transpose() * stress;
+                for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner) {
+                    add_at(out, vertex, &(point.weight * (m * c)));
+                }
+            }
+        }
+    }
+
+    fn add_past_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
+        let Some(step) = iterate.step.filter(|step| !step.relaxed.is_empty()) else { return };
+        out.relaxed.resize(step.relaxed.len(), 0.0);
+        let points = points(iterate.space).len();
+        for e in self.elements.clone() {
+            let (element, own) = self.each_point(iterate, e);
+            for point in own {
+                let grad_l = point.gradient(&element, lambda);
+                let by = by_six(&(-point.weight * (point.k.f.transpose() * grad_l)));
+                for (i, (c, _)) in self.branches_at(step, points, point.place).enumerate() {
+                    let to = &mut out.relaxed[self.at(points, i, point.place)];
+                    to.iter_mut().zip(by).for_each(|(to, by)| *to += c * by);
+                }
+            }
+        }
+    }
+
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let law = self.law_parameters();
+        let mut sum = vec![0.0; law + 2 * self.branches.len()];
+        let Some(step) = iterate.step else { return sum };
+        let points = points(iterate.space).len();
+        for e in self.elements.clone() {
+            let (element, own) = self.each_point(iterate, e);
+            for point in own {
+                let bar = point.weight * point.gradient(&element, lambda);
+                let (c, _) = self.sums(step, points, point.place);
+                self.law.add_parameter_vjp(&point.k, &(c * bar), &mut sum[..law]);
+                let stress = self.law.first_piola(&point.k);
+                let branches = self.branches_at(step, points, point.place);
+                for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
+                    let along = (stress - point.k.f * past).dot(&bar);
+                    let a = step.h / branch.time;
+                    sum[law + 2 * i] += along / (1.0 + a);
+                    // ∂c/∂τ = c a / (τ (1 + a))
+                    sum[law + 2 * i + 1] += c * a / (branch.time * (1.0 + a)) * along;
+                }
+            }
+        }
+        sum
+    }
+}
