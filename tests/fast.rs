@@ -47,6 +47,8 @@ mod probes;
 mod python_page;
 #[path = "fast/reference.rs"]
 mod reference;
+#[path = "fast/relaxation.rs"]
+mod relaxation;
 #[path = "fast/resume.rs"]
 mod resume;
 #[path = "fast/resume_in_time.rs"]

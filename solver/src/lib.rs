@@ -30,6 +30,7 @@ pub mod uncertainty; // what probes change by if numbers are off
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod validation; // simulations beside measurements
 pub mod calibration; // numbers of scenes from measurements on a device
+pub mod as_cast; // walls of a body as it came out of its mold
 pub mod polyfem; // scenes of PolyFEM to scenes of ours
 pub mod optimize; // outer loop: quasi-Newton steps to a better shape
 pub mod cmd; // the verbs of the program, one per file

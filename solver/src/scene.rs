@@ -150,7 +150,7 @@ impl Scene {
             body,
             certify: true,
         };
-        scene.add_branches().with_context(context)?;
+        scene.set_branches().with_context(context)?;
         Ok(scene)
     }
 

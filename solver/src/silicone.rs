@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use library::silicones;
 use serde_json::{Value, json};
 
-use crate::material::Specification;
+use crate::material::{Softening, Specification};
 
 /// A silicone one can buy, and its laws.
 pub struct Silicone {
@@ -42,6 +42,10 @@ impl Silicone {
             specification.density = entry.density;
             let elongation = entry.casting.as_ref().and_then(|casting| casting.elongation);
             specification.stretch_at_break = elongation.map(|percent| 1.0 + percent / 100.0);
+            if let Some(softening) = &entry.softening {
+                let library::Softening { creep, mullins, .. } = *softening;
+                specification.softening = Softening { creep, mullins };
+            }
             Ok(Fit { specification, entry: fit })
         };
         let fits = entry.fits.iter().map(fit).collect::<Result<_>>()?;

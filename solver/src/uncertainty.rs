@@ -9,7 +9,11 @@
 //! density    of all bodies, by one factor                                     [1]
 //! membrane   thickness of all sheets, or of one, by a factor                  [1]
 //! friction   its coefficient, by a factor                                     [1]
+//! creep      stresses of materials that are known to creep under a held load  [1]
+//! mullins    stresses of materials that are softer after a first stretch      [1]
 //!
+//! The last two come with the material and go one way: it may be softer than its law. A scene that
+//! simulates [`relaxation`](crate::config::RelaxationConfig) of a material has no bar of its creep.
 //! The bars of the numbers that a scene states, taken as independent, together make √Σ δq².
 
 use std::collections::BTreeMap;
@@ -41,7 +45,7 @@ pub struct ErrorBars {
 /// What one number does to a probe.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorBar {
-    /// `modulus`, `wall`, `pressure`, `density`, `membrane` or `friction`.
+    /// `modulus`, `creep`, `mullins`, `wall`, `pressure`, `density`, `membrane` or `friction`.
     pub of: &'static str,
     /// Tag of the wall, the chamber or the sheet, or volume, where it is of that alone.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,6 +126,7 @@ fn numbers(
         let bar = |(on, by)| ErrorBar { on: Some(on), ..ErrorBar::new("modulus", "1", by, off) };
         bars.extend(each.into_iter().filter(|_| several).map(bar));
     }
+    bars.extend(["creep", "mullins"].into_iter().flat_map(|of| softening(scene, swept, of)));
     if let Some(off) = config.pressure {
         let each = by_pressures(problem, swept);
         let all = each.iter().map(|(_, by)| by).sum();
@@ -148,6 +153,23 @@ fn numbers(
         bars.push(ErrorBar::new("friction", "1", by * contact.friction, both(off)));
     }
     bars
+}
+
+/// Bars of what materials are softer by than their laws: of all that are, by the most of them, and,
+/// where volumes have laws of their own, of each.
+fn softening(scene: &Scene, swept: &Gradient, of: &'static str) -> Vec<ErrorBar> {
+    let by_laws = scene.laws.iter().zip(by_moduli(scene, swept));
+    let soft = by_laws.filter(|(law, _)| of != "creep" || law.branches.is_empty());
+    let soft = soft.filter_map(|(law, (name, by))| {
+        let (_, off) = law.material.softening.changes().find(|(known, _)| *known == of)?;
+        Some((law.volume.is_some().then_some(name), by, off))
+    });
+    let soft: Vec<_> = soft.collect();
+    let Some(most) = soft.iter().map(|(.., off)| *off).reduce(f64::min) else { return Vec::new() };
+    let all = ErrorBar::new(of, "1", soft.iter().map(|(_, by, _)| by).sum(), [most, 0.0]);
+    let each = soft.into_iter().filter(|(on, ..)| on.is_some());
+    let each = each.map(|(on, by, off)| ErrorBar { on, ..ErrorBar::new(of, "1", by, [off, 0.0]) });
+    [all].into_iter().chain(each).collect()
 }
 
 /// From the least to the largest shear modulus of all sources, over that of the scene, less 1;

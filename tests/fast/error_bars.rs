@@ -132,6 +132,40 @@ fn derivatives_of_a_motion_are_those_of_other_motions() {
 }
 
 #[test]
+fn derivatives_of_a_viscous_motion_are_those_of_other_motions() {
+    taylor(&format!("{TIME}\n[[relaxation]]\noverstress = 0.5\ntime = 0.01\n"));
+}
+
+/// What the material is known to soften by goes one way, with the derivative by the modulus; creep that
+/// is simulated is no error.
+#[test]
+fn softening_of_the_material_has_bars() {
+    let dir = workdir(TIME);
+    let sound = dir.text("sim.toml");
+    let soft = sound.replacen("d1 = 1e6", "d1 = 1e6\ncreep = 0.25\nmullins = 0.1", 1);
+    let bars = |scene: &str| {
+        dir.write("sim.toml", scene);
+        dir.solver("simulate sim.toml -o out --restart").assert_good();
+        let report = dir.json("out/report.json");
+        report["error_bars"]["top"]["bars"].as_array().unwrap().clone()
+    };
+    let of = |bars: &[serde_json::Value], of: &str| bars.iter().find(|b| b["of"] == of).cloned();
+    assert!(of(&bars(&sound), "creep").is_none());
+    let found = bars(&soft);
+    let [modulus, creep, mullins] =
+        ["modulus", "creep", "mullins"].map(|name| of(&found, name).unwrap());
+    for (bar, off) in [(creep, 1.0 / 1.25 - 1.0), (mullins, -0.1)] {
+        assert_eq!(bar["derivative"], modulus["derivative"]);
+        assert!((bar["off"][0].as_f64().unwrap() - off).abs() < 1e-15, "{bar}");
+        assert_eq!(bar["off"][1], 0.0);
+        let change = bar["derivative"].as_f64().unwrap() * off;
+        assert!((bar["change"][0].as_f64().unwrap() / change - 1.0).abs() < 1e-12, "{bar}");
+    }
+    let found = bars(&format!("{soft}\n[[relaxation]]\noverstress = 0.25\ntime = 0.01\n"));
+    assert!(of(&found, "creep").is_none() && of(&found, "mullins").is_some());
+}
+
+#[test]
 fn bars_are_derivatives_times_what_the_numbers_are_off() {
     let dir = workdir("");
     let run = dir.solver("simulate sim.toml -o out");

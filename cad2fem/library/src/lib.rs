@@ -10,5 +10,5 @@ mod tube;
 
 pub use catalog::{Catalog, Source};
 pub use printer::{Printer, PrinterKind, printers};
-pub use silicone::{Casting, Chemistry, Fit, Silicone, Test, kilopascals, silicones};
+pub use silicone::{Casting, Chemistry, Fit, Silicone, Softening, Test, kilopascals, silicones};
 pub use tube::{Tube, tubes};

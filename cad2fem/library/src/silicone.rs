@@ -26,6 +26,8 @@ pub struct Silicone {
     pub cure_h: Option<f64>,
     /// What else casting needs, if known.
     pub casting: Option<Casting>,
+    /// How much softer than its laws it may be, if known.
+    pub softening: Option<Softening>,
     /// Laws by all sources that are known, the default first.
     #[serde(rename = "fit")]
     pub fits: Vec<Fit>,
@@ -43,6 +45,18 @@ pub struct Casting {
     pub shrinkage: Option<f64>,
     /// Viscosity after mixing [Pa s], if known.
     pub viscosity: Option<f64>,
+}
+
+/// How much softer than its laws a silicone may be.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Softening {
+    /// Key of the source.
+    pub source: String,
+    /// Part by which strain grows while a load is held [1], if known.
+    pub creep: Option<f64>,
+    /// Part by which stress falls once it has been stretched before (Mullins effect) [1], if known.
+    pub mullins: Option<f64>,
 }
 
 /// How a silicone cures.
@@ -230,6 +244,11 @@ mod tests {
                 if let Some(stiffening) = &fit.stiffening {
                     assert!(!silicones().source(stiffening).citation.is_empty(), "{key}");
                 }
+            }
+            if let Some(softening) = &silicone.softening {
+                assert!(!silicones().source(&softening.source).citation.is_empty(), "{key}");
+                assert!(softening.creep.is_none_or(|creep| creep > 0.0), "{key}");
+                assert!(softening.mullins.is_none_or(|m| m > 0.0 && m < 1.0), "{key}");
             }
             // a fit to crosshead strain is a default only where there is nothing else
             let only = silicone.fits.iter().all(|fit| fit.test == Test::Crosshead);

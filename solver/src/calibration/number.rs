@@ -25,6 +25,13 @@ pub enum Number {
     Pressure(Option<String>),
     /// Outward offset of the wall with a tag, or of all [m].
     Wall(Option<String>),
+    /// A number of a `[[relaxation]]` of the scene.
+    Relaxation {
+        /// Whether it is its time and not its overstress.
+        time: bool,
+        /// Which one, counted from 1; may be left out where there is one.
+        branch: Option<usize>,
+    },
     /// A parameter of the law of a body or volume.
     Law {
         /// Its name.
@@ -38,28 +45,32 @@ pub enum Number {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Written {
-    /// `modulus`, `density`, `membrane`, `pressure`, `wall`, or the name of a parameter of the
-    /// law.
+    /// `modulus`, `density`, `membrane`, `pressure`, `wall`, `overstress`, `relaxation-time`, or the
+    /// name of a parameter of the law.
     of: String,
     /// The chamber, the tag of the wall or the sheet, or the body or volume of the modulus.
     on: Option<String>,
     /// The body or volume with that law.
     body: Option<String>,
+    /// Which `[[relaxation]]` of the scene, counted from 1; may be left out where there is one.
+    branch: Option<usize>,
 }
 
 impl TryFrom<Written> for Number {
     type Error = Error;
 
-    fn try_from(Written { of, on, body }: Written) -> Result<Self> {
+    fn try_from(Written { of, on, body, branch }: Written) -> Result<Self> {
         let number = match of.as_str() {
             "modulus" => Self::Modulus(on.clone()),
             "density" => Self::Density,
             "membrane" => Self::Membrane(on.clone()),
             "pressure" => Self::Pressure(on.clone()),
             "wall" => Self::Wall(on.clone()),
+            "overstress" => Self::Relaxation { time: false, branch },
+            "relaxation-time" => Self::Relaxation { time: true, branch },
             _ => Self::Law { parameter: of, body: body.clone() },
         };
-        let chosen = !matches!(number, Self::Density | Self::Law { .. });
+        let chosen = !matches!(number, Self::Density | Self::Relaxation { .. } | Self::Law { .. });
         let of_law = matches!(number, Self::Law { .. });
         ensure!(
             chosen || on.is_none(),
@@ -67,6 +78,16 @@ impl TryFrom<Written> for Number {
             number.title()
         );
         ensure!(of_law || body.is_none(), "{}: body is for parameters of a law", number.title());
+        ensure!(
+            branch.is_none() || matches!(number, Self::Relaxation { .. }),
+            "{}: branch is for overstress and relaxation-time",
+            number.title()
+        );
+        ensure!(
+            branch != Some(0),
+            "{}: branch = 0: the first [[relaxation]] of the scene is 1",
+            number.title()
+        );
         Ok(number)
     }
 }
@@ -75,7 +96,12 @@ impl Number {
     /// What tables call it.
     #[must_use]
     pub fn title(&self) -> String {
+        let branch;
         let (of, on) = match self {
+            Self::Relaxation { time, branch: which } => {
+                branch = which.map(|which| format!("branch {which}"));
+                (if *time { "relaxation-time" } else { "overstress" }, &branch)
+            }
             Self::Modulus(on) => ("modulus", on),
             Self::Density => ("density", &None),
             Self::Membrane(on) => ("membrane", on),
@@ -95,6 +121,7 @@ impl Number {
             Self::Membrane(_) => "factor on the thickness",
             Self::Pressure(_) => "offset",
             Self::Wall(_) => "outward offset",
+            Self::Relaxation { .. } => "of the scene",
             Self::Law { .. } => "parameter of the law",
         }
     }
@@ -123,11 +150,38 @@ impl Number {
                 let is_tag = |on: &String| scene.body.used_tags().any(|tag| tag == on);
                 on.as_ref().is_none_or(is_tag).then_some(("m", 0.0))
             }
+            Self::Relaxation { time, branch } => {
+                let Some(table) = self.table(*branch, scene)? else { return Ok(None) };
+                let found = &scene.config.relaxation[table];
+                Some(if *time { ("s", found.time) } else { ("1", found.overstress) })
+            }
             Self::Law { parameter, body } => {
                 let (law, place, unit) = self.place(parameter, body.as_ref(), scene)?;
                 Some((unit, scene.laws[law].material.values[place]))
             }
         })
+    }
+
+    /// The place of a `[[relaxation]]` in a scene; none where the scene has none at all.
+    fn table(&self, branch: Option<usize>, scene: &Scene) -> Result<Option<usize>> {
+        let count = scene.config.relaxation.len();
+        if count == 0 {
+            return Ok(None);
+        }
+        ensure!(
+            branch.is_some() || count == 1,
+            "{}: {} has {count} tables [[relaxation]]; expected branch = 1 to {count}",
+            self.title(),
+            scene.path.display()
+        );
+        let table = branch.unwrap_or(1) - 1;
+        ensure!(
+            table < count,
+            "{}: {} has {count} tables [[relaxation]]",
+            self.title(),
+            scene.path.display()
+        );
+        Ok(Some(table))
     }
 
     /// Of a parameter: its law, its place among the values of that, and its unit.
@@ -171,8 +225,8 @@ impl Number {
         }
         let known: Vec<&str> = material.law.parameters.iter().map(|p| p.name).collect();
         bail!(
-            "of = \"{wanted}\": expected modulus, density, membrane, pressure, wall, or a parameter \
-             of the law {}: {}",
+            "of = \"{wanted}\": expected modulus, density, membrane, pressure, wall, overstress, \
+             relaxation-time, or a parameter of the law {}: {}",
             material.law.key,
             known.join(", ")
         )
@@ -195,6 +249,13 @@ impl Number {
                 let findings = mesh::check::check_tets(&scene.body.mesh);
                 ensure!(findings.is_empty(), "walls moved by {value:e} m turn an element over");
                 Ok(())
+            }
+            Self::Relaxation { time, branch } => {
+                let Some(table) = self.table(*branch, scene)? else { return Ok(()) };
+                let found = &mut scene.config.relaxation[table];
+                *(if *time { &mut found.time } else { &mut found.overstress }) = value;
+                scene.config.check_relaxation()?;
+                scene.set_branches()
             }
             Self::Law { parameter, body } => {
                 let (law, place, _) = self.place(parameter, body.as_ref(), scene)?;
@@ -235,6 +296,14 @@ impl Number {
             Self::Wall(on) => {
                 let all = walls.map(|walls| walls.derivatives(&by.rest)).unwrap_or_default();
                 all.into_iter().filter(|(tag, _)| tag == on).map(|(_, by)| by).sum()
+            }
+            Self::Relaxation { time, branch } => {
+                let Some(table) = self.table(*branch, scene)? else { return Ok(0.0) };
+                let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
+                    let place = 2 * scene.branch_of(law, table)? + usize::from(*time);
+                    by.parameters.total(ParameterId::Relaxation(i)).get(place).copied()
+                };
+                scene.laws.iter().enumerate().filter_map(of).sum()
             }
             Self::Law { parameter, body } => {
                 let (law, place, _) = self.place(parameter, body.as_ref(), scene)?;

@@ -238,7 +238,8 @@ fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()
     draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
 }
 
-/// The tables [material] of the scenes' bodies, and those of sheets, with what was found.
+/// The tables [material] of the scenes' bodies, and those of relaxation and sheets, with what was
+/// found.
 fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
     let mut scene = calibration.scenes[0].clone();
     for (number, &value) in calibration.numbers.iter().zip(&found.numbers) {
@@ -273,8 +274,18 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         if let Some(stretch) = material.stretch_at_break {
             keys.insert("stretch_at_break".to_owned(), stretch.into());
         }
+        for (key, part) in
+            [("creep", material.softening.creep), ("mullins", material.softening.mullins)]
+        {
+            keys.extend(part.map(|part| (key.to_owned(), part.into())));
+        }
         let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
         writeln!(text, "{title}\n{keys}")?;
+    }
+    let relaxation = &scene.config.relaxation;
+    if !relaxation.is_empty() {
+        text += &toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?;
+        text.push('\n');
     }
     let as_found = |membrane: &SceneMembrane| MembraneConfig {
         thickness: membrane.thickness,
@@ -289,5 +300,8 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
 
 /// Whether a number changes a law.
 fn is_of_material(number: &Number) -> bool {
-    matches!(number, Number::Modulus(_) | Number::Law { .. } | Number::Membrane(_))
+    matches!(
+        number,
+        Number::Modulus(_) | Number::Law { .. } | Number::Relaxation { .. } | Number::Membrane(_)
+    )
 }

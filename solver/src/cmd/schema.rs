@@ -3,7 +3,7 @@
 use program::schema::Format;
 
 use crate::config::{DesignConfig, SimConfig};
-use crate::{calibration, validation};
+use crate::{as_cast, calibration, validation};
 
 /// What the verb can print.
 pub const FORMATS: &[Format] = &[
@@ -11,4 +11,5 @@ pub const FORMATS: &[Format] = &[
     Format::of::<DesignConfig>("design", "design.toml"),
     Format::of::<calibration::Config>("calibrate", "calibrate.toml"),
     Format::of::<validation::Config>("validation", "validation.toml"),
+    Format::of::<as_cast::Measured>("measured", "measured.toml"),
 ];

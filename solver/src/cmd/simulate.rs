@@ -11,6 +11,7 @@ use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
 use serde_json::{Value, json};
 
+use crate::as_cast::{self, AsCast};
 use crate::energy::Iterate;
 use crate::forward::{
     LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
@@ -44,6 +45,9 @@ pub struct Arguments {
     /// Another tagged mesh in place of the scene's
     #[arg(long, value_parser = super::other_mesh)]
     mesh: Vec<super::OtherMesh>,
+    /// What was measured of the cast body (TOML): walls are moved to it before the run
+    #[arg(long, value_name = "MEASURED")]
+    as_cast: Option<PathBuf>,
     /// Another degree of the displacement in place of the scene's: 1, 2 or 3
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
     degree: Option<usize>,
@@ -68,13 +72,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
+    let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
+    let as_cast = as_cast.transpose()?;
+    as_cast.iter().flat_map(AsCast::in_words).for_each(|line| log::info!("{line}"));
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     check_loads(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
-    let inputs = hash_inputs(&scene)?;
+    let inputs = hash_inputs(&scene, arguments.as_cast.as_deref())?;
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     remove_stale(folder, done)?;
@@ -83,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         log::info!("{line}");
     }
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
+    scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
@@ -108,6 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, arguments)?;
+    report["as_cast"] = json!(as_cast);
     let states = all_states(&scene, &stepper, time_steps_done);
     let mut run = Run {
         scene: &scene,
@@ -388,8 +397,8 @@ fn merge(report: &mut Value, more: &Value) {
     }
 }
 
-/// What the states depend on: the scene, its meshes and the changes to it.
-fn hash_inputs(scene: &Scene) -> Result<String> {
+/// What the states depend on: the scene, its meshes, the changes to it and what was measured.
+fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
     let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string()];
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
@@ -397,6 +406,9 @@ fn hash_inputs(scene: &Scene) -> Result<String> {
     for obstacle in &scene.config.obstacle {
         let path = crate::config::beside(&scene.path, &obstacle.surface);
         hashes.push(program::sha256_file(&path)?);
+    }
+    if let Some(path) = as_cast {
+        hashes.push(program::sha256_file(path)?);
     }
     Ok(hashes.join(" "))
 }

@@ -24,7 +24,7 @@ pub enum MaterialConfig {
     /// A row of `solver list --silicones`.
     Silicone(String),
     /// `kind`, the parameters of that law in `solver list`, and optionally
-    /// `density` [kg/m³], `stretch_range` and `stretch_at_break` [1].
+    /// `density` [kg/m³], `stretch_range`, `stretch_at_break`, `creep` and `mullins` [1].
     Law(toml::Table),
     /// One for each volume of the mesh.
     Volumes(Vec<VolumeMaterial>),

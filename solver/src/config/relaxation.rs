@@ -20,9 +20,25 @@ pub struct RelaxationConfig {
     pub time: f64,
 }
 
+impl RelaxationConfig {
+    /// What reports and messages call it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Self { on, overstress, time } = self;
+        let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
+        format!(
+            "relaxation{on}: {:.1} % more isochoric stress at once, for {time} s",
+            100.0 * overstress
+        )
+    }
+}
+
 impl SimConfig {
     /// Checks what can be checked of relaxation without a body.
-    pub(super) fn check_relaxation(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check_relaxation(&self) -> Result<()> {
         for RelaxationConfig { overstress, time, .. } in &self.relaxation {
             ensure!(
                 *overstress > 0.0 && overstress.is_finite(),

@@ -18,7 +18,7 @@ pub use plot::draw;
 use serde::Serialize;
 
 use crate::material::response::{Mode, free_uniaxial};
-use crate::material::{Law, Moduli, Specification};
+use crate::material::{Law, Moduli, Softening, Specification};
 
 /// Stretch up to which stability is looked for.
 const STABILITY_LIMIT: f64 = 20.0;
@@ -73,6 +73,7 @@ impl Fitted {
             density: None,
             stretch_range: Some(self.quality.stretch_range),
             stretch_at_break: None,
+            softening: Softening::default(),
         }
     }
 

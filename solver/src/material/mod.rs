@@ -35,7 +35,7 @@ pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
 pub use points::Points;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
-pub use specification::Specification;
+pub use specification::{Softening, Specification};
 pub use yeoh::Yeoh;
 
 use crate::math::tensor::{Mat3, Mat9};

@@ -23,11 +23,31 @@ pub struct Specification {
     pub stretch_range: Option<[f64; 2]>,
     /// Uniaxial stretch at which it tears [1], if known: 1 + elongation at break.
     pub stretch_at_break: Option<f64>,
+    /// How much softer it may be than its law, as far as it is known.
+    pub softening: Softening,
+}
+
+/// What silicone does besides: how much softer than its law it may be. The law is that of a first
+/// stretch, soon after the load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Softening {
+    /// Part by which strain grows while a load is held [1]: stiffness falls to 1/(1 + creep).
+    pub creep: Option<f64>,
+    /// Part by which stress falls once it has been stretched before (Mullins effect) [1].
+    pub mullins: Option<f64>,
+}
+
+impl Softening {
+    /// The changes of all stresses that may be, as parts of them, by name: negative ones.
+    pub fn changes(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let creep = self.creep.map(|creep| ("creep", 1.0 / (1.0 + creep) - 1.0));
+        creep.into_iter().chain(self.mullins.map(|mullins| ("mullins", -mullins)))
+    }
 }
 
 impl Specification {
     /// From a table with `kind`, the parameters of the law, and optionally
-    /// `density`, `stretch_range` and `stretch_at_break`.
+    /// `density`, `stretch_range`, `stretch_at_break`, `creep` and `mullins`.
     ///
     /// # Errors
     /// With what was found and what is needed.
@@ -42,8 +62,11 @@ impl Specification {
         let stretch_range = parameters.remove("stretch_range").map(|v| range(&v)).transpose()?;
         let stretch_at_break =
             parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
+        let creep = parameters.remove("creep").map(|v| creep(&v)).transpose()?;
+        let mullins = parameters.remove("mullins").map(|v| mullins(&v)).transpose()?;
+        let softening = Softening { creep, mullins };
         let values = law.read(&parameters)?;
-        Ok(Self { law, values, density, stretch_range, stretch_at_break })
+        Ok(Self { law, values, density, stretch_range, stretch_at_break, softening })
     }
 
     /// The tables that [`Self::read`] takes, one for each law.
@@ -62,6 +85,8 @@ impl Specification {
                 ("density", number("Density [kg/m³]."), false),
                 ("stretch_range", range, false),
                 ("stretch_at_break", at_break, false),
+                ("creep", number("Part by which strain grows while a load is held [1]."), false),
+                ("mullins", number("Part by which stress falls after a first stretch [1]."), false),
             ];
             add_keys(&mut schema, &optional);
             schema
@@ -96,6 +121,22 @@ fn at_break(value: &Value) -> Result<f64> {
     stretch.with_context(|| {
         format!(
             "stretch_at_break = {value}: expected a number above 1, 1 + elongation at break [1]"
+        )
+    })
+}
+
+fn creep(value: &Value) -> Result<f64> {
+    let part = number(value).filter(|c| c.is_finite() && *c > 0.0);
+    part.with_context(|| {
+        format!("creep = {value}: expected a positive part by which strain grows, such as 0.2")
+    })
+}
+
+fn mullins(value: &Value) -> Result<f64> {
+    let part = number(value).filter(|m| *m > 0.0 && *m < 1.0);
+    part.with_context(|| {
+        format!(
+            "mullins = {value}: expected a part between 0 and 1 by which stress falls, such as 0.1"
         )
     })
 }
@@ -139,9 +180,11 @@ mod tests {
     #[test]
     fn optional_keys_are_read() {
         let text = "kind = 'ogden'\nmu = [1e4, -2e3]\nalpha = [2, -3]\nbulk = 1e6\n";
-        let material =
-            read(&format!("{text}density = 1070\nstretch_range = [0.5, 4]\nstretch_at_break = 10"))
-                .expect("ok");
+        let optional =
+            "density = 1070\nstretch_range = [0.5, 4]\nstretch_at_break = 10\ncreep = 0.25";
+        let material = read(&format!("{text}{optional}\nmullins = 0.1")).expect("ok");
+        let changes: Vec<_> = material.softening.changes().collect();
+        assert_eq!(changes, [("creep", 1.0 / 1.25 - 1.0), ("mullins", -0.1)]);
         assert_eq!(material.values, [1e4, -2e3, 2.0, -3.0, 1e6]);
         assert_eq!(material.density, Some(1070.0));
         assert_eq!(material.stretch_range, Some([0.5, 4.0]));
@@ -170,6 +213,8 @@ mod tests {
             (format!("{yeoh}density = -1"), "density = -1"),
             (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),
             (format!("{yeoh}stretch_at_break = 0.9"), "above 1"),
+            (format!("{yeoh}creep = -0.2"), "creep = -0.2"),
+            (format!("{yeoh}mullins = 1"), "between 0 and 1"),
         ] {
             let message = message(&text);
             assert!(message.contains(needed), "{needed} is not in: {message}");

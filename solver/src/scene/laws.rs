@@ -50,11 +50,12 @@ impl Scene {
         }
     }
 
-    /// Gives the laws the overstress of `[[relaxation]]`.
+    /// Gives the laws the overstress of `[[relaxation]]`, and no other.
     ///
     /// # Errors
     /// When a name is none of the bodies and volumes, or a law has no isochoric part.
-    pub(super) fn add_branches(&mut self) -> Result<()> {
+    pub fn set_branches(&mut self) -> Result<()> {
+        self.laws.iter_mut().for_each(|law| law.branches.clear());
         for RelaxationConfig { on, overstress, time } in self.config.relaxation.clone() {
             let is_own = |law: &SceneLaw| on.as_ref().is_none_or(|on| self.is_law_of(law, on));
             let own: Vec<usize> = (0..self.laws.len()).filter(|&i| is_own(&self.laws[i])).collect();
@@ -79,6 +80,16 @@ impl Scene {
             own.iter().for_each(|&i| self.laws[i].branches.push(Branch { overstress, time }));
         }
         Ok(())
+    }
+
+    /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
+    #[must_use]
+    pub fn branch_of(&self, law: &SceneLaw, table: usize) -> Option<usize> {
+        let is_own =
+            |table: &&RelaxationConfig| table.on.as_ref().is_none_or(|on| self.is_law_of(law, on));
+        let tables = &self.config.relaxation;
+        tables.get(table).filter(is_own)?;
+        Some(tables[..table].iter().filter(is_own).count())
     }
 
     /// The overstress of a law on some elements, if it has any; `first` relaxed stresses are of the

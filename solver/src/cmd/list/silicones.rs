@@ -31,6 +31,13 @@ fn one(silicone: &Silicone) -> String {
     if let Some(default) = silicone.fits.first() {
         text += &wrapped("", &entry.modulus_in_words(default.entry));
     }
+    if let Some(library::Softening { source, creep, mullins }) = &entry.softening {
+        let percent = |part: f64| format!("{:.0} %", 100.0 * part);
+        let creep = creep.map(|c| format!("strain grows by {} while a load is held", percent(c)));
+        let mullins = mullins.map(|m| format!("stress falls by {} once stretched", percent(m)));
+        let words: Vec<_> = creep.into_iter().chain(mullins).collect();
+        text += &wrapped("", &format!("{} ({source})", words.join(", ")));
+    }
     let fits = silicone.fits.iter().map(|fit| row(silicone, fit));
     text + &fits.collect::<String>()
 }
@@ -85,6 +92,8 @@ pub fn json(silicone: &Silicone) -> Value {
         "pot_life_min": entry.pot_life_min,
         "cure_h": entry.cure_h,
         "shear_modulus_range": entry.shear_moduli(),
+        "creep": entry.softening.as_ref().and_then(|s| s.creep),
+        "mullins": entry.softening.as_ref().and_then(|s| s.mullins),
         "fits": silicone.fits.iter().map(fit).collect::<Vec<_>>(),
     })
 }
