@@ -22,7 +22,7 @@ SCENES := $(filter-out gripper walker worm,$(BODIES))
 FOLDER := $(patsubst ./%,%,$(patsubst %/,%,$(DIR)))
 ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
-SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation fab/mold
+SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
 .PHONY: gripper-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_normal};
+use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_area, triangle_normal};
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::{DMatrix, DVector};
 use program::{Keys, Settings, Unusable};
@@ -228,9 +228,7 @@ impl<'a> Model<'a> {
         );
         let facet = boundary.triangles[near.triangle];
         let [a, b, c] = facet.map(|v| x[v]);
-        let whole = triangle_normal(a, b, c);
-        let part =
-            |p: Vec3, q: Vec3| triangle_normal(near.point, p, q).dot(&whole) / whole.norm_squared();
+        let part = |p, q| triangle_area(near.point, p, q) / triangle_area(a, b, c);
         Ok(Spot { facet, weights: [part(b, c), part(c, a), part(a, b)] })
     }
 

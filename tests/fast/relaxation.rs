@@ -165,9 +165,9 @@ fn gradients_pass_their_test() {
     let dir = bar(&relaxation(BRANCH), 3);
     dir.write(
         "design.toml",
-        "scene = \"sim.toml\"\n[shape]\non = \"top\"\n[[shape.level]]\nhandles = 2\niterations = 1\n\
+        "scene = \"sim.toml\"\n[shape]\non = \"top\"\n[[shape.level]]\nhandles = 1\niterations = 1\n\
          [[objective]]\nkind = \"probe\"\nname = \"low\"\nprobe = \"top\"\ntarget = 0.0\n\
-         over = \"all\"\nweight = 1e9\n",
+         over = \"uniform\"\nweight = 1e9\n",
     );
     let said = dir.solver("check design.toml");
     said.assert_good();

@@ -42,6 +42,9 @@ fn kinds() -> Vec<Kind> {
         kind(solver, "validation", "validation", |p| {
             program::read_toml::<solver::validation::Config>(p).map(drop)
         }),
+        kind(solver, "measured", "measured", |p| {
+            program::read_toml::<solver::as_cast::Measured>(p).map(drop)
+        }),
         kind(fab::cmd::schema::FORMATS, "mold", "mold", |p| {
             fab::config::Config::read(Some(p), &[]).map(drop)
         }),

@@ -1,6 +1,7 @@
 //! The verbs of `solver`.
 
 mod calibrate;
+mod carry;
 mod check;
 mod compare;
 mod fit;
@@ -26,6 +27,7 @@ use program::schema::SchemaArguments;
 pub enum Verb {
     Simulate(simulate::Arguments),
     Optimize(optimize::Arguments),
+    Carry(carry::Arguments),
     Check(check::Arguments),
     Gradient(gradient::Arguments),
     List(list::Arguments),
@@ -48,6 +50,7 @@ impl Verb {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),
             Self::Optimize(arguments) => optimize::run(arguments),
+            Self::Carry(arguments) => carry::run(arguments),
             Self::Check(arguments) => check::run(arguments),
             Self::Gradient(arguments) => gradient::run(arguments),
             Self::List(arguments) => list::run(arguments),

@@ -116,7 +116,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stepper.progress = checkpoint.progress;
     }
     let mut report = header(&scene, &problem, arguments)?;
-    report["as_cast"] = json!(as_cast);
+    if let Some(as_cast) = as_cast {
+        report["as_cast"] = json!(as_cast);
+    }
     let states = all_states(&scene, &stepper, time_steps_done);
     let mut run = Run {
         scene: &scene,

@@ -3,6 +3,7 @@
 //! extension into the interior, and schedules of pressures.
 
 pub mod biharmonic;
+mod carry;
 mod design_map;
 mod extension;
 pub mod geodesic;
@@ -15,6 +16,7 @@ mod pressure_curve;
 pub mod sampling;
 mod scalar;
 
+pub use carry::{Carried, carry};
 pub use design_map::DesignMap;
 pub use extension::Extension;
 pub use geodesic::Geodesics;
