@@ -154,11 +154,11 @@ mod tests {
         let mesh = cube(n, 0.1);
         let mut tags = Tags::new(vec!["floor".to_owned(), "wall".to_owned()]);
         let facets = boundary(&mesh).facets;
-        let low = |f: &&[usize; 3]| f.iter().all(|&v| mesh.vertices[v].z == 0.0);
-        let (floor, rest): (Vec<_>, Vec<_>) = facets.iter().partition(low);
+        let low = |f: &[usize; 3]| f.iter().all(|&v| mesh.vertices[v].z == 0.0);
+        let (floor, rest): (Vec<[usize; 3]>, Vec<_>) = facets.iter().copied().partition(low);
         for (name, own) in [("floor", floor), ("wall", rest)] {
             let id = tags.id(name).expect("named above");
-            own.into_iter().for_each(|f| tags.set(*f, id));
+            own.into_iter().for_each(|f| tags.set(f, id));
         }
         Body::new(mesh, tags)
     }

@@ -85,7 +85,7 @@ fn stress_relaxes_as_the_formula_says() {
     let mut energies = Energies::bodies(vec![BodyEnergies::new(elastic)]);
     let isochoric = law.isochoric().expect("in invariants");
     energies.bodies[0].viscous = Some(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
-    let problem = Problem::new(space, energies, &vec![true; 3 * 27]);
+    let problem = Problem::new(space, energies, &[true; 3 * 27]);
     let rest = &mesh.vertices;
     let nodes = problem.space.node_positions(rest);
     let shear: Vec<f64> = nodes.iter().flat_map(|x| [0.3 * x.y, 0.0, 0.0]).collect();
