@@ -105,6 +105,8 @@ fn a_page_shows_what_the_reports_say() {
     assert_eq!(run["triangles"], json!(4 * boundary), "of quadratic facets");
     let loaded = browser.picture();
     assert!(loaded.colors() > 1000, "{} colours", loaded.colors());
+    let beyond = "document.getElementById('panel').scrollWidth > document.getElementById('panel').clientWidth";
+    assert_eq!(browser.evaluate(beyond), json!(false), "the panel is wider than it shows");
 
     step_through(&mut browser, &dir, largest);
     cut(&mut browser);
