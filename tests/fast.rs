@@ -9,6 +9,8 @@ mod bad_design;
 mod book;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
+#[path = "fast/carry.rs"]
+mod carry;
 #[path = "fast/castable.rs"]
 mod castable;
 #[path = "fast/compare.rs"]
