@@ -29,6 +29,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use mesh::Vec3;
+use nalgebra::SVector;
 
 use super::elastic::{Element, corner_gradients};
 use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
@@ -298,11 +299,11 @@ fn points(space: &FunctionSpace) -> Vec<f64> {
 /// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
 fn add_point(tangent: &Mat9, point: &Point, nodes: usize, local: &mut [[f64; 9]]) {
     for b in 0..nodes {
+        let g = point.weight * point.gradients[b];
         for j in 0..3 {
-            let mut strain = Mat3::zeros();
-            strain.set_row(j, &point.gradients[b].transpose());
-            let stress = tangent * vec9(&strain);
-            let stress = point.weight * Mat3::from_column_slice(stress.as_slice());
+            // of the strain e_j ⊗ ∇φ_b, which has the entries 3 k + j alone
+            let stress: SVector<f64, 9> = (0..3).map(|k| g[k] * tangent.column(3 * k + j)).sum();
+            let stress = Mat3::from_column_slice(stress.as_slice());
             for a in b..nodes {
                 let force = stress * point.gradients[a];
                 let block = &mut local[pair_index(a, b)];
