@@ -1,8 +1,9 @@
 //! `[[material]]`: volumes of a mesh with laws of their own, in scenes, error bars, scenarios,
 //! calibration and designs; and what is refused.
 
-use mesh::Volumes;
-use mesh::io::{read_tets, write_tets};
+use mesh::io::{MshFile, read_tets, write_tets};
+use mesh::topology::TET_FACETS;
+use mesh::{Volumes, facet_key};
 use tests::workdir::Workdir;
 use tests::{block, chamber, tag};
 
@@ -112,20 +113,46 @@ fn gradients_by_shape_and_both_laws_pass_their_test() {
     }
 }
 
+/// Between its levels the interior is re-meshed, the layer between the volumes with a tag is not.
 #[test]
-fn a_design_keeps_its_volumes() {
+fn a_design_keeps_its_volumes_where_it_is_re_meshed() {
     let dir = workdir(TWO);
+    let mut file = read_tets(&dir.path("body.msh")).unwrap();
+    let layer = between(&file);
+    file.tags.names.push("paper".to_owned());
+    let id = file.tags.id("paper").unwrap();
+    layer.iter().for_each(|&facet| file.tags.set(facet, id));
+    write_tets(&dir.path("body.msh"), &file.mesh, &file.tags).unwrap();
+    let paper = "[[membrane]]\non = \"paper\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", \
+                 young = 3e6, poisson = 0.3 }\n";
+    dir.write("p1.toml", &(dir.text("p1.toml") + paper));
     let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
     dir.write("design.toml", &(design + "\n[[scenario]]\nname = \"soft\"\nmodulus = 0.9\n"));
     let run = dir.solver("optimize design.toml -o design");
     run.assert_good();
-    assert!(run.stderr.contains("or volumes meet there"), "{}", run.stderr);
-    let before = read_tets(&dir.path("body.msh")).unwrap().tags.volumes;
-    let after = read_tets(&dir.path("design/design.msh")).unwrap().tags.volumes;
-    let count = |v: &Volumes, i: usize| v.of.iter().filter(|&&own| own == i).count();
-    assert_eq!(before.names, after.names);
-    assert_eq!([0, 1].map(|i| count(&before, i)), [0, 1].map(|i| count(&after, i)));
+    assert!(run.stderr.contains("re-meshed the interior"), "{}", run.stderr);
+    let before = read_tets(&dir.path("body.msh")).unwrap();
+    let after = read_tets(&dir.path("design/design.msh")).unwrap();
+    assert_ne!(before.mesh.tets, after.mesh.tets);
+    assert_eq!(before.tags.volumes.names, after.tags.volumes.names);
+    assert_eq!(layer.len(), between(&after).len());
+    let tagged: std::collections::BTreeSet<_> = after.tags.facets_of(id).into_iter().collect();
+    assert_eq!(tagged, between(&after));
     dir.solver("simulate p1.toml --mesh design/design.msh -o last").assert_good();
+}
+
+/// The facets where volumes meet.
+fn between(file: &MshFile) -> std::collections::BTreeSet<[usize; 3]> {
+    let mut first = std::collections::BTreeMap::new();
+    let mut found = std::collections::BTreeSet::new();
+    for (tet, &volume) in file.mesh.tets.iter().zip(&file.tags.volumes.of) {
+        for facet in TET_FACETS.map(|f| facet_key(f.map(|c| tet[c]))) {
+            if first.insert(facet, volume).is_some_and(|other| other != volume) {
+                found.insert(facet);
+            }
+        }
+    }
+    found
 }
 
 /// The objective of each scenario of a design as it begins, or of the only one.
