@@ -204,6 +204,55 @@ fn remesh_keeps_the_boundary_and_its_tags() {
     assert!(worst(&after.mesh) > 2.0 * worst(&before));
 }
 
+/// A cube whose two halves are volumes with a sheet between them, each around a point far from its middle.
+#[test]
+fn remesh_keeps_volumes_and_the_sheet_between_them() {
+    let dir = Workdir::new();
+    let corner = |i: usize| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+    let mut vertices: Vec<Vec3> = (0..12).map(corner).collect();
+    let sides = |i: usize| {
+        let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| k + i);
+        let (floor, roof) = ([[a, c, b], [b, c, d]], [[e, f, g], [f, h, g]]);
+        let walls = [
+            [a, b, e],
+            [b, f, e],
+            [c, g, d],
+            [d, g, h],
+            [a, e, c],
+            [c, e, g],
+            [b, d, f],
+            [d, h, f],
+        ];
+        [&floor[..], &roof, &walls].concat()
+    };
+    let (mut tets, mut of) = (Vec::new(), Vec::new());
+    for half in [0, 1] {
+        let apex = vertices.len();
+        vertices.push(Vec3::new(0.85, 0.8, half as f64 + 0.75));
+        tets.extend(sides(4 * half).into_iter().map(|[a, b, c]| [a, c, b, apex]));
+        of.resize(tets.len(), half);
+    }
+    let mut tags = mesh::Tags::new(vec!["paper".into()]);
+    tags.set([4, 5, 6], 1);
+    tags.set([5, 7, 6], 1);
+    tags.volumes = mesh::Volumes { names: vec!["lower".into(), "upper".into()], of };
+    let before = mesh::TetMesh { vertices, tets };
+    mesh::io::write_tets(&dir.path("in.msh"), &before, &tags).unwrap();
+    dir.run(&["remesh", "in.msh", "-o", "out.msh"]).says("after");
+    let after = mesh::io::read_tets(&dir.path("out.msh")).unwrap();
+    assert_eq!(after.mesh.vertices[..12], before.vertices[..12]);
+    assert_eq!(after.tags.facets, tags.facets);
+    assert_eq!(after.tags.volumes.names, tags.volumes.names);
+    let mut filled = [0.0; 2];
+    for (t, &volume) in after.tags.volumes.of.iter().enumerate() {
+        let [a, b, c, d] = after.mesh.corners(t);
+        filled[volume] += mesh::measure::tet_volume(a, b, c, d);
+    }
+    assert!(filled.iter().all(|one| (one - 1.0).abs() < 1e-12), "{filled:?}");
+    let worst = |m: &mesh::TetMesh| mesh::measure::quality(m).radius_ratio_min;
+    assert!(worst(&after.mesh) > 1.5 * worst(&before));
+}
+
 #[test]
 fn bad_surfaces_are_refused_before_a_mesher_runs() {
     let dir = Workdir::new();

@@ -259,18 +259,6 @@ impl Body {
         Ok(facets)
     }
 
-    /// Whether facets inside a body have a tag, or volumes meet there, so that its interior must
-    /// stay as it is.
-    #[must_use]
-    pub fn has_tags_inside(&self, part: &Part) -> bool {
-        if self.volumes(part).len() > 1 {
-            return true;
-        }
-        let own = |facet: &&[usize; 3]| part.vertices.contains(&facet[0]);
-        let skin = self.skin.iter().filter(own).filter(|&&f| self.tags.get(f).is_some()).count();
-        self.tags.facets.keys().filter(own).count() > skin
-    }
-
     /// The boundary facets of a tag, or of a whole body by its name, oriented out
     /// of the solid.
     ///

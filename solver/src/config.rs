@@ -32,7 +32,7 @@ pub use membrane::MembraneConfig;
 pub use objective::{ObjectiveConfig, Weight};
 pub use probe::ProbeConfig;
 pub use relaxation::RelaxationConfig;
-pub use scenario::{EXCESS, RobustConfig, ScenarioConfig, WallConfig};
+pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use crate::contact::barrier::Form as ContactForm;

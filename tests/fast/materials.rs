@@ -1,8 +1,9 @@
 //! `[[material]]`: volumes of a mesh with laws of their own, in scenes, error bars, scenarios,
 //! calibration and designs; and what is refused.
 
-use mesh::Volumes;
-use mesh::io::{read_tets, write_tets};
+use mesh::io::{MshFile, read_tets, write_tets};
+use mesh::topology::TET_FACETS;
+use mesh::{Volumes, facet_key};
 use tests::workdir::Workdir;
 use tests::{block, chamber, tag};
 
@@ -112,20 +113,127 @@ fn gradients_by_shape_and_both_laws_pass_their_test() {
     }
 }
 
+/// Between its levels the interior is re-meshed, the layer between the volumes with a tag is not.
 #[test]
-fn a_design_keeps_its_volumes() {
+fn a_design_keeps_its_volumes_where_it_is_re_meshed() {
     let dir = workdir(TWO);
+    let mut file = read_tets(&dir.path("body.msh")).unwrap();
+    let layer = between(&file);
+    file.tags.names.push("paper".to_owned());
+    let id = file.tags.id("paper").unwrap();
+    layer.iter().for_each(|&facet| file.tags.set(facet, id));
+    write_tets(&dir.path("body.msh"), &file.mesh, &file.tags).unwrap();
+    let paper = "[[membrane]]\non = \"paper\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", \
+                 young = 3e6, poisson = 0.3 }\n";
+    dir.write("p1.toml", &(dir.text("p1.toml") + paper));
     let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
     dir.write("design.toml", &(design + "\n[[scenario]]\nname = \"soft\"\nmodulus = 0.9\n"));
     let run = dir.solver("optimize design.toml -o design");
     run.assert_good();
-    assert!(run.stderr.contains("or volumes meet there"), "{}", run.stderr);
-    let before = read_tets(&dir.path("body.msh")).unwrap().tags.volumes;
-    let after = read_tets(&dir.path("design/design.msh")).unwrap().tags.volumes;
-    let count = |v: &Volumes, i: usize| v.of.iter().filter(|&&own| own == i).count();
-    assert_eq!(before.names, after.names);
-    assert_eq!([0, 1].map(|i| count(&before, i)), [0, 1].map(|i| count(&after, i)));
+    assert!(run.stderr.contains("re-meshed the interior"), "{}", run.stderr);
+    let before = read_tets(&dir.path("body.msh")).unwrap();
+    let after = read_tets(&dir.path("design/design.msh")).unwrap();
+    assert_ne!(before.mesh.tets, after.mesh.tets);
+    assert_eq!(before.tags.volumes.names, after.tags.volumes.names);
+    assert_eq!(layer.len(), between(&after).len());
+    let tagged: std::collections::BTreeSet<_> = after.tags.facets_of(id).into_iter().collect();
+    assert_eq!(tagged, between(&after));
     dir.solver("simulate p1.toml --mesh design/design.msh -o last").assert_good();
+}
+
+/// The facets where volumes meet.
+fn between(file: &MshFile) -> std::collections::BTreeSet<[usize; 3]> {
+    let mut first = std::collections::BTreeMap::new();
+    let mut found = std::collections::BTreeSet::new();
+    for (tet, &volume) in file.mesh.tets.iter().zip(&file.tags.volumes.of) {
+        for facet in TET_FACETS.map(|f| facet_key(f.map(|c| tet[c]))) {
+            if first.insert(facet, volume).is_some_and(|other| other != volume) {
+                found.insert(facet);
+            }
+        }
+    }
+    found
+}
+
+/// The objective of each scenario of a design as it begins, or of the only one.
+fn at_start(dir: &Workdir, design: &str) -> serde_json::Value {
+    dir.solver(&format!("-q optimize {design} -o start --restart")).assert_good();
+    let history = dir.text("start/history.jsonl");
+    serde_json::from_str(history.lines().next().unwrap()).unwrap()
+}
+
+/// A scenario with factors on volumes, a density among them, is the scene with those numbers changed.
+#[test]
+fn scenarios_change_volumes_one_by_one() {
+    const GRAVITY: &str = "gravity = [0, 0, -9.81]\n";
+    let heavy = TWO
+        .replace("young = 600e3", "density = 1000\nyoung = 600e3")
+        .replace("c1 = 55e3", "density = 1200\nc1 = 55e3");
+    let dir = workdir(&heavy);
+    dir.write("p1.toml", &(GRAVITY.to_owned() + &dir.text("p1.toml")));
+    let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
+    dir.write("one.toml", &design.replace("p1.toml", "other.toml"));
+    let cases = [
+        ("floor", "modulus = { floor = 1.1, walls = 0.9 }"),
+        ("walls", "density = { walls = 3.0 }"),
+        ("all", "density = 2.0\nmodulus = { body = 0.8 }"),
+    ];
+    let scenarios =
+        cases.map(|(name, keys)| format!("\n[[scenario]]\nname = \"{name}\"\n{keys}\n"));
+    dir.write("design.toml", &(design + &scenarios.concat()));
+    let many = at_start(&dir, "design.toml");
+    let walls = |factor: f64| {
+        [("c1 = 55e3", 55e3), ("c2 = 5e3", 5e3), ("c3 = 1.7e3", 1.7e3), ("d1 = 1e6", 1e6)]
+            .map(|(old, value)| (old.to_owned(), format!("{} = {:e}", &old[..2], factor * value)))
+    };
+    let young = |factor: f64| ("young = 600e3".to_owned(), format!("young = {:e}", factor * 600e3));
+    let density = |old: f64, factor: f64| {
+        (format!("density = {old}"), format!("density = {:e}", factor * old))
+    };
+    let scene = dir.text("p1.toml");
+    let mut found = Vec::new();
+    for ((name, _), changes) in cases.iter().zip([
+        [&walls(0.9)[..], &[young(1.1)]].concat(),
+        vec![density(1200.0, 3.0)],
+        [&walls(0.8)[..], &[young(0.8), density(1000.0, 2.0), density(1200.0, 2.0)]].concat(),
+    ]) {
+        let changed = changes.iter().fold(scene.clone(), |text, (old, new)| {
+            assert!(text.contains(old), "{old}");
+            text.replace(old, new)
+        });
+        dir.write("other.toml", &changed);
+        let expected = at_start(&dir, "one.toml")["objective"].as_f64().unwrap();
+        let objective = many["scenarios"][name]["objective"].as_f64().unwrap();
+        assert!((objective / expected - 1.0).abs() < 1e-9, "{name}: {objective} and {expected}");
+        found.push(objective);
+    }
+    found.sort_by(f64::total_cmp);
+    assert!(found.windows(2).all(|pair| pair[1] / pair[0] > 1.001), "{found:?}");
+    let run = dir.solver("check design.toml --handles 1");
+    run.assert_good();
+    for name in ["density of floor", "density of walls"] {
+        assert!(run.stdout.contains(name), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn scenarios_of_unknown_volumes_are_refused() {
+    for (keys, words) in [
+        ("modulus = { roof = 1.1 }", &["\"x\"", "modulus of \"roof\"", "floor, walls"][..]),
+        ("density = { floor = 1.1 }", &["density of \"floor\"", "no material of floor has one"]),
+        ("density = { roof = 1.1 }", &["density of \"roof\"", "floor, walls"]),
+        ("modulus = { floor = -1 }", &["modulus of floor = -1", "positive"]),
+        (
+            "modulus = { floor = \"soft\" }",
+            &["modulus", "a factor, or a table with one for each name"],
+        ),
+        ("membrane = { paper = 1.1 }", &["membrane", "the scene has no [[membrane]]"]),
+    ] {
+        let dir = workdir(TWO);
+        let scenario = format!("\n[[scenario]]\nname = \"x\"\n{keys}\n");
+        dir.write("design.toml", &(dir.text("design.toml") + &scenario));
+        dir.solver("optimize design.toml -o out").assert_refused(2, words);
+    }
 }
 
 #[test]
@@ -247,4 +355,81 @@ fn halves_of_a_block_are_springs_in_series_and_in_parallel() {
     eprintln!("halves in series, in parallel: {found:?} N, springs {:?} N", [series, parallel]);
     assert!((found[0] / series - 1.0).abs() < 1e-9, "{found:?} {series}");
     assert!((found[1] / parallel - 1.0).abs() < 1e-9, "{found:?} {parallel}");
+}
+
+/// Densities of the lower and the upper half of a column [kg/m³], and of the gravity on it [m/s²].
+const LIGHT: f64 = 800.0;
+const HEAVY: f64 = 2500.0;
+const GRAVITY: f64 = 9.81;
+
+/// Two cubes of 20 mm above each other, quadratic elements, without lateral contraction, with more
+/// tables.
+fn column(more: &str) -> Workdir {
+    let dir = Workdir::new();
+    let mesh = block([2, 2, 4], 0.01, |_| false, |p| p);
+    let body = tag(mesh, &[("bottom", &|p| p.z < 1e-9), ("top", &|p| p.z > 0.04 - 1e-9)]);
+    let mut tags = body.tags.clone();
+    let above = |t: usize| body.mesh.corners(t).iter().map(|p| p.z).sum::<f64>() / 4.0 > 0.02;
+    let of = (0..body.mesh.tets.len()).map(|t| usize::from(!above(t))).collect();
+    tags.volumes = Volumes { names: vec!["upper".to_owned(), "lower".to_owned()], of };
+    write_tets(&dir.path("body.msh"), &body.mesh, &tags).unwrap();
+    let law = |on: &str, density: f64, young: f64| {
+        format!(
+            "[[material]]\non = \"{on}\"\nkind = \"linear-elastic\"\nyoung = {young:e}\n\
+             poisson = 0.0\ndensity = {density}\n\n"
+        )
+    };
+    let laws = law("lower", LIGHT, SOFT) + &law("upper", HEAVY, STIFF);
+    let probe = |name: &str, kind: &str, on: &str| {
+        format!(
+            "[[probe]]\nname = \"{name}\"\nkind = \"{kind}\"\non = \"{on}\"\naxis = [0, 0, 1]\n\n"
+        )
+    };
+    let scene = format!("mesh = \"body.msh\"\ndegree = 2\ngravity = [0, 0, -{GRAVITY}]\n\n");
+    let probes = probe("sag", "displacement", "top");
+    dir.write("sim.toml", &(scene + &laws + &probes + more));
+    dir
+}
+
+/// With h the height of a half, the lower one carries g (ρ₁ (h − z) + ρ₂ h) and the upper one what is
+/// above z: both strains are linear in z, so that quadratic elements are exact.
+#[test]
+fn a_column_of_two_densities_sags_under_its_weight() {
+    let dir = column(
+        "[[fixed]]\non = \"bottom\"\n\n[[probe]]\nname = \"weight\"\nkind = \"reaction\"\non = \"bottom\"\n\
+         axis = [0, 0, 1]\n\n[uncertainty]\ndensity = 0.1\n\n[solver]\nrelative_tolerance = 1e-13\n\
+         absolute_tolerance = 1e-12\n",
+    );
+    dir.solver("simulate sim.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let value = |name: &str| report["probes"][name]["value"].as_f64().unwrap();
+    let (h, area) = (0.02, 4e-4);
+    let weight = GRAVITY * area * h * (LIGHT + HEAVY);
+    let below = (LIGHT * h * h / 2.0 + HEAVY * h * h) / SOFT;
+    let sag = -GRAVITY * (below + HEAVY * h * h / 2.0 / STIFF);
+    eprintln!("weight {} N of {weight} N, sag {} m of {sag} m", value("weight"), value("sag"));
+    // conjugate gradients end at 1e-13 of the force
+    assert!((value("weight").abs() / weight - 1.0).abs() < 1e-9, "{} {weight}", value("weight"));
+    assert!((value("sag") / sag - 1.0).abs() < 1e-9, "{} {sag}", value("sag"));
+    // in proportion to both densities together: the derivative by a factor on them is the value
+    for name in ["weight", "sag"] {
+        let bar = &report["error_bars"][name]["bars"][0];
+        assert_eq!(bar["of"], "density");
+        let slope = bar["derivative"].as_f64().unwrap();
+        assert!((slope / value(name) - 1.0).abs() < 1e-8, "{name}: {slope} {}", value(name));
+    }
+}
+
+/// Where weight and inertia have the same densities, all of it falls alike: after n steps of implicit
+/// Euler by g Δt² n (n + 1)/2.
+#[test]
+fn a_column_of_two_densities_falls_as_one() {
+    let dir = column("[time]\nend = 0.05\nsteps = 5\nmethod = \"implicit-euler\"\n");
+    dir.solver("simulate sim.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let fallen = report["probes"]["sag"]["value"].as_f64().unwrap();
+    let expected = -GRAVITY * 1e-4 * 15.0;
+    assert!((fallen / expected - 1.0).abs() < 1e-9, "{fallen} {expected}");
+    let length = report["tags"]["bottom"]["mean_displacement_vector"][2].as_f64().unwrap();
+    assert!((length / expected - 1.0).abs() < 1e-9, "{length} {expected}");
 }

@@ -1,19 +1,18 @@
 //! `cad2fem remesh`: better tetrahedra inside, the surface untouched or changed within a tolerance.
 
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::check::check_tets;
-use mesh::improve::{ImproveReport, improve_around, improve_with_surface, usual_tolerance};
+use mesh::improve::{ImproveReport, improve_tagged, improve_with_surface, usual_tolerance};
 use mesh::io::{MshFile, read_tets, write_tets};
 use mesh::measure::Quality;
 use mesh::topology::boundary;
 
 use crate::report::findings;
 
-/// Boundary vertices and facets, those inside with a tag, and tags stay as they are, bit for bit, but
-/// for the parts of the surface that --surface names
+/// Boundary vertices and facets, those inside with a tag or between volumes, and tags stay as they are, bit
+/// for bit, but for the parts of the surface that --surface names
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Tetrahedral mesh (.msh)
@@ -43,18 +42,8 @@ pub fn run(args: &Args) -> Result<()> {
     if !found.is_empty() {
         bail!("{}: not a valid mesh:{}", args.mesh.display(), findings(&found));
     }
-    ensure!(
-        file.tags.volumes.names.is_empty(),
-        "{}: it has the volumes {}, which other tetrahedra do not have; mesh its surface anew: cad2fem \
-         tetmesh",
-        args.mesh.display(),
-        file.tags.volumes.names.join(", ")
-    );
     let report = match args.surface.is_empty() {
-        true => {
-            let tagged: BTreeSet<[usize; 3]> = file.tags.facets.keys().copied().collect();
-            improve_around(&mut file.mesh, &tagged, args.passes)
-        }
+        true => improve_tagged(&mut file.mesh, &mut file.tags, args.passes),
         false => with_surface(&mut file, args)?,
     };
     log_quality("before", &report.before);
@@ -67,13 +56,6 @@ pub fn run(args: &Args) -> Result<()> {
 /// Improves the mesh and the surface of the tags that are named.
 fn with_surface(file: &mut MshFile, args: &Args) -> Result<ImproveReport> {
     let skin = boundary(&file.mesh).facets;
-    let inside =
-        file.tags.facets.len() - skin.iter().filter(|f| file.tags.get(**f).is_some()).count();
-    ensure!(
-        inside == 0,
-        "{}: {inside} facets with a tag lie inside the body; --surface is for bodies without",
-        args.mesh.display()
-    );
     let mut ids = Vec::new();
     for name in &args.surface {
         let id = file.tags.id(name).with_context(|| {

@@ -239,7 +239,7 @@ impl Number {
     pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         match self {
             Self::Modulus(on) => scene.scale_stresses(on.as_deref(), value),
-            Self::Density => scene.scale_density(value),
+            Self::Density => scene.scale_density(None, value),
             Self::Membrane(on) => scene.scale_membranes(on.as_deref(), value),
             Self::Pressure(on) => scene.add_pressure(on.as_deref(), value),
             Self::Wall(on) => {

@@ -24,15 +24,15 @@ pub struct ScenarioConfig {
     /// Every wall outward along its normal, or those with tags [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<WallConfig>,
-    /// Factor on all stresses of all materials [1].
+    /// Factor on all stresses of all materials, or of those of volumes or bodies by name [1].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub modulus: Option<f64>,
-    /// Factor on the density of every body [1].
+    pub modulus: Option<FactorConfig>,
+    /// Factor on the density of every body, or of volumes or bodies by name [1].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub density: Option<f64>,
-    /// Factor on the thickness of every membrane, or as well on its modulus [1].
+    pub density: Option<FactorConfig>,
+    /// Factor on the thickness of every membrane, or as well on its modulus; or of those on tags [1].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<f64>,
+    pub membrane: Option<FactorConfig>,
     /// Factor on the coefficient of friction [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
@@ -55,6 +55,29 @@ pub enum WallConfig {
     All(f64),
     /// Those with tags.
     Tags(BTreeMap<String, f64>),
+}
+
+/// A factor of a scenario [1].
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a factor, or a table with one for each name")]
+pub enum FactorConfig {
+    /// On all.
+    All(f64),
+    /// On those with names; 1 on the others.
+    Named(BTreeMap<String, f64>),
+}
+
+impl FactorConfig {
+    /// Each factor with the name that it is on; none for all.
+    #[must_use]
+    pub fn each(&self) -> Vec<(Option<&str>, f64)> {
+        match self {
+            Self::All(factor) => vec![(None, *factor)],
+            Self::Named(factors) => {
+                factors.iter().map(|(name, factor)| (Some(name.as_str()), *factor)).collect()
+            }
+        }
+    }
 }
 
 /// One objective from those of the scenarios: their mean without this table.
@@ -112,15 +135,16 @@ impl ScenarioConfig {
 
     fn check(&self, objectives: &[&str], designed: &[&str]) -> Result<()> {
         let Self { weight, modulus, density, membrane, friction, pressure, .. } = self;
-        let factors = [
-            ("modulus", modulus),
-            ("density", density),
-            ("membrane", membrane),
-            ("friction", friction),
-        ];
-        let factors = factors.into_iter().filter_map(|(key, factor)| Some((key, (*factor)?)));
-        for (key, factor) in factors.chain([("weight", *weight)]) {
-            ensure!(factor.is_finite() && factor > 0.0, "{key} = {factor}: must be positive");
+        let named = [("modulus", modulus), ("density", density), ("membrane", membrane)];
+        for (key, factors) in named {
+            for (name, factor) in factors.iter().flat_map(FactorConfig::each) {
+                let title = name.map_or_else(|| key.to_owned(), |name| format!("{key} of {name}"));
+                check_factor(&title, factor)?;
+            }
+        }
+        for (key, factor) in friction.iter().map(|&f| ("friction", f)).chain([("weight", *weight)])
+        {
+            check_factor(key, factor)?;
         }
         let pressure = pressure.iter().map(|&difference| ("pressure", difference));
         let walls =
@@ -136,6 +160,11 @@ impl ScenarioConfig {
         }
         check_weights(&self.weights, objectives)
     }
+}
+
+fn check_factor(title: &str, factor: f64) -> Result<()> {
+    ensure!(factor.is_finite() && factor > 0.0, "{title} = {factor}: must be positive");
+    Ok(())
 }
 
 /// Checks the scenarios of a design with these objectives and designed parameters.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use mesh::improve::{SurfaceReport, improve_interior, improve_with_surface, usual_tolerance};
+use mesh::improve::{SurfaceReport, improve_tagged, improve_with_surface, usual_tolerance};
 
 use super::Cascade;
 use super::checkpoint::Checkpoint;
@@ -66,7 +66,7 @@ pub fn mesh_file(what: &str, body: Option<&str>) -> String {
 
 /// Improves the bodies that have facets `moving`: their interior, and those facets within a
 /// `tolerance` [m] of where they are, [`usual_tolerance`] by default. Tags keep their
-/// rims. Where facets inside a body have tags, it stays as it is.
+/// rims; facets inside with tags, and those between volumes, stay as they are.
 pub(super) fn remesh(body: &Body, moving: &[[usize; 3]], tolerance: Option<f64>) -> Result<Body> {
     let tolerance = tolerance.unwrap_or_else(|| usual_tolerance(&body.mesh.vertices, moving));
     let mut bodies = body.separate();
@@ -76,14 +76,8 @@ pub(super) fn remesh(body: &Body, moving: &[[usize; 3]], tolerance: Option<f64>)
         if own.is_empty() {
             continue;
         }
-        if body.has_tags_inside(part) {
-            log::info!(
-                "the interior is not re-meshed: facets inside the body have tags, or volumes meet there"
-            );
-            continue;
-        }
         let (interior, surface) = match tolerance {
-            0.0 => (improve_interior(mesh, REMESH_PASSES), SurfaceReport::default()),
+            0.0 => (improve_tagged(mesh, tags, REMESH_PASSES), SurfaceReport::default()),
             _ => improve_with_surface(mesh, tags, &own, tolerance, REMESH_PASSES),
         };
         log::info!(

@@ -1,9 +1,9 @@
 //! A scene with numbers changed: stresses, density, sheets, friction, pressures, parameters.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 
-use super::Scene;
-use crate::config::{ScenarioConfig, is_pressure};
+use super::{Scene, SceneLaw};
+use crate::config::{FactorConfig, ScenarioConfig, is_pressure};
 
 impl Scene {
     /// Multiplies all parameters that are stresses, of all laws or of those of a body or volume.
@@ -26,13 +26,15 @@ impl Scene {
         Ok(())
     }
 
-    /// Multiplies the density of all bodies.
+    /// Multiplies the density of all bodies, or of a body or volume.
     ///
     /// # Errors
     /// When the factor is not positive.
-    pub fn scale_density(&mut self, factor: f64) -> Result<()> {
+    pub fn scale_density(&mut self, on: Option<&str>, factor: f64) -> Result<()> {
         ensure!(factor > 0.0, "a density must be positive");
-        for law in &mut self.laws {
+        let all = self.laws.iter().map(|law| on.is_none_or(|on| self.is_law_of(law, on)));
+        let wanted: Vec<bool> = all.collect();
+        for (law, _) in self.laws.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
             law.material.density = law.material.density.map(|density| density * factor);
         }
         Ok(())
@@ -88,17 +90,31 @@ impl Scene {
             own.insert(name.clone(), *value);
         }
         scene.config.check()?;
-        if let Some(factor) = modulus {
-            scene.scale_stresses(None, *factor)?;
+        for (on, factor) in modulus.iter().flat_map(FactorConfig::each) {
+            self.laws_called("modulus", on)?;
+            scene.scale_stresses(on, factor).with_context(|| about("modulus", on))?;
         }
-        if let Some(factor) = density {
-            let known = self.laws.iter().any(|law| law.material.density.is_some());
-            ensure!(known, "density: no material of the scene has one");
-            scene.scale_density(*factor)?;
+        for (on, factor) in density.iter().flat_map(FactorConfig::each) {
+            let known = self.laws_called("density", on)?;
+            let known = known.iter().any(|law| law.material.density.is_some());
+            ensure!(
+                known,
+                "{}: no material of {} has one",
+                about("density", on),
+                on.unwrap_or("the scene")
+            );
+            scene.scale_density(on, factor)?;
         }
-        if let Some(factor) = membrane {
-            ensure!(!self.membranes.is_empty(), "membrane: the scene has no [[membrane]]");
-            scene.scale_membranes(None, *factor)?;
+        for (on, factor) in membrane.iter().flat_map(FactorConfig::each) {
+            let tags: Vec<&str> = self.membranes.iter().map(|m| m.config.on.as_str()).collect();
+            ensure!(!tags.is_empty(), "membrane: the scene has no [[membrane]]");
+            ensure!(
+                on.is_none_or(|on| tags.contains(&on)),
+                "{}: no [[membrane]] is on it; expected some of: {}",
+                about("membrane", on),
+                tags.join(", ")
+            );
+            scene.scale_membranes(on, factor)?;
         }
         if let Some(factor) = friction {
             let contact = scene.config.contact_mut().filter(|c| c.friction > 0.0);
@@ -114,4 +130,25 @@ impl Scene {
         }
         Ok(scene)
     }
+
+    /// The laws of a body or volume, or all.
+    ///
+    /// # Errors
+    /// With the names that there are when nothing is called so.
+    fn laws_called(&self, key: &str, on: Option<&str>) -> Result<Vec<&SceneLaw>> {
+        let wanted = |law: &&SceneLaw| on.is_none_or(|on| self.is_law_of(law, on));
+        let laws: Vec<&SceneLaw> = self.laws.iter().filter(wanted).collect();
+        ensure!(
+            !laws.is_empty(),
+            "{}: no volume or body with a [material] of its own is called so; expected some of: {}",
+            about(key, on),
+            self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>().join(", ")
+        );
+        Ok(laws)
+    }
+}
+
+/// What messages call a factor.
+fn about(key: &str, on: Option<&str>) -> String {
+    on.map_or_else(|| key.to_owned(), |on| format!("{key} of \"{on}\""))
 }

@@ -1,8 +1,10 @@
 //! `tagger transfer`: carry tags to a mesh with the same boundary.
 //!
-//! Between levels the interior is remeshed while the boundary stays as it
-//! is, bit for bit. Facets are therefore matched by the exact positions of
+//! Between levels the interior is remeshed while the boundary, facets inside with a tag and those
+//! between volumes stay as they are, bit for bit. Facets are therefore matched by the exact positions of
 //! their vertices; anything else is an error, never a nearest neighbour.
+
+mod inside;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,6 +13,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use log::info;
 use mesh::{Tags, TetMesh, Vec3, facet_key, io, topology};
 
+use self::inside::Inside;
 use crate::select::point;
 
 /// Copies the tags of one mesh to another whose boundary is exactly the same.
@@ -37,18 +40,12 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: no tagged facets; make them with: tagger tag",
         args.tagged.display()
     );
-    let boundary = topology::boundary(&old.mesh).facets;
-    let on_boundary = boundary.iter().filter(|&&f| old.tags.get(f).is_some()).count();
-    let inside = old.tags.facets.len() - on_boundary;
-    ensure!(
-        inside == 0 && old.tags.volumes.names.is_empty(),
-        "{}: {inside} tagged facets inside and {} volumes would be lost, as the interior differs; tag the new \
-         mesh from its selections instead: tagger tag",
-        args.tagged.display(),
-        old.tags.volumes.names.len()
-    );
-    let tags = transfer(&old.mesh, &old.tags, &new.mesh)
+    let mut tags = transfer(&old.mesh, &old.tags, &new.mesh)
         .with_context(|| differ(&args.tagged, &args.volume))?;
+    let inside = Inside::new(&old.mesh, &old.tags);
+    inside.transfer(&new.mesh, &mut tags).with_context(|| {
+        format!("{} and {} differ inside", args.tagged.display(), args.volume.display())
+    })?;
     info!("{} tagged facets carried over", tags.facets.len());
     super::write_tagged(&args.output, &new.mesh, &tags)
 }

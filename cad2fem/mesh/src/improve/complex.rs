@@ -1,8 +1,11 @@
 //! A tetrahedral mesh under change: local replacements that keep its region.
 
+use std::collections::BTreeMap;
+
+use super::inside::Inside;
 use super::shape::shape;
 use crate::topology::{TET_EDGES, TET_FACETS, boundary};
-use crate::{TetMesh, Vec3};
+use crate::{TetMesh, Vec3, facet_key};
 
 /// Takes the place of a tetrahedron that has been removed.
 const REMOVED: [usize; 4] = [usize::MAX; 4];
@@ -10,12 +13,19 @@ const REMOVED: [usize; 4] = [usize::MAX; 4];
 /// Tetrahedra with the list of those about each vertex.
 ///
 /// Any set of tetrahedra may be replaced by another with the same boundary if all
-/// the new ones are positive: both then cover the same points exactly once.
+/// the new ones are positive: both then cover the same points exactly once. Sets that a facet which
+/// stays would be lost in are not replaced.
 pub(super) struct Complex {
     pub points: Vec<Vec3>,
-    /// Boundary vertices.
+    /// Vertices of the boundary and of facets that stay.
     frozen: Vec<bool>,
+    /// Facets inside that stay, with their tags.
+    kept: BTreeMap<[usize; 3], Option<u32>>,
+    /// Vertices of those.
+    held: Vec<bool>,
     tets: Vec<[usize; 4]>,
+    /// The volume of each tetrahedron.
+    volumes: Vec<usize>,
     shapes: Vec<f64>,
     /// Tetrahedra about each vertex; none once a vertex has been removed.
     stars: Vec<Vec<usize>>,
@@ -29,8 +39,12 @@ pub(super) struct Complex {
 }
 
 impl Complex {
-    pub fn new(mesh: &TetMesh) -> Self {
-        let mut frozen = vec![false; mesh.vertices.len()];
+    pub fn new(mesh: &TetMesh, inside: &Inside) -> Self {
+        let mut held = vec![false; mesh.vertices.len()];
+        for &v in inside.facets.keys().flatten() {
+            held[v] = true;
+        }
+        let mut frozen = held.clone();
         for v in boundary(mesh).facets.into_iter().flatten() {
             frozen[v] = true;
         }
@@ -38,6 +52,9 @@ impl Complex {
             points: mesh.vertices.clone(),
             spare_vertices: frozen.iter().rev().take_while(|&&f| !f).count(),
             frozen,
+            kept: inside.facets.clone(),
+            held,
+            volumes: Vec::with_capacity(mesh.tets.len()),
             tets: Vec::with_capacity(mesh.tets.len()),
             shapes: Vec::with_capacity(mesh.tets.len()),
             stars: vec![Vec::new(); mesh.vertices.len()],
@@ -45,15 +62,16 @@ impl Complex {
             changes: 0,
             changed: vec![0; mesh.vertices.len()],
         };
-        for &tet in &mesh.tets {
-            complex.add(tet);
+        for (&tet, &volume) in mesh.tets.iter().zip(&inside.volumes) {
+            complex.add(tet, volume);
         }
         complex
     }
 
-    /// The mesh without what has been removed. Boundary vertices keep their
-    /// numbers, interior ones close the gaps in order.
-    pub fn into_mesh(mut self) -> TetMesh {
+    /// The mesh without what has been removed, and the volume of each tetrahedron, in ascending
+    /// order. Vertices of the boundary and of facets that stay keep their numbers, the others close
+    /// the gaps in order.
+    pub fn into_mesh(mut self) -> (TetMesh, Vec<usize>) {
         let interior: Vec<usize> = (0..self.points.len()).filter(|&v| !self.frozen[v]).collect();
         let used = interior.iter().copied().filter(|&v| !self.stars[v].is_empty());
         let mut number: Vec<usize> = (0..self.points.len()).collect();
@@ -61,31 +79,41 @@ impl Complex {
             number[from] = to;
             self.points[to] = self.points[from];
         }
-        self.tets.retain(|&tet| tet != REMOVED);
-        let tets: Vec<_> = self.tets.iter().map(|tet| tet.map(|v| number[v])).collect();
+        let (tets, volumes) = self.by_volumes(|v| number[v]);
         self.points.truncate(tets.iter().flatten().max().map_or(0, |&v| v + 1));
-        TetMesh { vertices: self.points, tets }
+        (TetMesh { vertices: self.points, tets }, volumes)
     }
 
-    /// The mesh without what has been removed, the boundary renumbered as well, and the new
-    /// number of each vertex that is left.
-    pub fn into_compact_mesh(mut self) -> (TetMesh, Vec<Option<usize>>) {
+    /// The tetrahedra that are left, with new numbers, in the order of their volumes.
+    fn by_volumes(&self, number: impl Fn(usize) -> usize) -> (Vec<[usize; 4]>, Vec<usize>) {
+        let left = (0..self.tets.len()).filter(|&t| self.tets[t] != REMOVED);
+        let mut left: Vec<usize> = left.collect();
+        left.sort_by_key(|&t| self.volumes[t]);
+        let tet = |&t: &usize| (self.tets[t].map(&number), self.volumes[t]);
+        left.iter().map(tet).unzip()
+    }
+
+    /// The mesh without what has been removed, the boundary renumbered as well; what stays inside
+    /// it; and the new number of each vertex that is left.
+    pub fn into_compact_mesh(self) -> (TetMesh, Inside, Vec<Option<usize>>) {
         let mut points = Vec::new();
         let mut number = vec![None; self.points.len()];
         for v in (0..self.points.len()).filter(|&v| !self.stars[v].is_empty()) {
             number[v] = Some(points.len());
             points.push(self.points[v]);
         }
-        self.tets.retain(|&tet| tet != REMOVED);
         let new = |v: usize| number[v].expect("a vertex of a tetrahedron");
-        let tets = self.tets.iter().map(|tet| tet.map(new)).collect();
-        (TetMesh { vertices: points, tets }, number)
+        let (tets, volumes) = self.by_volumes(new);
+        let facets = self.kept.iter().map(|(facet, tag)| (facet_key(facet.map(new)), *tag));
+        let inside = Inside { facets: facets.collect(), volumes };
+        (TetMesh { vertices: points, tets }, inside, number)
     }
 
     /// A new vertex on the boundary, without tetrahedra so far.
     pub fn add_boundary_vertex(&mut self, point: Vec3) -> usize {
         self.points.push(point);
         self.frozen.push(true);
+        self.held.push(false);
         self.stars.push(Vec::new());
         self.changed.push(self.changes);
         self.points.len() - 1
@@ -103,6 +131,28 @@ impl Complex {
 
     pub fn is_interior(&self, v: usize) -> bool {
         !self.frozen[v]
+    }
+
+    /// Whether a facet stays inside.
+    pub fn is_kept(&self, facet: [usize; 3]) -> bool {
+        !self.kept.is_empty() && self.kept.contains_key(&facet_key(facet))
+    }
+
+    /// Whether vertex `v` is one of a facet that stays inside.
+    pub fn is_held(&self, v: usize) -> bool {
+        self.held[v]
+    }
+
+    /// Whether a facet that stays lies between two of these tetrahedra.
+    fn are_divided(&self, tets: &[usize]) -> bool {
+        if self.kept.is_empty() {
+            return false;
+        }
+        let facets = |&t: &usize| TET_FACETS.map(|f| facet_key(f.map(|k| self.tets[t][k])));
+        let mut kept: Vec<[usize; 3]> =
+            tets.iter().flat_map(facets).filter(|facet| self.kept.contains_key(facet)).collect();
+        kept.sort_unstable();
+        kept.windows(2).any(|pair| pair[0] == pair[1])
     }
 
     /// Whether vertex `v` may be removed without renumbering the boundary.
@@ -148,8 +198,11 @@ impl Complex {
         self.stars[a].iter().copied().filter(|&t| self.tets[t].contains(&b)).collect()
     }
 
-    /// The tetrahedron other than `t` on a facet of it.
+    /// The tetrahedron other than `t` on a facet of it that need not stay.
     pub fn across(&self, t: usize, [a, b, c]: [usize; 3]) -> Option<usize> {
+        if self.is_kept([a, b, c]) {
+            return None;
+        }
         let shares =
             |&&s: &&usize| s != t && self.tets[s].contains(&b) && self.tets[s].contains(&c);
         self.stars[a].iter().find(shares).copied()
@@ -172,11 +225,12 @@ impl Complex {
     }
 
     /// Replaces the tetrahedra `old` by `new`, which must have the same boundary, if
-    /// that makes the worst one better by the factor `gain` and leaves none inverted.
+    /// that makes the worst one better by the factor `gain`, leaves none inverted and every facet
+    /// that stays.
     pub fn replace_if_better(&mut self, old: &[usize], new: &[[usize; 4]], gain: f64) -> bool {
         let limit = gain * self.worst(old).max(0.0);
         let better = new.iter().all(|&tet| self.shape_of(tet) > limit);
-        let accepted = better && !self.repeats(old, new);
+        let accepted = better && !self.are_divided(old) && !self.repeats(old, new);
         if accepted {
             self.replace(old, new);
         }
@@ -204,6 +258,7 @@ impl Complex {
         let v = self.points.len();
         self.points.push(point);
         self.frozen.push(false);
+        self.held.push(false);
         self.stars.push(Vec::new());
         self.changed.push(self.changes);
         let new: Vec<_> = facets.iter().map(|&[a, b, c]| [a, b, c, v]).collect();
@@ -231,6 +286,8 @@ impl Complex {
 
     fn replace(&mut self, old: &[usize], new: &[[usize; 4]]) {
         self.changes += 1;
+        // they have a facet in common with another of them, and nothing divides them
+        let volume = self.volumes[old[0]];
         for &t in old {
             for v in self.tets[t] {
                 self.stars[v].retain(|&s| s != t);
@@ -239,7 +296,7 @@ impl Complex {
             self.removed_tets.push(t);
         }
         for &tet in new {
-            self.add(tet);
+            self.add(tet, volume);
         }
     }
 
@@ -255,13 +312,15 @@ impl Complex {
         }
     }
 
-    fn add(&mut self, tet: [usize; 4]) {
+    fn add(&mut self, tet: [usize; 4], volume: usize) {
         let t = self.removed_tets.pop().unwrap_or(self.tets.len());
         if t == self.tets.len() {
             self.tets.push(tet);
             self.shapes.push(0.0);
+            self.volumes.push(volume);
         }
         self.tets[t] = tet;
+        self.volumes[t] = volume;
         self.shapes[t] = self.shape_of(tet);
         for v in tet {
             self.stars[v].push(t);

@@ -9,9 +9,9 @@
 
 mod complex;
 mod flip;
+mod inside;
 mod resample;
 mod shape;
-mod slit;
 mod smooth;
 mod surface;
 #[cfg(test)]
@@ -20,8 +20,9 @@ mod tests;
 use crate::TetMesh;
 use crate::measure::{Quality, quality};
 use complex::Complex;
+use inside::Inside;
+pub use inside::{improve_around, improve_tagged};
 use serde::Serialize;
-pub use slit::improve_around;
 pub use surface::{SurfaceReport, improve_with_surface, usual_tolerance};
 
 /// Tetrahedra below this shape have their edges and facets exchanged; the shape of
@@ -66,8 +67,13 @@ pub struct ImproveReport {
 ///
 /// The result depends on nothing but the arguments.
 pub fn improve_interior(mesh: &mut TetMesh, passes: usize) -> ImproveReport {
+    improve(mesh, &mut Inside::nothing(mesh), passes)
+}
+
+/// [`improve_interior`] around what stays inside. Tetrahedra are put in the order of their volumes.
+fn improve(mesh: &mut TetMesh, inside: &mut Inside, passes: usize) -> ImproveReport {
     let before = quality(mesh);
-    let mut complex = Complex::new(mesh);
+    let mut complex = Complex::new(mesh, inside);
     let (mut moved, mut flips, mut removed, mut added) = (0, 0, 0, 0);
     for _ in 0..UNTANGLE_SWEEPS {
         moved += smooth::untangle(&mut complex);
@@ -86,6 +92,6 @@ pub fn improve_interior(mesh: &mut TetMesh, passes: usize) -> ImproveReport {
         }
         since = start + 1;
     }
-    *mesh = complex.into_mesh();
+    (*mesh, inside.volumes) = complex.into_mesh();
     ImproveReport { before, after: quality(mesh), moved, flips, removed, added }
 }

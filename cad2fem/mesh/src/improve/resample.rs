@@ -101,6 +101,9 @@ fn grown(complex: &Complex, cavity: &Cavity, place: &Vec3) -> Option<Cavity> {
         for (new, owner) in inward_facets(tet, t) {
             let is_same = |(f, _): &([usize; 3], usize)| facet_key(*f) == facet_key(new);
             if let Some(shared) = larger.facets.iter().position(is_same) {
+                if complex.is_kept(new) {
+                    return None;
+                }
                 larger.facets.swap_remove(shared);
             } else if shape(new) > worst.max(0.0) {
                 larger.facets.push((new, owner));

@@ -16,7 +16,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use self::skin::{Facet, Old, Skin};
-use super::{ImproveReport, improve_interior};
+use super::inside::{Inside, improve_tagged};
+use super::{ImproveReport, improve};
 use crate::crossings::some_self_intersecting_pairs;
 use crate::measure::{hausdorff, mean_edge, quality};
 use crate::topology::{boundary, is_manifold, pinched_vertices, submesh};
@@ -64,7 +65,9 @@ pub fn usual_tolerance(vertices: &[Vec3], moving: &[[usize; 3]]) -> f64 {
 
 /// Improves a mesh, with at most `passes` sweeps over its interior after each change of its
 /// boundary. The boundary facets `moving` may change within `tolerance` [m] of where they are.
-/// Vertices get new numbers; tags follow them.
+/// Vertices get new numbers; tags follow them. Facets inside with a tag, and those where volumes
+/// meet, stay where they are with all their vertices, those at the boundary among them; so do the
+/// volumes but for what the boundary changes.
 ///
 /// Where the new boundary would not be valid, or would be farther away, it stays as it is and the
 /// interior alone is improved.
@@ -78,16 +81,17 @@ pub fn improve_with_surface(
     let before = quality(mesh);
     let old = Old::new(submesh(&mesh.vertices, moving).0, tolerance);
     let (mut new, mut facets) = (mesh.clone(), label(mesh, tags, moving));
+    let mut inside = Inside::tagged(mesh, tags);
     let mut report = SurfaceReport::default();
-    let mut interior = improve_interior(&mut new, passes);
+    let mut interior = improve(&mut new, &mut inside, passes);
     for _ in 0..ROUNDS {
-        let mut skin = Skin::new(&new, facets, &old);
+        let mut skin = Skin::new((&new, &inside), facets, &old);
         let changed = sweep(&mut skin, &mut report);
-        (new, facets) = skin.into_mesh();
+        (new, inside, facets) = skin.into_mesh();
         if !changed {
             break;
         }
-        let more = improve_interior(&mut new, passes);
+        let more = improve(&mut new, &mut inside, passes);
         interior.moved += more.moved;
         interior.flips += more.flips;
         interior.removed += more.removed;
@@ -96,12 +100,16 @@ pub fn improve_with_surface(
     if report.changed() {
         report.distance = distance(&old.surface, &new, &facets);
         if report.distance > tolerance || !is_valid(&new, &facets) {
-            return (improve_interior(mesh, passes), SurfaceReport::default());
+            return (improve_tagged(mesh, tags, passes), SurfaceReport::default());
         }
     }
     *mesh = new;
     let tagged = |(key, facet): (&[usize; 3], &Facet)| Some((*key, facet.tag?));
-    tags.facets = facets.iter().filter_map(tagged).collect();
+    let tags_inside = inside.facets.iter().filter_map(|(key, tag)| Some((*key, (*tag)?)));
+    tags.facets = facets.iter().filter_map(tagged).chain(tags_inside).collect();
+    if !tags.volumes.names.is_empty() {
+        tags.volumes.of = inside.volumes;
+    }
     interior.before = before;
     interior.after = quality(mesh);
     (interior, report)

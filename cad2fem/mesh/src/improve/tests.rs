@@ -208,9 +208,9 @@ fn edges_are_removed_whatever_the_size_of_their_ring() {
             (0..mesh.tets.len()).map(|t| shape(mesh.corners(t))).fold(f64::INFINITY, f64::min)
         };
         let (old_worst, old_volume) = (worst(&mesh), volume(&mesh));
-        let mut complex = Complex::new(&mesh);
+        let mut complex = Complex::new(&mesh, &Inside::nothing(&mesh));
         assert!(flip::flip(&mut complex, 1.0, 0) > 0, "{n}");
-        mesh = complex.into_mesh();
+        (mesh, _) = complex.into_mesh();
         assert!(worst(&mesh) > old_worst);
         // No tetrahedron has both ends of the edge any more.
         assert!(!mesh.tets.iter().any(|tet| tet.contains(&0) && tet.contains(&1)));

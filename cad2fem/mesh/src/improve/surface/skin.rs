@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::complex::Complex;
 use super::super::flip::without_boundary_edge;
+use super::super::inside::Inside;
 use super::super::resample::contracted;
 use super::super::shape::shape;
 use super::super::smooth::relocate;
@@ -71,25 +72,29 @@ pub struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    pub fn new(mesh: &TetMesh, facets: BTreeMap<[usize; 3], Facet>, old: &'a Old) -> Self {
+    pub fn new(
+        (mesh, inside): (&TetMesh, &Inside),
+        facets: BTreeMap<[usize; 3], Facet>,
+        old: &'a Old,
+    ) -> Self {
         let mut about = vec![BTreeSet::new(); mesh.vertices.len()];
         for key in facets.keys() {
             key.iter().for_each(|&v| {
                 about[v].insert(*key);
             });
         }
-        Self { complex: Complex::new(mesh), facets, about, old }
+        Self { complex: Complex::new(mesh, inside), facets, about, old }
     }
 
-    /// The mesh and its facets, by the new numbers of the vertices.
-    pub fn into_mesh(self) -> (TetMesh, BTreeMap<[usize; 3], Facet>) {
-        let (mesh, number) = self.complex.into_compact_mesh();
+    /// The mesh, what stays inside it, and its facets, by the new numbers of the vertices.
+    pub fn into_mesh(self) -> (TetMesh, Inside, BTreeMap<[usize; 3], Facet>) {
+        let (mesh, inside, number) = self.complex.into_compact_mesh();
         let new = |v: usize| number[v].expect("a vertex of a tetrahedron");
         let renumbered = |facet: Facet| {
             let corners = facet.corners.map(new);
             (facet_key(corners), Facet { corners, ..facet })
         };
-        (mesh, self.facets.into_values().map(renumbered).collect())
+        (mesh, inside, self.facets.into_values().map(renumbered).collect())
     }
 
     /// Edges of a tetrahedron on the boundary, inside a tag that moves.
@@ -116,8 +121,11 @@ impl<'a> Skin<'a> {
         Some(if forward { [first, second] } else { [second, first] })
     }
 
-    /// Whether a vertex is on the boundary, inside a tag that moves.
+    /// Whether a vertex is on the boundary, inside a tag that moves, and on no facet that stays.
     fn is_free(&self, v: usize) -> bool {
+        if self.complex.is_held(v) {
+            return false;
+        }
         let mut facets = self.about[v].iter().map(|key| &self.facets[key]);
         let Some(first) = facets.next() else { return false };
         first.moves && facets.all(|facet| facet.moves && facet.tag == first.tag)
@@ -129,8 +137,9 @@ impl<'a> Skin<'a> {
 
     /// Whether facets that are not on the boundary may become its part.
     fn can_become(&self, facets: &[[usize; 3]]) -> bool {
-        facets.iter().all(|&facet| !self.facets.contains_key(&facet_key(facet)))
-            && self.carries(facets)
+        let is_new =
+            |&facet| !self.facets.contains_key(&facet_key(facet)) && !self.complex.is_kept(facet);
+        facets.iter().all(is_new) && self.carries(facets)
     }
 
     /// Exchanges facets of one tag for others.

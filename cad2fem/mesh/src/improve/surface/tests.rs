@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use nalgebra::matrix;
 
 use super::*;
-use crate::Vec3;
+use crate::improve::improve_interior;
 use crate::improve::tests::{deform, hollow_box};
 use crate::measure::{mean_edge, triangle_area, volume};
+use crate::topology::TET_FACETS;
+use crate::{Vec3, Volumes};
 
 /// Tags the cavity of a hollow box, whose vertices are the first `count`: 1 where z > 0, 2
 /// elsewhere. Its facets.
@@ -61,7 +63,7 @@ fn untouched(mesh: &TetMesh, tags: &Tags) -> BTreeSet<[[u64; 3]; 3]> {
 /// shallow valley along the edge between two facets of the box's top.
 #[test]
 fn a_flat_tetrahedron_on_the_surface_is_taken_off() {
-    let (mut mesh, _) = hollow_box(4, 2);
+    let (mut mesh, count) = hollow_box(4, 2);
     let on_top = |f: &[usize; 3]| f.iter().all(|&v| (mesh.vertices[v].z - 0.03).abs() < 1e-9);
     let top: Vec<[usize; 3]> = boundary(&mesh).facets.into_iter().filter(on_top).collect();
     let inner = |v: usize| mesh.vertices[v].xy().amax() < 0.02;
@@ -79,13 +81,22 @@ fn a_flat_tetrahedron_on_the_surface_is_taken_off() {
     }
     mesh.tets.push(scale);
     assert!(shape_of(&mesh, scale) < POOR);
-    let mut tags = Tags::new(vec!["top".into()]);
+    let mut tags = Tags::new(vec!["top".into(), "sheet".into()]);
+    // two volumes with a sheet between them, half-way to the ball
+    let of = mesh.tets.iter().map(|tet| usize::from(tet.iter().all(|&v| v >= count))).collect();
+    tags.volumes = Volumes { names: vec!["inner".into(), "outer".into()], of };
+    for facet in mesh.tets.iter().flat_map(|tet| TET_FACETS.map(|f| f.map(|c| tet[c]))) {
+        if facet.iter().all(|&v| v >= 2 * count) {
+            tags.set(facet, 2);
+        }
+    }
+    let sheet = sheet_of(&mesh, &tags);
     let replaced = |f: &&[usize; 3]| !both.contains(f);
     for facet in top.iter().filter(replaced).chain(&[[a, c, d], [b, c, d]]) {
         tags.set(*facet, 1);
     }
     let moving: Vec<[usize; 3]> =
-        boundary(&mesh).facets.into_iter().filter(|&f| tags.get(f).is_some()).collect();
+        boundary(&mesh).facets.into_iter().filter(|&f| tags.get(f) == Some(1)).collect();
     assert_eq!(moving.len(), top.len());
     let alone = improve_interior(&mut mesh.clone(), 0);
     let (interior, report) = improve_with_surface(&mut mesh, &mut tags, &moving, 3e-4, 0);
@@ -93,6 +104,21 @@ fn a_flat_tetrahedron_on_the_surface_is_taken_off() {
     assert!(report.distance > 1e-4 && report.distance < 2e-4, "{report:?}");
     assert!(!mesh.tets.iter().any(|tet| scale.iter().all(|v| tet.contains(v))));
     assert!(interior.after.radius_ratio_min > 2.0 * alone.after.radius_ratio_min, "{interior:?}");
+    assert_eq!(sheet_of(&mesh, &tags), sheet);
+    let inner = |tet: &[usize; 4]| tet.iter().any(|&v| mesh.vertices[v].norm() < 0.0151);
+    let of: Vec<usize> = mesh.tets.iter().map(|tet| usize::from(!inner(tet))).collect();
+    assert_eq!(tags.volumes.of, of);
+}
+
+/// The facets inside with the second tag, by the places of their corners.
+fn sheet_of(mesh: &TetMesh, tags: &Tags) -> BTreeSet<[[u64; 3]; 3]> {
+    let places = |facet: [usize; 3]| {
+        let mut places = facet.map(|v| place(&mesh.vertices[v]));
+        places.sort_unstable();
+        places
+    };
+    let all = mesh.tets.iter().flat_map(|tet| TET_FACETS.map(|f| f.map(|c| tet[c])));
+    all.filter(|&facet| tags.get(facet) == Some(2)).map(places).collect()
 }
 
 fn shape_of(mesh: &TetMesh, tet: [usize; 4]) -> f64 {
