@@ -320,6 +320,26 @@ fn inflated_walls() {
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
 }
 
+/// What a scale should show.
+#[test]
+fn weight() {
+    assert_status(&after(|_| ()), "cast: mass", Status::Ok);
+    let change = |f: fn(&mut fab::body::weight::Weight)| {
+        let lines = after(|mold| {
+            change_report(mold, |report| f(report.cast.weight.as_mut().unwrap()));
+            write_copies(mold);
+        });
+        assert_fails(&lines, "cast: mass");
+    };
+    change(|weight| weight.mass *= 1.01);
+    change(|weight| weight.per_tenth *= 1.1);
+    let lines = after(|mold| {
+        change_report(mold, |report| report.casting.silicone = None);
+        write_copies(mold);
+    });
+    assert_fails(&lines, "cast: mass");
+}
+
 /// A core that is wider than its inlet, by less and by more than the silicone stretches.
 #[test]
 fn cores_leave() {

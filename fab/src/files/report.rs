@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::{CastPart, Input};
+use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
 use crate::geometry::frame::{Frame, Turn};
@@ -144,6 +145,12 @@ pub struct Cast {
     pub genus: i32,
     /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
     pub silicone_ml: f64,
+    /// Area of the walls of its chambers [mm²].
+    #[serde(default)]
+    pub chamber_area: f64,
+    /// What it weighs, if the density of its silicone is known.
+    #[serde(default)]
+    pub weight: Option<Weight>,
 }
 
 /// The outline of a channel or gap: a frustum.
@@ -187,6 +194,13 @@ impl MoldReport {
             .filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent))
             .map(|f| f.frustum.solid().intersection(&outside).volume() * MM.powi(3))
             .sum();
+        let chamber_area = mold.chamber_area * MM.powi(2);
+        // Cured, it has shrunk to the size of the design.
+        let cured = 1.0 / mold.frame.scale;
+        let density = config.density().filter(|_| input.part != CastPart::Core);
+        let weight = density.map(|density| {
+            Weight::new(volume * cured.powi(3), chamber_area * cured.powi(2), density)
+        });
         let head = mold.funnel.as_ref().map_or(0.0, |(_, volume)| volume * MM.powi(3));
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
@@ -208,6 +222,8 @@ impl MoldReport {
                 volume,
                 genus: handles(&mold.cast),
                 silicone_ml: (volume + channels + head) / 1e3,
+                chamber_area,
+                weight,
             },
             casting: config.casting.clone(),
             collars: Vec::new(),

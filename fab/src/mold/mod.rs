@@ -78,6 +78,8 @@ pub struct Mold {
     pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
+    /// Area of the walls of its chambers [m²].
+    pub chamber_area: f64,
     /// All channels and gaps.
     pub features: Vec<Feature>,
     /// What a person should know.
@@ -184,6 +186,7 @@ impl Mold {
             features: [division.features, cores.features, channels.features].concat(),
             findings: [division.findings, channels.findings, cores.findings].concat(),
             cast: cores.cast,
+            chamber_area: body.chamber_area(),
             funnel: channels.funnel,
             frame,
             method,

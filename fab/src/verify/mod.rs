@@ -18,6 +18,7 @@
 //!   which pins were placed. That there are enough features is not checked.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
+//! - `weight`: the density and its formula; volume and area are those of the written surfaces.
 //! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
 //! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
@@ -35,6 +36,7 @@ mod printing;
 mod release;
 mod surfaces;
 mod walls;
+mod weight;
 
 use std::path::Path;
 
@@ -236,6 +238,7 @@ fn shapes(
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
     lines.extend(walls::checks(mold));
+    lines.extend(weight::check(mold));
     progress.step("pulling apart");
     lines.extend(demolding::checks(mold));
     lines.extend(release::checks(mold, plan));

@@ -6,6 +6,7 @@ use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
+use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::files::report::{MoldReport, Outline, Role};
 use crate::files::slicer;
@@ -102,6 +103,7 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     if !report.open {
         steps.push("Cut off what stood in the sprue and the vents.".into());
     }
+    steps.extend(sheet.weight.map(|weight| weigh(&weight)));
     if is_half(report) {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
@@ -110,6 +112,17 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.extend(finish(sheet.leak_test_kpa, report));
     }
     steps
+}
+
+/// What a scale says of the walls.
+fn weigh(weight: &Weight) -> String {
+    let less = match weight.per_tenth > 0.0 {
+        true => {
+            " Much less means walls that are thinner than designed, or air; much more, walls that are thicker."
+        }
+        false => " Much less means air inside.",
+    };
+    format!("Weigh the finished cast: it should be {}.{less}", weight.in_words())
 }
 
 /// What is left to do once the body is whole: tubes and the leak test.
