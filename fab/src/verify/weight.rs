@@ -28,7 +28,8 @@ pub fn check(mold: &ClosedMold) -> Option<Line> {
         return Some(Line::new(name, false, format!("{:.2} g of {key:?}", said.mass), needed));
     };
     let cured = MM / mold.report.scale();
-    let volume = mold.cast.volume;
+    let plugs: f64 = mold.report.holds.iter().map(|hold| hold.plugs).sum();
+    let volume = mold.cast.volume + plugs;
     // Of an open chamber the core is one with its plate, whose area says nothing.
     let walls = match mold.cores.is_empty() {
         true => mold.report.cast.chamber_area,

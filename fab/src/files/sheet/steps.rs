@@ -96,7 +96,7 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     }
     steps.push(close(report, &shells, &cores));
     steps.extend(pour(sheet, report));
-    steps.push(open(report, &shells, &cores));
+    steps.extend(open(sheet, report, &shells, &cores));
     if is_wax(report) {
         return steps;
     }
@@ -320,7 +320,8 @@ fn mixing(sheet: &Sheet) -> String {
     }
 }
 
-fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
+/// The mold is taken apart, the holes of pins are closed, and the cores leave.
+fn open(sheet: &Sheet, report: &MoldReport, shells: &[&str], cores: &[&str]) -> Vec<String> {
     let taken: Vec<&str> = shells.iter().rev().copied().collect();
     let off = match taken[..] {
         [one] => format!("Peel the casting out of {one}."),
@@ -331,22 +332,51 @@ fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         _ => ("them", "their inlets"),
     };
     let out = match report.method {
-        _ if cores.is_empty() || is_wax(report) => String::new(),
-        Method::Soluble => format!(
-            " Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
+        _ if cores.is_empty() || is_wax(report) => None,
+        Method::Soluble => Some(format!(
+            "Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
              is left.",
             and(cores)
-        ),
-        Method::Wax => format!(
-            " Let {} melt out through {inlets}, and rinse with hot water; stay below what \
+        )),
+        Method::Wax => Some(format!(
+            "Let {} melt out through {inlets}, and rinse with hot water; stay below what \
              softens the printed parts.",
             and(cores)
-        ),
-        _ => format!(
-            " Let soapy water or air in between {} and the silicone, and pull {them} out through \
+        )),
+        _ => Some(format!(
+            "Let soapy water or air in between {} and the silicone, and pull {them} out through \
              {inlets}.",
             and(cores)
-        ),
+        )),
     };
-    off + &out
+    match close_holes(sheet, report) {
+        Some(close) => [off, close].into_iter().chain(out).collect(),
+        None => vec![[Some(off), out].into_iter().flatten().collect::<Vec<_>>().join(" ")],
+    }
+}
+
+/// The holes that pins leave, which the cores close below as long as they are there.
+fn close_holes(sheet: &Sheet, report: &MoldReport) -> Option<String> {
+    let lengths: Vec<f64> = report.holds.iter().flat_map(|hold| hold.lengths.clone()).collect();
+    if lengths.is_empty() {
+        return None;
+    }
+    let pin = with(report, Purpose::Pin).next()?;
+    let play = report.holds.first()?.clearance;
+    let plugs = report.holds.iter().map(|hold| hold.plugs).sum::<f64>() / 1e3;
+    let grams = sheet.silicone.as_ref().and_then(|s| s.mass_g).map(|mass| mass / sheet.mix_ml);
+    let mass = grams.map_or(String::new(), |density| format!(" ({:.2} g)", density * plugs));
+    let deep: Vec<String> = lengths.iter().map(|length| format!("{length:.1} mm")).collect();
+    let deep: Vec<&str> = deep.iter().map(String::as_str).collect();
+    let (holes, each) = match lengths.len() {
+        1 => ("the hole".into(), "it"),
+        n => (format!("the {n} holes"), "each"),
+    };
+    Some(format!(
+        "Close {holes} of {:.1} mm diameter that pins left, {} deep, while the core is still inside and closes \
+         {each} below: clean {each} with alcohol, turn it up, fill it from a syringe with a drop of fresh silicone, the same, \
+         from the bottom up, {plugs:.2} mL{mass} in all, and let it cure.",
+        2.0 * (pin.base_radius - play),
+        and(&deep),
+    ))
 }
