@@ -97,7 +97,7 @@ fn surfaces() {
     });
     assert_status(&lines, "lower: genus", Status::Warn);
     assert_fails(&lines, "leaks: empty elsewhere");
-    let lines = after(|mold| change_report(mold, |report| report.cast.genus = 1));
+    let lines = after(|mold| change_report(mold, |report| report.cast.genus += 1));
     assert_fails(&lines, "cast: genus");
     let lines = after(|mold| change_report(mold, |report| report.parts[2].volume *= 1.0 + 1e-9));
     assert_fails(&lines, "core: volume");
@@ -318,6 +318,86 @@ fn inflated_walls() {
     assert_fails(&lines_of(&sound().simulation(0.05, true, 2.0)), "inflated: thinnest wall");
     assert_fails(&lines_of(&sound().simulation(0.5, false, 2.0)), "inflated: result");
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
+}
+
+/// What holds the core beside its stub: a pin that is cut off, one that does not reach down, and a core with a
+/// pit that is too wide.
+#[test]
+fn pins() {
+    assert_status(&after(|_| ()), "core: stays", Status::Ok);
+    let cut = |from: f64, to: f64| {
+        after(move |mold| {
+            let pin = feature(mold, "pin");
+            let (base, out) = (Vec3::from(pin.base), Vec3::from(pin.axis).normalize());
+            // The file of the upper shell is turned upside down about x.
+            let (shell, turn) = match out.z > 0.0 {
+                true => ("upper", Vec3::new(1.0, -1.0, -1.0)),
+                false => ("lower", Vec3::repeat(1.0)),
+            };
+            let [low, high] = [from, to].map(|h| (base + out * h).component_mul(&turn));
+            let gap = Solid::cylinder(&low, &(high - low), 1.5, 1.5, 48);
+            change_solid(mold, shell, |shell| {
+                let rest = shell.difference(&gap).decompose();
+                rest.into_iter().max_by(|a, b| a.volume().total_cmp(&b.volume())).unwrap()
+            });
+        })
+    };
+    // Through the silicone: nothing is left in the pit.
+    let lines = cut(1.1, 2.0);
+    for name in ["pin 1: touches the core", "pin 1: stands in its pit", "core: stays"] {
+        assert_fails(&lines, name);
+    }
+    let lines = cut(-0.1, 0.2);
+    assert_fails(&lines, "pin 1: touches the core");
+    assert_fails(&lines, "core: stays");
+    let lines = after(|mold| {
+        let pin = feature(mold, "pin");
+        let (base, axis) = (Vec3::from(pin.base), Vec3::from(pin.axis));
+        let pit = Solid::cylinder(&base, &axis, 1.8, 1.8, 48);
+        change_solid(mold, "core", |core| core.difference(&pit));
+    });
+    assert_fails(&lines, "pin 1: stands in its pit");
+    let lines = after(|mold| {
+        change_report(mold, |report| {
+            report.features.retain(|f| f.purpose.name() != "pin");
+            report.holds[0].lengths.clear();
+        });
+        write_copies(mold);
+    });
+    assert_fails(&lines, "core: stays");
+    let lines = after(|mold| {
+        change_report(mold, |report| report.features.retain(|f| f.purpose.name() != "pin"));
+        write_copies(mold);
+    });
+    assert_fails(&lines, "pins");
+    let lines = after(|mold| {
+        change_report(mold, |report| {
+            let pin = report.features.iter().find(|f| f.purpose.name() == "pin").unwrap().base;
+            let sprue = report.features.iter_mut().find(|f| f.purpose.name() == "sprue").unwrap();
+            sprue.base = pin;
+        });
+    });
+    assert_fails(&lines, "pin 1: beside channels");
+}
+
+/// What a scale should show.
+#[test]
+fn weight() {
+    assert_status(&after(|_| ()), "cast: mass", Status::Ok);
+    let change = |f: fn(&mut fab::body::weight::Weight)| {
+        let lines = after(|mold| {
+            change_report(mold, |report| f(report.cast.weight.as_mut().unwrap()));
+            write_copies(mold);
+        });
+        assert_fails(&lines, "cast: mass");
+    };
+    change(|weight| weight.mass *= 1.01);
+    change(|weight| weight.per_tenth *= 1.1);
+    let lines = after(|mold| {
+        change_report(mold, |report| report.casting.silicone = None);
+        write_copies(mold);
+    });
+    assert_fails(&lines, "cast: mass");
 }
 
 /// A core that is wider than its inlet, by less and by more than the silicone stretches.

@@ -149,40 +149,64 @@ fn a_neck_behind_the_inlet_is_judged_as_the_inlet_is() {
     for part in [neck, "behind its inlet: the neck must stretch by 3.00"] {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
-    let scene = Scene::planned(&NECKED, "method = \"pull-out\"\n[limits]\ngirth = 3.01");
+    let scene = Scene::planned(
+        &NECKED,
+        "method = \"pull-out\"\n[limits]\ngirth = 3.01\n[core]\nsupport = \"stub\"",
+    );
     let (plan, said) = proved(&scene);
     assert!((plan.measures[0].value - 3.0).abs() < 1e-6, "{:?}", plan.measures);
     assert!(said.contains("3.00 × a neck's girth of 16.0 mm"), "{said}");
 }
 
+/// The chamber with a core that dissolves, with what `[core]` says.
+fn pinned(core: &str, sprue: &str) -> Scene {
+    let parting = "[parting]\nkind = \"height-field\"\npull = [0, 0, 1]";
+    Scene::planned(
+        &CHAMBER,
+        &format!("method = \"soluble\"\n[core]\n{core}\n[sprue]\n{sprue}\n{parting}"),
+    )
+}
+
 #[test]
-fn a_pin_keeps_clear_of_the_sprue_and_ends_in_the_mold() {
-    let pinned = "method = \"soluble\"\n[core]\nsupport = \"pin\"\n[parting]\nkind = \"height-field\"\npull = [0, 0, 1]\n";
-    let place = |scene: &Scene| {
-        let features = report(scene, ".").features;
-        let at = |purpose| Vec3::from(features.iter().find(|f| f.purpose == purpose).unwrap().base);
-        (at(Purpose::Pin), at(Purpose::Sprue))
+fn a_core_that_leans_is_held_by_pins_unless_they_are_forbidden() {
+    let sprue = "at = [0.002, 0.002, 0.024]";
+    let scene = pinned("", sprue);
+    proved(&scene);
+    let held = report(&scene, ".");
+    let hold = &held.holds[0];
+    assert!(hold.alone > 0.5 && hold.held <= 0.5, "{hold:?}");
+    let pins = |report: &MoldReport| {
+        report.features.iter().filter(|f| f.purpose == Purpose::Pin).cloned().collect::<Vec<_>>()
     };
-    let scene = Scene::planned(&CHAMBER, &format!("{pinned}[sprue]\nat = [0.002, 0.002, 0.024]"));
+    assert_eq!(pins(&held).len(), hold.lengths.len());
+    let sheet = std::fs::read_to_string(scene.path("mold/cast.md")).unwrap();
+    assert!(sheet.contains("of 2.0 mm diameter"), "{sheet}");
+
+    let scene = pinned("support = \"stub\"", sprue);
     molded(&scene);
-    let (pin, _) = place(&scene);
-    // Where the pin was, to within a cell: it goes elsewhere, or there is no place for it.
-    let design = [pin.x / 1e3 + 0.01, pin.y / 1e3 + 0.014];
-    let thin = "radius = 1e-3\ntop_radius = 1e-3";
-    let taken = format!("{pinned}[sprue]\nat = [{}, {}, 0.024]\n{thin}", design[0], design[1]);
-    let scene = Scene::planned(&CHAMBER, &taken);
-    let output = scene.mold();
-    let said = stderr(&output);
-    if output.status.success() {
-        let (pin, sprue) = place(&scene);
-        assert!((pin - sprue).xy().norm() >= 1.0 + 1.2 + 1.0 - 1e-6, "{pin} {sprue}");
-    } else {
-        assert!(said.contains("core.support = \"pin\""), "{said}");
+    let stub = report(&scene, ".");
+    assert!(pins(&stub).is_empty() && stub.holds[0].held == stub.holds[0].alone);
+    assert!(stub.findings.iter().any(|note| note.rule == "core support"), "{:?}", stub.findings);
+
+    // The core's top is 12 x 12 mm, and 4 mm below the skin.
+    let scene = pinned("pins = [[0.007, 0.017, 0.024]]", sprue);
+    proved(&scene);
+    let [pin] = &pins(&report(&scene, "."))[..] else { panic!("one pin") };
+    // The mold's origin lies below the middle of the body.
+    let off = Vec3::from(pin.base).xy() - Vec3::new(-3.0, 3.0, 0.0).xy();
+    assert!(off.norm() <= 1.0, "{pin:?}");
+    assert!((Vec3::from(pin.axis).norm() - 1.0 - 4.0 - 1.5).abs() < 1e-6, "{pin:?}");
+}
+
+#[test]
+fn pins_that_have_no_place_are_refused() {
+    let wide = "at = [0.007, 0.017, 0.024]\nradius = 3e-3\ntop_radius = 7e-3";
+    let said = refused(&pinned("pins = [[0.007, 0.017, 0.024]]", wide));
+    for part in ["core.pins: no pin of 1.00 mm radius", "too near to sprue"] {
+        assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
-    let wide =
-        format!("{pinned}[sprue]\nat = [0.010, 0.014, 0.024]\nradius = 9e-3\ntop_radius = 9e-3");
-    let said = refused(&Scene::planned(&CHAMBER, &wide));
-    assert!(said.contains("finds room"), "{said}");
+    let said = refused(&pinned("support = \"pin\"\npin = 5.5e-3", ""));
+    assert!(said.contains("finds room at the core"), "{said}");
 }
 
 #[test]
@@ -300,7 +324,7 @@ fn shells_do_not_fit_when_one_is_turned() {
 #[test]
 fn the_hull_saves_plastic_and_shrinkage_enlarges_the_mold() {
     let volumes = |config: &str| {
-        let scene = Scene::new(&CHAMBER, config);
+        let scene = Scene::new(&CHAMBER, &format!("{config}\n[core]\nsupport = \"stub\""));
         assert!(scene.mold().status.success());
         let report = report(&scene, ".");
         let plastic: f64 = report.parts.iter().map(|part| part.volume).sum();

@@ -91,6 +91,9 @@ impl Task {
         let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
         let plan = self.named(Plan::new(&boundary, &config))?;
         log::info!("{}", plan.reason);
+        if let Some(weight) = &plan.weight {
+            log::info!("the finished cast weighs {}", weight.in_words());
+        }
         let molds = entries(&plan, boundary.cores.len());
         let input = self.input(&self.output, &config, CastPart::Whole)?;
         let report = PlanReport::new(&plan, input, molds);

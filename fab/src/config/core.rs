@@ -20,9 +20,9 @@ const FILLED: f64 = 0.51;
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Support {
-    /// By a pin if its neck bends more than `limits.sag`.
+    /// By pins if it moves more than `limits.sag`.
     Auto,
-    /// By a pin.
+    /// By at least one pin.
     Pin,
     /// By its stub alone.
     Stub,
@@ -37,11 +37,14 @@ table! {
         clearance: Option<f64> = None => "that of `casting.printer`, else 2e-4", optional_length;
         /// Width of the ring around the socket on which the core rests [m].
         shoulder: f64 = 1e-4, length;
-        /// What holds the far end of a core: `"pin"`, `"stub"` (nothing but the stub), or `"auto"`:
-        /// a pin if the neck bends by more than `limits.sag`.
+        /// What holds a core beside its stub: `"pin"`, at least one pin of the mold, whose hole in the silicone
+        /// is closed afterwards; `"stub"`, nothing; or `"auto"`, pins if the core leans or bends by more than
+        /// `limits.sag`, and none in cores of wax.
         support: Support = Support::Auto => "\"auto\"", any;
-        /// Radius of that pin [m].
+        /// Radius of those pins [m].
         pin: f64 = 1e-3, length;
+        /// Points of the design beside which pins hold a core, each within four radii of the axis of its pin [m].
+        pins: Vec<[f64; 3]> = Vec::new() => "searched, as few as are needed", any;
         /// Whether stubs of several cores differ, so that each fits into its own socket only.
         keyed: bool = true, any;
         /// Radius of the bore for water in a soluble core [m].

@@ -13,11 +13,13 @@ use serde::{Deserialize, Serialize};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::{CastPart, Input};
+use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
 use crate::geometry::frame::{Frame, Turn};
 use crate::geometry::overhang::{CUSTOMARY, Overhangs};
 use crate::geometry::{MM, Triple};
+use crate::mold::holding::Hold;
 use crate::mold::{Feature, Mold, Piece, Purpose};
 
 /// Name of the report in the folder of a mold.
@@ -62,6 +64,9 @@ pub struct MoldReport {
     /// Whether several cores and their sockets carry numbers.
     #[serde(default)]
     pub numbered: bool,
+    /// How each core is held that stands on a stub.
+    #[serde(default)]
+    pub holds: Vec<Holding>,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
     /// What is cast.
@@ -144,6 +149,58 @@ pub struct Cast {
     pub genus: i32,
     /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
     pub silicone_ml: f64,
+    /// Area of the walls of its chambers [mm²].
+    #[serde(default)]
+    pub chamber_area: f64,
+    /// What it weighs, if the density of its silicone is known.
+    #[serde(default)]
+    pub weight: Option<Weight>,
+}
+
+/// How a core is held.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Holding {
+    /// Name of the core.
+    pub core: String,
+    /// Centre of its inlet [mm].
+    pub inlet: Triple,
+    /// Radius of its stub [mm].
+    pub stub_radius: f64,
+    /// Length of its stub below the inlet [mm].
+    pub stub_length: f64,
+    /// Play of its stub and of pins [mm].
+    pub clearance: f64,
+    /// Density of the silicone in which it floats [kg/m³].
+    pub density: f64,
+    /// Motion of its farthest point that is not reported [mm].
+    pub limit: f64,
+    /// Motion of its farthest point on the stub alone [mm].
+    pub alone: f64,
+    /// The same with its pins [mm].
+    pub held: f64,
+    /// Thickness of the silicone at each of its pins, in the order of `features` [mm].
+    pub lengths: Vec<f64>,
+    /// Silicone that closes the holes of its pins [mm³].
+    pub plugs: f64,
+}
+
+impl Holding {
+    fn new(hold: &Hold) -> Self {
+        Self {
+            core: hold.core.clone(),
+            inlet: millimetres(&hold.inlet),
+            stub_radius: hold.stub.base_radius * MM,
+            stub_length: (hold.inlet.z - hold.stub.base.z - hold.stub.axis.z) * MM,
+            clearance: hold.clearance * MM,
+            density: hold.density,
+            limit: hold.limit * MM,
+            alone: hold.alone * MM,
+            held: hold.held * MM,
+            lengths: hold.lengths.iter().map(|length| length * MM).collect(),
+            plugs: hold.plugs * MM.powi(3),
+        }
+    }
 }
 
 /// The outline of a channel or gap: a frustum.
@@ -187,6 +244,15 @@ impl MoldReport {
             .filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent))
             .map(|f| f.frustum.solid().intersection(&outside).volume() * MM.powi(3))
             .sum();
+        let chamber_area = mold.chamber_area * MM.powi(2);
+        // Cured, it has shrunk to the size of the design.
+        let cured = 1.0 / mold.frame.scale;
+        let plugs = mold.holds.iter().map(|hold| hold.plugs * MM.powi(3)).sum::<f64>();
+        let density = config.density().filter(|_| input.part != CastPart::Core);
+        let weight = density.map(|density| {
+            let volume = volume + plugs;
+            Weight::new(volume * cured.powi(3), chamber_area * cured.powi(2), density)
+        });
         let head = mold.funnel.as_ref().map_or(0.0, |(_, volume)| volume * MM.powi(3));
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
@@ -202,12 +268,15 @@ impl MoldReport {
             chambers: mold.chambers.clone(),
             one_way: mold.one_way,
             numbered: mold.numbered,
+            holds: mold.holds.iter().map(Holding::new).collect(),
             parts: Vec::new(),
             cast: Cast {
                 file: CAST.into(),
                 volume,
                 genus: handles(&mold.cast),
                 silicone_ml: (volume + channels + head) / 1e3,
+                chamber_area,
+                weight,
             },
             casting: config.casting.clone(),
             collars: Vec::new(),

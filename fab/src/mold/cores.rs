@@ -1,7 +1,6 @@
-//! Cores on their stubs, with bores for water and pins.
+//! Cores on their stubs, with bores for water and pits for pins.
 
 use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 use mesh::solid::Solid;
 
@@ -10,14 +9,12 @@ use super::cast_body::{CastBody, Core};
 use super::features::core::{Print, drain};
 use super::features::keying::{self, Code};
 use super::features::number;
-use super::features::pin::{PinSpace, pin};
-use super::features::support::{self, Sag};
+use super::holding::{self, Hold, Solids};
 use super::numbering::Numbers;
-use super::piece::{Feature, Piece, Purpose, cut};
+use super::piece::{Feature, Piece, Purpose};
+use crate::config::Config;
 use crate::config::method::Method;
-use crate::config::{Config, Support};
-use crate::geometry::frustum::Frustum;
-use crate::geometry::walls::too_thin;
+use crate::geometry::frame::Frame;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.
@@ -27,16 +24,18 @@ const SHORT: f64 = 0.5;
 pub struct Cores {
     /// One per chamber.
     pub pieces: Vec<Piece>,
-    /// The shells, the last with sockets, all with holes for pins.
+    /// The shells, the last with sockets, and with pins that hold cores.
     pub shells: Vec<Piece>,
     /// Outside of the closed mold, with the numbers of sockets.
     pub outside: Solid,
-    /// What is cast, without pins.
+    /// What is cast, with the holes of pins.
     pub cast: Solid,
-    /// Sockets, bores for water and holes for pins.
+    /// Sockets, bores for water and pins.
     pub features: Vec<Feature>,
     /// What a person should know.
     pub findings: Vec<Finding>,
+    /// How each core is held.
+    pub holds: Vec<Hold>,
     /// Whether each core fits into its own socket only, and there one way only.
     pub one_way: bool,
     /// Whether cores and sockets carry numbers.
@@ -53,22 +52,12 @@ pub struct Mount<'a> {
     pub outside: &'a Solid,
     /// Height to which stubs reach [m].
     pub floor: f64,
-    /// Height to which holes reach [m].
-    pub end: f64,
-    /// The plane y = level on which sides meet, if there are any [m].
-    pub level: Option<f64>,
+    /// From the design to the mold.
+    pub frame: &'a Frame,
     /// Sprue and vents.
     pub channels: &'a [Feature],
     /// What was asked for.
     pub config: &'a Config,
-}
-
-/// A core on a pin, if it needs one.
-struct Supported {
-    solid: Solid,
-    /// The pin, and the hole for it in the shells.
-    pin: Option<(Solid, Feature)>,
-    finding: Option<Finding>,
 }
 
 /// A core with a bore for water, if one fits.
@@ -89,6 +78,7 @@ impl Cores {
             cast: body.cast.clone(),
             features: Vec::new(),
             findings: Vec::new(),
+            holds: Vec::new(),
             one_way: true,
             numbered: false,
             stands: Vec::new(),
@@ -103,14 +93,14 @@ impl Cores {
     pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
         let none = Self::none(body, shells, mount.outside);
         if body.cores.len() < 2 {
-            let single = |cores: Self, core| cores.and("core".into(), core, None, mount);
-            return body.cores.iter().try_fold(none, single);
+            let single = |cores: Self, index| cores.and("core".into(), (body, index), None, mount);
+            return (0..body.cores.len()).try_fold(none, single);
         }
         let keyed = keyed(&body.cores, mount)?;
         let mut all = none;
-        for (i, core) in body.cores.iter().enumerate() {
+        for i in 0..body.cores.len() {
             let key = keyed.as_ref().map(|(codes, radius)| (codes[i], *radius));
-            all = all.and(format!("core{}", i + 1), core, key, mount)?;
+            all = all.and(format!("core{}", i + 1), (body, i), key, mount)?;
         }
         all.one_way &= keyed.is_some();
         Ok(if mount.config.labels && mount.method != Method::Wax { all.numbered() } else { all })
@@ -121,10 +111,11 @@ impl Cores {
     fn and(
         self,
         name: String,
-        core: &Core,
+        (body, index): (&CastBody, usize),
         key: Option<(Code, f64)>,
         mount: &Mount,
     ) -> Result<Self, MoldError> {
+        let core = &body.cores[index];
         let Self {
             mut pieces,
             mut shells,
@@ -132,6 +123,7 @@ impl Cores {
             mut cast,
             mut features,
             mut findings,
+            mut holds,
             mut one_way,
             numbered,
             mut stands,
@@ -159,17 +151,27 @@ impl Cores {
             held = Some((centre, print));
         }
         if let Some((inlet, print)) = held {
-            let supported = supported(&name, core, solid, &cast, (&inlet, &print), mount)?;
-            solid = supported.solid;
-            findings.extend(supported.finding);
-            if let Some((pin, hole)) = supported.pin {
-                cast = cast.difference(&pin);
-                shells = cut(shells, std::slice::from_ref(&hole));
-                features.push(hole);
-            }
+            let (solids, pieces) = (Solids { core: solid, cast }, shells);
+            let held =
+                holding::hold(&name, (body, index), solids, pieces, (&inlet, &print), mount)?;
+            (solid, cast, shells) = (held.solids.core, held.solids.cast, held.shells);
+            features.extend(held.features);
+            findings.extend(held.finding);
+            holds.push(held.hold);
         }
         pieces.push(Piece { name, solid, demolding: -Vec3::z() });
-        Ok(Self { pieces, shells, outside, cast, features, findings, one_way, numbered, stands })
+        Ok(Self {
+            pieces,
+            shells,
+            outside,
+            cast,
+            features,
+            findings,
+            holds,
+            one_way,
+            numbered,
+            stands,
+        })
     }
 
     /// With its number on every stub, and below the piece that holds it beside every socket.
@@ -238,91 +240,4 @@ fn bored(solid: Solid, print: &Print, core: &Core, config: &Config) -> Bored {
     let solid = solid.difference(&frustum.solid());
     let bore = Some(Feature { purpose: Purpose::Drain, frustum });
     Bored { solid, bore, finding: short.and_then(finding) }
-}
-
-/// A core that is held at one inlet, on a pin if it needs one. The pin keeps clear of the
-/// channels and leaves walls of what is cast that are thick enough; between shells that part
-/// sideways it stands on their plane.
-fn supported(
-    name: &str,
-    core: &Core,
-    solid: Solid,
-    cast: &Solid,
-    (inlet, print): (&Vec3, &Print),
-    mount: &Mount,
-) -> Result<Supported, MoldError> {
-    let config = mount.config;
-    let surface = core.solid.to_surface();
-    let density = config.density().unwrap_or(support::SILICONE);
-    let clearance = config.stub_clearance();
-    let sag = support::sag(&surface, inlet, &print.stub, clearance, density);
-    let radius = config.core.pin;
-    let outside = mount.outside.to_surface();
-    let leaves_walls = |pin: &Frustum| {
-        let around = cast.difference(&pin.solid()).to_surface();
-        too_thin(&around, config.casting.least_wall).is_none()
-    };
-    let space = PinSpace {
-        outside: &SurfaceBvh::new(&outside),
-        channels: mount.channels.iter().map(|channel| &channel.frustum).collect(),
-        clearance,
-        level: mount.level,
-        leaves_walls: &leaves_walls,
-    };
-    let found = match config.core.support {
-        Support::Auto if sag.bend <= config.limits.sag => None,
-        Support::Auto => pin(&surface, inlet, radius, &space).ok(),
-        Support::Pin => Some(pin(&surface, inlet, radius, &space)?),
-        Support::Stub => None,
-    };
-    let Some(pin) = found else {
-        return Ok(Supported { solid, pin: None, finding: moves(name, &sag, config.limits.sag) });
-    };
-    let base = pin.base * 1e3;
-    let finding = Finding {
-        rule: "pin",
-        message: format!(
-            "a pin of {:.1} mm radius holds the {name} at ({:.1}, {:.1}) mm; plug the hole it leaves in the \
-             silicone",
-            pin.base_radius * 1e3,
-            base.x,
-            base.y
-        ),
-        count: 1,
-    };
-    let around = clearance + pin.base_radius;
-    let hole = Frustum {
-        axis: Vec3::z() * (mount.end - pin.base.z),
-        base_radius: around,
-        top_radius: around,
-        ..pin.clone()
-    };
-    let pin = pin.solid();
-    let solid = solid.union(&pin);
-    let hole = Feature { purpose: Purpose::Pin, frustum: hole };
-    Ok(Supported { solid, pin: Some((pin, hole)), finding: Some(finding) })
-}
-
-/// Reports how far a core may move that is held at one end.
-fn moves(name: &str, sag: &Sag, limit: f64) -> Option<Finding> {
-    let Sag { lift, reach, bend, lean } = *sag;
-    if bend.max(lean) <= limit {
-        return None;
-    }
-    let advice = match bend <= limit {
-        true => "glue the stub into its socket",
-        false => "widen the inlet, or cast halves",
-    };
-    Some(Finding {
-        rule: "core support",
-        message: format!(
-            "the {name} reaches {:.1} mm from its inlet. Floating with up to {lift:.3} N it bends by up to \
-             {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm: {advice}",
-            reach * 1e3,
-            bend * 1e3,
-            lean * 1e3,
-            limit * 1e3
-        ),
-        count: 1,
-    })
 }

@@ -41,8 +41,6 @@ pub struct Blank<'a> {
 pub struct Division {
     /// Outside of the closed mold.
     pub outside: Solid,
-    /// Position of the joint of the shells along the pull, in the rim [m].
-    pub level: f64,
     /// Shells, and the base if there is one, taken apart in reverse order.
     pub shells: Vec<Piece>,
     /// Keys, bolts and slots.
@@ -81,7 +79,7 @@ impl Blank<'_> {
         let (outside, findings) = self.labelled(outside, [("tray", face)]);
         let tray = shell("tray", outside.difference(&self.body.filled), -Vec3::z());
         let features = Vec::new();
-        Division { outside, level: 0.0, shells: vec![tray], features, findings }
+        Division { outside, shells: vec![tray], features, findings }
     }
 
     /// A cup, and the plate on which it stands.
@@ -108,7 +106,7 @@ impl Blank<'_> {
         ];
         let bolts = self.bolts(&self.joint(joint), Turn::NONE);
         let features = [seats(&keys, Turn::NONE), bolts.clone()].concat();
-        Division { outside, level: 0.0, shells: cut(shells, &bolts), features, findings }
+        Division { outside, shells: cut(shells, &bolts), features, findings }
     }
 
     /// Two shells that part above each other.
@@ -135,7 +133,6 @@ impl Blank<'_> {
         let bolts = self.bolts(&self.joint(level), Turn::NONE);
         Ok(Division {
             outside,
-            level,
             shells: cut(shells, &bolts),
             features: [seats(&keys, Turn::NONE), bolts].concat(),
             findings: [split.findings, sides.findings, unlabelled].concat(),
@@ -181,7 +178,6 @@ impl Blank<'_> {
         let bolts: Vec<Feature> = self.bolts(&rim, turn).into_iter().chain(corners).collect();
         Ok(Division {
             outside,
-            level,
             shells: cut(shells, &bolts),
             features: [seats(&on_base, Turn::NONE), seats(&between, turn), bolts].concat(),
             findings: [sides.findings, unlabelled].concat(),

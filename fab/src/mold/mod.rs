@@ -18,6 +18,7 @@ mod cores;
 mod division;
 pub mod features;
 mod height_field;
+pub mod holding;
 mod numbering;
 pub mod parting;
 mod piece;
@@ -33,7 +34,7 @@ use crate::body::layout::{self, LayoutError};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::frame::{Frame, Pull};
+use crate::geometry::frame::Frame;
 use cast_body::CastBody;
 use channels::Channels;
 use cores::{Cores, Mount};
@@ -41,7 +42,7 @@ use division::{Blank, Division};
 use features::block::Block;
 use features::core::PrintError;
 use features::keying::KeyingError;
-use features::pin::PinError;
+use holding::{Hold, PinError};
 pub use piece::{Feature, Piece, Purpose};
 use piece::{connected, cut};
 use venting::{Places, VentError};
@@ -70,6 +71,8 @@ pub struct Mold {
     pub cores: Vec<Piece>,
     /// Tags of the chambers, one for each core that the body has.
     pub chambers: Vec<String>,
+    /// How each core is held that stands on a stub.
+    pub holds: Vec<Hold>,
     /// Whether it fits together one way only.
     pub one_way: bool,
     /// Whether several cores and their sockets carry numbers.
@@ -78,6 +81,8 @@ pub struct Mold {
     pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
+    /// Area of the walls of its chambers [m²].
+    pub chamber_area: f64,
     /// All channels and gaps.
     pub features: Vec<Feature>,
     /// What a person should know.
@@ -168,8 +173,7 @@ impl Mold {
             method,
             outside: &outside,
             floor: block.min.z,
-            end,
-            level: (pull == Pull::Y).then_some(division.level),
+            frame: &frame,
             channels: &channels.features,
             config,
         };
@@ -184,11 +188,13 @@ impl Mold {
             features: [division.features, cores.features, channels.features].concat(),
             findings: [division.findings, channels.findings, cores.findings].concat(),
             cast: cores.cast,
+            chamber_area: body.chamber_area(),
             funnel: channels.funnel,
             frame,
             method,
             outside: cores.outside,
             chambers: boundary.cores.iter().map(|core| core.chamber.clone()).collect(),
+            holds: cores.holds,
             one_way: cores.one_way,
             numbered: cores.numbered,
             portion,

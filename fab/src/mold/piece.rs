@@ -37,7 +37,8 @@ pub enum Purpose {
     Pry,
     /// Bore in a soluble core, for water.
     Drain,
-    /// Hole in the silicone that a core's second support leaves, to be plugged.
+    /// A pin of a shell that holds a core, with the gap around it in the core's pit; its hole in the silicone is
+    /// to be closed.
     Pin,
 }
 

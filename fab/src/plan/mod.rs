@@ -8,15 +8,17 @@ mod sides;
 pub mod undercut;
 mod verdict;
 
+use mesh::measure::{area, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::body::boundary::Boundary;
 use crate::body::layout::{self, LayoutError};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
+use crate::body::weight::Weight;
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::walls;
+use crate::geometry::{MM, walls};
 use gluing::Flat;
 use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
@@ -42,6 +44,8 @@ pub struct Plan {
     pub chambers: usize,
     /// What is cast of silicone.
     pub castings: Vec<Casting>,
+    /// What the body weighs, if the density of its silicone is known.
+    pub weight: Option<Weight>,
 }
 
 /// A casting of silicone and how its mold stands.
@@ -146,6 +150,7 @@ impl Plan {
             directions,
             chambers: boundary.cores.len(),
             castings,
+            weight: weight(boundary, config),
         })
     }
 
@@ -187,6 +192,16 @@ impl Casting {
         let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
         Ok(Self { name, orientation, filled, undercut, worst })
     }
+}
+
+/// What a body weighs, if the density of its silicone is known. With the wall W of its chambers, its
+/// outside U and the caps of inlets C, the areas are U + W of the body, W + C of cores, and U + C of the
+/// filled body.
+fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
+    let cores: f64 = boundary.cores.iter().map(|core| area(&core.surface)).sum();
+    let walls = (area(&boundary.cast) + cores - area(&boundary.filled)) / 2.0;
+    let volume = enclosed_volume(&boundary.cast);
+    config.density().map(|density| Weight::new(volume * MM.powi(3), walls * MM.powi(2), density))
 }
 
 /// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Plan;
 use super::pull::DirectionUndercut;
 use crate::body::source::Input;
+use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::geometry::{MM, Triple};
 
@@ -40,6 +41,9 @@ pub struct PlanReport {
     pub molds: Vec<Entry>,
     /// From castings to the body: what to do, in order.
     pub steps: Vec<String>,
+    /// What the finished body weighs, if the density of its silicone is known.
+    #[serde(default)]
+    pub weight: Option<Weight>,
 }
 
 /// Who chose.
@@ -132,6 +136,7 @@ impl PlanReport {
             directions: plan.directions.iter().map(direction).collect(),
             molds,
             steps: plan.steps(),
+            weight: plan.weight,
         }
     }
 

@@ -8,10 +8,8 @@ use mesh::solid::Solid;
 use super::Line;
 use super::closed_mold::ClosedMold;
 use crate::files::report::Outline;
-use crate::geometry::MM;
 use crate::geometry::frustum::SEGMENTS;
 use crate::mold::Purpose;
-use crate::mold::features::pin::LAND;
 
 /// Least part of a key's or stub's seat that must be filled: a key of 3 mm with 0.2 mm around
 /// it fills 0.8; with half of it missing two pieces no longer find each other.
@@ -34,9 +32,7 @@ const INSERTED: f64 = 2.0;
 /// All checks of features.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
-    for purpose in
-        [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Pin, Purpose::Bolt]
-    {
+    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Bolt] {
         let same = mold.report.features.iter().filter(|f| f.purpose == purpose);
         for (i, outline) in same.enumerate() {
             let name = format!("{} {}", purpose.name(), i + 1);
@@ -44,9 +40,8 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
                 Purpose::Sprue | Purpose::Vent => lines.extend(open(mold, &name, outline)),
                 Purpose::Key => lines.push(engaged(mold, &name, outline)),
                 Purpose::Socket => lines.extend(seated(mold, &name, outline)),
-                Purpose::Pin => lines.push(clear(mold, &name, outline)),
                 Purpose::Bolt => lines.push(joins(mold, &name, outline)),
-                Purpose::Pry | Purpose::Drain => {}
+                Purpose::Pry | Purpose::Drain | Purpose::Pin => {}
             }
         }
         if purpose == Purpose::Sprue && lines.is_empty() && !mold.report.open {
@@ -123,20 +118,6 @@ fn open(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
             "not below its top, or silicone runs over",
         ),
     ]
-}
-
-/// A pin keeps clear of sprue and vents, all of which are upright.
-fn clear(mold: &ClosedMold, name: &str, pin: &Outline) -> Line {
-    let widest = |outline: &Outline| outline.base_radius.max(outline.top_radius);
-    let channels = mold.report.features.iter();
-    let channels = channels.filter(|f| matches!(f.purpose, Purpose::Sprue | Purpose::Vent));
-    let between = channels.map(|channel| {
-        let apart = Vec3::from(channel.base) - Vec3::from(pin.base);
-        apart.xy().norm() - widest(channel) - widest(pin)
-    });
-    let least = between.fold(f64::INFINITY, f64::min);
-    let needed = LAND * MM - 2.0 * mold.rounding;
-    Line::at_least(format!("{name}: beside channels"), least, needed, "mm of mold")
 }
 
 /// A cone fills most of its seat, and leaves a gap.

@@ -14,10 +14,12 @@
 //!   take the outlines of channels and gaps from the report, `keying` where sockets are.
 //! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
 //!   bodies.
-//! - `channels`: places and sizes of features come from the report, and `pin::LAND` is the limit by
-//!   which pins were placed. That there are enough features is not checked.
+//! - `channels`: places and sizes of features come from the report. That there are enough features is not checked.
+//! - `holding`: places of pins come from the report, what they fill, touch and leave free is measured; `pin::LAND` is
+//!   the limit by which they were placed, and `features::support` computes motions as it did for that.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
+//! - `weight`: the density and its formula; volume and area are those of the written surfaces.
 //! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
 //! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
@@ -30,11 +32,13 @@ mod copies;
 mod demolding;
 mod filling;
 mod fit;
+mod holding;
 mod keying;
 mod printing;
 mod release;
 mod surfaces;
 mod walls;
+mod weight;
 
 use std::path::Path;
 
@@ -231,11 +235,13 @@ fn shapes(
     progress.step("comparing with the design");
     let mut lines = fit::checks(mold, folder, design);
     lines.extend(channels::checks(mold));
+    lines.extend(holding::checks(mold));
     lines.extend(keying::checks(mold));
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
     lines.extend(walls::checks(mold));
+    lines.extend(weight::check(mold));
     progress.step("pulling apart");
     lines.extend(demolding::checks(mold));
     lines.extend(release::checks(mold, plan));

@@ -137,6 +137,10 @@ impl ScenarioConfig {
         let Self { weight, modulus, density, membrane, friction, pressure, .. } = self;
         let named = [("modulus", modulus), ("density", density), ("membrane", membrane)];
         for (key, factors) in named {
+            ensure!(
+                factors.as_ref().is_none_or(|factors| !factors.each().is_empty()),
+                "{key} = {{}}: expected a factor, or one for each of some names"
+            );
             for (name, factor) in factors.iter().flat_map(FactorConfig::each) {
                 let title = name.map_or_else(|| key.to_owned(), |name| format!("{key} of {name}"));
                 check_factor(&title, factor)?;

@@ -11,6 +11,7 @@ use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals, printers, 
 use mesh::io::{IoError, write_atomic};
 use serde::Serialize;
 
+use crate::body::weight::Weight;
 use crate::files::report::MoldReport;
 use crate::geometry::overhang::needs_supports;
 use crate::plan::report as plan;
@@ -30,6 +31,8 @@ pub struct Sheet {
     pub silicone: Option<Pour>,
     /// The body [mL].
     pub body_ml: f64,
+    /// What the casting weighs when it is finished, if the density of its silicone is known.
+    pub weight: Option<Weight>,
     /// The body with sprue and vents [mL].
     pub mold_ml: f64,
     /// What stays in the cup, as a share of `mold_ml` [1].
@@ -132,6 +135,7 @@ impl Sheet {
             program: report.program.clone(),
             silicone: silicone.map(|s| Pour::new(s, mix_ml)),
             body_ml: report.cast.volume / MM3,
+            weight: report.cast.weight,
             mold_ml,
             waste: casting.waste,
             mix_ml,
@@ -207,6 +211,7 @@ impl Sheet {
             rows.push(("part A", format!("{a:.1} g")));
             rows.push(("part B", format!("{b:.1} g, {mix} by weight")));
         }
+        rows.extend(self.weight.map(|weight| ("finished cast", weight.in_words())));
         rows.extend(pour.pot_life_min.map(|t| ("pot life", format!("{t} min"))));
         rows.extend(pour.cure_h.map(|t| ("demold after", format!("{t} h at 23 °C"))));
         rows
@@ -255,7 +260,11 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
             below = entry.folder
         );
     }
-    text += &format!("\n{silicone:.1} mL of silicone in all.\n\n## Do\n\n");
+    text += &format!("\n{silicone:.1} mL of silicone in all.");
+    if let Some(weight) = &plan.weight {
+        text += &format!(" The finished cast weighs {}, without glue.", weight.in_words());
+    }
+    text += "\n\n## Do\n\n";
     text += &list(steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
     let text = text.trim_end().to_owned() + "\n";
     write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))

@@ -6,6 +6,7 @@ use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
+use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::files::report::{MoldReport, Outline, Role};
 use crate::files::slicer;
@@ -95,13 +96,14 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     }
     steps.push(close(report, &shells, &cores));
     steps.extend(pour(sheet, report));
-    steps.push(open(report, &shells, &cores));
+    steps.extend(open(sheet, report, &shells, &cores));
     if is_wax(report) {
         return steps;
     }
     if !report.open {
         steps.push("Cut off what stood in the sprue and the vents.".into());
     }
+    steps.extend(sheet.weight.map(|weight| weigh(&weight)));
     if is_half(report) {
         steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
         return steps;
@@ -110,6 +112,17 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.extend(finish(sheet.leak_test_kpa, report));
     }
     steps
+}
+
+/// What a scale says of the walls.
+fn weigh(weight: &Weight) -> String {
+    let less = match weight.per_tenth > 0.0 {
+        true => {
+            " Much less means walls that are thinner than designed, or air; much more, walls that are thicker."
+        }
+        false => " Much less means air inside.",
+    };
+    format!("Weigh the finished cast: it should be {}.{less}", weight.in_words())
 }
 
 /// What is left to do once the body is whole: tubes and the leak test.
@@ -307,7 +320,8 @@ fn mixing(sheet: &Sheet) -> String {
     }
 }
 
-fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
+/// The mold is taken apart, the holes of pins are closed, and the cores leave.
+fn open(sheet: &Sheet, report: &MoldReport, shells: &[&str], cores: &[&str]) -> Vec<String> {
     let taken: Vec<&str> = shells.iter().rev().copied().collect();
     let off = match taken[..] {
         [one] => format!("Peel the casting out of {one}."),
@@ -318,22 +332,51 @@ fn open(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         _ => ("them", "their inlets"),
     };
     let out = match report.method {
-        _ if cores.is_empty() || is_wax(report) => String::new(),
-        Method::Soluble => format!(
-            " Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
+        _ if cores.is_empty() || is_wax(report) => None,
+        Method::Soluble => Some(format!(
+            "Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
              is left.",
             and(cores)
-        ),
-        Method::Wax => format!(
-            " Let {} melt out through {inlets}, and rinse with hot water; stay below what \
+        )),
+        Method::Wax => Some(format!(
+            "Let {} melt out through {inlets}, and rinse with hot water; stay below what \
              softens the printed parts.",
             and(cores)
-        ),
-        _ => format!(
-            " Let soapy water or air in between {} and the silicone, and pull {them} out through \
+        )),
+        _ => Some(format!(
+            "Let soapy water or air in between {} and the silicone, and pull {them} out through \
              {inlets}.",
             and(cores)
-        ),
+        )),
     };
-    off + &out
+    match close_holes(sheet, report) {
+        Some(close) => [off, close].into_iter().chain(out).collect(),
+        None => vec![[Some(off), out].into_iter().flatten().collect::<Vec<_>>().join(" ")],
+    }
+}
+
+/// The holes that pins leave, which the cores close below as long as they are there.
+fn close_holes(sheet: &Sheet, report: &MoldReport) -> Option<String> {
+    let lengths: Vec<f64> = report.holds.iter().flat_map(|hold| hold.lengths.clone()).collect();
+    if lengths.is_empty() {
+        return None;
+    }
+    let pin = with(report, Purpose::Pin).next()?;
+    let play = report.holds.first()?.clearance;
+    let plugs = report.holds.iter().map(|hold| hold.plugs).sum::<f64>() / 1e3;
+    let grams = sheet.silicone.as_ref().and_then(|s| s.mass_g).map(|mass| mass / sheet.mix_ml);
+    let mass = grams.map_or(String::new(), |density| format!(" ({:.2} g)", density * plugs));
+    let deep: Vec<String> = lengths.iter().map(|length| format!("{length:.1} mm")).collect();
+    let deep: Vec<&str> = deep.iter().map(String::as_str).collect();
+    let (holes, each) = match lengths.len() {
+        1 => ("the hole".into(), "it"),
+        n => (format!("the {n} holes"), "each"),
+    };
+    Some(format!(
+        "Close {holes} of {:.1} mm diameter that pins left, {} deep, while the core is still inside and closes \
+         {each} below: clean {each} with alcohol, turn it up, fill it from a syringe with a drop of fresh silicone, the same, \
+         from the bottom up, {plugs:.2} mL{mass} in all, and let it cure.",
+        2.0 * (pin.base_radius - play),
+        and(&deep),
+    ))
 }
