@@ -221,6 +221,7 @@ fn scenarios_of_unknown_volumes_are_refused() {
     for (keys, words) in [
         ("modulus = { roof = 1.1 }", &["\"x\"", "modulus of \"roof\"", "floor, walls"][..]),
         ("density = { floor = 1.1 }", &["density of \"floor\"", "no material of floor has one"]),
+        ("modulus = {}", &["modulus = {}", "expected a factor"]),
         ("density = { roof = 1.1 }", &["density of \"roof\"", "floor, walls"]),
         ("modulus = { floor = -1 }", &["modulus of floor = -1", "positive"]),
         (
