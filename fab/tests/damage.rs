@@ -7,7 +7,11 @@ use std::path::Path;
 use crate::fixture::damaged::{
     BOX, after, change, change_solid, cube, feature, moved, sound, turned, write_copies,
 };
-use crate::fixture::{CHAMBER, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report};
+use crate::fixture::{
+    CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report,
+    copy, stderr,
+};
+use fab::files::report::MoldReport;
 use fab::verify::{Against, Line, Status, verify};
 use mesh::Vec3;
 use mesh::solid::Solid;
@@ -407,4 +411,67 @@ fn cores_leave() {
     assert_status(&after(|_| ()), "core: demolds", Status::Ok);
     let scene = Scene::new(&CHAMBER, &BOX.replace("dragon-skin-20", "dragon-skin-30"));
     refused(&scene, "core: demolds");
+}
+
+/// 24 × 28 × 24 mm with a chamber, whose flat wall across x is 8 mm thick.
+const THICK: Cubes = Cubes { count: [6, 7, 6], ..CLOSED };
+
+/// A sheet of 12 × 8 mm in the middle of that wall, in a body that is cast open above in two parts.
+fn layered() -> (Scene, std::path::PathBuf) {
+    let config = "method = \"open-top\"\nlayers = [\"paper\"]\nlabels = false\n[casting]\nsilicone = \"dragon-skin-20\"\n\
+                  printer = \"prusa-mini\"";
+    let scene = Scene::planned(&THICK, config);
+    let path = scene.path("design.msh");
+    let mut file = mesh::io::read_tets(&path).unwrap();
+    file.tags.names.push("paper".into());
+    let id = file.tags.id("paper").unwrap();
+    let within = |p: Vec3| {
+        let [x, y, z] = (p / CELL).into();
+        (x - 5.0).abs() < 1e-9 && (1.9..5.1).contains(&y) && (1.9..4.1).contains(&z)
+    };
+    for tet in &file.mesh.tets {
+        for facet in mesh::topology::TET_FACETS.map(|f| f.map(|k| tet[k])) {
+            if facet.iter().all(|&v| within(file.mesh.vertices[v])) {
+                file.tags.set(facet, id);
+            }
+        }
+    }
+    std::fs::remove_file(&path).unwrap();
+    mesh::io::write_tets(&path, &file.mesh, &file.tags).unwrap();
+    let output = scene.mold();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let folders = std::fs::read_dir(scene.path("mold")).unwrap().flatten().map(|e| e.path());
+    let has = |folder: &std::path::PathBuf| {
+        MoldReport::read(folder).is_ok_and(|report| !report.layers.is_empty())
+    };
+    let folder = folders.filter(|f| f.is_dir()).find(has).unwrap();
+    (scene, folder)
+}
+
+#[test]
+fn sheets_that_are_laid_in() {
+    let (scene, folder) = layered();
+    let design = scene.path("design.msh");
+    let after = |damage: &dyn Fn(&mut MoldReport)| {
+        let copied = tempfile::tempdir().unwrap();
+        copy(&folder, copied.path());
+        change_report(copied.path(), damage);
+        write_copies(copied.path());
+        verify(copied.path(), Against { design: Some(&design), ..Against::default() }).unwrap()
+    };
+    let sound = after(&|_| ());
+    for check in ["in silicone", "silicone below", "laid in"] {
+        assert_status(&sound, &format!("paper: {check}"), Status::Ok);
+    }
+    // too high, beside the body, too near to the floor
+    for height in [30.0, 7.9, 0.1] {
+        assert_fails(&after(&|report| report.layers[0].height = height), "paper: in silicone");
+    }
+    let aside = after(&|report| {
+        report.layers[0].outlines.iter_mut().flatten().for_each(|p| p[0] += 9.0);
+    });
+    assert_fails(&aside, "paper: in silicone");
+    assert_fails(&after(&|report| report.layers[0].below_ml *= 1.05), "paper: silicone below");
+    assert_fails(&after(&|report| report.layers[0].height += 0.5), "paper: silicone below");
+    assert_fails(&after(&|report| report.open = false), "paper: laid in");
 }

@@ -20,6 +20,7 @@
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
 //! - `weight`: the density and its formula; volume and area are those of the written surfaces.
+//! - `layers`: height, outline and volume come from the report; the silicone is that of the written surface.
 //! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
 //! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
@@ -34,6 +35,7 @@ mod filling;
 mod fit;
 mod holding;
 mod keying;
+mod layers;
 mod printing;
 mod release;
 mod surfaces;
@@ -237,6 +239,7 @@ fn shapes(
     lines.extend(channels::checks(mold));
     lines.extend(holding::checks(mold));
     lines.extend(keying::checks(mold));
+    lines.extend(layers::checks(mold));
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
