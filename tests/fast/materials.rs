@@ -122,6 +122,7 @@ fn a_design_keeps_its_volumes_where_it_is_re_meshed() {
     file.tags.names.push("paper".to_owned());
     let id = file.tags.id("paper").unwrap();
     layer.iter().for_each(|&facet| file.tags.set(facet, id));
+    add_flat_tetrahedron(&mut file);
     write_tets(&dir.path("body.msh"), &file.mesh, &file.tags).unwrap();
     let paper = "[[membrane]]\non = \"paper\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", \
                  young = 3e6, poisson = 0.3 }\n";
@@ -133,12 +134,36 @@ fn a_design_keeps_its_volumes_where_it_is_re_meshed() {
     assert!(run.stderr.contains("re-meshed the interior"), "{}", run.stderr);
     let before = read_tets(&dir.path("body.msh")).unwrap();
     let after = read_tets(&dir.path("design/design.msh")).unwrap();
-    assert_ne!(before.mesh.tets, after.mesh.tets);
+    let [was, is] = [&before, &after].map(worst);
+    assert!(was < 0.1 && is > 2.0 * was, "{was} {is}");
     assert_eq!(before.tags.volumes.names, after.tags.volumes.names);
     assert_eq!(layer.len(), between(&after).len());
     let tagged: std::collections::BTreeSet<_> = after.tags.facets_of(id).into_iter().collect();
     assert_eq!(tagged, between(&after));
     dir.solver("simulate p1.toml --mesh design/design.msh -o last").assert_good();
+}
+
+/// Puts a vertex into the last tetrahedron, near one of its facets: something to improve, as the body has
+/// no vertices inside.
+fn add_flat_tetrahedron(file: &mut MshFile) {
+    let last = file.mesh.tets.len() - 1;
+    let [a, b, c, d] = file.mesh.tets[last];
+    let [p, q, r, s] = file.mesh.corners(last);
+    let new = file.mesh.vertices.len();
+    file.mesh.vertices.push(0.01 * p + 0.33 * (q + r + s));
+    file.mesh.tets[last] = [new, b, c, d];
+    file.mesh.tets.extend([[a, new, c, d], [a, b, new, d], [a, b, c, new]]);
+    let volume = file.tags.volumes.of[last];
+    file.tags.volumes.of.extend([volume; 3]);
+}
+
+/// Smallest radius ratio.
+fn worst(file: &MshFile) -> f64 {
+    let ratio = |t: usize| {
+        let [a, b, c, d] = file.mesh.corners(t);
+        mesh::measure::radius_ratio(a, b, c, d)
+    };
+    (0..file.mesh.tets.len()).map(ratio).fold(f64::INFINITY, f64::min)
 }
 
 /// The facets where volumes meet.

@@ -109,7 +109,12 @@ fn a_sheet_inside_a_body_is_optimised_with_it() {
     dir.write("design.toml", &design);
     let run = dir.solver("optimize design.toml -o design");
     run.assert_good();
-    assert!(run.stderr.contains("not re-meshed: facets inside the body have tags"));
+    assert!(run.stderr.contains("re-meshed the interior"), "{}", run.stderr);
+    let facets = |name: &str| {
+        let file = read_tets(&dir.path(name)).unwrap();
+        file.tags.facets_of(file.tags.id("layer").unwrap()).len()
+    };
+    assert_eq!(facets("design/design.msh"), facets("body.msh"));
     dir.solver("simulate p1.toml --mesh design/design.msh -o last").assert_good();
 }
 
