@@ -25,8 +25,8 @@ use mesh::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::RestTerm;
 use super::kind::{Builder, Kind, Specification, form, positive};
-use super::{Equilibrium, Objective};
 use crate::contact::candidates::close_within;
 use crate::contact::density::{Density, Repulsion};
 use crate::contact::images::Mirrored;
@@ -86,28 +86,13 @@ impl Clearance {
         Self { name: name.to_owned(), whole, surface: Features::new(&sets[0]), repulsion }
     }
 
-    /// J at rest positions; infinite where two features touch.
-    #[must_use]
-    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
-        let x = self.whole.positions(rest);
-        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.repulsion)
-    }
-
-    /// Adds `weight` ∂J/∂X, three components per vertex; J must be finite.
-    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        let x = self.whole.positions(rest);
-        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
-        rest_potential::add_gradient(&self.pairs(&x), &x, &self.repulsion, weight, &mut by_x);
-        self.whole.add_to_vertices(&by_x, out);
-    }
-
     /// Pairs at positions of the whole.
     fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
         close_within(&self.surface, x, self.repulsion.range())
     }
 }
 
-impl Objective for Clearance {
+impl RestTerm for Clearance {
     fn name(&self) -> &str {
         &self.name
     }
@@ -127,14 +112,16 @@ impl Objective for Clearance {
         ))
     }
 
-    fn value(&self, at: &Equilibrium) -> f64 {
-        self.value_at(at.rest)
+    fn value_at(&self, rest: &[Vec3]) -> f64 {
+        let x = self.whole.positions(rest);
+        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.repulsion)
     }
 
-    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
-
-    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        self.add_gradient_at(at.rest, weight, out);
+    fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
+        let x = self.whole.positions(rest);
+        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
+        rest_potential::add_gradient(&self.pairs(&x), &x, &self.repulsion, weight, &mut by_x);
+        self.whole.add_to_vertices(&by_x, out);
     }
 }
 

@@ -21,8 +21,8 @@ use mesh::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::RestTerm;
 use super::kind::{Builder, Kind, Specification, TAGS, form};
-use super::{Equilibrium, Objective};
 use crate::body::Names;
 use crate::element::add_at;
 
@@ -88,9 +88,22 @@ impl Draft {
         Self { name: name.to_owned(), facets, pull: pull.normalize(), draft }
     }
 
-    /// J at rest positions.
-    #[must_use]
-    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
+    /// max(0, s − n·d) of an area vector.
+    fn lack(&self, area: &Vec3) -> f64 {
+        (self.draft - area.dot(&self.pull) / area.norm().max(f64::MIN_POSITIVE)).max(0.0)
+    }
+}
+
+fn area_vector(rest: &[Vec3], [a, b, c]: [usize; 3]) -> Vec3 {
+    0.5 * (rest[b] - rest[a]).cross(&(rest[c] - rest[a]))
+}
+
+impl RestTerm for Draft {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value_at(&self, rest: &[Vec3]) -> f64 {
         let one = |&facet| {
             let area = area_vector(rest, facet);
             area.norm() * self.lack(&area).powi(2)
@@ -98,13 +111,7 @@ impl Draft {
         self.facets.iter().map(one).sum()
     }
 
-    /// max(0, s − n·d) of an area vector.
-    fn lack(&self, area: &Vec3) -> f64 {
-        (self.draft - area.dot(&self.pull) / area.norm().max(f64::MIN_POSITIVE)).max(0.0)
-    }
-
-    /// Adds `weight` ∂J/∂X, three components per vertex.
-    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
+    fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
         for &facet in &self.facets {
             let area = area_vector(rest, facet);
             let (m, n) = (self.lack(&area), area / area.norm().max(f64::MIN_POSITIVE));
@@ -116,26 +123,6 @@ impl Draft {
                 add_at(out, facet[k], &(0.5 * opposite.cross(&by_area)));
             }
         }
-    }
-}
-
-fn area_vector(rest: &[Vec3], [a, b, c]: [usize; 3]) -> Vec3 {
-    0.5 * (rest[b] - rest[a]).cross(&(rest[c] - rest[a]))
-}
-
-impl Objective for Draft {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn value(&self, at: &Equilibrium) -> f64 {
-        self.value_at(at.rest)
-    }
-
-    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
-
-    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        self.add_gradient_at(at.rest, weight, out);
     }
 }
 

@@ -24,8 +24,8 @@ use mesh::{Vec3, topology};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::RestTerm;
 use super::kind::{Builder, Kind, Specification, TAGS, form};
-use super::{Equilibrium, Objective};
 use crate::body::Names;
 use crate::symmetry::Plane;
 
@@ -113,38 +113,6 @@ impl Smoothness {
         Self { name: name.to_owned(), form, stars }
     }
 
-    /// J at rest positions.
-    #[must_use]
-    pub fn value_at(&self, rest: &[Vec3]) -> f64 {
-        let one = |star: &Star| {
-            let (sum, length) = self.neighbour_vector(rest, star);
-            star.share * (sum / length).norm_squared()
-        };
-        self.stars.iter().map(one).sum()
-    }
-
-    /// Adds `weight` ∂J/∂X, three components per vertex.
-    pub fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        for star in &self.stars {
-            let (sum, length) = self.neighbour_vector(rest, star);
-            let (v, s) = (star.vertex, sum / length);
-            for &(w, images) in &star.neighbours {
-                // ∂ℓ/∂X_v of one edge; the plain form divides by a constant
-                let unit = match self.form {
-                    SmoothnessForm::ScaleInvariant => unit(&(rest[v] - rest[w])),
-                    SmoothnessForm::Plain => Vec3::zeros(),
-                };
-                let scale = star.share * images * (2.0 * weight / length);
-                // s has no part across the planes
-                let g = scale * (s - s.norm_squared() * unit);
-                for k in 0..3 {
-                    out[3 * v + k] += g[k];
-                    out[3 * w + k] -= g[k];
-                }
-            }
-        }
-    }
-
     /// S_v, and the length or number it is divided by.
     fn neighbour_vector(&self, rest: &[Vec3], star: &Star) -> (Vec3, f64) {
         let edge = |w: usize| rest[star.vertex] - rest[w];
@@ -166,19 +134,38 @@ fn unit(edge: &Vec3) -> Vec3 {
     edge.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
 }
 
-impl Objective for Smoothness {
+impl RestTerm for Smoothness {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn value(&self, at: &Equilibrium) -> f64 {
-        self.value_at(at.rest)
+    fn value_at(&self, rest: &[Vec3]) -> f64 {
+        let one = |star: &Star| {
+            let (sum, length) = self.neighbour_vector(rest, star);
+            star.share * (sum / length).norm_squared()
+        };
+        self.stars.iter().map(one).sum()
     }
 
-    fn add_du(&self, _: &Equilibrium, _: f64, _: &mut [f64]) {}
-
-    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
-        self.add_gradient_at(at.rest, weight, out);
+    fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
+        for star in &self.stars {
+            let (sum, length) = self.neighbour_vector(rest, star);
+            let (v, s) = (star.vertex, sum / length);
+            for &(w, images) in &star.neighbours {
+                // ∂ℓ/∂X_v of one edge; the plain form divides by a constant
+                let unit = match self.form {
+                    SmoothnessForm::ScaleInvariant => unit(&(rest[v] - rest[w])),
+                    SmoothnessForm::Plain => Vec3::zeros(),
+                };
+                let scale = star.share * images * (2.0 * weight / length);
+                // s has no part across the planes
+                let g = scale * (s - s.norm_squared() * unit);
+                for k in 0..3 {
+                    out[3 * v + k] += g[k];
+                    out[3 * w + k] -= g[k];
+                }
+            }
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod displacement;
 mod distance;
 mod gap;
 mod kind;
+mod magnitude;
 mod means;
 mod point;
 mod reaction;
@@ -32,6 +33,7 @@ pub use kind::{COMMON_KEYS, Kind, Site, Specification};
 /// All kinds, in the order in which they are listed.
 pub const KINDS: &[Kind] = &[
     displacement::KIND,
+    magnitude::KIND,
     point::KIND,
     angle::KIND,
     distance::KIND,

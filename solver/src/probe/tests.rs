@@ -23,6 +23,7 @@ fn probes(s: f64) -> Vec<String> {
         (format!("[{}, {}, {}]", 0.3 * s, 0.6 * s, 0.45 * s), [0.2 * s, s, 2.0 * s]);
     vec![
         "kind = 'displacement'\non = 'top'\naxis = [1, 0, 2]".to_owned(),
+        "kind = 'displacement-magnitude'\non = 'top'".to_owned(),
         format!("kind = 'point'\nat = {inside}\naxis = [0, 1, 1]"),
         format!("kind = 'point'\nat = {outside:?}\non = 'top'\naxis = [1, -1, 2]"),
         "kind = 'angle'\non = 'top'\nto = 'left'".to_owned(),
@@ -141,6 +142,8 @@ fn a_tilted_face_has_its_closed_form() {
         near(value("kind = 'gap'\non = 'top'\nto = 'bottom'"), 1.0);
         near(value("kind = 'displacement'\non = 'top'\naxis = [0, 0, 3]"), 0.2);
         near(value("kind = 'distance'\non = 'top'\nto = 'bottom'"), 1.2);
+        near(value("kind = 'displacement-magnitude'\non = 'right'"), 0.2);
+        near(value("kind = 'displacement-magnitude'\non = 'bottom'"), 0.0);
     }
 }
 
@@ -148,7 +151,10 @@ fn a_tilted_face_has_its_closed_form() {
 fn what_cannot_be_measured_is_refused() {
     let case = Case::cube(1, 1.0);
     for (keys, words) in [
-        ("kind = 'speed'", "unknown kind `speed`, expected one of `displacement`, `point`"),
+        (
+            "kind = 'speed'",
+            "unknown kind `speed`, expected one of `displacement`, `displacement-magnitude`",
+        ),
         ("kind = 'gap'\non = 'top'\nfrom = 'left'", "unknown field `from`"),
         ("kind = 'displacement'\non = 'top'", "missing field `axis`"),
         (
