@@ -72,4 +72,7 @@ fn what_is_missing_is_named_with_its_remedy() {
     run.fails(1, "are missing");
     assert!(run.stdout.contains("libGLU.so.1"), "{}", run.stdout);
     assert!(run.stdout.contains("apt install libglu1-mesa"), "{}", run.stdout);
+    // an empty variable is as none
+    let run = dir.run_with("PUFFER_PYTHON", "", &["doctor"]);
+    assert!(!run.stdout.contains("not a file"), "{}", run.stdout);
 }

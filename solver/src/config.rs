@@ -328,6 +328,21 @@ pub struct SolverConfig {
     pub relative_tolerance: f64,
     /// Unbalanced force that counts as none [N].
     pub absolute_tolerance: f64,
+    /// What becomes of an equilibrium in which an element is turned inside out somewhere.
+    pub inside_out: InsideOut,
+}
+
+/// What becomes of an equilibrium in which an element is turned inside out between its quadrature
+/// points, where its energy does not see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InsideOut {
+    /// It counts as none.
+    #[default]
+    Refused,
+    /// It is taken as it is, as programs do that do not look; `smallest_volume_ratio` of its load
+    /// step is not positive.
+    Tolerated,
 }
 
 impl Default for SolverConfig {
@@ -339,6 +354,7 @@ impl Default for SolverConfig {
             newton_iterations: None,
             relative_tolerance: 1e-10,
             absolute_tolerance: 1e-10,
+            inside_out: InsideOut::Refused,
         }
     }
 }

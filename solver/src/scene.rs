@@ -23,7 +23,7 @@ use program::{Change, Settings};
 
 use crate::body::Body;
 use crate::config::{
-    BodyConfig, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
+    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
 };
 use crate::element::FunctionSpace;
 use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
@@ -220,6 +220,7 @@ impl Scene {
         let multipliers = self.multipliers(body, &space, &energies);
         let mut problem =
             Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
+        problem.tolerates_inversion = self.config.solver.inside_out == InsideOut::Tolerated;
         if supports.move_at_all() {
             problem = problem.with_motion(move |load| supports.displacement(load));
         }
@@ -379,6 +380,7 @@ impl Scene {
             newton_iterations: _,
             relative_tolerance,
             absolute_tolerance,
+            inside_out: _,
         } = self.config.solver;
         Stepping {
             first: self.config.solver.first_load_step(),

@@ -16,13 +16,14 @@ pub struct Python {
 }
 
 impl Python {
-    /// The interpreter named by [`PYTHON_VARIABLE`], else `.venv/bin/python` of the checkout that
-    /// the program was built in; says which.
+    /// The interpreter named by [`PYTHON_VARIABLE`]; where that is unset or empty,
+    /// `.venv/bin/python` of the checkout that the program was built in; says which.
     ///
     /// # Errors
     /// If there is none.
     pub fn find() -> Result<Self> {
-        let path = match std::env::var_os(PYTHON_VARIABLE).map(PathBuf::from) {
+        let named = std::env::var_os(PYTHON_VARIABLE).filter(|name| !name.is_empty());
+        let path = match named.map(PathBuf::from) {
             Some(path) if path.is_file() => path,
             Some(path) => bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display()),
             None => of_checkout()?,

@@ -47,6 +47,12 @@ pub enum Uncertified {
 }
 
 impl Uncertified {
+    /// J where it is worst, or its lower bound.
+    #[must_use]
+    pub fn volume_ratio(&self) -> f64 {
+        self.rank().1
+    }
+
     /// Smaller is worse: inversions before doubts.
     fn rank(&self) -> (u8, f64) {
         match self {

@@ -28,6 +28,9 @@ pub struct Problem {
     pub dirichlet: Arc<Dirichlet>,
     /// Of the chambers with a prescribed volume, before the first step.
     pub multipliers: Vec<Multiplier>,
+    /// Whether an equilibrium may have elements that are turned inside out between their
+    /// quadrature points.
+    pub tolerates_inversion: bool,
 }
 
 impl Problem {
@@ -35,7 +38,8 @@ impl Problem {
     #[must_use]
     pub fn new(space: FunctionSpace, energies: Energies, fixed: &[bool]) -> Self {
         let (space, dirichlet) = (Arc::new(space), Arc::new(Dirichlet::new(fixed)));
-        Self { space, energies, dirichlet, multipliers: Vec::new() }
+        let multipliers = Vec::new();
+        Self { space, energies, dirichlet, multipliers, tolerates_inversion: false }
     }
 
     /// Sets the multipliers of prescribed volumes at rest, as the energies number them.

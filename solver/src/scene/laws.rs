@@ -56,14 +56,14 @@ impl Scene {
     /// When a name is none of the bodies and volumes, or a law has no isochoric part.
     pub fn set_branches(&mut self) -> Result<()> {
         self.laws.iter_mut().for_each(|law| law.branches.clear());
-        for RelaxationConfig { on, overstress, time } in self.config.relaxation.clone() {
-            let is_own = |law: &SceneLaw| on.as_ref().is_none_or(|on| self.is_law_of(law, on));
-            let own: Vec<usize> = (0..self.laws.len()).filter(|&i| is_own(&self.laws[i])).collect();
+        for table in self.config.relaxation.clone() {
+            let is_own = |&i: &usize| self.relaxes(&table, &self.laws[i]);
+            let own: Vec<usize> = (0..self.laws.len()).filter(is_own).collect();
             let names = || self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>();
             ensure!(
                 !own.is_empty(),
                 "[[relaxation]] on \"{}\": no body or volume has this name; there are: {}",
-                on.as_deref().unwrap_or_default(),
+                table.on.as_deref().unwrap_or_default(),
                 names().join(", ")
             );
             for &i in &own {
@@ -77,7 +77,8 @@ impl Scene {
                     with_isochoric_part().join(", ")
                 );
             }
-            own.iter().for_each(|&i| self.laws[i].branches.push(Branch { overstress, time }));
+            let branch = Branch { overstress: table.overstress, time: table.time };
+            own.iter().for_each(|&i| self.laws[i].branches.push(branch));
         }
         Ok(())
     }
@@ -85,11 +86,15 @@ impl Scene {
     /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
     #[must_use]
     pub fn branch_of(&self, law: &SceneLaw, table: usize) -> Option<usize> {
-        let is_own =
-            |table: &&RelaxationConfig| table.on.as_ref().is_none_or(|on| self.is_law_of(law, on));
+        let is_own = |table: &&RelaxationConfig| self.relaxes(table, law);
         let tables = &self.config.relaxation;
         tables.get(table).filter(is_own)?;
         Some(tables[..table].iter().filter(is_own).count())
+    }
+
+    /// Whether a `[[relaxation]]` is of a law.
+    fn relaxes(&self, table: &RelaxationConfig, law: &SceneLaw) -> bool {
+        table.on.as_ref().is_none_or(|on| self.is_law_of(law, on))
     }
 
     /// The overstress of a law on some elements, if it has any; `first` relaxed stresses are of the
