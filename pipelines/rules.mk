@@ -288,9 +288,11 @@ build/frog/robust/report.json: pipelines/frog/design.robust.toml pipelines/frog/
 build/frog/tolerance/%/tolerance.json: build/frog/%/report.json | setup
 	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/frog/sim.toml --printer prusa-mk4 -o $(@D)
 
+THROAT = scenarios.$(1).mean_displacement.throat*1e3
 build/frog/pictures/robust.svg: build/frog/robust/report.json | setup
-	$(BIN)/solver plot $(<D)/history.jsonl --x scenarios.nominal.objective --y "spread.throat*100" \
-		--x-title "objective with walls as designed" --y-title "spread of the throat for walls ± 0.15 mm [%]" -o $@
+	$(BIN)/solver plot $(<D)/history.jsonl --y "$(call THROAT,thin),$(call THROAT,nominal),$(call THROAT,thick)" \
+		--labels "walls 0.15 mm thinner,as designed,0.15 mm thicker" --x-title "accepted shapes" \
+		--y-title "mean displacement of the throat [mm]" -o $@
 
 build/frog/pictures/robust.png: build/frog/robust/report.json | setup
 	$(BIN)/cad2fem picture build/frog/optimize/design.msh $(<D)/design.msh $(SECTION) \
