@@ -303,7 +303,9 @@ impl Run<'_> {
         );
         if step.smallest_volume_ratio <= 0.0 {
             let ratio = step.smallest_volume_ratio;
-            log::warn!("an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}");
+            log::warn!(
+                "an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}"
+            );
         }
         if let (Some(states), true) = (&mut self.states, step.ends_time_step) {
             states.push(end, self.stepper.progress.integrator.last().clone());
