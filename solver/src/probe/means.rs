@@ -1,10 +1,12 @@
 //! Probes of means over tags.
 //!
-//! q = q(m₁, m₂, …)      m of each tag: the means of X, u, X Xᵀ and u Xᵀ
+//! q = q(m₁, m₂, …)      m of each tag: the means of X, u, X Xᵀ, u Xᵀ and |u|
 //!
 //! over the tag's rest area A, (1/A) ∫ … dA. With m̄ = ∂q/∂m,
 //!
 //! ∂q = Σ (1/A) ∂∫ m̄ · (m(x) − m) dA      at fixed m̄ and m
+//!
+//! Where a point does not move, |u| has no derivative; zero is taken, the least of its subgradients.
 
 use mesh::Vec3;
 
@@ -24,6 +26,8 @@ pub struct Means {
     pub rest_rest: Mat3,
     /// Of u Xᵀ [m²].
     pub u_rest: Mat3,
+    /// Of |u| [m].
+    pub length: f64,
 }
 
 impl Means {
@@ -33,6 +37,7 @@ impl Means {
         u: Vec3::new(0.0, 0.0, 0.0),
         rest_rest: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         u_rest: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        length: 0.0,
     };
 
     /// Mean deformed position [m].
@@ -50,7 +55,7 @@ impl Means {
     fn of(place: &Place) -> Self {
         let Place { rest, u } = *place;
         let (rest_rest, u_rest) = (rest * rest.transpose(), u * rest.transpose());
-        Self { rest, u, rest_rest, u_rest }
+        Self { rest, u, rest_rest, u_rest, length: u.norm() }
     }
 
     fn add(&mut self, weight: f64, other: &Self) {
@@ -58,6 +63,7 @@ impl Means {
         self.u += weight * other.u;
         self.rest_rest += weight * other.rest_rest;
         self.u_rest += weight * other.u_rest;
+        self.length += weight * other.length;
     }
 
     fn dot(&self, other: &Self) -> f64 {
@@ -65,6 +71,7 @@ impl Means {
             + self.u.dot(&other.u)
             + self.rest_rest.dot(&other.rest_rest)
             + self.u_rest.dot(&other.u_rest)
+            + self.length * other.length
     }
 }
 
@@ -111,7 +118,8 @@ impl OfMeans {
         for ((patch, (area, means)), bar) in self.patches.iter().zip(&all).zip(&bars) {
             let own = bar.dot(means);
             add(patch, &|place| {
-                let by_u = bar.u + bar.u_rest * place.rest;
+                let direction = place.u.try_normalize(0.0).unwrap_or_default();
+                let by_u = bar.u + bar.u_rest * place.rest + bar.length * direction;
                 let by_product = bar.rest_rest + bar.rest_rest.transpose();
                 let by_rest = bar.rest + by_product * place.rest + bar.u_rest.transpose() * place.u;
                 Density {

@@ -124,7 +124,8 @@ fn carried(m: &Means, point: Vec3, axis: Vec3) -> (f64, Means) {
     let by_moment = turn.by_moment(&axis, &arm);
     let by_rest = axis - r.transpose() * axis - by_moment * m.rest - by_moment.transpose() * m.x();
     let by_u = axis - by_moment * m.rest;
-    (value, Means { rest: by_rest, u: by_u, rest_rest: by_moment, u_rest: by_moment })
+    let moments = Means { rest_rest: by_moment, u_rest: by_moment, ..Means::ZERO };
+    (value, Means { rest: by_rest, u: by_u, ..moments })
 }
 
 /// The polar decomposition M = R P.
