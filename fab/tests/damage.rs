@@ -316,6 +316,9 @@ fn inflated_walls() {
     assert_status(&lines, "inflated: body", Status::Ok);
     assert_status(&lines, "inflated: thinnest wall", Status::Ok);
     assert_status(&lines, "inflated: largest stretch", Status::Ok);
+    assert_status(&lines, "inflated: elements", Status::Ok);
+    let inside_out = lines_of(&sound().simulation(-0.5, true, 2.0));
+    assert_status(&inside_out, "inflated: elements", Status::Warn);
     // Dragon Skin 20 breaks at 620 %.
     assert_fails(&lines_of(&sound().simulation(0.5, true, 7.3)), "inflated: largest stretch");
     // 4 mm become 0.2 mm.

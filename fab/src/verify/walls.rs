@@ -70,7 +70,15 @@ pub fn wall_line(name: &str, surface: &SurfaceMesh, least: f64) -> Line {
 struct Simulated {
     usable: bool,
     inputs: Inputs,
+    #[serde(default)]
+    steps: Vec<LoadStep>,
     stretch_range: Option<Stretch>,
+}
+
+/// A load step of it.
+#[derive(Deserialize)]
+struct LoadStep {
+    smallest_volume_ratio: Option<f64>,
 }
 
 /// What was simulated.
@@ -140,6 +148,7 @@ pub fn inflated(design: &Input, casting: &CastingConfig, folder: &Path) -> Vec<L
     let least = INFLATED * casting.least_wall * MM;
     lines.push(wall_line("inflated: thinnest wall", &surface, least));
     lines.extend(report.stretch_range.map(|range| stretch(casting, range.largest)));
+    lines.extend(report.steps.last().and_then(|step| step.smallest_volume_ratio).map(elements));
     lines
 }
 
@@ -155,6 +164,14 @@ fn same_body(design: &Input, simulated: Meshes) -> Line {
     let found: Vec<String> = meshes.iter().map(|mesh| named(&mesh.path, &mesh.sha256)).collect();
     let needed = named(&design.path.display().to_string(), &design.sha256);
     Line::new("inflated: body", same, found.join("; "), &format!("the run of {needed}"))
+}
+
+/// No element is turned inside out, which a scene may tolerate: walls and stretches are not to be
+/// trusted there.
+fn elements(ratio: f64) -> Line {
+    let status = if ratio > 0.0 { Status::Ok } else { Status::Warn };
+    let found = format!("smallest volume ratio {ratio:.2e}");
+    Line { status, ..Line::new("inflated: elements", true, found, "more than 0: none inside out") }
 }
 
 /// The silicone is not stretched beyond what tears it.
