@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-authors worm-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -62,6 +62,8 @@ sweep: setup .venv-sweep/installed  ## all cases of a sweep and their table (BOD
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 
 gripper-authors: build/gripper-authors/baseline/report.json  ## the gripper of Gjoka et al. from their surface and selections on, simulated (needs their files)
+
+worm-authors: build/worm-authors/baseline/report.json  ## the worm of Gjoka et al. likewise
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 

@@ -324,7 +324,8 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
-# the force on the cylinder (optimize) and by shape alone (shape). Each is pulled off the cylinder.
+# the force on the cylinder (optimize) and by shape alone (shape). The first, and the gripper as modelled, are
+# pulled off the cylinder.
 build/gripper/cylinder/model/model.json: pipelines/gripper/cylinder/model.geo | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
 
@@ -364,8 +365,8 @@ $(eval $(call gripped,baseline,build/gripper/tagged.msh))
 $(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
 $(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
 
-build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline shaped optimized) | setup
-	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by shape,by force" \
+build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline optimized) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by force" \
 		--x-title "time [s]: air until 1, then drawn away by 24 mm" --y-title "force that holds the cylinder [N]" -o $@
 
 build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
@@ -407,6 +408,28 @@ $(GA)/tagged.msh: $(GA)/volume.msh pipelines/gripper/authors/tags.toml $(patsubs
 	$(BIN)/tagger tag $< --config pipelines/gripper/authors/tags.toml --patches $(GA)/selections -o $@
 
 $(GA)/baseline/report.json: pipelines/gripper/authors/sim.toml $(GA)/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+# Their worm likewise, but tagged by the patches of their mesh.
+WA := build/worm-authors
+WORM := $(dir $(AUTHORS))worm
+
+$(WORM)/run_worm.json:
+	@echo "make worm-authors: needs the published files of Gjoka et al. 2024 in $(@D)"; exit 1
+
+$(WA)/import/sim.toml: | $(WORM)/run_worm.json setup
+	$(BIN)/solver import $(WORM)/run_worm.json -o $(@D)
+
+$(WA)/model/model.json: $(WA)/import/sim.toml | setup
+	$(BIN)/cad2fem import $(<D)/worm_long_clean.msh --unit m -o $(@D)
+
+$(WA)/volume.msh: $(WA)/model/model.json pipelines/worm/authors/cad2fem.toml | setup
+	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/worm/authors/cad2fem.toml -o $@
+
+$(WA)/tagged.msh: $(WA)/volume.msh pipelines/worm/authors/tags.toml | setup
+	$(BIN)/tagger tag $< --config pipelines/worm/authors/tags.toml --patches $(WA)/model/patches -o $@
+
+$(WA)/baseline/report.json: pipelines/worm/authors/sim.toml $(WA)/tagged.msh | setup
 	$(BIN)/solver simulate $< -o $(@D)
 
 # The arm at its targets.
