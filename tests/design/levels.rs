@@ -68,6 +68,67 @@ fn a_cheap_level_may_have_another_degree() {
     assert_eq!(history.last().unwrap()["level"], 3);
 }
 
+/// What is gained on a coarse mesh is kept on the scene's, to which the design is carried, and the reverse.
+#[test]
+fn a_level_may_have_another_mesh() {
+    let dir = chamber::workdir();
+    let [coarse, fine] = [2, 3].map(chamber::refined);
+    mesh::io::write_tets(&dir.path("body.msh"), &coarse.mesh, &coarse.tags).unwrap();
+    mesh::io::write_tets(&dir.path("fine.msh"), &fine.mesh, &fine.tags).unwrap();
+    dir.write("p1.toml", &dir.text("p1.toml").replace("body.msh", "fine.msh"));
+    // the term of walls differs too much from mesh to mesh: 2 and 6 % of the objective
+    let level = |more: &str| {
+        let head = "[[shape.level]]\nhandles = 1\niterations = 2\nweights = { wall = 0 }\n";
+        format!("{head}{more}")
+    };
+    let levels = [level("mesh = 'body.msh'\n"), level(""), level("mesh = 'body.msh'\n")].concat();
+    let design = dir.text("design.toml");
+    let (head, tail) = (design.find("[[shape").unwrap(), design.find("[[objective]]").unwrap());
+    dir.write("design.toml", &format!("{}{levels}{}", &design[..head], &design[tail..]));
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let history = history(&dir);
+    let of = |level: u64| history.iter().filter(move |line| line["level"] == level);
+    let number = |line: &Value, key: &str| line[key].as_f64().unwrap();
+    let dofs: Vec<f64> = (1..=5).map(|l| number(of(l).next().unwrap(), "dofs")).collect();
+    assert_eq!(dofs[0], 3.0 * fine.mesh.vertices.len() as f64);
+    assert_eq!(dofs[1], 3.0 * coarse.mesh.vertices.len() as f64);
+    assert_eq!([dofs[2], dofs[3], dofs[4]], [dofs[0], dofs[1], dofs[0]]);
+    let ends = |level: u64| {
+        let own: Vec<f64> = of(level).map(|line| number(line, "objective")).collect();
+        (own[0], *own.last().unwrap())
+    };
+    for level in [2, 4] {
+        let (gained, (start, end)) = (ends(level - 1).1 - ends(level + 1).0, ends(level));
+        assert!(
+            gained > 0.5 * (start - end) && start > end,
+            "level {level}: {gained:.3e} of {start:.3e} to {end:.3e}"
+        );
+    }
+    let designed = mesh::io::read_tets(&dir.path("out/design.msh")).unwrap();
+    assert_eq!(designed.mesh.vertices.len(), fine.mesh.vertices.len());
+}
+
+#[test]
+fn a_mesh_that_is_not_of_the_body_is_refused() {
+    let dir = chamber::workdir();
+    let design = dir.text("design.toml");
+    let refused = |more: &str, words: &[&str]| {
+        let changed = design.replacen("iterations = 3", &format!("iterations = 3\n{more}"), 1);
+        dir.write("design.toml", &changed);
+        dir.solver("optimize design.toml -o out").assert_refused(2, words);
+    };
+    refused("mesh = 'none.msh'", &["none.msh"]);
+    refused("body = 'a'", &["body = \"a\" without mesh"]);
+    refused("mesh = 'body.msh'\nbody = 'a'", &["body = \"a\"", "only one body"]);
+    let mut body = chamber::chamber();
+    body.mesh.vertices.iter_mut().for_each(|x| x.y += 0.1);
+    mesh::io::write_tets(&dir.path("far.msh"), &body.mesh, &body.tags).unwrap();
+    refused("mesh = 'far.msh'", &["far.msh", "from the modelled surface"]);
+    let bare = mesh::Tags::default();
+    mesh::io::write_tets(&dir.path("bare.msh"), &body.mesh, &bare).unwrap();
+    refused("mesh = 'bare.msh'", &["bare.msh", "no tag"]);
+}
+
 #[test]
 fn designed_loads_go_from_level_to_level() {
     let levels = "[[shape.level]]\nhandles = 1\niterations = 2\n\

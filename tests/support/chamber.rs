@@ -101,8 +101,15 @@ activation = 5e-5
 /// the rest.
 #[must_use]
 pub fn chamber() -> Body {
-    let middle = |i: usize| i == 1 || i == 2;
-    let mesh = block([5, 4, 4], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
+    refined(1)
+}
+
+/// The same in cells of 10 mm / n.
+#[must_use]
+pub fn refined(n: usize) -> Body {
+    let middle = |i: usize| (n..3 * n).contains(&i);
+    let hollow = |c: [usize; 3]| c[0] < 4 * n && middle(c[1]) && middle(c[2]);
+    let mesh = block([5 * n, 4 * n, 4 * n], 0.01 / n as f64, hollow, |p| p);
     let inner = |x: f64| x > 0.009 && x < 0.031;
     tag(
         mesh,

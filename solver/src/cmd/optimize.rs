@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use mesh::io::vtu;
 use program::{Changes, FolderLock, Settings, Unusable};
 use serde_json::{Value, json};
 
-use crate::config::{DesignConfig, beside};
-use crate::optimize::{Cascade, Checkpoint, Finished, LATEST, Molding, mesh_file, write_bodies};
+use crate::config::{DesignConfig, LevelConfig, beside};
+use crate::optimize::{
+    Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
+};
 use crate::report::failure;
 use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
@@ -43,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Problem { file, design, scene } = read(&arguments.design, &[], &arguments.changes)?;
     scene.body.log_share();
     let molding = file.checked(|_| Molding::new(&arguments.design, &design, &scene.body))?;
+    let meshes = file.checked(|_| meshes(arguments, &design, &scene))?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let objectives =
@@ -58,6 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let cascade = Cascade {
         scene: &scene,
         design: &design,
+        meshes,
         objectives: &objectives,
         molding,
         folder: folder.clone(),
@@ -123,6 +127,34 @@ pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Resu
     let design = DesignConfig::of(&file)?;
     let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
     Ok(Problem { file, design, scene })
+}
+
+/// The body on the meshes of the scene and of the levels.
+fn meshes(arguments: &Arguments, design: &DesignConfig, scene: &Scene) -> Result<Meshes> {
+    let (_, of_scene) = arguments.changes.own_and_scene();
+    Meshes::new(&scene.body, design, |level| {
+        check_body(level, scene)?;
+        let path = level.mesh.iter().map(|path| beside(&arguments.design, path));
+        let others: Vec<_> = path.map(|path| (level.body.clone(), path)).collect();
+        Ok(Scene::read_with(&scene.path, &others, &of_scene)?.body)
+    })
+}
+
+/// The mesh of a level is of a body that the scene has.
+fn check_body(level: &LevelConfig, scene: &Scene) -> Result<()> {
+    let names: Vec<&str> = scene.body.parts.iter().filter_map(|p| p.name.as_deref()).collect();
+    match level.body.as_deref() {
+        Some(body) if names.is_empty() => {
+            bail!("level: body = \"{body}\": the scene has only one body; expected none")
+        }
+        Some(body) if !names.contains(&body) => {
+            bail!("level: body = \"{body}\": expected one of {}", names.join(", "))
+        }
+        None if names.len() > 1 => {
+            bail!("level: mesh without body; expected body = one of {}", names.join(", "))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether the folder holds an optimisation of other inputs that is finished or
@@ -203,6 +235,9 @@ fn hash_inputs(file: &Settings, design: &DesignConfig, scene: &Scene) -> Result<
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
     let path = file.file().path;
+    for mesh in design.levels().iter().filter_map(|level| level.mesh.as_ref()) {
+        hashes.push(program::sha256_file(&beside(&path, mesh))?);
+    }
     for objective in &design.objective {
         for target in objective.files() {
             hashes.push(program::sha256_file(&beside(&path, target))?);

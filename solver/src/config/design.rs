@@ -15,7 +15,7 @@ use super::{
 use crate::body::Names;
 use crate::symmetry::AXES;
 
-const KEYS: Keys = Keys { paths: &["scene", "target", "config"], named: &[] };
+const KEYS: Keys = Keys { paths: &["scene", "target", "config", "mesh"], named: &[] };
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -265,14 +265,11 @@ impl DesignConfig {
             let iterations = self.optimizer.iterations.unwrap_or(0);
             levels.push(LevelConfig { iterations, ..Default::default() });
         }
-        if levels.iter().any(LevelConfig::has_own_fidelity) {
-            levels.insert(0, levels[0].at_full_fidelity());
-            let last = &levels[levels.len() - 1];
-            if last.has_own_fidelity() {
-                levels.push(last.at_full_fidelity());
-            }
-        }
-        levels
+        let [first, last] = [&levels[0], &levels[levels.len() - 1]];
+        let framed =
+            |level: &LevelConfig| level.has_own_fidelity().then(|| level.at_full_fidelity());
+        let (before, after) = (framed(first), framed(last));
+        before.into_iter().chain(levels).chain(after).collect()
     }
 
     /// The scenarios; the scene as it is where there are none.

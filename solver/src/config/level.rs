@@ -2,6 +2,7 @@
 //! cascade, tag by tag, what counts, and how finely the scene is simulated.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use schemars::JsonSchema;
@@ -28,6 +29,12 @@ pub struct LevelConfig {
     /// Factors on the weights of objectives, by their names; 1 for the others.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub weights: BTreeMap<String, f64>,
+    /// Another mesh in place of the scene's, as modelled and with the same tags: the design moves to it and back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
+    /// The body that `mesh` is of, in a scene with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
     /// Degree of the displacement in place of the scene's: 1, 2 or 3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<usize>,
@@ -147,13 +154,14 @@ impl LevelConfig {
     /// Whether it simulates another problem than the scene's.
     #[must_use]
     pub fn has_own_fidelity(&self) -> bool {
-        self.degree.is_some() || self.time.is_some()
+        self.degree.is_some() || self.time.is_some() || self.mesh.is_some()
     }
 
     /// The scene itself on this level's body, without an iteration.
     #[must_use]
     pub fn at_full_fidelity(&self) -> Self {
-        Self { degree: None, time: None, iterations: 0, ..self.clone() }
+        let clone = self.clone();
+        Self { degree: None, time: None, mesh: None, body: None, iterations: 0, ..clone }
     }
 
     /// The levels that it stands for.
@@ -209,6 +217,11 @@ impl LevelConfig {
     }
 
     fn check_problem(&self, objectives: &[&str]) -> Result<()> {
+        if let (Some(body), None) = (&self.body, &self.mesh) {
+            bail!(
+                "body = \"{body}\" without mesh; expected mesh = \"FILE.msh\", another mesh of it"
+            );
+        }
         if let Some(LevelTime { steps, end }) = self.time {
             ensure!(
                 (1..=MOST_STEPS).contains(&steps),

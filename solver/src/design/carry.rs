@@ -77,10 +77,7 @@ pub fn carry(modelled: &Body, designed: &TetMesh, other: &Body) -> Result<Carrie
     let mut d: BTreeMap<usize, (f64, Vec3)> = BTreeMap::new();
     let tags: Vec<&String> = modelled.used_tags().collect();
     for tag in tags {
-        let Ok(facets) = other.facets(tag) else {
-            let known: Vec<_> = other.used_tags().map(String::as_str).collect();
-            bail!("the other mesh has no tag \"{tag}\"; it has: {}", known.join(", "));
-        };
+        let facets = same_facets(other, tag)?;
         let wall = Wall::new(modelled, designed, tag)?;
         for &v in facets.iter().flatten() {
             let found = wall.at(&other.mesh.vertices[v]);
@@ -93,6 +90,34 @@ pub fn carry(modelled: &Body, designed: &TetMesh, other: &Body) -> Result<Carrie
     let moving = || d.values().filter(|(_, motion)| motion.norm() > 0.0);
     let motion = moving().map(|(_, motion)| motion.norm()).fold(0.0, f64::max);
     let apart = moving().map(|(apart, _)| *apart).fold(0.0, f64::max);
+    ensure_near(modelled, apart)?;
+    let moves: Vec<(usize, Vec3)> = d.into_iter().map(|(v, (_, motion))| (v, motion)).collect();
+    Ok(Carried { vertices: moved(other, &moves)?, motion, apart })
+}
+
+/// Checks that shapes which move facets with the tags of a body can be carried onto another mesh of it.
+///
+/// # Errors
+/// When a tag is missing, or the facets with one are too far apart.
+pub fn check_same_body(modelled: &Body, other: &Body, moving: &[String]) -> Result<()> {
+    modelled.used_tags().try_for_each(|tag| same_facets(other, tag).map(drop))?;
+    for tag in moving {
+        let wall = Wall::new(modelled, &modelled.mesh, tag)?;
+        let vertices = same_facets(other, tag)?.into_iter().flatten();
+        let apart = vertices.map(|v| wall.at(&other.mesh.vertices[v]).0).fold(0.0, f64::max);
+        ensure_near(modelled, apart)?;
+    }
+    Ok(())
+}
+
+fn same_facets(other: &Body, tag: &str) -> Result<Vec<[usize; 3]>> {
+    other.facets(tag).or_else(|_| {
+        let known: Vec<_> = other.used_tags().map(String::as_str).collect();
+        bail!("the other mesh has no tag \"{tag}\"; it has: {}", known.join(", "))
+    })
+}
+
+fn ensure_near(modelled: &Body, apart: f64) -> Result<()> {
     let limit = APART * mean_edge(&modelled.mesh.vertices, modelled.boundary());
     ensure!(
         apart <= limit,
@@ -101,8 +126,7 @@ pub fn carry(modelled: &Body, designed: &TetMesh, other: &Body) -> Result<Carrie
         1e3 * apart,
         1e3 * limit
     );
-    let moves: Vec<(usize, Vec3)> = d.into_iter().map(|(v, (_, motion))| (v, motion)).collect();
-    Ok(Carried { vertices: moved(other, &moves)?, motion, apart })
+    Ok(())
 }
 
 /// The vertices of a body whose boundary moves, in as few steps as elements bear.

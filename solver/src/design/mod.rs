@@ -16,7 +16,7 @@ mod pressure_curve;
 pub mod sampling;
 mod scalar;
 
-pub use carry::{Carried, carry};
+pub use carry::{Carried, carry, check_same_body};
 pub use design_map::DesignMap;
 pub use extension::Extension;
 pub use geodesic::Geodesics;

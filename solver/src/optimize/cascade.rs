@@ -17,10 +17,10 @@ use self::say::{say_gain, time_left, variables};
 use super::checkpoint::Checkpoint;
 use super::history::{History, add_scenarios};
 use super::molding::{self, Molding};
-use super::remesh::{remesh, write_bodies};
+use super::remesh::write_bodies;
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
-use super::{Evaluation, Lbfgs, Level, Rejected, Run, Start};
+use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Run, Start};
 use crate::body::Body;
 use crate::config::{DesignConfig, OptimizerConfig};
 use crate::math::linear::{dot, norm};
@@ -28,7 +28,7 @@ use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Curvature pairs that L-BFGS remembers.
-const MEMORY: usize = 6;
+pub(super) const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.
@@ -44,6 +44,8 @@ pub struct Cascade<'a> {
     pub scene: &'a Scene,
     /// The design problem.
     pub design: &'a DesignConfig,
+    /// The body on the meshes of all levels.
+    pub meshes: Meshes,
     /// Terms of the objective.
     pub objectives: &'a ObjectiveBuilder<'a>,
     /// Who is asked how shapes can be cast.
@@ -121,36 +123,19 @@ impl Cascade<'_> {
             None => {
                 self.history().truncate(0, "")?;
                 let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
-                self.begin_mesh(&self.scene.body, start)?
+                self.begin_mesh(&self.scene.body, self.meshes.others(), start)?
             }
         };
         loop {
-            let body = self.level_body(&checkpoint)?;
+            let body = self.body_of(&checkpoint, None)?;
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
-            let shape = level.shape(&evaluation);
-            let levels = self.design.levels();
             let next = if checkpoint.flat { checkpoint.level } else { checkpoint.level + 1 };
-            let Some(settings) = levels.get(next) else {
+            if next == self.design.levels().len() {
                 let (stopped, theta) = (checkpoint.all_stopped(), checkpoint.theta);
-                return Ok(Finished { body: shape, last: (level, evaluation), theta, stopped });
-            };
-            // a level without iterations tells what the same mesh does at another fidelity
-            let body = match settings.iterations {
-                0 => shape,
-                _ => {
-                    let tolerance = self.design.shape.as_ref().and_then(|s| s.surface_tolerance);
-                    remesh(&shape, level.map().moving(), tolerance)?
-                }
-            };
-            let degree = settings.degree.unwrap_or(self.scene.config.degree);
-            let start = level.carry(&evaluation, &body, degree);
-            let loads = level.map().loads(&checkpoint.theta);
-            let lbfgs = Lbfgs::new(MEMORY);
-            let next = match checkpoint.flat {
-                true => checkpoint.on_new_mesh((start, loads), lbfgs),
-                false => checkpoint.next_level((start, loads), lbfgs),
-            };
-            checkpoint = self.begin_mesh(&body, next)?;
+                let body = level.shape(&evaluation);
+                return Ok(Finished { body, last: (level, evaluation), theta, stopped });
+            }
+            checkpoint = self.begin_level(next, (&level, &evaluation), checkpoint)?;
         }
     }
 
