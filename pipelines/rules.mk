@@ -383,54 +383,38 @@ build/gripper/whole.msh: build/gripper/optimize/report.json | setup
 
 build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
 
-# The gripper of Gjoka et al. 2024 through our chain: the boundary of their mesh as CAD surface, their selections
-# offset, tetrahedra of our own. Their files are not part of the project.
-AUTHORS := ../shared/data/pneumatic-actuator-design/gripper_bellows
-GA := build/gripper-authors
+# The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
+# own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
+THEIRS := ../shared/data/pneumatic-actuator-design
 
-$(AUTHORS)/run_gripper_bellows_log_inside.json:
-	@echo "make gripper-authors: needs the published files of Gjoka et al. 2024 in $(@D)"; exit 1
+define authors
+$(THEIRS)/$(2)/$(3):
+	@echo "make $(1)-authors: needs the published files of Gjoka et al. 2024 in $$(@D)"; exit 1
 
-$(GA)/import/sim.toml: | $(AUTHORS)/run_gripper_bellows_log_inside.json setup
-	$(BIN)/solver import $(AUTHORS)/run_gripper_bellows_log_inside.json -o $(@D)
+build/$(1)-authors/import/sim.toml: | $(THEIRS)/$(2)/$(3) setup
+	$(BIN)/solver import $(THEIRS)/$(2)/$(3) -o $$(@D)
 
-$(GA)/model/model.json: $(GA)/import/sim.toml | setup
-	$(BIN)/cad2fem import $(<D)/gripper_bellows_thick.msh --unit m -o $(@D)
+build/$(1)-authors/model/model.json: build/$(1)-authors/import/sim.toml | setup
+	$(BIN)/cad2fem import $$(<D)/$(4) --unit m -o $$(@D)
 
-$(GA)/selections/%.obj: $(GA)/model/model.json | setup
+build/$(1)-authors/volume.msh: build/$(1)-authors/model/model.json pipelines/$(1)/authors/cad2fem.toml | setup
+	$(BIN)/cad2fem tetmesh $$(<D)/model.stl --config pipelines/$(1)/authors/cad2fem.toml -o $$@
+
+build/$(1)-authors/tagged.msh: build/$(1)-authors/volume.msh pipelines/$(1)/authors/tags.toml | setup
+	$(BIN)/tagger tag $$< --config pipelines/$(1)/authors/tags.toml --patches build/$(1)-authors/$(5) -o $$@
+
+build/$(1)-authors/baseline/report.json: pipelines/$(1)/authors/sim.toml build/$(1)-authors/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+endef
+$(eval $(call authors,gripper,gripper_bellows,run_gripper_bellows_log_inside.json,gripper_bellows_thick.msh,selections))
+$(eval $(call authors,worm,worm,run_worm.json,worm_long_clean.msh,model/patches))
+
+# The selections of the gripper are offset to volumes.
+build/gripper-authors/selections/%.obj: build/gripper-authors/model/model.json | setup
 	@mkdir -p $(@D)
 	$(BIN)/cad2fem offset $(<D)/patches/$*.stl --distance 5.8e-4 -o $@
 
-$(GA)/volume.msh: $(GA)/model/model.json pipelines/gripper/authors/cad2fem.toml | setup
-	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/gripper/authors/cad2fem.toml -o $@
-
-$(GA)/tagged.msh: $(GA)/volume.msh pipelines/gripper/authors/tags.toml $(patsubst %,$(GA)/selections/%.obj,s1 s2 s3 s4) | setup
-	$(BIN)/tagger tag $< --config pipelines/gripper/authors/tags.toml --patches $(GA)/selections -o $@
-
-$(GA)/baseline/report.json: pipelines/gripper/authors/sim.toml $(GA)/tagged.msh | setup
-	$(BIN)/solver simulate $< -o $(@D)
-
-# Their worm likewise, but tagged by the patches of their mesh.
-WA := build/worm-authors
-WORM := $(dir $(AUTHORS))worm
-
-$(WORM)/run_worm.json:
-	@echo "make worm-authors: needs the published files of Gjoka et al. 2024 in $(@D)"; exit 1
-
-$(WA)/import/sim.toml: | $(WORM)/run_worm.json setup
-	$(BIN)/solver import $(WORM)/run_worm.json -o $(@D)
-
-$(WA)/model/model.json: $(WA)/import/sim.toml | setup
-	$(BIN)/cad2fem import $(<D)/worm_long_clean.msh --unit m -o $(@D)
-
-$(WA)/volume.msh: $(WA)/model/model.json pipelines/worm/authors/cad2fem.toml | setup
-	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/worm/authors/cad2fem.toml -o $@
-
-$(WA)/tagged.msh: $(WA)/volume.msh pipelines/worm/authors/tags.toml | setup
-	$(BIN)/tagger tag $< --config pipelines/worm/authors/tags.toml --patches $(WA)/model/patches -o $@
-
-$(WA)/baseline/report.json: pipelines/worm/authors/sim.toml $(WA)/tagged.msh | setup
-	$(BIN)/solver simulate $< -o $(@D)
+build/gripper-authors/tagged.msh: $(patsubst %,build/gripper-authors/selections/%.obj,s1 s2 s3 s4)
 
 # The arm at its targets.
 build/arm/pictures/reached.png: build/arm/reached/report.json | setup

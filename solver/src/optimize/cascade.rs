@@ -4,6 +4,7 @@
 //! Source: Gjoka et al. 2024, section 4.5; L-BFGS: Nocedal and Wright,
 //! "Numerical Optimization", chapter 7.
 
+mod begin;
 mod say;
 
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ use crate::report::results;
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Curvature pairs that L-BFGS remembers.
-pub(super) const MEMORY: usize = 6;
+const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
 /// Halvings of a step before the level ends.

@@ -1,0 +1,111 @@
+//! How a level begins: the shape that the one before ended with, on its mesh and on those of later levels.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::{Cascade, MEMORY};
+use crate::body::{Body, Part};
+use crate::config::LevelConfig;
+use crate::optimize::remesh::{mesh_file, remesh};
+use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level};
+
+impl Cascade<'_> {
+    /// The mesh that a level began with, or that its iteration `meshed_at` made; of a later level's mesh
+    /// with its index.
+    fn mesh_path(&self, at: &Checkpoint, later: Option<usize>, part: &Part) -> PathBuf {
+        let mut what = match at.meshed_at {
+            0 => format!("level-{}", at.level + 1),
+            iteration => format!("remeshed-{}-{iteration}", at.level + 1),
+        };
+        if let Some(index) = later {
+            what += &format!("-mesh-{index}");
+        }
+        self.folder.join(mesh_file(&what, part.name.as_deref()))
+    }
+
+    /// The body that a level began with, or, with its index, the mesh of a later level at that time.
+    pub(super) fn body_of(&self, checkpoint: &Checkpoint, later: Option<usize>) -> Result<Body> {
+        let part = |part: &Part| {
+            let path = self.mesh_path(checkpoint, later, part);
+            let file = mesh::io::read_tets(&path)?;
+            Ok((part.name.clone(), file.mesh, file.tags))
+        };
+        let bodies = self.scene.body.parts.iter().map(part).collect::<Result<_>>()?;
+        Body::join(bodies).cut_by(&self.scene.config.cuts())
+    }
+
+    /// Puts the mesh of a level, those of later ones and the checkpoint before its first solve on disk.
+    pub(super) fn begin_mesh<'b>(
+        &self,
+        body: &Body,
+        later: impl IntoIterator<Item = (usize, &'b Body)>,
+        mut checkpoint: Checkpoint,
+    ) -> Result<Checkpoint> {
+        let later = later.into_iter().map(|(index, body)| (Some(index), body));
+        for (index, body) in std::iter::once((None, body)).chain(later) {
+            for (part, (_, mesh, tags)) in body.parts.iter().zip(body.separate()) {
+                let path = self.mesh_path(&checkpoint, index, part);
+                mesh::io::write_tets(&path, &mesh, &tags)?;
+                checkpoint.add_file(&path)?;
+            }
+        }
+        checkpoint.write(&self.folder)?;
+        Ok(checkpoint)
+    }
+
+    /// The checkpoint before the first solve of the level `next`, the one after or the same on a new mesh,
+    /// with its meshes on disk.
+    pub(super) fn begin_level(
+        &self,
+        next: usize,
+        (level, at): (&Level, &Evaluation),
+        checkpoint: Checkpoint,
+    ) -> Result<Checkpoint> {
+        let levels = self.design.levels();
+        let settings = &levels[next];
+        let (index, shape) = (self.meshes.of(settings), level.shape(at));
+        let mut meshes = self.meshes_from(next, (level, shape), &checkpoint)?;
+        let body = meshes.remove(&index).expect("that of the level is among them");
+        let ended = &levels[checkpoint.level];
+        // a level without iterations tells what the same mesh does at another fidelity
+        let same = settings.iterations == 0 && index == self.meshes.of(ended);
+        let body = if same { body } else { self.remeshed(&body, ended)? };
+        let degree = settings.degree.unwrap_or(self.scene.config.degree);
+        let start = (level.carry(at, &body, degree), level.map().loads(&checkpoint.theta));
+        let next = match checkpoint.flat {
+            true => checkpoint.on_new_mesh(start, Lbfgs::new(MEMORY)),
+            false => checkpoint.next_level(start, Lbfgs::new(MEMORY)),
+        };
+        self.begin_mesh(&body, meshes.iter().map(|(index, body)| (*index, body)), next)
+    }
+
+    /// A body improved where the level that has ended moved its surface.
+    fn remeshed(&self, body: &Body, ended: &LevelConfig) -> Result<Body> {
+        let Some(shape) = &self.design.shape else { return Ok(body.clone()) };
+        let moved = shape.on.all().iter().filter(|on| ended.moves(on).is_some());
+        let facets: Vec<_> = moved.map(|on| body.facets(on)).collect::<Result<_>>()?;
+        remesh(body, &facets.concat(), shape.surface_tolerance)
+    }
+
+    /// The meshes of all levels from `next` on, by index, with the shape at the end of a level.
+    fn meshes_from(
+        &self,
+        next: usize,
+        (level, shape): (&Level, Body),
+        checkpoint: &Checkpoint,
+    ) -> Result<BTreeMap<usize, Body>> {
+        let levels = self.design.levels();
+        let own = self.meshes.of(&levels[checkpoint.level]);
+        let wanted: BTreeSet<usize> = levels[next..].iter().map(|l| self.meshes.of(l)).collect();
+        let moved = |index: usize| match index == own {
+            true => Ok((index, shape.clone())),
+            false => {
+                let body = self.body_of(checkpoint, Some(index))?;
+                Ok((index, self.meshes.follow(index, body, (&level.body, &shape))?))
+            }
+        };
+        wanted.into_iter().map(moved).collect()
+    }
+}
