@@ -106,6 +106,11 @@ fn a_level_may_have_another_mesh() {
     }
     let designed = mesh::io::read_tets(&dir.path("out/design.msh")).unwrap();
     assert_eq!(designed.mesh.vertices.len(), fine.mesh.vertices.len());
+    let report = dir.json("out/report.json");
+    let named = report["inputs"]["level_meshes"].as_array().unwrap();
+    assert_eq!(named.len(), 1);
+    assert_eq!(named[0]["path"], "../body.msh");
+    assert!(report["inputs"]["targets"].is_null(), "it has none");
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! `solver optimize`: a design problem to a better body.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use mesh::io::vtu;
-use program::{Changes, FolderLock, Settings, Unusable};
+use program::{Changes, FolderLock, InputFile, Settings, Unusable};
 use serde_json::{Value, json};
 
 use crate::config::{DesignConfig, LevelConfig, beside};
@@ -75,7 +75,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write(folder, &scene, &finished)?;
     let mut report = report(folder, &finished, start)?;
     let files = [("design", &file), ("scene", &scene.file)];
-    let (inputs, set) = results::provenance(folder, &files, &scene)?;
+    let (mut inputs, set) = results::provenance(folder, &files, &scene)?;
+    for (kind, paths) in named_files(&file, &design) {
+        let files = paths.iter().map(|path| InputFile::new(path, folder));
+        let files = files.collect::<Result<Vec<_>, _>>()?;
+        if !files.is_empty() {
+            inputs[kind] = json!(files);
+        }
+    }
     (report["inputs"], report["set"]) = (inputs, json!(set));
     let (level, evaluation) = &finished.last;
     let crossing = level.crossing(evaluation);
@@ -234,16 +241,21 @@ fn hash_inputs(file: &Settings, design: &DesignConfig, scene: &Scene) -> Result<
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
-    let path = file.file().path;
-    for mesh in design.levels().iter().filter_map(|level| level.mesh.as_ref()) {
-        hashes.push(program::sha256_file(&beside(&path, mesh))?);
-    }
-    for objective in &design.objective {
-        for target in objective.files() {
-            hashes.push(program::sha256_file(&beside(&path, target))?);
+    for (_, paths) in named_files(file, design) {
+        for path in paths {
+            hashes.push(program::sha256_file(&path)?);
         }
     }
     Ok(hashes.join(" "))
+}
+
+/// The files that a design names beside its scene, by what they are to it.
+fn named_files(file: &Settings, design: &DesignConfig) -> [(&'static str, BTreeSet<PathBuf>); 2] {
+    let at = file.file().path;
+    let all = |paths: Vec<PathBuf>| paths.iter().map(|path| beside(&at, path)).collect();
+    let meshes = design.levels().into_iter().filter_map(|level| level.mesh).collect();
+    let targets = design.objective.iter().flat_map(|term| term.files()).map(PathBuf::from);
+    [("level_meshes", all(meshes)), ("targets", all(targets.collect()))]
 }
 
 fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {

@@ -4,6 +4,7 @@
 //!
 //! final       ω_N = 1
 //! steps       ω_n = 1/K for each of K listed steps; repeats add up
+//! times       the same for the steps that end at K listed times [s]
 //! uniform     ω_n = Δt_n = t_n − t_{n−1} for n ≥ 1                          [s]
 //! trapezoid   ω_n = (t_{n+1} − t_{n−1})/2, half a step at both ends         [s]
 //! simpson     Δt/3 (1, 4, 2, 4, …, 2, 4, 1) for an even number of equal steps [s]
@@ -15,7 +16,7 @@ use serde::{Deserialize, Serialize};
 const EQUAL: f64 = 1e-9;
 
 /// Which sum.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeIntegral {
     /// The last state.
@@ -23,6 +24,8 @@ pub enum TimeIntegral {
     Final,
     /// The mean over time steps, of which the first is 1.
     Steps(Vec<usize>),
+    /// The mean over the states at these times [s], however long the time steps are: one has to end at each.
+    Times(Vec<f64>),
     /// The rectangle rule.
     Uniform,
     /// The trapezoidal rule.
@@ -53,6 +56,14 @@ impl TimeIntegral {
                     factors[n] += 1.0 / steps.len() as f64;
                 }
             }
+            Self::Times(times) => {
+                if times.is_empty() {
+                    return Err("times = []: name one time or more".to_owned());
+                }
+                for &time in times {
+                    factors[step_at(time, ends)?] += 1.0 / times.len() as f64;
+                }
+            }
             Self::Uniform => (1..=count).for_each(|n| factors[n] = t(n) - t(n - 1)),
             Self::Trapezoid => (1..=count).for_each(|n| {
                 let half = 0.5 * (t(n) - t(n - 1));
@@ -75,6 +86,23 @@ impl TimeIntegral {
             }
         }
         Ok(factors)
+    }
+}
+
+/// The step, of which the first is 1, that ends at a time [s].
+fn step_at(time: f64, ends: &[f64]) -> Result<usize, String> {
+    let off = |end: f64| (end - time).abs();
+    let nearest = (0..ends.len()).min_by(|&a, &b| off(ends[a]).total_cmp(&off(ends[b])));
+    let last = ends.last().copied().unwrap_or_default();
+    match nearest {
+        Some(n) if off(ends[n]) <= EQUAL * last => Ok(n + 1),
+        Some(n) => Err(format!(
+            "time {time} s: no time step ends there; step {} of {} ends at {} s, the nearest",
+            n + 1,
+            ends.len(),
+            ends[n]
+        )),
+        None => Err(format!("time {time} s: the scene has no time steps")),
     }
 }
 
@@ -101,6 +129,9 @@ mod tests {
         close(integrate(&TimeIntegral::Simpson, &equal, |t| t * t * t), 81.0 / 4.0);
         let steps = TimeIntegral::Steps(vec![1, 3, 3]);
         close(integrate(&steps, &equal, |t| t), (0.5 + 1.5 + 1.5) / 3.0);
+        // 0.1 + 0.2 is not quite 0.3
+        let times = TimeIntegral::Times(vec![0.3, 0.9]);
+        close(integrate(&times, &[0.1, 0.1 + 0.2, 0.9], |t| t), 0.6);
     }
 
     #[test]
@@ -110,5 +141,9 @@ mod tests {
         assert!(fails(TimeIntegral::Simpson, &[1.0, 3.0]).contains("not equal"));
         assert!(fails(TimeIntegral::Steps(vec![4]), &[1.0]).contains("step 4"));
         assert!(fails(TimeIntegral::Steps(vec![]), &[1.0]).contains("one time step"));
+        assert!(fails(TimeIntegral::Times(vec![]), &[1.0]).contains("one time"));
+        let found = fails(TimeIntegral::Times(vec![0.7]), &[0.5, 1.0]);
+        assert!(found.contains("step 1 of 2 ends at 0.5 s"), "{found}");
+        assert!(fails(TimeIntegral::Times(vec![0.7]), &[]).contains("no time steps"));
     }
 }

@@ -19,8 +19,8 @@ pub const COMMON_KEYS: [(&str, &str); 4] = [
     ("share", "in place of weight: the part of the objective that the term is at the start"),
     (
         "over",
-        "the time: \"final\" (default), { steps = [2, 5] } for their mean, or a sum [s]: \
-         \"uniform\", \"trapezoid\", \"simpson\"",
+        "the time: \"final\" (default), { steps = [2, 5] } or { times = [0.4, 1.0] } for their mean, \
+         or a sum [s]: \"uniform\", \"trapezoid\", \"simpson\"",
     ),
 ];
 
