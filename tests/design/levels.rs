@@ -68,6 +68,24 @@ fn a_cheap_level_may_have_another_degree() {
     assert_eq!(history.last().unwrap()["level"], 3);
 }
 
+/// Steps are as long as L-BFGS wants them, or as `largest_step` lets them.
+#[test]
+fn later_steps_are_as_long_as_they_may_be() {
+    let dir = chamber::workdir();
+    let design = dir.text("design.toml");
+    let lengths = |more: &str| -> Vec<f64> {
+        dir.write("design.toml", &design.replacen("first_step", &format!("{more}first_step"), 1));
+        dir.solver("-q optimize design.toml -o out --restart").assert_good();
+        let level = |line: &Value| line["level"] == 1 && line["iteration"] != 0;
+        let history = history(&dir).into_iter().filter(level);
+        history.map(|line| line["motion_m"].as_f64().unwrap()).collect()
+    };
+    let (free, held) = (lengths(""), lengths("largest_step = 0.05\n"));
+    assert!((held[0] / free[0] - 1.0).abs() < 1e-9, "the first step: {held:?} {free:?}");
+    assert!(free[1] > 0.6 * free[0], "L-BFGS wants more: {free:?}");
+    assert!(held[1..].iter().all(|&motion| motion < 0.51 * held[0]), "{held:?}");
+}
+
 /// What is gained on a coarse mesh is kept on the scene's, to which the design is carried, and the reverse.
 #[test]
 fn a_level_may_have_another_mesh() {
@@ -107,10 +125,11 @@ fn a_level_may_have_another_mesh() {
     let designed = mesh::io::read_tets(&dir.path("out/design.msh")).unwrap();
     assert_eq!(designed.mesh.vertices.len(), fine.mesh.vertices.len());
     let report = dir.json("out/report.json");
-    let named = report["inputs"]["level_meshes"].as_array().unwrap();
-    assert_eq!(named.len(), 1);
-    assert_eq!(named[0]["path"], "../body.msh");
-    assert!(report["inputs"]["targets"].is_null(), "it has none");
+    for (kind, path) in [("level_meshes", "../body.msh"), ("targets", "../target.stl")] {
+        let named = report["inputs"][kind].as_array().unwrap();
+        assert_eq!(named.len(), 1, "each once: {named:?}");
+        assert_eq!(named[0]["path"], path);
+    }
 }
 
 #[test]

@@ -31,6 +31,11 @@ fn settings() {
             "frist_step",
             &["design.toml", "unknown field `frist_step`", "`stagnation`"],
         ),
+        (
+            "first_step",
+            "largest_step = 0.0\nfirst_step",
+            &["design.toml", "largest_step = 0 must be"],
+        ),
         ("spacing", "spaces", &["design.toml", "unknown field `spaces`", "`spacing`"]),
         ("kind = \"target\"", "kind = \"goal\"", &["design.toml", "`goal`", "`clearance`"]),
         ("weight = 1e10", "weight = nan", &["design.toml", "objective \"top\": weight = NaN"]),

@@ -73,6 +73,9 @@ pub struct OptimizerConfig {
     /// How far the first step of a level moves a vertex, or a pressure by its
     /// equivalent, as a fraction of a mean edge [1].
     pub first_step: f64,
+    /// How far a later step may move a vertex, as a fraction of a mean edge [1]. Smaller where
+    /// trials cost much and long ones find no equilibrium.
+    pub largest_step: f64,
     /// A level ends when the objective falls by less than this fraction in one
     /// iteration [1].
     pub stagnation: f64,
@@ -95,6 +98,7 @@ impl Default for OptimizerConfig {
         Self {
             iterations: None,
             first_step: 0.5,
+            largest_step: 3.0,
             stagnation: 0.0,
             least_rate: 0.0,
             gradient_tolerance: 0.0,
@@ -288,6 +292,7 @@ impl DesignConfig {
         OptimizerConfig {
             iterations: Some(level.iterations),
             first_step: level.first_step.unwrap_or(own.first_step),
+            largest_step: level.largest_step.unwrap_or(own.largest_step),
             stagnation: level.stagnation.unwrap_or(own.stagnation),
             least_rate: level.least_rate.unwrap_or(own.least_rate),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
@@ -384,6 +389,8 @@ impl OptimizerConfig {
         ] {
             ensure!(value.is_finite() && value >= 0.0, "{key} = {value} must not be negative");
         }
+        let largest = self.largest_step;
+        ensure!(largest.is_finite() && largest > 0.0, "largest_step = {largest} must be positive");
         Ok(())
     }
 }

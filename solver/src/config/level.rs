@@ -46,6 +46,9 @@ pub struct LevelConfig {
     pub first_step: Option<f64>,
     /// In place of the design's.
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_step: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub stagnation: Option<f64>,
     /// In place of the design's.
     #[serde(skip_serializing_if = "Option::is_none")]

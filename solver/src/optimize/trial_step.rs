@@ -7,8 +7,6 @@ use crate::math::linear::norm;
 
 /// Length of the first trial relative to the free fraction of a step.
 const NEARLY: f64 = 0.9;
-/// Largest vertex motion of one iteration in mean edges of the moving surface.
-const LARGEST_MOTION: f64 = 3.0;
 
 /// The longest step that is tried: that of L-BFGS, within bounds if there are any, as
 /// far as vertices may move in one iteration and the rest shape does not intersect itself.
@@ -19,7 +17,7 @@ pub(super) fn trial_step(
 ) -> Vec<f64> {
     let (theta, gradient) = (&checkpoint.theta, &checkpoint.gradient);
     let fresh = checkpoint.lbfgs.is_empty();
-    let edges = if fresh { optimizer.first_step } else { LARGEST_MOTION };
+    let edges = if fresh { optimizer.first_step } else { optimizer.largest_step };
     let wanted = edges * level.map().mean_edge();
     let mut step = match level.map().bounds(theta) {
         None => capped(level, theta, checkpoint.lbfgs.direction(gradient), wanted, fresh),
