@@ -14,7 +14,7 @@ use crate::design::carry;
 /// fine one, or cast from it. The meshes have to share their tags.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The designed mesh, with the tetrahedra of the modelled one
+    /// The designed mesh, with the boundary facets of the modelled one
     designed: PathBuf,
     /// The tagged mesh that the design began with
     #[arg(long, value_name = "MODELLED")]

@@ -66,7 +66,7 @@ impl Meshes {
     }
 
     /// Bodies on the mesh with this index, moved as the surface is from `before` to `after`, which have the
-    /// same tetrahedra.
+    /// same boundary facets.
     ///
     /// # Errors
     /// When elements turn over.
