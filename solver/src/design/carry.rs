@@ -14,7 +14,7 @@ use anyhow::{Result, bail, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{mean_edge, triangle_area};
 use mesh::topology::boundary;
-use mesh::{SurfaceMesh, TetMesh, Vec3};
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
 use super::Extension;
 use crate::body::Body;
@@ -116,11 +116,7 @@ pub fn check_same_body(modelled: &Body, other: &Body, moving: &[String]) -> Resu
 
 /// The boundary, whatever the order of its facets and their vertices.
 fn facets(mesh: &TetMesh) -> BTreeSet<[usize; 3]> {
-    let sorted = |mut facet: [usize; 3]| {
-        facet.sort_unstable();
-        facet
-    };
-    boundary(mesh).facets.into_iter().map(sorted).collect()
+    boundary(mesh).facets.into_iter().map(facet_key).collect()
 }
 
 fn same_facets(other: &Body, tag: &str) -> Result<Vec<[usize; 3]>> {
