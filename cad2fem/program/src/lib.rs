@@ -23,6 +23,6 @@ pub use input::{InputFile, relative};
 pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
 pub use nearest::{did_you_mean, nearest};
-pub use progress::{Progress, Spinner};
+pub use progress::{Heartbeat, Progress, Spinner};
 pub use settings::{Change, Changes, Keys, Settings, VERSION, read_toml};
 pub use shell::parse;

@@ -36,6 +36,29 @@ impl Progress {
     }
 }
 
+/// Says what long work has come to, now and then: work of less than half a minute says nothing.
+#[derive(Debug)]
+pub struct Heartbeat {
+    last: Instant,
+    every: Duration,
+}
+
+impl Heartbeat {
+    /// Starts the clock.
+    #[must_use]
+    pub fn start() -> Self {
+        Self { last: Instant::now(), every: Duration::from_secs(30) }
+    }
+
+    /// Logs a message where the last one, or the start, is half a minute ago.
+    pub fn say(&mut self, message: impl FnOnce() -> String) {
+        if self.last.elapsed() >= self.every {
+            log::info!("{}", message());
+            self.last = Instant::now();
+        }
+    }
+}
+
 /// Reports the time that a single job has taken: live on a terminal, else one line every
 /// ten seconds.
 pub struct Spinner {

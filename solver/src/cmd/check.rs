@@ -5,10 +5,11 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use program::{Changes, Unusable};
+use program::{Changes, Heartbeat, Unusable};
 
 use super::optimize::{Problem, read};
 use crate::config::{HandlesConfig, LevelConfig, VerticesConfig};
+use crate::forward::about;
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::taylor::log_slope;
@@ -97,21 +98,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
     })?;
     let start = level.weigh(&design.objective, start).map_err(|error| file.place(error))?;
-    log::info!("{} variables, J {:.8e}", theta.len(), start.objective);
+    log::info!(
+        "{} variables, J {:.8e}; a run takes about {}",
+        theta.len(),
+        start.objective,
+        about(start.forward_s)
+    );
     let perturbed =
         Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };
     let mut parameters = Parameter::of(&scene, &level);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
-    let mut table = Table::default();
+    let runs = parameters.len() as f64 * (1 + arguments.random) as f64 * f64::from(arguments.steps);
+    log::info!(
+        "up to {runs} runs follow, about {}, and more where steps are too long",
+        about(runs * start.forward_s)
+    );
+    let (mut table, mut heartbeat) = (Table::default(), Heartbeat::start());
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
             .map(|(name, swept)| (name.as_str(), parameter.gradient(&level, swept)))
             .collect();
         let count = parameter.count(&scene, &level);
-        let mut case = Case { perturbed: &perturbed, level: &mut level, start: &start, parameter };
+        let mut case = Case {
+            perturbed: &perturbed,
+            level: &mut level,
+            start: &start,
+            parameter,
+            heartbeat: &mut heartbeat,
+        };
         for direction in 0..=arguments.random {
             let (name, q) = match direction {
                 0 => ("gradient".to_owned(), sum(&gradients, count)),
@@ -266,6 +283,7 @@ struct Case<'a> {
     level: &'a mut Level,
     start: &'a Evaluation,
     parameter: &'a Parameter,
+    heartbeat: &'a mut Heartbeat,
 }
 
 impl Case<'_> {
@@ -311,7 +329,8 @@ impl Case<'_> {
     ) -> Result<Vec<Outcome>> {
         let epsilon: Vec<f64> = (0..steps).map(|k| longest * 0.5_f64.powi(k)).collect();
         let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for e in &epsilon {
+        for (k, e) in epsilon.iter().enumerate() {
+            self.heartbeat.say(|| format!("  step length {} of {steps}: {e:.1e}", k + 1));
             let by: Vec<f64> = q.iter().map(|q| e * q).collect();
             let trial = self.perturbed.evaluate(self.level, self.start, self.parameter, &by);
             let trial = trial.context("a trial")?;

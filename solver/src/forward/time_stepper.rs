@@ -258,7 +258,7 @@ impl TimeStepper {
 
     /// A state near the next one, that surfaces can reach, at the load of the last: of
     /// [`Self::extrapolations`] and the last state itself the one with the smallest
-    /// residual. Loads may bend where time steps meet, and surfaces may be hit.
+    /// [`merit`]. Loads may bend where time steps meet, and surfaces may be hit.
     fn predict<'a>(
         &self,
         problem: &Problem,
@@ -274,15 +274,15 @@ impl TimeStepper {
         for mut guess in self.extrapolations(&last, load, begins) {
             let free = workspace.max_step(problem, &last, &Iterate { u: &guess.u, ..last });
             guess.u.iter_mut().zip(last.u).for_each(|(u, from)| *u = from + free * (*u - from));
-            let residual = residual(problem, workspace, &Iterate { u: &guess.u, ..now });
-            if smallest.is_none_or(|smallest| residual < smallest) {
-                (best, smallest) = (guess, Some(residual));
+            let merit = merit(problem, workspace, &Iterate { u: &guess.u, ..now });
+            if smallest.is_none_or(|smallest| merit < smallest) {
+                (best, smallest) = (guess, Some(merit));
             }
         }
         // obstacles that have moved into a state leave forces there that mean nothing
         if let Some(smallest) = smallest
             && workspace.max_step(problem, &last, &now) >= 1.0
-            && residual(problem, workspace, &now) <= smallest
+            && merit(problem, workspace, &now) <= smallest
         {
             best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
         }
@@ -320,6 +320,17 @@ impl TimeStepper {
         };
         line.into_iter().chain(through(3)).collect()
     }
+}
+
+/// How near a state is to the equilibrium: its potential energy [J], which is least there. Small
+/// displacements of stiff parts mean large forces, so residuals tell little. With prescribed
+/// volumes the equilibrium is a saddle point: then it is the residual [N].
+fn merit(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> f64 {
+    if !at.multipliers.is_empty() {
+        return residual(problem, workspace, at);
+    }
+    let energy = workspace.value(problem, at);
+    if energy.is_nan() { f64::INFINITY } else { energy }
 }
 
 /// Where Newton's method could begin.

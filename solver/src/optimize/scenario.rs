@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use mesh::Vec3;
+use program::Heartbeat;
 
 use self::terms::Forces;
 use super::offset::Offset;
@@ -257,9 +258,13 @@ impl Scenario {
         }
         let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
         let mut states = Trajectory::begin(&self.start, self.state_memory);
+        let mut heartbeat = Heartbeat::start();
         for &end in &self.times {
-            let workspace = &mut self.workspace;
-            let outcome = stepper.advance(&self.problem, workspace, rest, end, |_| ());
+            let (scene, workspace) = (&self.scene, &mut self.workspace);
+            let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
+            let outcome = stepper.advance(&self.problem, workspace, rest, end, |step| {
+                heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.load)));
+            });
             if let Err(unreached) = outcome {
                 let rejected = self.reject(&unreached);
                 self.unreached = Some(unreached);
