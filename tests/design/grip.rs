@@ -2,6 +2,7 @@
 //! harder.
 
 use mesh::io::write_tets;
+use serde_json::Value;
 use tests::chamber;
 use tests::workdir::Workdir;
 use tests::{block, tag};
@@ -103,6 +104,12 @@ fn the_force_on_a_block_grows_and_its_gradient_is_exact() {
     dir.solver("-q optimize design.toml -o out").assert_good();
     let after = force(&dir, "--mesh chamber=out/design.chamber.msh");
     assert!(before > 0.01 && after > 1.3 * before, "{before} N, {after} N");
+    // runs next to one that is known need fewer iterations
+    let lines = dir.text("out/history.jsonl");
+    let history: Vec<Value> = lines.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let newton: Vec<u64> =
+        history.iter().map(|line| line["newton_iterations"].as_u64().unwrap()).collect();
+    assert!(newton[1..].iter().all(|&n| 10 * n < 7 * newton[0]), "{newton:?}");
     let report = dir.json("out/report.json");
     let grip = -report["terms_after"]["grip"].as_f64().unwrap();
     assert!((grip.sqrt() / after - 1.0).abs() < 1e-3, "{grip} {after}");

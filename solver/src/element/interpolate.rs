@@ -28,18 +28,24 @@ impl Place {
     }
 }
 
-/// Interpolates the field `u` of the space `from` at the nodes of the space
-/// `to`; rest positions belong to the vertices of the meshes. A node outside
+/// Interpolates fields of the space `from` at the nodes of the space `to`;
+/// rest positions belong to the vertices of the meshes. A node outside
 /// all elements takes the nearest one's polynomial, so that the result is
 /// meant for nodes in or next to the body.
 #[must_use]
 pub fn interpolate(
-    (from, from_rest, u): (&FunctionSpace, &[Vec3], &[f64]),
+    (from, from_rest): (&FunctionSpace, &[Vec3]),
     (to, to_rest): (&FunctionSpace, &[Vec3]),
-) -> Vec<f64> {
+    fields: impl Iterator<Item = Vec<f64>>,
+) -> Vec<Vec<f64>> {
     let places = places((from, from_rest), &to.node_positions(to_rest));
-    let value = |place: Option<Place>| place.map_or_else(Vec3::zeros, |p| value(from, u, &p));
-    places.into_iter().flat_map(|place| <[f64; 3]>::from(value(place))).collect()
+    let one = |u: Vec<f64>| {
+        let value = |place: &Option<Place>| {
+            place.as_ref().map_or_else(Vec3::zeros, |place| value(from, &u, place))
+        };
+        places.iter().flat_map(|place| <[f64; 3]>::from(value(place))).collect()
+    };
+    fields.map(one).collect()
 }
 
 /// Values of the field `u` at rest positions; none at those outside the body.
@@ -123,8 +129,10 @@ mod tests {
                 space.node_positions(rest).iter().flat_map(field).collect()
             };
             let u = nodal(&from, &rest);
-            let result = interpolate((&from, &rest, &u), (&to, &other_rest));
-            for (a, b) in result.iter().zip(nodal(&to, &other_rest)) {
+            let fields = [vec![0.0; u.len()], u].into_iter();
+            let result = interpolate((&from, &rest), (&to, &other_rest), fields);
+            assert!(result[0].iter().all(|a| *a == 0.0));
+            for (a, b) in result[1].iter().zip(nodal(&to, &other_rest)) {
                 assert!((a - b).abs() < 1e-12, "{degree} {a} {b}");
             }
         }

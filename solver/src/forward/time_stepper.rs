@@ -291,12 +291,12 @@ impl TimeStepper {
         Configuration { rest, load: last.load, step: Some(step), u: best.u, multipliers }
     }
 
-    /// Where a guide went or inertia carries the bodies, at the start of a time step; else
+    /// Where a guide went, or, at the start of a time step, inertia carries the bodies; else
     /// along a line in the load through the last two states. And along a parabola through
     /// the last three. The first state is the rest shape, where inertia is neglected.
     fn extrapolations(&self, last: &Iterate, load: f64, begins: bool) -> Vec<Guess> {
         let flight = last.step.and_then(|step| step.free_flight.as_ref());
-        let guided = self.guide.as_ref().filter(|_| begins).and_then(|g| g.motion_to(load));
+        let guided = self.guide.as_ref().and_then(|g| g.motion(last.load, load));
         let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
         let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());
         let mut points: Vec<(f64, Guess)> = Vec::new();

@@ -53,12 +53,24 @@ impl Trajectory {
         (1..=self.steps()).map(|n| self.state(n).into_owned().u)
     }
 
-    /// Motion during the time step that ends at a time [m], if there is one.
+    /// Motion from one time to another [m], with states along lines in between; none where the
+    /// run ends before.
     #[must_use]
-    pub fn motion_to(&self, end: f64) -> Option<Vec<f64>> {
-        let n = self.times.iter().position(|&t| t == end).filter(|&n| n > 0)?;
-        let (a, b) = (self.state(n - 1), self.state(n));
-        Some(b.u.iter().zip(&a.u).map(|(b, a)| b - a).collect())
+    pub fn motion(&self, from: f64, to: f64) -> Option<Vec<f64>> {
+        let (a, b) = (self.displacement(from)?, self.displacement(to)?);
+        Some(b.iter().zip(&a).map(|(b, a)| b - a).collect())
+    }
+
+    fn displacement(&self, time: f64) -> Option<Vec<f64>> {
+        let next = self.times.iter().position(|&t| t >= time)?;
+        let after = self.state(next).into_owned().u;
+        if self.times[next] == time {
+            return Some(after);
+        }
+        let [start, end] = [next.checked_sub(1)?, next].map(|n| self.times[n]);
+        let part = (time - start) / (end - start);
+        let before = &self.state(next - 1).u;
+        Some(before.iter().zip(after).map(|(a, b)| a + part * (b - a)).collect())
     }
 
     /// Number of time steps.
@@ -91,5 +103,22 @@ impl Trajectory {
         let last = self.state(n - 1);
         let lagged_contacts = problem.lagged_contacts(&problem.iterate(rest, &last.u, before));
         TimeStep { lagged_contacts, ..self.past(n).step(end - before) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_motion_between_states_goes_along_lines() {
+        let state = |u: f64| State::new(vec![u, -u], vec![0.0; 2]);
+        let mut run = Trajectory::begin(&Integrator::new(Method::Quasistatic, state(0.0)), 1e9);
+        run.push(0.5, state(1.0));
+        run.push(1.0, state(4.0));
+        for (from, to, expected) in [(0.0, 0.5, 1.0), (0.5, 1.0, 3.0), (0.25, 0.75, 2.0)] {
+            assert_eq!(run.motion(from, to), Some(vec![expected, -expected]), "{from} to {to}");
+        }
+        assert_eq!(run.motion(0.5, 1.5), None);
     }
 }

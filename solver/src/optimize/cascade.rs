@@ -195,7 +195,7 @@ impl Cascade<'_> {
         let theta = level.map().start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let mut evaluation = match self.solve_near(level, &theta, &checkpoint.start) {
+        let mut evaluation = match self.solve_near(level, &theta, checkpoint)? {
             Some(evaluation) => evaluation,
             None => match level.evaluate(&theta, Start::Rest) {
                 Ok(evaluation) => evaluation,
@@ -240,23 +240,6 @@ impl Cascade<'_> {
             return error;
         }
         Unusable(format!("level {}: {}", index + 1, diagnosis.message)).into()
-    }
-
-    /// The evaluation next to a start that was carried over; none without one.
-    fn solve_near(
-        &self,
-        level: &mut Level,
-        theta: &[f64],
-        start: &[Vec<f64>],
-    ) -> Option<Evaluation> {
-        if start.is_empty() || level.is_transient() {
-            return None;
-        }
-        let outcome = level.evaluate(theta, Start::Next(start));
-        if let Err(Rejected(reason)) = &outcome {
-            log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
-        }
-        outcome.ok()
     }
 
     /// One step of L-BFGS with backtracking; the inner error is why there is

@@ -2,6 +2,7 @@
 //! had not been interrupted.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
@@ -31,9 +32,9 @@ pub struct Checkpoint {
     pub flat: bool,
     /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
-    /// Before the level's first solve displacements near the equilibria of all scenarios [m],
-    /// or none.
-    pub start: Vec<Vec<f64>>,
+    /// Before the level's first solve the times of states that it is next to [s], one scenario
+    /// after the other, or none. The displacements lie in a file ([`Self::read_start`]).
+    pub start: Vec<f64>,
     /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
     /// first.
     pub loads: Vec<f64>,
@@ -108,7 +109,7 @@ impl Checkpoint {
 
     /// Before the first solve of the level after this one.
     #[must_use]
-    pub fn next_level(self, (start, loads): (Vec<Vec<f64>>, Vec<f64>), lbfgs: Lbfgs) -> Self {
+    pub fn next_level(self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         let stopped_before = self.all_stopped();
         let Self { level, total_s, history, lines, weights, mold, mut files, .. } = self;
         let level = level + 1;
@@ -121,7 +122,6 @@ impl Checkpoint {
             lines,
             weights,
             files,
-            start,
             loads,
             stopped_before,
             mold,
@@ -131,13 +131,13 @@ impl Checkpoint {
 
     /// Before the first solve of the same level on a new mesh of the same shape.
     #[must_use]
-    pub fn on_new_mesh(mut self, (start, loads): (Vec<Vec<f64>>, Vec<f64>), lbfgs: Lbfgs) -> Self {
+    pub fn on_new_mesh(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         self.files.retain(|name, _| !is_run(name));
         Self {
             meshed_at: self.iteration,
             flat: false,
             theta: Vec::new(),
-            start,
+            start: Vec::new(),
             loads,
             lbfgs,
             ..self
@@ -195,10 +195,34 @@ impl Checkpoint {
         Ok(())
     }
 
-    fn run_path(&self, folder: &Path) -> PathBuf {
-        let Self { level, iteration, meshed_at, .. } = self;
+    fn states_path(&self, folder: &Path, of: impl Display) -> PathBuf {
+        let Self { level, meshed_at, .. } = self;
         let mesh = if *meshed_at == 0 { String::new() } else { format!("-{meshed_at}") };
-        folder.join(format!("run-{}{mesh}-{iteration}.npy", level + 1))
+        folder.join(format!("run-{}{mesh}-{of}.npy", level + 1))
+    }
+
+    fn run_path(&self, folder: &Path) -> PathBuf {
+        self.states_path(folder, self.iteration)
+    }
+
+    /// Puts displacements at times [s, m] on disk, next to which the level's first runs are.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn write_start(&mut self, folder: &Path, states: &[(f64, Vec<f64>)]) -> Result<()> {
+        let path = self.states_path(folder, "start");
+        let shape = [states.len(), states.first().map_or(0, |(_, u)| u.len())];
+        npy::write_rows(&path, shape, states.iter().map(|(_, u)| u))?;
+        self.start = states.iter().map(|(time, _)| *time).collect();
+        self.add_file(&path)
+    }
+
+    /// The displacements of [`Self::write_start`] [m].
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn read_start(&self, folder: &Path) -> Result<npy::Rows> {
+        Ok(npy::read_rows(&self.states_path(folder, "start"))?)
     }
 
     /// Displacements at the ends of the time steps of the accepted runs, one scenario after

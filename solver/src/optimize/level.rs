@@ -2,6 +2,7 @@
 //! objective, and the gradient of that whole map.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -16,6 +17,7 @@ use crate::adjoint::Gradient;
 use crate::body::Body;
 use crate::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use crate::design::DesignMap;
+use crate::forward::Trajectory;
 use crate::math::linear::sum;
 use crate::memory::{self, Need};
 use crate::report::crossing::Crossing;
@@ -49,6 +51,8 @@ pub enum Start<'a> {
     Next(&'a [Vec<f64>]),
     /// From rest through time, next to the runs of another evaluation.
     Guided(&'a [Run]),
+    /// Next to runs that were carried over from another mesh.
+    Carried(&'a [Arc<Trajectory>]),
 }
 
 impl<'a> Start<'a> {
@@ -57,6 +61,7 @@ impl<'a> Start<'a> {
             Self::Rest => Near::Rest,
             Self::Next(displacements) => Near::Displacement(&displacements[scenario]),
             Self::Guided(runs) => Near::Run(&runs[scenario].states),
+            Self::Carried(runs) => Near::Carried(&runs[scenario]),
         }
     }
 }
@@ -284,12 +289,36 @@ impl Level {
         body
     }
 
-    /// The last displacements of an evaluation on another mesh of the same shape, by elements
-    /// of another degree.
+    /// The displacements of an evaluation on another mesh of the same shape, by elements
+    /// of another degree [m], and their times [s], one scenario after the other.
     #[must_use]
-    pub fn carry(&self, at: &Evaluation, body: &Body, degree: usize) -> Vec<Vec<f64>> {
-        let pairs = self.scenarios.iter().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.carry(run, &at.rest, body, degree)).collect()
+    pub fn carry(&self, at: &Evaluation, body: &Body, degree: usize) -> Vec<(f64, Vec<f64>)> {
+        let one = |(scenario, run): (&Scenario, &Run)| {
+            let carried = scenario.carry(run, &at.rest, body, degree);
+            run.states.times[1..].iter().copied().zip(carried).collect::<Vec<_>>()
+        };
+        self.scenarios.iter().zip(&at.runs).flat_map(one).collect()
+    }
+
+    /// Runs with the shape at θ that have been carried over to the mesh of this level
+    /// ([`Self::carry`]).
+    ///
+    /// # Errors
+    /// When a displacement cannot be read.
+    pub fn carried<E>(
+        &mut self,
+        theta: &[f64],
+        times: &[f64],
+        mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+    ) -> Result<Vec<Arc<Trajectory>>, E> {
+        let rest = self.map.shape(theta);
+        let loads = self.map.load_variables(theta);
+        let each = times.len() / self.scenarios.len();
+        let mut one = |(scenario, times): (&mut Scenario, &[f64])| {
+            let states = times.iter().copied().zip(displacements.by_ref());
+            scenario.states(loads, &rest, states).map(Arc::new)
+        };
+        self.scenarios.iter_mut().zip(times.chunks(each)).map(&mut one).collect()
     }
 
     /// dJ/dθ at an evaluation made with the same θ, where the level is

@@ -68,6 +68,9 @@ pub enum Near<'a> {
     Displacement(&'a [f64]),
     /// From rest through time, next to the states of another run.
     Run(&'a Arc<Trajectory>),
+    /// The same with the patience of a run from rest, or the one equilibrium next to the end of the
+    /// run: it is one of another mesh.
+    Carried(&'a Arc<Trajectory>),
 }
 
 /// A scene with its changes, on a fixed mesh topology.
@@ -214,8 +217,10 @@ impl Scenario {
         self.loads.apply(loads, &mut self.problem.energies);
         let (states, newton_iterations) = match near {
             Near::Displacement(u) => self.solve_next_to(&rest, u)?,
-            Near::Run(guide) => self.solve(&rest, Some(Arc::clone(guide)))?,
-            Near::Rest => self.solve(&rest, None)?,
+            Near::Carried(guide) if !self.transient => self.solve_next_to(&rest, &guide.last())?,
+            Near::Run(guide) => self.solve(&rest, Some(Arc::clone(guide)), self.nearby())?,
+            Near::Carried(guide) => self.solve(&rest, Some(Arc::clone(guide)), self.stepping)?,
+            Near::Rest => self.solve(&rest, None, self.stepping)?,
         };
         Ok(self.evaluated(rest, states, newton_iterations))
     }
@@ -230,13 +235,37 @@ impl Scenario {
         designed: &[Vec3],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Run, E> {
+        let rest = self.rest(designed);
+        let times = self.times.clone().into_iter();
+        let states = self.states(loads, designed, times.zip(displacements))?;
+        Ok(self.evaluated(rest, states, 0))
+    }
+
+    /// States with displacements at times [s, m], as those of a run.
+    ///
+    /// # Errors
+    /// When one of them cannot be read.
+    pub fn states<E>(
+        &mut self,
+        loads: &[f64],
+        designed: &[Vec3],
+        displacements: impl Iterator<Item = (f64, Result<Vec<f64>, E>)>,
+    ) -> Result<Trajectory, E> {
         self.loads.apply(loads, &mut self.problem.energies);
         let rest = self.rest(designed);
         let mut states = Trajectory::begin(&self.start, self.state_memory);
-        for (&end, u) in self.times.iter().zip(displacements) {
+        for (end, u) in displacements {
             states.push_displacement(&self.problem, &rest, end, &u?);
         }
-        Ok(self.evaluated(rest, states, 0))
+        Ok(states)
+    }
+
+    /// How a run next to another one steps: what needs more is not near.
+    fn nearby(&self) -> Stepping {
+        let mut stepping = self.stepping;
+        stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
+        stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
+        stepping
     }
 
     fn evaluated(&mut self, rest: Vec<Vec3>, states: Trajectory, newton_iterations: usize) -> Run {
@@ -250,12 +279,8 @@ impl Scenario {
         &mut self,
         rest: &[Vec3],
         guide: Option<Arc<Trajectory>>,
+        stepping: Stepping,
     ) -> Result<(Trajectory, usize), Rejected> {
-        let mut stepping = self.stepping;
-        if guide.is_some() {
-            stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
-            stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
-        }
         let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
         let mut states = Trajectory::begin(&self.start, self.state_memory);
         let mut heartbeat = Heartbeat::start();
@@ -343,14 +368,14 @@ impl Scenario {
         follow(&self.problem, &mut self.workspace, linearization, &run.rest, &motion)
     }
 
-    /// The last displacement of a run on another mesh of the same designed shape, by elements
-    /// of another degree.
+    /// The displacements of a run at the ends of time steps on another mesh of the same designed
+    /// shape, by elements of another degree [m].
     #[must_use]
-    pub fn carry(&self, run: &Run, designed: &[Vec3], body: &Body, degree: usize) -> Vec<f64> {
+    pub fn carry(&self, run: &Run, designed: &[Vec3], body: &Body, degree: usize) -> Vec<Vec<f64>> {
         let space = &*self.problem.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
-        interpolate((space, designed, &run.states.last()), (&other, vertices))
+        interpolate((space, designed), (&other, vertices), run.states.displacements())
     }
 
     /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest

@@ -9,7 +9,7 @@ use super::{Cascade, MEMORY};
 use crate::body::{Body, Part};
 use crate::config::LevelConfig;
 use crate::optimize::remesh::{mesh_file, remesh};
-use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level};
+use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Rejected, Start};
 
 impl Cascade<'_> {
     /// The mesh that a level began with, or that its iteration `meshed_at` made; of a later level's mesh
@@ -73,12 +73,32 @@ impl Cascade<'_> {
         let same = settings.iterations == 0 && index == self.meshes.of(ended);
         let body = if same { body } else { self.remeshed(&body, ended)? };
         let degree = settings.degree.unwrap_or(self.scene.config.degree);
-        let start = (level.carry(at, &body, degree), level.map().loads(&checkpoint.theta));
-        let next = match checkpoint.flat {
-            true => checkpoint.on_new_mesh(start, Lbfgs::new(MEMORY)),
-            false => checkpoint.next_level(start, Lbfgs::new(MEMORY)),
+        let loads = level.map().loads(&checkpoint.theta);
+        let mut next = match checkpoint.flat {
+            true => checkpoint.on_new_mesh(loads, Lbfgs::new(MEMORY)),
+            false => checkpoint.next_level(loads, Lbfgs::new(MEMORY)),
         };
+        next.write_start(&self.folder, &level.carry(at, &body, degree))?;
         self.begin_mesh(&body, meshes.iter().map(|(index, body)| (*index, body)), next)
+    }
+
+    /// The evaluation next to the runs that were carried over to a level; none without any.
+    pub(super) fn solve_near(
+        &self,
+        level: &mut Level,
+        theta: &[f64],
+        checkpoint: &Checkpoint,
+    ) -> Result<Option<Evaluation>> {
+        if checkpoint.start.is_empty() {
+            return Ok(None);
+        }
+        let states = checkpoint.read_start(&self.folder)?;
+        let runs = level.carried(theta, &checkpoint.start, states)?;
+        let outcome = level.evaluate(theta, Start::Carried(&runs));
+        if let Err(Rejected(reason)) = &outcome {
+            log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
+        }
+        Ok(outcome.ok())
     }
 
     /// A body improved where the level that has ended moved its surface.
