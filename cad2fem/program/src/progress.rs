@@ -11,6 +11,8 @@ use crate::memory::peak_rss_mb;
 
 /// Inputs with fewer triangles are processed within seconds.
 const LARGE: usize = 100_000;
+/// Time between two messages of a [`Heartbeat`].
+const HEARTBEAT: Duration = Duration::from_secs(30);
 
 /// Reports the steps of a program with the time since its start.
 #[derive(Clone, Copy, Debug)]
@@ -40,19 +42,18 @@ impl Progress {
 #[derive(Debug)]
 pub struct Heartbeat {
     last: Instant,
-    every: Duration,
 }
 
 impl Heartbeat {
     /// Starts the clock.
     #[must_use]
     pub fn start() -> Self {
-        Self { last: Instant::now(), every: Duration::from_secs(30) }
+        Self { last: Instant::now() }
     }
 
     /// Logs a message where the last one, or the start, is half a minute ago.
     pub fn say(&mut self, message: impl FnOnce() -> String) {
-        if self.last.elapsed() >= self.every {
+        if self.last.elapsed() >= HEARTBEAT {
             log::info!("{}", message());
             self.last = Instant::now();
         }
