@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors worm-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-authors worm-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -102,6 +102,10 @@ torture: setup  ## kill, starve and damage the programs at random (SECONDS=3600,
 bodies: setup  ## random bodies from model to verified mold, with their statistic (COUNT=200, SEED=0)
 	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
 		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
+
+campaign: setup  ## bodies of three more families from model to verified mold, with verdicts on refusals (COUNT=200 of each, SEED=0, FAMILY=shells)
+	.venv/bin/python -B tests/campaign/run.py $(BIN) build/campaign --count $(or $(COUNT),200) --seed $(or $(SEED),0) \
+		$(if $(FAMILY),--family $(FAMILY))
 
 foreign: setup  ## bodies as others have them, from files made here to pages and molds, with commands and minutes (BODY="arm pad")
 	.venv/bin/python tests/foreign/run.py $(BIN) build/foreign $(BODY)
