@@ -2,15 +2,15 @@
 
 import json
 import os
-import shlex
+import re
 import tomllib
 from pathlib import Path
 
-from plan import Refused, key_of
+from files import Refused, is_file, parsed, read, write_if_new
+from plan import key_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(os.environ.get("PUFFER_BIN", ROOT / "target/release")).resolve()
-PICTURE = "--color displacement --no-ground"
 SIZE = "320x240"
 
 
@@ -86,9 +86,8 @@ class Writer:
 
     def case(self, row, body):
         s = self.sweep
-        top = s.source.content
-        looks, name = top.get("picture", PICTURE), top.get("body", "")
-        key = key_of(body, s.scene, s.optimizes, name, self.sets(row, s.scene), looks)
+        name = s.body
+        key = key_of(body, s.scene, s.optimizes, name, self.sets(row, s.scene), " ".join(s.looks))
         folder = self.out / "cases" / key
         mesh = self.out / "bodies" / body / "tagged.msh"
         sets = flags(self.sets(row, s.scene, mesh.parent))
@@ -98,7 +97,7 @@ class Writer:
         else:
             part = f"{name}={mesh}" if name else mesh
             solve = self.command("solver", "simulate", s.folder / s.scene, "--mesh", part, "--final-only", *run)
-        picture = self.command("cad2fem", "picture", folder / "run/result.vtu", "--size", SIZE, *shlex.split(looks),
+        picture = self.command("cad2fem", "picture", folder / "run/result.vtu", "--size", SIZE, *s.looks,
                                "-o", folder / "picture.png")
         return {"key": key, "body": body, "commands": [solve, picture], **self.limits()}
 
@@ -112,20 +111,29 @@ class Writer:
         found = []
         for role in roles:
             with_includes(self.sweep.folder / self.sweep.files[role], found)
-        return [str(path) for path in found]
+        return [plain(str(path)) for path in found]
+
+
+def plain(path):
+    """A path that Snakemake takes as it is."""
+    if re.search(r"[{}\n]", path):
+        raise Refused(f"{path}: Snakemake takes braces and ends of lines in a path for its own: give it another name")
+    return path
 
 
 def with_includes(path, found):
     """A file and, in TOML, what it includes; whatever is wrong there, the programs say better."""
-    if path in found or not path.is_file():
-        return
-    found.append(path)
-    try:
-        include = tomllib.loads(path.read_text()).get("include", []) if path.suffix == ".toml" else []
-    except (OSError, ValueError):
-        return
-    for other in include if isinstance(include, list) else [include]:
-        with_includes(path.parent / str(other), found)
+    rest = [path]
+    while rest:
+        path = Path(os.path.abspath(rest.pop()))
+        if path in found or not is_file(path):
+            continue
+        found.append(path)
+        try:
+            include = parsed(path, read(path)).get("include", []) if path.suffix == ".toml" else []
+        except (Refused, tomllib.TOMLDecodeError):
+            continue
+        rest += [path.parent / str(other) for other in (include if isinstance(include, list) else [include])]
 
 
 def flags(sets):
@@ -137,12 +145,3 @@ def as_toml(value):
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     return str(value).lower() if isinstance(value, bool) else repr(value)
-
-
-def write_if_new(path, text):
-    """Files keep their times where nothing changes: Snakemake goes by them."""
-    if path.is_file() and path.read_text() == text:
-        return
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(text)
-    partial.replace(path)

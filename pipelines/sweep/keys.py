@@ -35,3 +35,10 @@ PARAMETER_KEYS = {
     "unit": (str, "written beside the name"),
 }
 PARAMETER_NEEDED = ("file", "set")
+# Columns that the table of cases has besides the parameters and the numbers of reports.
+COLUMNS = ("case", "status", "failure", "seconds", "folder")
+# Options of `cad2fem picture` that a sweep may give, and whether a value follows. None names a file.
+LOOKS = {
+    "--view": True, "--orthographic": False, "--cut": True, "--color": True, "--range": True, "--map": True,
+    "--deform": True, "--magnify": True, "--edges": False, "--smooth": False, "--no-ground": False, "--title": True,
+}

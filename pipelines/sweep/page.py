@@ -2,10 +2,11 @@
 
 import base64
 import hashlib
-import html
 import json
 import math
 from pathlib import Path
+
+import jinja2
 
 HERE = Path(__file__).resolve().parent
 # What pictures may take of the page [bytes]; of more there are some, evenly chosen.
@@ -16,28 +17,26 @@ CURVES = 1000
 
 def assemble(plan, cases, table):
     """The page of a table, a row of which is a case, in the same order."""
-    library = (HERE / "vendor/echarts/echarts.min.js").read_text(encoding="utf-8")
-    script = (HERE / "web/page.js").read_text(encoding="utf-8")
-    parts = {
-        "policy": policy([library, script]),
-        "title": html.escape(plan["title"]),
-        "style": (HERE / "web/page.css").read_text(encoding="utf-8"),
-        "licence": html.escape((HERE / "vendor/echarts/LICENSE").read_text(encoding="utf-8")),
-        "notice": html.escape((HERE / "vendor/echarts/NOTICE").read_text(encoding="utf-8")),
-        "data": script_data(data(plan, cases, table)),
-        "library": library,
-        "main": script,
-    }
-    # split first: what is filled in may look like another hole
-    first, *rest = (HERE / "web/page.html").read_text(encoding="utf-8").split("{{")
-    return first + "".join(parts[name] + text for name, text in (piece.split("}}", 1) for piece in rest))
+    library = text("vendor/echarts/echarts.min.js")
+    script = text("web/page.js")
+    # all that is filled in is text, but for what the page calls `safe`
+    page = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text("web/page.html"))
+    return page.render(
+        policy=policy([library, script]), title=plan["title"], style=text("web/page.css"),
+        licence=text("vendor/echarts/LICENSE"), notice=text("vendor/echarts/NOTICE"),
+        data=script_data(data(plan, cases, table)), library=library, main=script)
+
+
+def text(name):
+    return (HERE / name).read_text(encoding="utf-8")
 
 
 def policy(scripts):
     """Only these scripts run; ECharts styles its elements itself."""
     hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
-    sources = " ".join(f"&#39;sha256-{h}&#39;" for h in hashes)
-    return f"default-src &#39;none&#39;; script-src {sources}; style-src &#39;unsafe-inline&#39;; img-src data:"
+    sources = " ".join(f"'sha256-{h}'" for h in hashes)
+    return f"default-src 'none'; script-src {sources}; style-src 'unsafe-inline'; img-src data:; " \
+           "base-uri 'none'; form-action 'none'"
 
 
 def script_data(value):
@@ -48,7 +47,7 @@ def script_data(value):
 def data(plan, cases, table):
     rows = [[plain(value) for value in row] for row in table.itertuples(index=False)]
     pictures = [(i, picture) for i, picture in enumerate(case.picture() for case in cases) if picture]
-    curves = [(i, curve) for i, curve in enumerate(case.curves() for case in cases) if curve]
+    curves = [(i, case.curves) for i, case in enumerate(cases) if case.curves]
     size = sum(len(picture) for _, picture in pictures) * 4 / 3
     shown = some(pictures, math.floor(len(pictures) * min(1, PICTURES / max(size, 1))))
     return {

@@ -14,13 +14,15 @@ import sys
 import time
 from pathlib import Path
 
+import files
+
 INTERRUPTED = {130: 130, 143: 143, -signal.SIGINT: 130, -signal.SIGTERM: 143}
 # Longest message that is kept of a program that failed [characters].
 LONGEST = 2000
 
 
 def main(folder):
-    with open(folder / "lock", "w") as lock:
+    with files.lock(folder / "lock") as lock:
         # a step whose Snakemake was killed may still be at it
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "step.json").exists():
@@ -32,9 +34,8 @@ def outcome(folder):
     start = time.monotonic()
     stages, failure = {}, None
     if job["body"]:
-        body = json.loads((folder / "../../bodies" / job["body"] / "step.json").read_text())
-        failure = body["failure"]
-    with open(folder / "log.txt", "wb") as log:
+        failure = failure_of(folder.parents[1] / "bodies" / job["body"])
+    with files.create(folder / "log.txt") as log:
         for command in job["commands"] if failure is None else []:
             begun = time.monotonic()
             left = 60 * job["minutes"] - (begun - start)
@@ -46,6 +47,13 @@ def outcome(folder):
                 break
     status = "failed" if failure else "ok"
     return {"status": status, "failure": failure, "seconds": time.monotonic() - start, "stages": stages}
+
+
+def failure_of(body):
+    try:
+        return json.loads((body / "step.json").read_text())["failure"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        sys.exit(f"error: {body}/step.json: not as a sweep leaves it: remove {body}, and run the sweep again")
 
 
 def run(command, log, seconds, job):
@@ -72,20 +80,16 @@ def run(command, log, seconds, job):
         sys.exit(INTERRUPTED[code])
     if code == 0:
         return None
-    with open(log.name, errors="replace") as text:
-        text.seek(begin)
-        said = text.read().strip()
+    # a character takes four bytes at most
+    log.seek(max(begin, log.seek(0, os.SEEK_END) - 4 * LONGEST))
+    said = log.read().decode(errors="replace").strip()
     killed = f"killed by signal {-code}" if code < 0 else f"exit code {code}"
     return {"stage": stage, "code": code, "message": said[-LONGEST:] or killed}
 
 
 def keep(folder, result):
-    partial = folder / "step.json.partial"
-    with open(partial, "w") as out:
-        json.dump(result, out, ensure_ascii=False)
-        out.flush()
-        os.fsync(out.fileno())
-    partial.replace(folder / "step.json")
+    content = json.dumps(result, ensure_ascii=False).encode(errors="replace")
+    files.replace(folder / "step.json", lambda file: file.write(content), sync=True)
 
 
 if __name__ == "__main__":

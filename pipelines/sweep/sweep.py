@@ -12,8 +12,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import files
 import jobs
-from plan import Refused, Sweep
+from files import Refused, printable
+from plan import Sweep
 
 HERE = Path(__file__).resolve().parent
 # How often it says how far it is [s].
@@ -29,35 +31,43 @@ def main():
     parser.add_argument("--plan", action="store_true", help="only check the sweep and count its cases")
     arguments, others = parser.parse_known_args()
     try:
-        sweep = Sweep(arguments.sweep)
-        rows = sweep.rows()
-        jobs.require_programs()
+        return swept(arguments, others)
     except Refused as refusal:
-        print(f"error: {refusal}", file=sys.stderr)
-        return 2
+        print(printable(f"error: {refusal}"), file=sys.stderr)
+    except OSError as error:
+        print(printable(f"error: {error.filename or arguments.output}: {error.strerror}"), file=sys.stderr)
+    return 2
+
+
+def swept(arguments, others):
+    sweep = Sweep(arguments.sweep)
+    rows = sweep.rows()
+    jobs.require_programs()
     if arguments.plan:
         print(f"{len(rows)} cases of {sum(p.varies for p in sweep.parameters)} parameters")
         return 0
-    out = arguments.output.resolve()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        lock = open(out / "lock", "w")
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        busy = isinstance(error, BlockingIOError)
-        print(f"error: {out}: {'another sweep runs here: wait for it' if busy else error.strerror}", file=sys.stderr)
-        return 2
-    plan = jobs.write(sweep, out)
-    if arguments.retry:
-        forget_failures(out)
-    code = run(snakemake(out, others), out, plan)
-    return summary(out, len(plan["cases"])) if code == 0 else unfinished(out, code)
+    out = Path(jobs.plain(os.path.realpath(arguments.output)))
+    out.mkdir(parents=True, exist_ok=True)
+    # held until this program ends
+    with files.lock(out / "lock") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise Refused(f"{out}: another sweep runs here: wait for it") from None
+        files.prepare(out)
+        plan = jobs.write(sweep, out)
+        if arguments.retry:
+            forget_failures(out)
+        code = run(snakemake(out, others), plan, out)
+        return summary(out, len(plan["cases"])) if code == 0 else unfinished(out, code)
 
 
-def run(command, out, plan):
+def run(command, plan, out):
     """Snakemake's exit code; meanwhile, how far it is."""
     cases = {case["key"] for case in plan["cases"]}
-    child = subprocess.Popen(command, cwd=out)
+    # Nothing that lies in the results, or where the sweep was started, is a module of Python or a profile of Snakemake.
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    child = subprocess.Popen(command, cwd=HERE, env=clean)
     signal.signal(signal.SIGTERM, lambda *_: child.terminate())
     before = None
     while True:
@@ -76,20 +86,26 @@ def run(command, out, plan):
 def snakemake(out, others):
     """Our lock is released when a sweep is killed; Snakemake's is not."""
     given = " ".join(others)
-    cores = [] if any(flag in given for flag in ("--cores", "-c", "--jobs", "-j", "--profile")) else ["--cores", "all"]
+    profiled = "--profile" in given
+    cores = [] if any(flag in given for flag in ("--cores", "-c", "--jobs", "-j")) or profiled else ["--cores", "all"]
     quiet = [] if any(flag in given for flag in ("--quiet", "--verbose", "--dry-run")) else ["--quiet", "all"]
     return [
-        # beside this Python, whose packages it has
-        str(Path(sys.executable).with_name("snakemake")), "--snakefile", str(HERE / "Snakefile"), "--directory", str(out),
+        # of this Python, whose packages it has
+        sys.executable, "-Es", str(Path(sys.executable).with_name("snakemake")),
+        "--snakefile", str(HERE / "Snakefile"), "--directory", str(out),
+        # a profile is code: no folder has one that Snakemake would find by itself
+        "--workflow-profile", "none", *([] if profiled else ["--profile", "none"]),
         "--nolock", "--rerun-incomplete", "--keep-going", "--rerun-triggers", "mtime",
         # of 10 000 jobs that are ready, only some are looked at each time
         "--scheduler", "greedy", "--scheduler-subsample", "200", *cores, *quiet, *others,
+        # table and page are always ours
+        "--forcerun", "table",
     ]
 
 
 def forget_failures(out):
     for step in [*out.glob("bodies/*/step.json"), *out.glob("cases/*/step.json")]:
-        if '"status": "failed"' in step.read_text():
+        if b'"status": "failed"' in step.read_bytes():
             step.unlink()
 
 
@@ -108,7 +124,8 @@ def summary(out, cases):
     print(f"sweep: {cases - len(failures)} of {cases} cases in {shown}/table.csv and table.parquet, "
           f"all to be seen in {shown}/sweep.html")
     for row in failures[:5]:
-        print(f"  case {row['case']} failed ({row['folder']}/log.txt): {row['failure'].splitlines()[0]}", file=sys.stderr)
+        failure = row["failure"].splitlines()[0]
+        print(printable(f"  case {row['case']} failed ({row['folder']}/log.txt): {failure}"), file=sys.stderr)
     if failures:
         more = f"and {len(failures) - 5} more; " if len(failures) > 5 else ""
         print(f"  {more}failed cases are kept; RETRY=yes (--retry) runs them again", file=sys.stderr)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas
 
 import page
+from files import Refused, is_file, printable, replace
 
 # What a report has for every name, as columns `chambers.cavity.volume` and so on.
 NAMED = {
@@ -34,50 +35,61 @@ def main(folder):
             table[name] = table[name].astype("boolean")
         elif not there.map(lambda value: isinstance(value, str)).all():
             table[name] = table[name].map(str, na_action="ignore")
-    replace(folder / "table.csv", lambda path: table.to_csv(path, index=False))
-    replace(folder / "table.parquet", lambda path: table.to_parquet(path, index=False))
-    replace(folder / "sweep.html", lambda path: path.write_text(page.assemble(plan, cases, table), encoding="utf-8"))
-
-
-def replace(path, write):
-    partial = path.with_name(path.name + ".partial")
-    write(partial)
-    partial.replace(path)
+    html = page.assemble(plan, cases, table).encode(errors="replace")
+    replace(folder / "table.csv", lambda file: table.to_csv(file, index=False))
+    replace(folder / "table.parquet", lambda file: table.to_parquet(file, index=False))
+    replace(folder / "sweep.html", lambda file: file.write(html))
 
 
 class Case:
-    """What a case has left in its folder."""
+    """What a case has left in its folder, which others may have sent."""
 
     def __init__(self, folder, plan, case):
         self.number, self.values = case["number"], case["values"]
         self.names = [p["name"] for p in plan["parameters"]]
         self.folder = folder / "cases" / case["key"]
-        self.step = json.loads((self.folder / "step.json").read_text())
-        self.failure = self.step["failure"]
+        try:
+            self.read()
+        except (ValueError, ArithmeticError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            raise Refused(f"{self.folder}: not as the programs leave it ({type(error).__name__}: {error}): "
+                          "remove this folder, and run the sweep again") from None
+
+    def read(self):
+        step = loaded((self.folder / "step.json").read_text())
+        failure, self.status, self.seconds = step["failure"], str(step["status"]), number(step["seconds"])
+        self.failure = f"{failure['stage']}: {failure['message']}" if failure else None
         report = self.folder / "run/report.json"
-        self.report = json.loads(report.read_text()) if self.failure is None and report.is_file() else {}
+        report = loaded(report.read_text()) if self.failure is None and is_file(report) else {}
+        self.numbers = numbers(report)
+        self.curves = self.read_curves(report)
 
     def row(self):
-        row = {"case": self.number, **dict(zip(self.names, self.values)), "status": self.step["status"]}
-        row["failure"] = f"{self.failure['stage']}: {self.failure['message']}" if self.failure else None
-        row |= {"seconds": self.step["seconds"], "folder": f"cases/{self.folder.name}"}
+        row = {"case": self.number, **dict(zip(self.names, self.values)), "status": self.status}
+        row |= {"failure": self.failure, "seconds": self.seconds, "folder": f"cases/{self.folder.name}"}
         # a parameter that is called as a number of the report keeps its column
-        return row | {name: value for name, value in numbers(self.report).items() if name not in row}
+        return row | {name: value for name, value in self.numbers.items() if name not in row}
 
     def picture(self):
         path = self.folder / "picture.png"
-        return path.read_bytes() if self.failure is None and path.is_file() else None
+        return path.read_bytes() if self.failure is None and is_file(path) else None
 
-    def curves(self):
+    def read_curves(self, report):
         """Numbers of every load step, time step or accepted shape, by their names."""
         history = self.folder / "run/history.jsonl"
-        if history.is_file():
-            steps = [json.loads(line) for line in history.read_text().splitlines()]
+        if is_file(history):
+            steps = [loaded(line) for line in history.read_text().splitlines()]
         else:
-            steps = self.report.get("steps", [])
+            steps = report.get("steps", [])
         rows = [step_numbers(step) for step in steps] if self.failure is None else []
         names = set.intersection(*map(set, rows)) if rows else set()
         return {name: [row[name] for row in rows] for name in sorted(names)}
+
+
+def loaded(text):
+    """A value of JSON whose texts can be written."""
+    value = json.loads(text)
+    json.dumps(value, ensure_ascii=False).encode()
+    return value
 
 
 def numbers(report):
@@ -93,7 +105,7 @@ def numbers(report):
                 found[column] = entry.get(key)
     found["stretch.largest"] = (report.get("stretch_range") or {}).get("largest")
     found |= {key: report.get(key) for key in SINGLE}
-    return {name: value for name, value in found.items() if isinstance(value, (int, float))}
+    return sound(found)
 
 
 def step_numbers(step):
@@ -105,8 +117,23 @@ def step_numbers(step):
     for name, vector in (step.get("mean_displacement") or {}).items():
         if isinstance(vector, list):
             found[f"mean_displacement.{name}"] = sum(x * x for x in vector) ** 0.5
-    return {name: value for name, value in found.items() if isinstance(value, (int, float))}
+    return sound(found)
+
+
+def number(value):
+    """A number as a table has it; nothing if it is none."""
+    if isinstance(value, bool):
+        return value
+    # whole numbers of more than 64 bits are none to Parquet
+    return value if isinstance(value, float) or isinstance(value, int) and abs(value) < 2**63 else None
+
+
+def sound(found):
+    return {name: number(value) for name, value in found.items() if number(value) is not None}
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    try:
+        main(Path(sys.argv[1]))
+    except Refused as refusal:
+        sys.exit(printable(f"error: {refusal}"))

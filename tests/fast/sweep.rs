@@ -193,6 +193,109 @@ fn failures_are_kept_and_what_was_killed_continues() {
     assert_eq!(solved(), before + 1);
 }
 
+/// What runs if anything evaluates a file of a folder of others; it leaves a file `ran`.
+fn plant(dir: &Workdir, folder: &str) {
+    let write = |file: String, text: &str| {
+        let path = dir.path(folder).join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    let ran = dir.path("ran").display().to_string();
+    let python = format!("open({ran:?}, 'a').write(__file__ + '\\n')\n");
+    for name in ["json", "table", "page", "files", "snakemake", "pandas", "sitecustomize"] {
+        write(format!("{name}.py"), &python);
+    }
+    // Snakemake looks for modules there, too, and imports what is called as a plugin
+    for place in [".snakemake/pip-deployments", "."] {
+        for name in ["snakemake_executor_plugin_x", "snakemake_logger_plugin_x", "eido", "peppy"] {
+            write(format!("{place}/{name}/__init__.py"), &python);
+        }
+    }
+    let code = format!("mem_mb=__import__('os').system('touch {ran}')");
+    for name in ["profiles/default", "default", "none", "mine"] {
+        write(format!("{name}/config.yaml"), &format!("default-resources:\n  - \"{code}\"\n"));
+    }
+    write("Snakefile".to_owned(), &python);
+    let pickle = format!("cos\nsystem\n(S'touch {ran}'\ntR.");
+    write(".snakemake/iocache/latest.pkl".to_owned(), &pickle);
+}
+
+#[test]
+fn nothing_in_a_folder_of_others_runs() {
+    let Some(python) = python() else { return };
+    let text = "kind = \"list\"\n[parameters.p]\nfile = \"sim.toml\"\n\
+                set = \"chamber.cavity.pressure\"\nvalues = [1, 2]\n";
+    let dir = body(text);
+    let programs = stand_ins(&dir);
+    let run = |arguments: &str| {
+        let mut command = sweep(&python, &dir, &programs, &format!("--cores 1 {arguments}"));
+        command.env("SOLVED", dir.path("solved")).env("MENDED", dir.path("mended"));
+        command
+    };
+    let nothing_ran = |command: &mut Command| {
+        let output = command.output().unwrap();
+        assert!(said(&output).contains("2 of 2 cases"), "{}", said(&output));
+        assert!(!dir.path("ran").exists(), "{}", dir.text("ran"));
+    };
+    plant(&dir, "out");
+    // as many have it in their shells: an empty place is the working directory
+    nothing_ran(run("").env("PYTHONPATH", ":").env("SNAKEMAKE_PROFILE", "default"));
+    // the folder of the body is of others, too
+    plant(&dir, "");
+    plant(&dir, "out");
+    nothing_ran(&mut run("--rerun-triggers mtime input"));
+}
+
+#[test]
+fn links_and_pipes_in_results_are_refused() {
+    let Some(python) = python() else { return };
+    let text = "kind = \"list\"\n[parameters.p]\nfile = \"sim.toml\"\n\
+                set = \"chamber.cavity.pressure\"\nvalues = [1, 2]\n";
+    let dir = body(text);
+    let programs = stand_ins(&dir);
+    dir.write("victim", "mine");
+    fs::create_dir(dir.path("elsewhere")).unwrap();
+    let names =
+        ["lock", "plan.json", "plan.json.partial", "table.csv.partial", "cases", "bodies/x"];
+    for name in names {
+        fs::create_dir_all(dir.path("out/bodies")).unwrap();
+        let target = if name == "cases" { "elsewhere" } else { "victim" };
+        let links: [&dyn Fn(&Path); 2] =
+            [&|path| std::os::unix::fs::symlink(dir.path(target), path).unwrap(), &|path| {
+                assert!(Command::new("mkfifo").arg(path).status().unwrap().success())
+            }];
+        for link in links {
+            link(&dir.path("out").join(name));
+            let output = sweep(&python, &dir, &programs, "--cores 1").output().unwrap();
+            assert_eq!(output.status.code(), Some(2), "{name}: {}", said(&output));
+            assert!(said(&output).contains(&format!("out/{name}: ")), "{}", said(&output));
+            assert_eq!(said(&output).lines().count(), 1, "{}", said(&output));
+            fs::remove_file(dir.path("out").join(name)).unwrap();
+        }
+        fs::remove_dir_all(dir.path("out")).unwrap();
+    }
+    assert_eq!(dir.text("victim"), "mine");
+    assert!(dir.files("elsewhere").is_empty());
+}
+
+/// Every mutation of a sweep is a short error, or a sweep: `hostile_sweeps.py` says what is mutated.
+#[test]
+fn hostile_sweeps_are_refused_in_a_line() {
+    let Some(python) = python() else { return };
+    let dir = body("");
+    let programs = stand_ins(&dir);
+    assert!(Command::new("mkfifo").arg(dir.path("fifo")).status().unwrap().success());
+    dir.write("loop.toml", "include = \"../x/../loop.toml\"\n");
+    dir.write("deep.toml", &format!("a = {}", "[".repeat(5000)));
+    let cases = std::env::var("FUZZ_CASES").unwrap_or_else(|_| "400".to_owned());
+    let seed = std::env::var("FUZZ_SEED").unwrap_or_else(|_| "1".to_owned());
+    let mut fuzz = Command::new(&python);
+    fuzz.arg(repository().join("tests/fast/hostile_sweeps.py"));
+    fuzz.arg(repository().join("pipelines/sweep")).arg(dir.path("")).args([cases, seed]);
+    let output = fuzz.env("PUFFER_BIN", programs).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+}
+
 /// An independent validator takes what the program takes, and refuses what it refuses by its keys.
 #[test]
 fn the_schema_knows_the_keys() {
@@ -269,8 +372,27 @@ fn sweeps_that_cannot_be_used_are_refused() {
     check(&format!("kind = \"grid\"\n{other}values = [1]"), &["'sum.toml'", "sim.toml", "3:1"]);
     check(&format!("kind = \"grid\"\nsimulate = \"x.toml\"\n{p}values = [1]"), &["x.toml", "2:1"]);
     check("kind = \"grid\"\n", &["sweep.toml: nothing varies"]);
-    let two =
-        format!("kind = \"list\"\n{p}values = [1, 2]\n{}values = [1]", p.replace(".p]", ".q]"));
+    check(&format!("kind = \"grid\"\n{p}from = 1\nto = 2\ncount = 100000000000"), &["1000000"]);
+    let q = p.replace(".p]", ".q]").replace("degree", "material");
+    let product = format!(
+        "kind = \"grid\"\n{p}from = 1\nto = 2\ncount = 2000\n{q}from = 1\nto = 2\ncount = 3000"
+    );
+    check(&product, &["2000 × 3000 = 6000000 cases: at most 1000000"]);
+    check(
+        &format!("kind = \"grid\"\n{p}values = [1, 2]\n{}values = [1, 2]", p.replace(".p]", ".q]")),
+        &["'degree' of sim.toml is set twice"],
+    );
+    check(
+        &format!("kind = \"grid\"\n{}values = [1, 2]", p.replace(".p]", ".status]")),
+        &["column status"],
+    );
+    check(
+        &format!("kind = \"grid\"\npicture = \"--output x\"\n{p}values = [1]"),
+        &["'--output'", "--color"],
+    );
+    check(&format!("kind = \"grid\"\npicture = \"'\"\n{p}values = [1]"), &["no closing quotation"]);
+    check(&format!("kind = \"grid\"\n{p}values = [{}1]", "[".repeat(5000)), &["nested too deeply"]);
+    let two = format!("kind = \"list\"\n{p}values = [1, 2]\n{q}values = [1]");
     check(&two, &["[parameters.q]: 1 values, others have 2"]);
     // sound, but without programs
     dir.write("sweep.toml", &format!("kind = \"grid\"\n{p}values = [1, 2]"));
