@@ -12,6 +12,23 @@ DENY := 0.20.2
 MDBOOK := 0.5.4
 PREFIX ?= /usr/local
 
+# What is given as a name becomes a target and a word of the shell. Before anything reads it, by its value and not
+# expanded: these characters would mean something there.
+SPECIAL := $$ ; : * ? [ ] { } ( ) < > & | ! ' " ` \ ~ % = ^ \#
+space := $(subst ,, )
+tab := $(subst ,,	)
+define newline
+
+
+endef
+has = $(findstring $(2),$(value $(1)))
+meaning = $(foreach c,$(SPECIAL),$(if $(call has,$(1),$(c)),$(c))) \
+	$(if $(call has,$(1),$(space)),blank) $(if $(call has,$(1),$(tab)),tab) $(if $(call has,$(1),$(newline)),newline) \
+	$(if $(filter -%,$(value $(1))),- at its beginning)
+$(foreach name,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CASE COUNT SEED,\
+	$(if $(strip $(call meaning,$(name))),$(error $(name): a name has $(strip $(call meaning,$(name))), which make or \
+	the shell take for their own: give it another one, of letters, digits, - . _ and /)))
+
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
 # cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
 BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))

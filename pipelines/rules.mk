@@ -66,8 +66,9 @@ $(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setu
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
-	patches=$$$$(ls -v $(call to,$(1))/model/patches/*.stl); $(BIN)/cad2fem picture $$$$patches --together $(APART) \
-		--captions "$$$$(basename -s .stl $$$$patches | paste -sd,)" $(VIEW) --title "$(notdir $(1)): regions" -o $$@
+	mapfile -d '' -t patches < <(printf '%s\0' $(call to,$(1))/model/patches/*.stl | sort -zV); \
+		$(BIN)/cad2fem picture --together $(APART) --captions "$$$$(basename -s .stl -- "$$$${patches[@]}" | paste -sd,)" \
+		$(VIEW) --title "$(notdir $(1)): regions" -o $$@ -- "$$$${patches[@]}"
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@

@@ -35,6 +35,8 @@ mod materials;
 mod measured_rubber;
 #[path = "fast/membranes.rs"]
 mod membranes;
+#[path = "fast/names.rs"]
+mod names;
 #[path = "fast/newton.rs"]
 mod newton;
 #[path = "fast/optimize.rs"]

@@ -48,7 +48,15 @@ fn nothing_is_overwritten_and_names_are_checked() {
     let dir = Workdir::new();
     dir.write("there", "");
     dir.run(&["new", "there"]).fails(2, "there: is there already");
+    for name in
+        ["two words", "a$b", "a;b", "a#b", "a:b", "a'b", "a\"b", "a\\b", "a\nb", "-a", "a%b", ""]
+    {
+        dir.run(&["new", "--", name]).fails(2, "");
+        assert!(!dir.path(name).is_dir() || name.is_empty(), "{name}");
+    }
     dir.run(&["new", "two words"]).fails(2, "letters, digits, - and _");
+    dir.run(&["new", "some folders/mine"]).fails(2, "take the ' ' in it for their own");
+    assert!(!dir.path("some folders").exists());
     let run = dir.run(&["new", "mine", "--like", "fingr"]);
     run.fails(2, "there is no fingr; did you mean `finger`?");
     run.fails(2, "blank    the least");

@@ -9,6 +9,9 @@ use mesh::io::write_atomic;
 use crate::checkout::checkout;
 use crate::template::Template;
 
+/// What make or the shell take for their own in a name, as in the Makefile.
+const SPECIAL: &str = "$;:*?[]{}()<>&|!'\"`\\~%=^# \t\n";
+
 /// Writes a folder with all files of a body, which can be made at once and then changed
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -37,7 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: is there already; give another name, or remove it",
         folder.display()
     );
-    let place = Place::of(folder, name);
+    let place = Place::of(folder, name)?;
     for (file, text) in template.files_for(&place.results()) {
         write_atomic(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
@@ -67,7 +70,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(folder: &Path, name: &str) -> Self {
+    fn of(folder: &Path, name: &str) -> Result<Self> {
         let full = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
         let above = full.parent().unwrap_or(Path::new("/"));
         let here = std::env::current_dir().ok();
@@ -76,21 +79,29 @@ impl Place {
             false => format!("make -C {} {command}", top.display()),
         };
         if let (true, Some(top)) = (above.join("rules.mk").is_file(), above.parent()) {
-            return Self {
+            return Ok(Self {
                 in_pipelines: true,
                 command: from(top, name.to_owned()),
                 page: top.join("build").join(name).join("report.html"),
                 name: name.to_owned(),
-            };
+            });
         }
         let top = checkout().unwrap_or_else(|| PathBuf::from("CHECKOUT"));
         let dir = if here.as_deref() == Some(&top) { folder } else { &full };
-        Self {
+        let special = dir.to_string_lossy().chars().find(|c| SPECIAL.contains(*c));
+        ensure!(
+            special.is_none(),
+            "{}: make and the shell take the {:?} in it for their own: make the body in a folder whose path has \
+             letters, digits, - . _ and / alone",
+            dir.display(),
+            special.unwrap_or_default()
+        );
+        Ok(Self {
             in_pipelines: false,
             command: from(&top, format!("body DIR={}", dir.display())),
             page: folder.join("build/report.html"),
             name: name.to_owned(),
-        }
+        })
     }
 
     /// The folder of results, as seen from that of the body.
