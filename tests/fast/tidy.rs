@@ -286,3 +286,25 @@ fn make(arguments: &[&str]) -> String {
     let output = command.args(arguments).current_dir(repository()).output().unwrap();
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
+
+/// Whoever installs a package of Python does so by its hash.
+#[test]
+fn packages_of_python_have_hashes() {
+    let top = repository();
+    for script in
+        ["Makefile", ".ci/dist", ".ci/run", ".ci/test", ".ci/Containerfile", ".ci/README.dist"]
+    {
+        let text = fs::read_to_string(top.join(script)).unwrap();
+        for line in text.lines().filter(|line| line.contains("pip install")) {
+            assert!(line.contains("--require-hashes"), "{script}: {line}");
+        }
+    }
+    let lists = ["requirements.txt", "pipelines/sweep/requirements.txt", ".ci/zig.txt"];
+    for list in lists {
+        let text = fs::read_to_string(top.join(list)).unwrap().replace("\\\n", " ");
+        for line in text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')) {
+            let pinned = line.contains("==") && line.contains("--hash=sha256:");
+            assert!(pinned, "{list}: {line}");
+        }
+    }
+}
