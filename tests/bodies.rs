@@ -1,10 +1,12 @@
 //! Random bodies from model to verified mold: what becomes of them, by kind.
 //!
-//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds.
+//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds. Three families more, with verdicts that use none
+//! of our programs, are in `campaign`: `make campaign`.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use cad2fem::implicit::{Fields, Model, ModelFile, surface};
 use mesh::Vec3;
@@ -14,7 +16,7 @@ use mesh::measure::bounds;
 use rayon::prelude::*;
 use solver::math::random::Random;
 use tests::bodies::{Body, tags};
-use tests::workdir::{Run, Workdir};
+use tests::workdir::{Run, Workdir, python, repository};
 
 /// Points at which a surface is compared with the functions of its model.
 const POINTS: usize = 300;
@@ -135,6 +137,55 @@ fn molds(seeds: std::ops::Range<u64>) -> Vec<End> {
 fn a_body_of_each_kind_is_modelled() {
     let wrong = models((0..14).into_par_iter());
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// A script of `campaign`, with what it prints.
+fn campaign(python: &Path, script: &str, arguments: &[&str], dir: &Workdir) -> String {
+    let mut command = Command::new(python);
+    command.arg("-B").arg(repository().join("tests/campaign").join(script)).args(arguments);
+    let run: Run = command.current_dir(dir.path(".")).output().unwrap().into();
+    run.assert_good();
+    run.stdout
+}
+
+/// Bodies of a family from the seed 0 on.
+fn family(python: &Path, name: &str, count: usize, dir: &Workdir) -> Vec<PathBuf> {
+    let arguments = [".", "--family", name, "--count", &count.to_string()];
+    campaign(python, "bodies.py", &arguments, dir);
+    (0..count).map(|seed| dir.path(&format!("{name}-{seed}"))).collect()
+}
+
+#[test]
+fn bodies_of_the_campaign_are_modelled() {
+    let Some(python) = python("numpy, gmsh") else { return };
+    let dir = Workdir::new();
+    let mut models = family(&python, "shells", 4, &dir);
+    models.extend(family(&python, "lattices", 2, &dir));
+    models.par_iter().for_each(|folder| {
+        let model = ModelFile::read(&folder.join("model.toml"), &[]).unwrap().model;
+        assert_eq!(modelled(&model), Ok(()), "{}", folder.display());
+    });
+    family(&python, "fillets", 1, &dir);
+    let run: Run =
+        dir.command_of("cad2fem", "-q model fillets-0/model.step -o out").output().unwrap().into();
+    run.assert_good();
+    assert_eq!(dir.files("out/patches"), ["ch1.stl", "ch2.stl", "seat.stl", "skin.stl"]);
+    assert!(
+        campaign(&python, "verdict.py", &["shells-1"], &dir).contains("chain False in one piece")
+    );
+}
+
+#[test]
+#[ignore = "a minute: runs in make test-all"]
+fn verdicts_tell_bodies_that_cannot_be_cast() {
+    let Some(python) = python("numpy") else { return };
+    let dir = Workdir::new();
+    family(&python, "shells", 20, &dir);
+    family(&python, "lattices", 4, &dir);
+    let said = campaign(&python, "verdict.py", &["shells-19", "lattices-3", "lattices-0"], &dir);
+    for found in ["shells-19 coil True", "lattices-3 cage True", "lattices-0 frame False"] {
+        assert!(said.contains(found), "{said}");
+    }
 }
 
 #[test]

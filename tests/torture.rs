@@ -5,10 +5,16 @@
 //! `TORTURE_CASE` one case of it that is made again alone.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+#[path = "torture/cad.rs"]
+mod cad;
 #[path = "torture/child.rs"]
 mod child;
+#[path = "torture/clock.rs"]
+mod clock;
 #[path = "torture/job.rs"]
 mod job;
+#[path = "torture/makes.rs"]
+mod makes;
 #[path = "torture/mesher.rs"]
 mod mesher;
 #[path = "torture/trial.rs"]
@@ -103,4 +109,14 @@ fn fifteen_seconds() {
 #[ignore = "five minutes, or as long as TORTURE_SECONDS says: make torture"]
 fn as_long_as_asked() {
     from_environment(300.0);
+}
+
+#[test]
+#[ignore = "two minutes: make torture"]
+fn two_makes_in_one_folder() {
+    for later in [0.0, 0.3, 1.0, 4.0].map(Duration::from_secs_f64) {
+        if makes::possible() {
+            assert_eq!(makes::both(later), Ok(()), "{later:?} later");
+        }
+    }
 }

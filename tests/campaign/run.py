@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -32,8 +33,7 @@ FAMILIES = ("shells", "lattices", "fillets")
 def chain(folder):
     """The commands by the stage they belong to."""
     cad = folder / "model.step"
-    if not (folder / "model/model.stl").exists():
-        yield "model", ["cad2fem", "model", cad if cad.exists() else folder / "model.toml", "-o", folder / "model"]
+    yield "model", ["cad2fem", "model", cad if cad.exists() else folder / "model.toml", "-o", folder / "model"]
     yield "mesh", ["cad2fem", "tetmesh", folder / "model/model.stl", "--config", folder / "cad2fem.toml",
                    "--no-cache", "-o", folder / "volume.msh"]
     yield "tags", ["tagger", "tag", folder / "volume.msh", "--config", folder / "tags.toml",
@@ -48,8 +48,9 @@ def run(command, log):
     log.write(f"$ {' '.join(map(str, command))}\n")
     log.flush()
     threads = {**os.environ, "RAYON_NUM_THREADS": "1"}
-    started = subprocess.Popen([str(part) for part in command], stdout=log, stderr=log, env=threads)
-    timer = threading.Timer(LONGEST, started.kill)
+    command = [str(part) for part in command]
+    started = subprocess.Popen(command, stdout=log, stderr=log, env=threads, start_new_session=True)
+    timer = threading.Timer(LONGEST, os.killpg, (started.pid, signal.SIGKILL))  # with its mesher
     timer.start()
     _, status, usage = os.wait4(started.pid, 0)
     timer.cancel()

@@ -8,7 +8,7 @@ use tests::workdir::Workdir;
 
 use crate::child::{self, Running};
 use crate::job::Sound;
-use crate::{any, mesher, part};
+use crate::{any, cad, clock, mesher, part};
 
 /// Most kills in one folder.
 const KILLS: usize = 12;
@@ -34,10 +34,12 @@ pub const TRIALS: &[(&str, Trial)] = &[
     ("kills again", kills),
     ("read-only disk", read_only),
     ("bad meshers", mesher::bad),
+    ("damaged CAD", cad::damaged),
+    ("clocks", clock::jumps),
 ];
 
 /// A moment of a run.
-fn moment(sound: &Sound, random: &mut Random) -> Duration {
+pub fn moment(sound: &Sound, random: &mut Random) -> Duration {
     sound.time.mul_f64(1.1 * part(random))
 }
 
