@@ -11,6 +11,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use solver::math::random::Random;
+use tests::chamber;
+use tests::fuzz::numbers;
 use tests::fuzz::{TARGETS, Target, mutate};
 use tests::workdir::repository;
 
@@ -89,6 +91,21 @@ fn as_long_as_asked() {
     let cases = number("FUZZ_CASES").map(|cases| Length::Cases(cases as u64));
     let length = cases.unwrap_or_else(|| Length::seconds(number("FUZZ_SECONDS").unwrap_or(60.0)));
     campaign(&length, number("FUZZ_SEED").unwrap_or(1.0) as u64);
+}
+
+/// All of them take half an hour: `make fuzz` tries one in ten, others for every seed.
+#[test]
+#[ignore = "minutes: make fuzz"]
+fn numbers_at_the_limits_in_every_key() {
+    let seed = std::env::var("FUZZ_SEED").map_or(1, |seed| seed.parse().unwrap());
+    let failures = numbers::campaign(&chamber::workdir(), 10, seed);
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+#[test]
+fn some_numbers_at_the_limits() {
+    let failures = numbers::campaign(&chamber::workdir(), 397, 1);
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
 #[test]

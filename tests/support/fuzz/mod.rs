@@ -6,6 +6,7 @@
 
 mod corpus;
 mod mutation;
+pub mod numbers;
 
 use std::path::Path;
 

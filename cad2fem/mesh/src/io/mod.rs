@@ -170,14 +170,23 @@ fn require_sound(surface: &SurfaceMesh) -> Parsed<()> {
     Ok(())
 }
 
-/// Whether all coordinates are finite.
+/// The largest coordinate [unit of the file]: a thousand kilometres in millimetres. Powers of such
+/// numbers are far from the end of f64.
+const FARTHEST: f64 = 1e9;
+
+/// Whether all coordinates are finite, and none is so large that powers of it may not be.
 fn require_finite(points: &[crate::Vec3]) -> Parsed<()> {
-    let bad = |p: &crate::Vec3| p.iter().any(|x| !x.is_finite());
+    refuse_points(points, "not finite", |x| !x.is_finite())?;
+    refuse_points(points, &format!("beyond {FARTHEST:e}"), |x| x.abs() > FARTHEST)
+}
+
+fn refuse_points(points: &[crate::Vec3], what: &str, is_bad: impl Fn(f64) -> bool) -> Parsed<()> {
+    let bad = |p: &crate::Vec3| p.iter().any(|&x| is_bad(x));
     let Some(first) = points.iter().position(bad) else { return Ok(()) };
     let count = points.iter().filter(|&p| bad(p)).count();
     let [x, y, z] = points[first].into();
     Err(format!(
-        "{count} of {} vertices are not finite, the first is vertex {first} at ({x}, {y}, {z})",
+        "{count} of {} vertices are {what}, the first is vertex {first} at ({x}, {y}, {z})",
         points.len()
     ))
 }

@@ -4,6 +4,7 @@
 //! imaginary text, so that the range of a key or value says from which of them it came.
 
 mod change;
+mod magnitude;
 mod merge;
 mod place;
 mod version;
@@ -109,6 +110,9 @@ impl Settings {
     /// fields the valid keys and the nearest of them.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
         let tree = self.tree()?;
+        if let Some((what, place)) = magnitude::refused(&tree) {
+            return Err(self.refused(&what, Some(place)));
+        }
         let root = Spanned::new(self.whole(), tree.clone());
         T::deserialize(Deserializer::from(root)).map_err(|error| {
             let span = error.span().filter(|span| *span != self.whole());

@@ -269,3 +269,21 @@ fn what_settings_mean_is_refused_with_its_place() {
     let unusable = settings.place(crate::Unusable("degree = 2".into()).into());
     assert!(unusable.is::<crate::Unusable>());
 }
+
+#[test]
+fn numbers_whose_powers_leave_f64_are_refused() {
+    let folder = Folder::new(&[("sim.toml", SCENE)]);
+    let parse = |value: &str| {
+        let change = format!("time.end={value}");
+        let settings = folder.read("sim.toml", &[change.as_str()]).unwrap();
+        settings.parse::<toml::Table>().map_err(|error| format!("{error:#}"))
+    };
+    for value in ["0.0", "-0.0", "1e30", "-1e-30", "1_000.5", "inf", "9223372036854775807"] {
+        assert!(parse(value).is_ok(), "{value}: {:?}", parse(value));
+    }
+    for value in ["1e155", "-1e308", "5e-324", "1.1e30", "[[0.0, 1e200]]", "{ a = -1e-40 }"] {
+        let message = parse(value).unwrap_err();
+        assert!(message.contains("numbers are 0, or from 1e-30 to 1e30"), "{value}: {message}");
+        assert!(message.contains("sim.toml: --set time.end="), "{value}: {message}");
+    }
+}
