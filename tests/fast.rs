@@ -25,6 +25,8 @@ mod error_bars;
 mod failures;
 #[path = "fast/flat_element.rs"]
 mod flat_element;
+#[path = "fast/hostile_page.rs"]
+mod hostile_page;
 #[path = "fast/keep.rs"]
 mod keep;
 #[path = "fast/import.rs"]

@@ -16,6 +16,8 @@ pub mod equilibrium;
 pub mod fall;
 #[path = "support/fuzz/mod.rs"]
 pub mod fuzz;
+#[path = "support/hostile.rs"]
+pub mod hostile;
 #[path = "support/judges.rs"]
 pub mod judges;
 #[path = "support/meshes.rs"]

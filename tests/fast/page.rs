@@ -113,6 +113,8 @@ fn a_page_shows_what_the_reports_say() {
     shapes_and_mold(&mut browser, &dir);
     nothing_hostile_has_run(&mut browser, &dir.path("page.html"));
     without_webgl(&mut browser, &dir.path("page.html"));
+    drop(browser);
+    crate::hostile_page::every_text_is_text(program, &dir);
 }
 
 /// The slider goes through the load steps; in the middle of two it is linear.

@@ -308,3 +308,41 @@ fn packages_of_python_have_hashes() {
         }
     }
 }
+
+/// Texts of others are text in pages, never markup: neither templates nor scripts put them in as HTML.
+#[test]
+fn pages_make_no_markup_of_texts() {
+    let top = repository();
+    let sinks = [
+        "innerHTML",
+        "outerHTML",
+        "insertAdjacentHTML",
+        "document.write",
+        "DOMParser",
+        "srcdoc",
+        "setHTML",
+        "createContextualFragment",
+        "parseFromString",
+        "eval(",
+        "Function(",
+        "javascript:",
+        "import(",
+    ];
+    for folder in ["cad2fem/page/web", "pipelines/sweep/web"] {
+        for path in files(&top.join(folder), "js") {
+            let text = fs::read_to_string(&path).unwrap();
+            let found: Vec<&&str> = sinks.iter().filter(|sink| text.contains(**sink)).collect();
+            assert!(found.is_empty(), "{}: {found:?}", path.display());
+        }
+    }
+    // what is not escaped: our own style and script, JSON in which no `<` is left, Markdown
+    let raw = naming("PreEscaped(", &files(&top.join("cad2fem/page/src"), "rs"));
+    assert_eq!(Vec::from_iter(raw), ["cad2fem/page/src/document.rs", "cad2fem/page/src/prose.rs"]);
+    let page = fs::read_to_string(top.join("pipelines/sweep/web/page.html")).unwrap();
+    let safe: Vec<&str> = page
+        .split("{{ ")
+        .filter_map(|part| part.split_once("|safe }}"))
+        .map(|(name, _)| name)
+        .collect();
+    assert_eq!(safe, ["style", "data", "library", "main"]);
+}

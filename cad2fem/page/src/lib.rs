@@ -15,6 +15,7 @@
 //! - [`mold`]: a mold and how it comes apart
 //! - [`prose`]: text that is safe to put into a page
 //! - [`facts`]: tables of what reports say
+//! - [`script`]: what runs in the browser, of several modules
 //! - [`document`]: the page from its parts
 
 pub mod design;
@@ -23,6 +24,7 @@ pub mod facts;
 pub mod mold;
 pub mod prose;
 pub mod run;
+pub mod script;
 pub mod solid;
 pub mod store;
 pub mod survey;

@@ -1,36 +1,20 @@
 //! Text that is safe to put into a page, whatever it says.
 
+use maud::{Markup, PreEscaped};
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 use serde_json::Value;
 
-/// Text as content of an element or of a quoted attribute.
-#[must_use]
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            c => escaped.push(c),
-        }
-    }
-    escaped
-}
-
 /// JSON as content of a `script` element, which nothing in it can end.
 #[must_use]
-pub fn script_data(value: &Value) -> String {
+pub fn script_data(value: &Value) -> Markup {
     // only strings have such a character
-    value.to_string().replace('<', "\\u003c")
+    PreEscaped(value.to_string().replace('<', "\\u003c"))
 }
 
 /// Markdown as HTML of headings, paragraphs, lists, tables and code; HTML in it is shown as
 /// text, and of links and pictures the words.
 #[must_use]
-pub fn markdown(text: &str) -> String {
+pub fn markdown(text: &str) -> Markup {
     let safe = |event| match event {
         Event::Html(t) | Event::InlineHtml(t) => Some(Event::Text(t)),
         Event::Start(Tag::Link { .. } | Tag::Image { .. })
@@ -48,7 +32,7 @@ pub fn markdown(text: &str) -> String {
     let mut page = String::new();
     let events = Parser::new_ext(text, Options::ENABLE_TABLES).filter_map(safe);
     html::push_html(&mut page, events);
-    page
+    PreEscaped(page)
 }
 
 /// The page has a title and sections of its own.
@@ -99,9 +83,10 @@ mod tests {
 
     #[test]
     fn nothing_leaves_its_element() {
-        let escaped = escape(HOSTILE);
-        assert!(!escaped.contains(['<', '>', '"', '\'']), "{escaped}");
-        let data = script_data(&json!({ "name": HOSTILE }));
+        let page = maud::html! { p title=(HOSTILE) { (HOSTILE) } }.into_string();
+        assert_eq!(page.matches(['<', '>']).count(), 4, "{page}");
+        assert_eq!(page.matches('"').count(), 2, "{page}");
+        let data = script_data(&json!({ "name": HOSTILE })).into_string();
         assert!(!data.contains('<'), "{data}");
         let read: Value = serde_json::from_str(&data).expect("still JSON");
         assert_eq!(read["name"], HOSTILE);
@@ -112,7 +97,8 @@ mod tests {
         let page = markdown(&format!(
             "# A\n\n{HOSTILE}\n\n|a|b|\n|-|-|\n|{HOSTILE}|*x*|\n\n[go](javascript:alert(1)) \
              ![see](http://example.com/a.png)\n\n```\"><b>\n<i>\n```\n"
-        ));
+        ))
+        .into_string();
         for tag in ["<script", "<img", "<a", "<b>", "<i>"] {
             assert!(!page.contains(tag), "{tag} in {page}");
         }

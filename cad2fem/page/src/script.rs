@@ -1,0 +1,137 @@
+//! The modules of the page as one script, as a page opened from a file has no folder to import from.
+//!
+//! Each module becomes a function that returns what it exports, under a name of its own. Of the
+//! language of modules only what ours use is known: `import` of names or of all, at the
+//! beginning of a line; `export` before `function`, `class` or `const`, or of a list at the end.
+
+const MAIN: &str = include_str!("../web/main.js");
+
+/// The modules of the page by the names under which they import each other; each imports only
+/// those before it.
+const MODULES: &[(&str, &str)] = &[
+    ("three", include_str!("../vendor/three/three.module.min.js")),
+    ("three/orbit", include_str!("../vendor/three/OrbitControls.js")),
+    ("page/arrays", include_str!("../web/arrays.js")),
+    ("page/color", include_str!("../web/color.js")),
+    ("page/chart", include_str!("../web/chart.js")),
+    ("page/controls", include_str!("../web/controls.js")),
+    ("page/history", include_str!("../web/history.js")),
+    ("page/section", include_str!("../web/section.js")),
+    ("page/surface", include_str!("../web/surface.js")),
+    ("page/solid", include_str!("../web/solid.js")),
+    ("page/load", include_str!("../web/load.js")),
+    ("page/mold", include_str!("../web/mold.js")),
+    ("page/response", include_str!("../web/response.js")),
+    ("page/shapes", include_str!("../web/shapes.js")),
+    ("page/stage", include_str!("../web/stage.js")),
+];
+
+/// All modules, and the main one after them.
+#[must_use]
+pub fn linked() -> String {
+    let module = |(name, source): &(&str, &str)| {
+        let (body, exports) = parts(source);
+        format!("const {} = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();\n", variable(name))
+    };
+    MODULES.iter().map(module).collect::<String>() + &parts(MAIN).0
+}
+
+/// The variable that holds a module.
+fn variable(module: &str) -> String {
+    format!("module_{}", module.replace('/', "_"))
+}
+
+/// A module without its imports and exports, and what it exports.
+fn parts(source: &str) -> (String, String) {
+    let (source, mut exports) = match source.rfind("export{").or(source.rfind("export {")) {
+        Some(at) => (&source[..at], renamed(&source[at..])),
+        None => (source, String::new()),
+    };
+    let mut body = String::new();
+    let mut rest = source;
+    while let Some(line) = rest.split_inclusive('\n').next() {
+        let import = line.starts_with("import ").then(|| rest.split_once(';')).flatten();
+        if let Some((import, after)) = import {
+            body += &imported(import);
+            rest = after;
+            continue;
+        }
+        let declared = line.strip_prefix("export ");
+        if let Some(name) = declared.and_then(|code| code.split([' ', '(']).nth(1)) {
+            exports += &format!("{name}, ");
+        }
+        body += declared.unwrap_or(line);
+        rest = &rest[line.len()..];
+    }
+    (body, exports)
+}
+
+/// `import { a, b as c } from 'm'` and `import * as a from 'm'` as constants.
+fn imported(import: &str) -> String {
+    let (names, module) = import.split_once(" from ").unwrap_or((import, ""));
+    let module = variable(module.trim_matches(['\'', '"']));
+    match names.split_once("* as ") {
+        Some((_, all)) => format!("const {all} = {module};"),
+        None => format!("const {{ {} }} = {module};", renamed(names)),
+    }
+}
+
+/// What stands in the braces of an import or export, as in those of an object; an export
+/// `a as b` is the entry `b: a`.
+fn renamed(list: &str) -> String {
+    let inside = list.split(['{', '}']).nth(1).unwrap_or_default();
+    let entry = |name: &str| match name.trim().split_once(" as ") {
+        Some((own, other)) if list.starts_with("export") => format!("{other}: {own}, "),
+        Some((other, own)) => format!("{other}: {own}, "),
+        None if name.trim().is_empty() => String::new(),
+        None => format!("{}, ", name.trim()),
+    };
+    inside.split(',').map(entry).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modules_become_functions_of_what_they_import() {
+        let source = "import * as T from 'three';\nimport {\n  a,\n  b as c,\n} from 'page/x';\n\
+                      export const D = 1;\nexport function e(f) { return \"export \"; }\nlet g;\n\
+                      export { g as h, c };\n";
+        let (body, exports) = parts(source);
+        assert_eq!(exports, "h: g, c, D, e, ");
+        let lines: Vec<&str> = body.lines().filter(|l| !l.is_empty()).collect();
+        assert_eq!(lines[0], "const T = module_three;");
+        assert_eq!(lines[1], "const { a, b: c,  } = module_page_x;");
+        assert_eq!(lines[2..4], ["const D = 1;", "function e(f) { return \"export \"; }"]);
+    }
+
+    #[test]
+    fn modules_import_only_those_before_them() {
+        let mut before = Vec::new();
+        for (name, source) in MODULES.iter().chain(&[("main", MAIN)]) {
+            let from = source.lines().filter(|l| l.starts_with("import") || l.starts_with('}'));
+            for found in from.filter_map(|l| l.split_once(" from ")) {
+                let module = found.1.trim_matches(['\'', '"', ';', ' ']);
+                assert!(before.contains(&module), "{name} imports {module}");
+            }
+            before.push(*name);
+        }
+        let script = linked();
+        assert!(!script.to_lowercase().contains("</script"), "it would end there");
+        assert!(!script.contains("<!--"), "it would be a comment");
+        let left = |l: &&str| l.starts_with("import ") || l.starts_with("export ");
+        assert_eq!(script.lines().find(left), None);
+        assert!(script.contains("WebGLRenderer: ec,"), "what three.js exports");
+    }
+
+    /// The hashes in `vendor/three/README.md`.
+    #[test]
+    fn three_is_the_one_that_the_note_says() {
+        let note = include_str!("../vendor/three/README.md");
+        for (name, source) in MODULES.iter().filter(|(name, _)| name.starts_with("three")) {
+            assert!(note.contains(&program::sha256(source.as_bytes())), "{name}");
+        }
+        assert!(note.contains(&program::sha256(crate::document::LICENCE.as_bytes())));
+    }
+}
