@@ -7,6 +7,8 @@ mod as_cast;
 mod bad_design;
 #[path = "fast/book.rs"]
 mod book;
+#[path = "fast/bounds.rs"]
+mod bounds;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
 #[path = "fast/carry.rs"]
