@@ -87,6 +87,8 @@ mod sweep;
 mod symmetric_contact;
 #[path = "fast/symmetry.rs"]
 mod symmetry;
+#[path = "fast/thin_walls.rs"]
+mod thin_walls;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

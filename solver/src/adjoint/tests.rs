@@ -7,6 +7,7 @@ use mesh::{TetMesh, Vec3, topology};
 
 use super::*;
 use crate::contact::barrier::{Barrier, Form};
+use crate::contact::potential::Partners;
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
 use crate::energy::{
@@ -206,7 +207,7 @@ impl Case {
         let surface = Surface::new(space, on, Vec::new(), self.degree, fixed);
         let (form, thickness) = (Form::Convergent, 0.0);
         let barrier = Barrier { form, activation: 1.2e-3, stiffness: 1e5, thickness };
-        Contact::new(Arc::new(surface), barrier)
+        Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)
     }
 
     fn run(

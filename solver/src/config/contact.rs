@@ -8,6 +8,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::contact::barrier::Form;
+use crate::contact::potential::Partners;
 
 /// Contact and friction, or that there shall be none.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -27,6 +28,29 @@ pub enum Ignored {
     Ignored,
 }
 
+/// Which features repel each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pairs {
+    /// Those that are apart at rest: not both skins of a wall, and parts of one body that are
+    /// closer than the activation only below the distance that they have at rest.
+    #[default]
+    ThroughAir,
+    /// All, also through the solid of a body, and at rest: as PolyFEM has it.
+    All,
+}
+
+impl Pairs {
+    /// What the potential knows it as.
+    #[must_use]
+    pub fn partners(self) -> Partners {
+        match self {
+            Self::ThroughAir => Partners::ThroughAir,
+            Self::All => Partners::All,
+        }
+    }
+}
+
 /// Contact and friction.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -34,6 +58,9 @@ pub struct ContactConfig {
     /// Which sum over pairs of features.
     #[serde(default)]
     pub form: Form,
+    /// Which features repel each other.
+    #[serde(default)]
+    pub pairs: Pairs,
     /// Distance below which surfaces repel each other, beyond `thickness` [m].
     pub activation: f64,
     /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴].

@@ -43,6 +43,19 @@ impl Form {
             Self::Even => [0.5 - EDGES, EDGES],
         }
     }
+
+    /// 1/σ of a density with its derivative by d̂: d̂ (d̂ + 2 d₀)² where areas weigh [m³],
+    /// so that pressures are the same for any d̂; else one.
+    #[must_use]
+    pub fn divisor(self, repulsion: &Repulsion) -> [f64; 2] {
+        let full = repulsion.activation + 2.0 * repulsion.minimum;
+        match self {
+            Self::Convergent | Self::Even => {
+                [repulsion.activation * full * full, full * (full + 2.0 * repulsion.activation)]
+            }
+            Self::Plain => [1.0, 0.0],
+        }
+    }
 }
 
 /// The barrier κ σ b between surfaces.
@@ -76,11 +89,7 @@ impl Barrier {
     /// [J/m⁶; J/m⁴].
     #[must_use]
     pub fn scale(&self) -> f64 {
-        let full = self.activation + 2.0 * self.thickness;
-        match self.form {
-            Form::Convergent | Form::Even => self.stiffness / (self.activation * full * full),
-            Form::Plain => self.stiffness,
-        }
+        self.stiffness / self.form.divisor(&self.repulsion())[0]
     }
 }
 

@@ -9,6 +9,9 @@
 //! With a minimum distance d₀, s = d² − d₀² and ŝ = d̂² + 2 d₀ d̂, so that b acts
 //! for d₀ < d < d₀ + d̂. b is twice continuously differentiable, q once.
 //!
+//! ∂b/∂ŝ = 2 (s − ŝ) ln(s/ŝ) + (s − ŝ)²/ŝ      ∂²b/∂s∂ŝ = 2 ln(s/ŝ) + 2 (s − ŝ)(1/s + 1/ŝ)
+//! ∂q/∂ŝ = −2 (s − ŝ)                           ∂²q/∂s∂ŝ = −2
+//!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6.
 
 use schemars::JsonSchema;
@@ -54,6 +57,19 @@ impl Repulsion {
         }
     }
 
+    /// The derivatives of β and ∂β/∂d² by d̂ at a squared distance [m²].
+    #[must_use]
+    pub fn by_activation(&self, d2: f64) -> [f64; 2] {
+        let s = d2 - self.minimum * self.minimum;
+        let activation = self.activation * (self.activation + 2.0 * self.minimum);
+        let by = 2.0 * (self.activation + self.minimum);
+        match self.density {
+            Density::Log => log_barrier_by_activation(s, activation),
+            Density::Quadratic => quadratic_by_activation(s, activation),
+        }
+        .map(|d| by * d)
+    }
+
     /// Whether a squared distance [m²] is not above the smallest that is allowed.
     #[must_use]
     pub fn is_violated(&self, d2: f64) -> bool {
@@ -83,6 +99,21 @@ pub fn quadratic(s: f64, activation: f64) -> [f64; 3] {
     [gap * gap, 2.0 * gap, if gap < 0.0 { 2.0 } else { 0.0 }]
 }
 
+/// ∂b/∂ŝ and ∂²b/∂s∂ŝ; zero where b is infinite.
+fn log_barrier_by_activation(s: f64, activation: f64) -> [f64; 2] {
+    if s <= 0.0 || s >= activation {
+        return [0.0; 2];
+    }
+    let (gap, log) = (s - activation, (s / activation).ln());
+    [gap * (2.0 * log + gap / activation), 2.0 * log + 2.0 * gap * (1.0 / s + 1.0 / activation)]
+}
+
+/// ∂q/∂ŝ and ∂²q/∂s∂ŝ, which jumps at ŝ.
+fn quadratic_by_activation(s: f64, activation: f64) -> [f64; 2] {
+    let gap = (s - activation).min(0.0);
+    [-2.0 * gap, if gap < 0.0 { -2.0 } else { 0.0 }]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,6 +130,20 @@ mod tests {
                     // truncation h² b‴/6 is below 1e-9 b′, rounding 1e-16 b / h
                     let error = (difference - exact[k + 1]).abs();
                     assert!(error < 1e-8 * (1.0 + exact[k + 1].abs()));
+                }
+            }
+        }
+        for density in [Density::Log, Density::Quadratic] {
+            let at = |activation: f64| Repulsion { density, minimum: 0.2, activation };
+            for d2 in [0.05, 0.3, 1.2] {
+                let h = 1e-6;
+                let (low, exact, high) =
+                    (at(1.0 - h).at(d2), at(1.0).by_activation(d2), at(1.0 + h).at(d2));
+                for k in 0..2 {
+                    let difference = (high[k] - low[k]) / (2.0 * h);
+                    // as above
+                    let error = (difference - exact[k]).abs();
+                    assert!(error < 1e-8 * (1.0 + exact[k].abs()), "{error:e}");
                 }
             }
         }

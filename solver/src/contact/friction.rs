@@ -14,7 +14,7 @@
 use mesh::Vec3;
 
 use super::distance::tangents;
-use super::potential::{Contacts, add};
+use super::potential::{Contacts, add, add_vector};
 use super::terms::Term;
 
 /// A contact with friction, as it was at the start of a time step: its normal
@@ -130,8 +130,9 @@ impl Contacts<'_> {
     #[must_use]
     pub fn lagged(&self) -> Vec<LaggedContact> {
         let one = |term: &Term| {
-            let closest = self.local(term).closest;
-            let force = term.weight * self.normal_force(closest.d2)[0];
+            let local = self.local(term);
+            let closest = local.closest;
+            let force = term.weight * local.normal_force(self.scale())[0];
             let corners = term.stencil.corners;
             LaggedContact::new(corners, closest.coefficients, closest.offset, force)
         };
@@ -142,19 +143,26 @@ impl Contacts<'_> {
     #[must_use]
     pub fn lagged_vjp(&self, cotangents: &[LaggedContactCotangent]) -> LaggedStateCotangent {
         let (mut positions, mut by_area) = (self.zeros(), self.zero_areas());
+        let mut by_offset = Vec::new();
         for (term, by) in self.with_friction().zip(cotangents) {
-            let closest = self.local(term).closest;
-            let [force, force_slope] = self.normal_force(closest.d2);
+            let local = self.local(term);
+            let closest = local.closest;
+            let [force, force_slope] = local.normal_force(self.scale());
             let normal = closest.offset.normalize();
             let turned = (by.normal - normal * normal.dot(&by.normal)) / closest.d2.sqrt();
-            let by_offset = turned + closest.offset * (2.0 * by.force * term.weight * force_slope);
+            let by_gap = turned + closest.offset * (2.0 * by.force * term.weight * force_slope);
             let corners = term.stencil.gather(self.positions());
-            let by_closest = (&by.coefficients, &by_offset);
+            let by_closest = (&by.coefficients, &by_gap);
             let pull = term.stencil.region.closest_vjp(&corners, &closest, by_closest);
             add(&mut positions, &term.stencil.corners, pull);
             self.add_by_area(term, by.force * force, &mut by_area);
+            if let Some((by_activation, own)) = local.normal_force_by_offset(self.scale()) {
+                let by_activation = by.force * term.weight * by_activation;
+                by_offset.push((own.corners, own.by_rest * by_activation));
+            }
         }
         let mut rest = positions.clone();
+        by_offset.iter().for_each(|(corners, by)| add_vector(&mut rest, corners, by));
         self.add_area_gradient(&by_area, &mut rest);
         LaggedStateCotangent { positions, rest }
     }

@@ -38,8 +38,9 @@ use mesh::Vec3;
 use super::barrier::Form;
 use super::candidates::{self, TooMany};
 use super::density::Repulsion;
-use super::distance::{Closest, corners};
+use super::distance::corners;
 use super::pairs::Pair;
+use super::rest_offset::{Close, Offset};
 use super::stencil::Local;
 use super::surface::Surface;
 use super::terms::{Term, Terms};
@@ -51,8 +52,11 @@ use crate::parallel::map_merge;
 /// Which features repel each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partners {
-    /// All of which one can move, those of one body included.
+    /// All of which one can move, those of one body included, through its solid or not.
     All,
+    /// Of those the ones that are apart at rest: not through the [solid](super::solid) of
+    /// one body, and with a [rest offset](super::rest_offset) within one body.
+    ThroughAir,
     /// Those of different bodies.
     OtherBodies,
 }
@@ -90,6 +94,12 @@ impl Potential {
         &self.surface
     }
 
+    /// Which features repel each other.
+    #[must_use]
+    pub fn partners(&self) -> Partners {
+        self.partners
+    }
+
     /// β.
     #[must_use]
     pub fn repulsion(&self) -> &Repulsion {
@@ -103,7 +113,7 @@ impl Potential {
     /// [`TooMany`] where there are more than memory is meant for.
     pub fn candidates(&self, x0: &[Vec3], x1: &[Vec3], radius: f64) -> Result<Vec<Pair>, TooMany> {
         let indifferent = |corners: [usize; 4]| match self.partners {
-            Partners::All => self.surface.immovable(&corners),
+            Partners::All | Partners::ThroughAir => self.surface.immovable(&corners),
             Partners::OtherBodies => {
                 let body = self.surface.body(corners[0]);
                 corners.iter().all(|&v| self.surface.body(v) == body)
@@ -112,30 +122,38 @@ impl Potential {
         candidates::between(self.surface.features(), x0, x1, radius, indifferent)
     }
 
-    /// The candidates within the range of β at positions `x`, in their order.
+    /// The candidates within the range of β at positions `x`, in their order, for rest
+    /// positions.
     #[must_use]
-    pub fn close_pairs(&self, candidates: &[Pair], x: &[Vec3]) -> Vec<(Pair, Closest)> {
+    pub fn close_pairs(&self, candidates: &[Pair], x: &[Vec3], rest: &[Vec3]) -> Vec<Close> {
         let range2 = self.repulsion.range().powi(2);
-        let near = |range: Range<usize>| -> Vec<(Pair, Closest)> {
-            let closest = candidates[range].iter().map(|p| (*p, p.closest(&p.gather(x))));
-            closest.filter(|(_, closest)| closest.d2 < range2).collect()
+        let close = |pair: &Pair| {
+            let closest = pair.closest(&pair.gather(x));
+            let one = || Close { pair: *pair, closest, offset: self.offset(pair, rest) };
+            (closest.d2 < range2).then(one)
+        };
+        let near = |range: Range<usize>| -> Vec<Close> {
+            candidates[range].iter().filter_map(close).collect()
         };
         let mut close = Vec::new();
         map_merge(candidates.len(), near, |_, mut part| close.append(&mut part));
         close
     }
 
+    /// The rest offset of a pair.
+    fn offset(&self, pair: &Pair, rest: &[Vec3]) -> Option<Offset> {
+        let own = self.partners == Partners::ThroughAir && self.surface.within_one_body(pair);
+        own.then(|| Offset::of(pair, rest, &self.repulsion)).flatten()
+    }
+
     /// What interacts at positions and rest positions of the collision vertices [m],
     /// where these pairs are close.
     #[must_use]
-    pub fn contacts(
-        &self,
-        close: &[(Pair, Closest)],
-        x: Vec<Vec3>,
-        rest: Vec<Vec3>,
-    ) -> Contacts<'_> {
+    pub fn contacts(&self, close: &[Close], x: Vec<Vec3>, rest: Vec<Vec3>) -> Contacts<'_> {
+        let acting: Vec<Close> =
+            close.iter().filter(|pair| pair.acts(&self.repulsion)).copied().collect();
         let on = (&*self.surface, &self.adjacency);
-        let terms = Terms::new(on, self.form, close, (&x, &rest), self.repulsion.range());
+        let terms = Terms::new(on, self.form, &acting, (&x, &rest), self.repulsion.range());
         Contacts { potential: self, x, rest, terms }
     }
 }
@@ -166,7 +184,8 @@ impl Contacts<'_> {
     /// e of one stencil, with its derivatives.
     #[must_use]
     pub fn local(&self, term: &Term) -> Local {
-        Local::new(&term.stencil, &self.x, &self.rest, &self.potential.repulsion)
+        let Potential { repulsion, form, .. } = self.potential;
+        Local::new(&term.stencil, &self.x, &self.rest, (repulsion, *form))
     }
 
     /// B.
@@ -210,7 +229,9 @@ impl Contacts<'_> {
             local.hessian() * corners(term.stencil.gather(lambda)) * weight
         };
         let mut sum = self.zeros();
-        self.for_each_term(image, |term, image| add_vector(&mut sum, term, &image));
+        self.for_each_term(image, |term, image| {
+            add_vector(&mut sum, &term.stencil.corners, &image);
+        });
         sum
     }
 
@@ -223,22 +244,26 @@ impl Contacts<'_> {
             if let Some((by_threshold, threshold)) = local.by_threshold() {
                 by_corners += threshold * (weight * by_threshold.dot(&l));
             }
-            (by_corners, self.potential.scale * local.gradient().dot(&l))
+            let by_offset = local.by_offset().map(|(by_activation, own)| {
+                (own.corners, own.by_rest * (weight * by_activation.dot(&l)))
+            });
+            (by_corners, by_offset, self.potential.scale * local.gradient().dot(&l))
         };
         let (mut by_rest, mut by_area) = (self.zeros(), self.zero_areas());
-        self.for_each_term(by_shape, |term, (by_corners, by_weight)| {
-            add_vector(&mut by_rest, term, &by_corners);
+        self.for_each_term(by_shape, |term, (by_corners, by_offset, by_weight)| {
+            add_vector(&mut by_rest, &term.stencil.corners, &by_corners);
+            if let Some((corners, by_offset)) = by_offset {
+                add_vector(&mut by_rest, &corners, &by_offset);
+            }
             self.add_by_area(term, by_weight, &mut by_area);
         });
         self.add_area_gradient(&by_area, &mut by_rest);
         by_rest
     }
 
-    /// Normal force per weight at a squared distance, N = −2 s β′ d, and ∂N/∂d².
-    pub(super) fn normal_force(&self, d2: f64) -> [f64; 2] {
-        let [_, slope, curvature] = self.potential.repulsion.at(d2);
-        let (scale, d) = (self.potential.scale, d2.sqrt());
-        [-2.0 * scale * slope * d, -scale * (2.0 * curvature * d + slope / d)]
+    /// s.
+    pub(super) fn scale(&self) -> f64 {
+        self.potential.scale
     }
 
     /// Zero at each collision vertex.
@@ -298,6 +323,6 @@ pub(super) fn add(list: &mut [Vec3], corners: &[usize; 4], vectors: [Vec3; 4]) {
     corners.iter().zip(vectors).for_each(|(&v, vector)| list[v] += vector);
 }
 
-fn add_vector(list: &mut [Vec3], term: &Term, vector: &Vec12) {
-    add(list, &term.stencil.corners, [0, 1, 2, 3].map(|i| corner(vector, i)));
+pub(super) fn add_vector(list: &mut [Vec3], corners: &[usize; 4], vector: &Vec12) {
+    add(list, corners, [0, 1, 2, 3].map(|i| corner(vector, i)));
 }

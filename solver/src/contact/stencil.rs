@@ -16,11 +16,14 @@
 
 use mesh::Vec3;
 
+use super::barrier::Form;
 use super::density::Repulsion;
 use super::distance::{Closest, Region, corners};
 use super::mollifier::{
     Mollifier, cross, cross_gradient, cross_hessian, threshold, threshold_gradient,
 };
+use super::pairs::Pair;
+use super::rest_offset::{Offset, OffsetRepulsion};
 use crate::math::tensor::{Mat12, Vec12, project_positive};
 
 /// Points of two features that interact. Equal stencils are equal: corners are
@@ -33,6 +36,9 @@ pub struct Stencil {
     pub region: Region,
     /// Whether these are edges so parallel that they are mollified.
     pub mollified: bool,
+    /// The pair whose [rest distance](super::rest_offset) is its activation; none where
+    /// that is the full one.
+    pub offset: Option<Pair>,
 }
 
 impl Stencil {
@@ -56,14 +62,20 @@ impl Stencil {
         ordered[..a].copy_from_slice(&parts[0][..a]);
         ordered[a..a + b].copy_from_slice(&parts[1][..b]);
         let region = Region { first: a, active: std::array::from_fn(|i| i < a + b) };
-        Self { corners: ordered, region, mollified: false }
+        Self { corners: ordered, region, mollified: false, offset: None }
     }
 
     /// Two edges that are nearly parallel; their corners must be ordered by
     /// [`ordered_edges`].
     #[must_use]
     pub fn mollified(corners: [usize; 4], region: Region) -> Self {
-        Self { corners, region, mollified: true }
+        Self { corners, region, mollified: true, offset: None }
+    }
+
+    /// The same with the activation of a pair's rest distance.
+    #[must_use]
+    pub fn with_offset(self, offset: Option<Offset>) -> Self {
+        Self { offset: offset.map(|o| o.pair), ..self }
     }
 
     /// The corners' entries of a list over all collision vertices.
@@ -92,18 +104,27 @@ pub struct Local {
     mollifier: Mollifier,
     /// β and its first two derivatives by d².
     beta: [f64; 3],
+    offset: Option<OffsetRepulsion>,
 }
 
 impl Local {
     /// The stencil at positions and rest positions of all collision vertices.
     #[must_use]
-    pub fn new(stencil: &Stencil, x: &[Vec3], rest: &[Vec3], repulsion: &Repulsion) -> Self {
+    pub fn new(
+        stencil: &Stencil,
+        x: &[Vec3],
+        rest: &[Vec3],
+        (repulsion, form): (&Repulsion, Form),
+    ) -> Self {
         let (x, region) = (stencil.gather(x), stencil.region);
+        let own = |pair| OffsetRepulsion::new(pair, rest, repulsion, form);
+        let offset = stencil.offset.as_ref().map(own);
         let rest = stencil.mollified.then(|| stencil.gather(rest));
         let mollifier = |rest: &_| Mollifier::new(cross(&x), threshold(rest));
         let mollifier = rest.as_ref().map_or(Mollifier::ONE, mollifier);
         let closest = region.closest(&x);
-        Self { region, x, rest, closest, mollifier, beta: repulsion.at(closest.d2) }
+        let beta = offset.as_ref().map_or_else(|| repulsion.at(closest.d2), |o| o.at(closest.d2));
+        Self { region, x, rest, closest, mollifier, beta, offset }
     }
 
     /// e [m⁴].
@@ -158,6 +179,33 @@ impl Local {
         basis * project_positive(&inner) * basis.transpose()
     }
 
+    /// Normal force per weight for a scale s of the potential, N = −2 s β′ d, and ∂N/∂d².
+    #[must_use]
+    pub fn normal_force(&self, scale: f64) -> [f64; 2] {
+        let ([_, slope, curvature], d) = (self.beta, self.closest.d2.sqrt());
+        [-2.0 * scale * slope * d, -scale * (2.0 * curvature * d + slope / d)]
+    }
+
+    /// ∂N/∂a and how a follows the rest shape, for an activation of its own.
+    #[must_use]
+    pub fn normal_force_by_offset(&self, scale: f64) -> Option<(f64, &OffsetRepulsion)> {
+        let offset = self.offset.as_ref()?;
+        let slope = offset.by_activation(self.closest.d2)[1];
+        Some((-2.0 * scale * slope * self.closest.d2.sqrt(), offset))
+    }
+
+    /// ∂²e/∂x∂a [m²] and how a follows the rest shape, for an activation of its own.
+    #[must_use]
+    pub fn by_offset(&self) -> Option<(Vec12, &OffsetRepulsion)> {
+        let offset = self.offset.as_ref()?;
+        let [beta, slope] = offset.by_activation(self.closest.d2);
+        let mut by = corners(self.closest.d2_gradient()) * (self.mollifier.value * slope);
+        if self.rest.is_some() {
+            by += cross_gradient(&self.x) * (beta * self.mollifier.by_cross);
+        }
+        Some((by, offset))
+    }
+
     /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a mollified pair.
     #[must_use]
     pub fn by_threshold(&self) -> Option<(Vec12, Vec12)> {
@@ -205,7 +253,7 @@ mod tests {
             }
             let stencil = Stencil::reduced([0, 1, 2, 3], Region::of(first, &closest));
             seen.insert(stencil.region);
-            let local = Local::new(&stencil, &x, &x, &repulsion);
+            let local = Local::new(&stencil, &x, &x, (&repulsion, Form::Plain));
             for weight in [2.0, -3.0] {
                 let hessian = local.hessian() * weight;
                 let error = local.projected_hessian(weight) - project_positive(&hessian);

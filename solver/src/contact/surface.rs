@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::images::{Image, Images, share};
-use super::pairs::Features;
+use super::pairs::{Features, Pair};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, Mat12};
@@ -167,6 +167,14 @@ impl Surface {
     #[must_use]
     pub fn body(&self, vertex: usize) -> usize {
         self.body[vertex]
+    }
+
+    /// Whether both features of a pair are of one body that is no obstacle.
+    #[must_use]
+    pub fn within_one_body(&self, pair: &Pair) -> bool {
+        let corners = pair.corners();
+        let [first, second] = [corners[0], corners[3]];
+        self.body[first] == self.body[second] && !self.is_obstacle(first)
     }
 
     /// Whether a collision vertex belongs to an obstacle.

@@ -11,12 +11,14 @@
 //! in the inclusion–exclusion of sets,
 //!
 //! − vertex v and edge e:      ¼ A_v (1 − n),  n triangles at e without v, if n > 1
-//! − vertices v and w:         ¼ A_v if w is inside the surface and no neighbour,
-//!                             and the same with v and w exchanged
+//! − vertices v and w:         ¼ A_v if w is inside the surface and v makes a pair with
+//!                             each triangle there, and the same with v and w exchanged
 //! − edge e and vertex v:      −¼ A_e (n − 1), n edges at v that do not touch e and
 //!                             are not mollified with it; for each of those that are,
 //!                             −¼ A_e times the mollified pair at the distance of v
 //!
+//! Features whose pair is left out, as they meet through the solid of a body, are not
+//! counted. Each part has the least activation of its features' ([`rest_offset`](super::rest_offset)).
 //! Equal stencils are merged. Weights may be negative. In the even form the ¼ of
 //! vertices and of edges are replaced by [`Form::shares`].
 //!
@@ -31,6 +33,7 @@ use super::barrier::Form;
 use super::distance::{Closest, Region, edge_edge, point_edge};
 use super::mollifier::mollified;
 use super::pairs::Pair;
+use super::rest_offset::{Close, Offset};
 use super::stencil::{Stencil, ordered_edges};
 use super::surface::Surface;
 use super::weights::Adjacency;
@@ -68,7 +71,7 @@ impl Terms {
     pub fn new(
         (surface, adjacency): (&Surface, &Adjacency),
         form: Form,
-        active: &[(Pair, Closest)],
+        active: &[Close],
         (x, rest): (&[Vec3], &[Vec3]),
         range: f64,
     ) -> Self {
@@ -87,8 +90,8 @@ impl Terms {
             points: Vec::new(),
         };
         match form {
-            Form::Plain => active.iter().for_each(|(pair, closest)| {
-                let stencil = collector.stencil(pair, closest);
+            Form::Plain => active.iter().for_each(|close| {
+                let stencil = collector.stencil(close);
                 collector.shares.push(Share { stencil, area: None, factor: 1.0 });
             }),
             Form::Convergent | Form::Even => collector.by_area(active),
@@ -122,6 +125,11 @@ impl Terms {
     }
 }
 
+/// The least activation of features that have a part in common.
+fn least_offset(parts: &[Part], active: &[Close]) -> Option<Offset> {
+    parts.iter().map(|part| active[part.of].offset).reduce(Offset::least).flatten()
+}
+
 struct Collector<'a> {
     /// What the area of a vertex counts with a triangle.
     by_vertex: f64,
@@ -134,54 +142,64 @@ struct Collector<'a> {
     range2: f64,
     shares: Vec<Share>,
     /// Vertex and edge within range, of a vertex and a triangle within range.
-    point_edges: Vec<(usize, usize)>,
+    point_edges: Vec<Part>,
     /// Edge and vertex within range, of two edges within range.
-    edge_points: Vec<(usize, usize)>,
-    /// Two vertices within range.
-    points: Vec<(usize, usize)>,
+    edge_points: Vec<Part>,
+    /// Two vertices within range, of the first and a triangle at the second.
+    points: Vec<Part>,
+}
+
+/// A feature and a part of another that is within range of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Part {
+    feature: usize,
+    part: usize,
+    /// Of which close pair; they are in a fixed order.
+    of: usize,
 }
 
 impl Collector<'_> {
-    fn by_area(&mut self, active: &[(Pair, Closest)]) {
-        for (pair, closest) in active {
-            let stencil = self.stencil(pair, closest);
-            match *pair {
+    fn by_area(&mut self, active: &[Close]) {
+        for (of, close) in active.iter().enumerate() {
+            let stencil = self.stencil(close);
+            match close.pair {
                 Pair::PointTriangle([p, a, b, c]) => {
                     self.add(stencil, p, self.by_vertex);
-                    self.note_parts_of_triangle(p, [a, b, c]);
+                    self.note_parts_of_triangle(of, p, [a, b, c]);
                 }
                 Pair::EdgeEdge([a, b, c, d]) => {
                     let edges = [[a, b], [c, d]].map(|edge| self.adjacency.edge(edge));
                     for edge in edges {
                         self.add(stencil, self.adjacency.area_of_edge(edge), self.by_edge);
                     }
-                    self.note_ends(edges[0], [c, d]);
-                    self.note_ends(edges[1], [a, b]);
+                    self.note_ends(of, edges[0], [c, d]);
+                    self.note_ends(of, edges[1], [a, b]);
                 }
             }
         }
-        for list in [&mut self.point_edges, &mut self.edge_points, &mut self.points] {
-            list.sort_unstable();
-            list.dedup();
-        }
-        std::mem::take(&mut self.point_edges).iter().for_each(|&(p, e)| self.at_edge(p, e));
-        std::mem::take(&mut self.points).iter().for_each(|&(p, q)| self.at_points(p, q));
-        std::mem::take(&mut self.edge_points).iter().for_each(|&(e, p)| self.at_end(e, p));
+        let [edges, points, ends] =
+            [&mut self.point_edges, &mut self.points, &mut self.edge_points].map(|list| {
+                list.sort_unstable();
+                std::mem::take(list)
+            });
+        let same = |a: &Part, b: &Part| (a.feature, a.part) == (b.feature, b.part);
+        edges.chunk_by(same).for_each(|parts| self.at_edge(parts, active));
+        points.chunk_by(same).for_each(|parts| self.at_points(parts, active));
+        ends.chunk_by(same).for_each(|parts| self.at_end(parts, active));
     }
 
-    fn stencil(&self, pair: &Pair, closest: &Closest) -> Stencil {
-        match *pair {
-            Pair::PointTriangle(corners) => Stencil::reduced(corners, Region::of(1, closest)),
-            Pair::EdgeEdge(corners) => {
-                if !mollified(&pair.gather(self.x), &pair.gather(self.rest)) {
-                    return Stencil::reduced(corners, Region::of(2, closest));
-                }
-                let [a, b, c, d] = corners;
+    fn stencil(&self, Close { pair, closest, offset }: &Close) -> Stencil {
+        let stencil = match *pair {
+            Pair::EdgeEdge([a, b, c, d])
+                if mollified(&pair.gather(self.x), &pair.gather(self.rest)) =>
+            {
                 let ordered = ordered_edges([a, b], [c, d]);
                 let closest = edge_edge(&ordered.map(|v| self.x[v]));
                 Stencil::mollified(ordered, Region::of(2, &closest))
             }
-        }
+            pair => Stencil::reduced(pair.corners(), Region::of(pair.corners_of_first(), closest)),
+        };
+        stencil.with_offset(*offset)
     }
 
     fn add(&mut self, stencil: Stencil, area: usize, factor: f64) {
@@ -190,55 +208,59 @@ impl Collector<'_> {
         }
     }
 
-    fn note_parts_of_triangle(&mut self, p: usize, [a, b, c]: [usize; 3]) {
+    fn note_parts_of_triangle(&mut self, of: usize, p: usize, [a, b, c]: [usize; 3]) {
         for edge in [[a, b], [b, c], [c, a]] {
             if self.point_edge(p, edge).1.d2 < self.range2 {
-                self.point_edges.push((p, self.adjacency.edge(edge)));
+                self.point_edges.push(Part { feature: p, part: self.adjacency.edge(edge), of });
             }
         }
         for q in [a, b, c] {
             if (self.x[p] - self.x[q]).norm_squared() < self.range2 {
-                self.points.push((p.min(q), p.max(q)));
+                self.points.push(Part { feature: p, part: q, of });
             }
         }
     }
 
-    fn note_ends(&mut self, edge: usize, ends: [usize; 2]) {
+    fn note_ends(&mut self, of: usize, edge: usize, ends: [usize; 2]) {
         for p in ends {
             if self.point_edge(p, self.adjacency.ends(edge)).1.d2 < self.range2 {
-                self.edge_points.push((edge, p));
+                self.edge_points.push(Part { feature: edge, part: p, of });
             }
         }
     }
 
-    fn at_edge(&mut self, p: usize, edge: usize) {
-        let others = self.adjacency.opposite(edge).iter().filter(|&&v| v != p).count();
-        if others > 1 {
-            let (corners, closest) = self.point_edge(p, self.adjacency.ends(edge));
+    /// A vertex and an edge, once for each triangle at the edge.
+    fn at_edge(&mut self, parts: &[Part], active: &[Close]) {
+        if parts.len() > 1 {
+            let (corners, closest) =
+                self.point_edge(parts[0].feature, self.adjacency.ends(parts[0].part));
             let stencil = Stencil::reduced(corners, Region::of(1, &closest));
-            self.add(stencil, p, self.by_vertex * (1.0 - others as f64));
+            let stencil = stencil.with_offset(least_offset(parts, active));
+            self.add(stencil, parts[0].feature, self.by_vertex * (1.0 - parts.len() as f64));
         }
     }
 
-    fn at_points(&mut self, p: usize, q: usize) {
+    /// A vertex v and another w, once for each triangle at w.
+    fn at_points(&mut self, parts: &[Part], active: &[Close]) {
+        let Part { feature: v, part: w, .. } = parts[0];
         let region = Region { first: 1, active: [true, true, false, false] };
-        for (v, w) in [(p, q), (q, p)] {
-            if !self.adjacency.on_rim(w) && !self.adjacency.neighbours(v, w) {
-                self.add(Stencil::reduced([v, w, v, v], region), v, self.by_vertex);
-            }
+        let at_edges = self.adjacency.edges_of(w).iter().map(|&e| self.adjacency.opposite(e).len());
+        // each triangle has two edges there
+        if !self.adjacency.on_rim(w) && 2 * parts.len() == at_edges.sum::<usize>() {
+            let stencil = Stencil::reduced([v, w, v, v], region);
+            let stencil = stencil.with_offset(least_offset(parts, active));
+            self.add(stencil, v, self.by_vertex);
         }
     }
 
-    fn at_end(&mut self, edge: usize, p: usize) {
-        let ends = self.adjacency.ends(edge);
-        let area = self.adjacency.area_of_edge(edge);
+    /// An edge and a vertex, once for each edge there.
+    fn at_end(&mut self, parts: &[Part], active: &[Close]) {
+        let Part { feature: edge, part: p, .. } = parts[0];
+        let (ends, area) = (self.adjacency.ends(edge), self.adjacency.area_of_edge(edge));
         let mut kept = 0.0;
-        for &other in self.adjacency.edges_of(p) {
-            let other = self.adjacency.ends(other);
-            if other.iter().any(|v| ends.contains(v)) {
-                continue;
-            }
-            let corners = ordered_edges(ends, other);
+        for Close { pair, offset, .. } in parts.iter().map(|part| &active[part.of]) {
+            let [a, b, c, d] = pair.corners();
+            let corners = ordered_edges([a, b], [c, d]);
             let x = corners.map(|v| self.x[v]);
             if !mollified(&x, &corners.map(|v| self.rest[v])) {
                 kept += 1.0;
@@ -247,10 +269,12 @@ impl Collector<'_> {
             let point = (0..4).find(|&i| corners[i] == p).expect("an end of one edge");
             let edge = if point < 2 { [2, 3] } else { [0, 1] };
             let region = Region::of(2, &point_edge(&x, point, edge));
-            self.add(Stencil::mollified(corners, region), area, -self.by_edge);
+            let stencil = Stencil::mollified(corners, region).with_offset(*offset);
+            self.add(stencil, area, -self.by_edge);
         }
         let (corners, closest) = self.point_edge(p, ends);
         let stencil = Stencil::reduced(corners, Region::of(1, &closest));
+        let stencil = stencil.with_offset(least_offset(parts, active));
         self.add(stencil, area, -self.by_edge * (kept - 1.0));
     }
 

@@ -5,6 +5,10 @@
 //! B   [`Potential`] of a log barrier, with the scale κ σ of [`Barrier::scale`] [J]
 //! x   positions of the collision vertices [m]
 //!
+//! What is apart at rest repels each other: neither through the [`solid`](crate::contact::solid)
+//! of a body, nor from its [rest distance](crate::contact::rest_offset) on, unless a scene
+//! wants all pairs.
+//!
 //! E is +∞ where a pair is not farther apart than d₀, or where more pairs are in
 //! range than memory is meant for. Derivatives by x and X of the collision vertices go
 //! through Wᵀ and Πᵀ to nodes and rest vertices.
@@ -23,11 +27,11 @@ use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
 use crate::contact::ccd;
 use crate::contact::certificate::{Intersection, certify};
-use crate::contact::distance::Closest;
 use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
 use crate::contact::neighbours::NeighbourList;
 use crate::contact::pairs::Pair;
 use crate::contact::potential::{Contacts, Partners, Potential};
+use crate::contact::rest_offset::Close;
 use crate::contact::surface::{BodyForce, Surface};
 use crate::math::sparse::BlockMatrix;
 
@@ -45,19 +49,19 @@ pub struct Contact {
 /// How close the surfaces are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GapSummary {
-    /// Number of pairs within the barrier's range.
+    /// Number of pairs that repel each other.
     pub pairs: usize,
-    /// Smallest (d − d₀) / d̂; infinite without pairs.
+    /// Smallest (d − d₀) / d̂ of these; infinite without any.
     pub smallest: f64,
 }
 
 impl Contact {
-    /// The barrier between all features of a surface.
+    /// The barrier between features of a surface.
     #[must_use]
-    pub fn new(surface: Arc<Surface>, barrier: Barrier) -> Self {
+    pub fn new(surface: Arc<Surface>, partners: Partners, barrier: Barrier) -> Self {
         // each copy of a part has the same share of the energy of the whole
         let (repulsion, scale) = (barrier.repulsion(), barrier.scale() * surface.share());
-        let potential = Potential::new(surface, Partners::All, barrier.form, repulsion, scale);
+        let potential = Potential::new(surface, partners, barrier.form, repulsion, scale);
         Self { potential, neighbours: NeighbourList::default(), certify: false }
     }
 
@@ -103,41 +107,52 @@ impl Contact {
     /// How close the surfaces are.
     #[must_use]
     pub fn gaps(&self, at: &Iterate) -> GapSummary {
-        let close = self.close_pairs(&self.positions(at)).unwrap_or_default();
         let repulsion = self.potential.repulsion();
+        let close = self.close_pairs(&self.positions(at), &self.rest(at)).unwrap_or_default();
         let gap = |d2: f64| (d2.sqrt() - repulsion.minimum) / repulsion.activation;
-        let gaps = close.iter().map(|(_, closest)| gap(closest.d2));
-        GapSummary { pairs: close.len(), smallest: gaps.fold(f64::INFINITY, f64::min) }
+        let mut summary = GapSummary { pairs: 0, smallest: f64::INFINITY };
+        for pair in close.iter().filter(|pair| pair.acts(repulsion)) {
+            summary.pairs += 1;
+            summary.smallest = summary.smallest.min(gap(pair.closest.d2));
+        }
+        summary
     }
 
-    /// The closest of the pairs within range at positions of the collision
-    /// vertices, and its distance [m].
+    /// The pairs within range at rest positions of the collision vertices, in a fixed order;
+    /// none if there are more than memory is meant for.
     #[must_use]
-    pub fn closest(&self, x: &[Vec3]) -> Option<(Pair, f64)> {
-        let close = self.close_pairs(x)?.into_iter();
-        let closest = close.min_by(|a, b| a.1.d2.total_cmp(&b.1.d2))?;
-        Some((closest.0, closest.1.d2.sqrt()))
+    pub fn close_at_rest(&self, rest: &[Vec3]) -> Option<Vec<Close>> {
+        self.close_pairs(rest, rest)
     }
 
     fn positions(&self, at: &Iterate) -> Vec<Vec3> {
         self.surface().positions(at.space, at.rest, at.u, at.load)
     }
 
-    /// All pairs within range, in a fixed order; none if there are more than
-    /// memory is meant for.
-    fn close_pairs(&self, x: &[Vec3]) -> Option<Vec<(Pair, Closest)>> {
-        let neighbours = self.neighbours.at(&self.potential, x)?;
-        Some(self.potential.close_pairs(&neighbours.pairs, x))
+    fn rest(&self, at: &Iterate) -> Vec<Vec3> {
+        self.surface().rest(at.space, at.rest)
+    }
+
+    /// The pairs within range, in a fixed order; none if there are more than memory is
+    /// meant for.
+    fn close_pairs(&self, x: &[Vec3], rest: &[Vec3]) -> Option<Vec<Close>> {
+        let neighbours = self.neighbours.at(&self.potential, x, rest)?;
+        Some(self.potential.close_pairs(&neighbours.pairs, x, rest))
     }
 
     /// What interacts at an iterate.
     fn contacts(&self, at: &Iterate) -> Contacts<'_> {
-        let x = self.positions(at);
-        self.contacts_of(&self.close_pairs(&x).unwrap_or_default(), x, at)
+        let (x, rest) = (self.positions(at), self.rest(at));
+        let close = self.close_pairs(&x, &rest).unwrap_or_default();
+        self.potential.contacts(&close, x, rest)
     }
 
-    fn contacts_of(&self, close: &[(Pair, Closest)], x: Vec<Vec3>, at: &Iterate) -> Contacts<'_> {
-        self.potential.contacts(close, x, self.surface().rest(at.space, at.rest))
+    /// How much of the way from `start` to `end` these pairs may go; those through solid keep
+    /// no thickness.
+    fn free_share(&self, pairs: [&[Pair]; 2], start: &[Vec3], end: &[Vec3]) -> f64 {
+        let minimum = self.potential.repulsion().minimum;
+        let [air, solid] = pairs;
+        ccd::max_step(air, start, end, minimum).min(ccd::max_step(solid, start, end, 0.0))
     }
 }
 
@@ -147,13 +162,12 @@ impl Energy for Contact {
     }
 
     fn value(&self, at: &Iterate) -> f64 {
-        let x = self.positions(at);
-        let Some(close) = self.close_pairs(&x) else { return f64::INFINITY };
-        let repulsion = self.potential.repulsion();
-        if close.iter().any(|(_, closest)| repulsion.is_violated(closest.d2)) {
+        let (x, rest) = (self.positions(at), self.rest(at));
+        let Some(close) = self.close_pairs(&x, &rest) else { return f64::INFINITY };
+        if close.iter().any(|pair| pair.is_violated(self.potential.repulsion())) {
             return f64::INFINITY;
         }
-        self.contacts_of(&close, x, at).value()
+        self.potential.contacts(&close, x, rest).value()
     }
 
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
@@ -169,30 +183,37 @@ impl Energy for Contact {
     }
 
     fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
-        let x = self.positions(at);
+        let (x, rest) = (self.positions(at), self.rest(at));
         let pairs: Vec<Pair> = if reach <= 1.0 {
-            self.close_pairs(&x).unwrap_or_default().into_iter().map(|(pair, _)| pair).collect()
+            self.close_pairs(&x, &rest).unwrap_or_default().iter().map(|close| close.pair).collect()
         } else {
             let radius = reach * self.potential.repulsion().range();
-            self.potential.candidates(&x, &x, radius).unwrap_or_default()
+            let pairs = self.potential.candidates(&x, &x, radius).unwrap_or_default();
+            let [pairs, _] = self.neighbours.partition(&self.potential, &rest, pairs);
+            pairs
         };
         let corners: Vec<_> = pairs.iter().map(Pair::corners).collect();
         self.surface().couplings(&corners)
     }
 
     fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        let (start, whole) = (self.positions(from), self.positions(to));
-        let minimum = self.potential.repulsion().minimum;
-        if let Some(list) = self.neighbours.last_at(&[&start, &whole]) {
-            return ccd::max_step(&list.pairs, &start, &whole, minimum);
+        let (start, whole, rest) = (self.positions(from), self.positions(to), self.rest(from));
+        if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
+            return self.free_share([&list.pairs, &list.through_solid], &start, &whole);
         }
+        let minimum = self.potential.repulsion().minimum;
         let mut share = 1.0;
         // a step that sweeps through too much is searched in part
         while share > SHORTEST {
             let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
             let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();
             if let Ok(pairs) = self.potential.candidates(&start, &end, minimum) {
-                return share * ccd::max_step(&pairs, &start, &end, minimum);
+                // without a thickness it makes no difference what is between them
+                let [air, solid] = match minimum {
+                    0.0 => [pairs, Vec::new()],
+                    _ => self.neighbours.partition(&self.potential, &rest, pairs),
+                };
+                return share * self.free_share([&air, &solid], &start, &end);
             }
             share *= 0.5;
         }

@@ -153,11 +153,12 @@ impl ContactProxy {
         let (surface, repulsion) = (self.potential.surface(), self.potential.repulsion());
         let x = surface.positions(at.space, at.rest, at.u, at.load);
         let candidates = self.potential.candidates(&x, &x, repulsion.range()).ok()?;
-        let close = self.potential.close_pairs(&candidates, &x);
-        if close.iter().any(|(_, closest)| repulsion.is_violated(closest.d2)) {
+        let rest = surface.rest(at.space, at.rest);
+        let close = self.potential.close_pairs(&candidates, &x, &rest);
+        if close.iter().any(|pair| pair.is_violated(repulsion)) {
             return None;
         }
-        Some(self.potential.contacts(&close, x, surface.rest(at.space, at.rest)))
+        Some(self.potential.contacts(&close, x, rest))
     }
 }
 

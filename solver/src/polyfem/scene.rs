@@ -252,7 +252,8 @@ fn contact(
         let _ = key.becomes("[contact] stiffness");
     }
     text.table("[contact]")
-        .name("form", if form == ContactForm::Plain { "plain" } else { "convergent" });
+        .name("form", if form == ContactForm::Plain { "plain" } else { "convergent" })
+        .name("pairs", "all");
     text.number("activation", activation).number("stiffness", stiffness);
     if let Some(key) = contact.get("friction_coefficient") {
         let friction = key.becomes("[contact] friction").number()?;

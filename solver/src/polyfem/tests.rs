@@ -7,6 +7,7 @@ use mesh::{Tags, Vec3};
 use serde_json::{Value, json};
 
 use super::*;
+use crate::contact::potential::Partners;
 use crate::forward::Method;
 use crate::testing::cube;
 
@@ -242,7 +243,9 @@ fn time_is_counted_from_zero() {
 fn the_form_of_contact_is_that_of_the_file_unless_it_is_optimised() {
     let form = |json: &Value, form: Option<ContactForm>| {
         let (imported, config) = read(json, &Options { form, thickness: None }).expect("sound");
-        (config.contact().expect("on").form, imported.scene.notes.len())
+        let contact = config.contact().expect("on");
+        assert_eq!(contact.pairs.partners(), Partners::All, "that of PolyFEM");
+        (contact.form, imported.scene.notes.len())
     };
     let plain = with("/contact/use_convergent_formulation", Value::Null);
     assert_eq!(form(&scene(), None), (ContactForm::Convergent, 0));

@@ -9,6 +9,7 @@ use super::Scene;
 use crate::body::Body;
 use crate::config::beside;
 use crate::contact::barrier::Barrier;
+use crate::contact::rest_offset::Close;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
 use crate::energy::{Contact, Friction};
@@ -64,7 +65,7 @@ impl Scene {
         check_edges(&surface, &rest, &barrier).with_context(context)?;
         let friction = (config.friction > 0.0)
             .then(|| Friction::new(Arc::clone(&surface), config.friction, config.friction_speed));
-        let contact = Contact::new(Arc::clone(&surface), barrier);
+        let contact = Contact::new(Arc::clone(&surface), config.pairs.partners(), barrier);
         let contact = if self.certify { contact.certified() } else { contact };
         if let Some(what) = contact.intersection(&rest) {
             bail!(
@@ -73,30 +74,56 @@ impl Scene {
                 self.path.display()
             );
         }
-        self.check_gap(&contact, &rest, barrier.thickness).with_context(context)?;
+        self.check_gaps(&contact, &rest, &barrier).with_context(context)?;
         Ok(Some(Collisions { contact, friction }))
     }
 
-    /// Surfaces must be farther apart at rest than they may ever come.
-    fn check_gap(&self, contact: &Contact, rest: &[Vec3], thickness: f64) -> Result<()> {
-        let Some((pair, distance)) = contact.closest(rest) else { return Ok(()) };
-        let (corners, names) = (pair.corners(), self.surface_names());
-        let [first, second] = [corners[0], corners[3]].map(|v| {
-            let name = names[contact.surface().body(v)];
-            (name, rest[v])
-        });
-        ensure!(
-            distance > thickness,
-            "[contact]: at rest \"{}\" at ({:.5}, {:.5}, {:.5}) m and \"{}\" are {distance:.3e} m \
-             apart, but thickness = {thickness:.3e} m\n  surfaces cannot come closer than that: \
-             lower the thickness, or move a body by translate",
-            first.0,
-            first.1.x,
-            first.1.y,
-            first.1.z,
-            second.0
-        );
+    /// Surfaces must be farther apart at rest than they may ever come; what is within the
+    /// activation there is told.
+    fn check_gaps(&self, contact: &Contact, rest: &[Vec3], barrier: &Barrier) -> Result<()> {
+        let close = contact.close_at_rest(rest).unwrap_or_default();
+        let nearest = |chosen: &dyn Fn(&Close) -> bool| {
+            let chosen: Vec<_> = close.iter().filter(|pair| chosen(pair)).collect();
+            let nearest = chosen.iter().min_by(|a, b| a.closest.d2.total_cmp(&b.closest.d2))?;
+            Some((
+                self.between(nearest, contact.surface(), rest),
+                nearest.closest.d2.sqrt(),
+                chosen.len(),
+            ))
+        };
+        let (thickness, repulsion) = (barrier.thickness, barrier.repulsion());
+        if let Some((between, distance, _)) = nearest(&|_| true) {
+            ensure!(
+                distance > thickness,
+                "[contact]: at rest {between} are {distance:.3e} m apart, but thickness = \
+                 {thickness:.3e} m\n  surfaces cannot come closer than that: lower the thickness, \
+                 or move a body by translate"
+            );
+        }
+        let range = barrier.range();
+        if let Some((between, distance, count)) = nearest(&|pair| pair.acts(&repulsion)) {
+            log::warn!(
+                "[contact]: at rest {between} are {distance:.3e} m apart, and {count} pairs are \
+                 closer than activation + thickness = {range:.3e} m: they push each other away \
+                 without any load"
+            );
+        }
+        if let Some((between, distance, count)) = nearest(&|pair| pair.offset.is_some()) {
+            log::info!(
+                "[contact]: at rest {between} are {distance:.3e} m apart, and {count} pairs of one \
+                 body are closer than activation + thickness = {range:.3e} m: they repel each other \
+                 only below the distance that they have at rest"
+            );
+        }
         Ok(())
+    }
+
+    /// Between which surfaces a pair is, and where.
+    fn between(&self, Close { pair, .. }: &Close, surface: &Surface, rest: &[Vec3]) -> String {
+        let (corners, names) = (pair.corners(), self.surface_names());
+        let [first, second] = [corners[0], corners[3]].map(|v| names[surface.body(v)]);
+        let p = rest[corners[0]];
+        format!("\"{first}\" at ({:.5}, {:.5}, {:.5}) m and \"{second}\"", p.x, p.y, p.z)
     }
 }
 

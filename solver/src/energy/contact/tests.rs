@@ -13,6 +13,7 @@ use crate::symmetry::Plane;
 use crate::testing::{check_gradient, cube, flat, points, square};
 
 mod friction;
+mod rest;
 mod symmetry;
 mod weights;
 
@@ -60,7 +61,7 @@ impl Scene {
         let fixed = vec![false; u.len()];
         let on = (&facets[..], &bodies[..]);
         let surface = Surface::symmetric(planes, &space, on, obstacles, degree, &fixed);
-        let contact = Contact::new(Arc::new(surface), barrier);
+        let contact = Contact::new(Arc::new(surface), Partners::ThroughAir, barrier);
         Self { space, rest, u, contact, step: None }
     }
 

@@ -4,6 +4,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::*;
 use crate::contact::barrier::{Barrier, Form};
+use crate::contact::potential::Partners;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
 use crate::energy::{Contact, Energies, Energy, Inertia, TimeStep};
@@ -50,7 +51,8 @@ fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher 
     let mass = if h.is_some() { Inertia::new } else { Inertia::tiny };
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(1e5, 0.35))));
     energies.bodies[0].inertia = Some(mass(&space, 1e3, elements));
-    energies.contact = Some(Arc::new(Contact::new(Arc::new(surface), barrier).certified()));
+    energies.contact =
+        Some(Arc::new(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier).certified()));
     let still = vec![0.0; fixed.len()];
     let free_flight = h.map(|_| still.clone());
     let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, ..TimeStep::default() };

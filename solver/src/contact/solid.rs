@@ -1,0 +1,155 @@
+//! Pairs of features of one body between which there is its solid. They are no contact:
+//! both skins of a wall cannot meet, however thin it is or becomes.
+//!
+//! The segment between the closest points of a pair at rest, of length D, runs through the
+//! solid if
+//!
+//! - it crosses no facet on its way,
+//! - its middle is on the surface, as between neighbours on a skin, or inside by the winding
+//!   number, and
+//! - D < r, or D < 2 r and N·N′ ≤ −½ for facets of both ends, or D < 10 r and n·N ≤ −½ at
+//!   both ends for a facet there
+//!
+//! r   range of the barrier [m]
+//! n   direction of the segment, seen from that end;   N   outward normal of a facet
+//!
+//! A wall that is stretched to three times its length in two directions has a ninth of its
+//! thickness: all walls that come within range at such stretches are left out, and points
+//! beside each other on both skins of a thin one, which is compressed to a half. Longer
+//! segments are not, so that a bar can be bent until its ends meet. Nor are those that run
+//! close under one skin, which meets itself where it is folded.
+//!
+//! All of this is decided by the rest shape alone. So nothing changes while a state is
+//! searched for, and the energy has no jumps; a design changes a pair where its shapes do.
+
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use mesh::bvh::SurfaceBvh;
+use mesh::inside::WindingNumber;
+use mesh::{SurfaceMesh, Vec3};
+
+use super::pairs::Pair;
+use super::surface::Surface;
+use crate::parallel::map_merge;
+
+/// D/r from which on pairs repel each other, whatever is between them.
+const REACH: f64 = 10.0;
+
+/// D/r from which on skins are not enough that face away from each other.
+const BESIDE: f64 = 2.0;
+
+/// −n·N of a segment that does not run along its skin, and −N·N′ of opposite skins.
+const STEEP: f64 = 0.5;
+
+/// |n·N| of a facet that is crossed; below, the segment runs along it, up to the rounding of
+/// files. So does one whose middle is so near the surface, in D.
+const ALONG: f64 = 1e-3;
+
+/// Shares of a segment near its ends where nothing is crossed: rounding of closest points.
+const ENDS: f64 = 1e-6;
+
+/// The solid of the bodies at rest.
+pub struct Solid {
+    surface: Arc<Surface>,
+    rest: Vec<Vec3>,
+    range: f64,
+    /// Facets of the bodies, and which of them are at each vertex.
+    facets: Vec<[usize; 3]>,
+    facets_at: Vec<Vec<usize>>,
+    search: OnceLock<(SurfaceBvh, WindingNumber)>,
+}
+
+impl Solid {
+    /// The solid of a surface at rest positions of its vertices [m], for a barrier of this
+    /// range [m].
+    #[must_use]
+    pub fn new(surface: &Arc<Surface>, rest: &[Vec3], range: f64) -> Self {
+        let triangles = surface.features().triangles.iter().copied();
+        let facets: Vec<_> = triangles.filter(|t| !surface.is_obstacle(t[0])).collect();
+        let mut facets_at = vec![Vec::new(); rest.len()];
+        for (f, facet) in facets.iter().enumerate() {
+            facet.iter().for_each(|&v| facets_at[v].push(f));
+        }
+        let (surface, rest, search) = (Arc::clone(surface), rest.to_vec(), OnceLock::new());
+        Self { surface, rest, range, facets, facets_at, search }
+    }
+
+    /// The pairs that are not through the solid, and those that are, both in their order.
+    #[must_use]
+    pub fn partition(&self, pairs: Vec<Pair>) -> [Vec<Pair>; 2] {
+        let part = |range: Range<usize>| -> Vec<bool> {
+            pairs[range].iter().map(|pair| self.is_between(pair)).collect()
+        };
+        let mut parts = [Vec::new(), Vec::new()];
+        map_merge(pairs.len(), part, |range, through| {
+            for (pair, through) in pairs[range].iter().zip(through) {
+                parts[usize::from(through)].push(*pair);
+            }
+        });
+        parts
+    }
+
+    /// Whether there is the solid of their body between the features of a pair.
+    #[must_use]
+    pub fn is_between(&self, pair: &Pair) -> bool {
+        if !self.surface.within_one_body(pair) {
+            return false;
+        }
+        let (x, first) = (pair.gather(&self.rest), pair.corners_of_first());
+        let closest = pair.closest(&x);
+        let distance = closest.d2.sqrt();
+        if distance >= REACH * self.range {
+            return false;
+        }
+        let at = |corners: Range<usize>| {
+            let closest = corners.filter(|&i| closest.coefficients[i] != 0.0);
+            self.facets_with(&closest.map(|i| pair.corners()[i]).collect::<Vec<_>>())
+        };
+        let ends = [at(0..first), at(first..4)];
+        let n = -closest.offset / distance;
+        if distance >= self.range && !self.is_wall(&ends, n, distance) {
+            return false;
+        }
+        let start: Vec3 = (0..first).map(|i| closest.coefficients[i] * x[i]).sum();
+        let (facets, winding) = self.search();
+        let crosses = |&(share, facet): &(f64, usize)| {
+            (ENDS..1.0 - ENDS).contains(&share)
+                && !ends.iter().flatten().any(|&f| f == facet)
+                && n.dot(&self.normal(facet)).abs() > ALONG
+        };
+        let middle = start - 0.5 * closest.offset;
+        !facets.ray(&start, &-closest.offset).iter().any(crosses)
+            && (facets.closest(&middle).distance < ALONG * distance || winding.contains(&middle))
+    }
+
+    /// Whether facets at both ends of a segment, which leaves the first along n, are skins of
+    /// one wall.
+    fn is_wall(&self, [first, second]: &[Vec<usize>; 2], n: Vec3, length: f64) -> bool {
+        let away =
+            |n: Vec3, facets: &[usize]| facets.iter().any(|&f| n.dot(&self.normal(f)) <= -STEEP);
+        let steep = away(n, first) && away(-n, second);
+        let beside = length < BESIDE * self.range;
+        steep || (beside && first.iter().any(|&f| away(self.normal(f), second)))
+    }
+
+    /// The facets that have all these vertices.
+    fn facets_with(&self, vertices: &[usize]) -> Vec<usize> {
+        let Some((first, others)) = vertices.split_first() else { return Vec::new() };
+        let has_all = |f: &&usize| others.iter().all(|v| self.facets[**f].contains(v));
+        self.facets_at[*first].iter().filter(has_all).copied().collect()
+    }
+
+    fn normal(&self, facet: usize) -> Vec3 {
+        let [a, b, c] = self.facets[facet].map(|v| self.rest[v]);
+        (b - a).cross(&(c - a)).normalize()
+    }
+
+    fn search(&self) -> &(SurfaceBvh, WindingNumber) {
+        self.search.get_or_init(|| {
+            let vertices = self.rest.clone();
+            let surface = SurfaceMesh { vertices, triangles: self.facets.clone() };
+            (SurfaceBvh::new(&surface), WindingNumber::new(&surface))
+        })
+    }
+}
