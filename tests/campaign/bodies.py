@@ -40,7 +40,7 @@ class Body:
         edge = max(1.5 * wall, 0.06 * size)
         (folder / "cad2fem.toml").write_text(
             f"[tetmesh]\nedge_length = {edge:.3e}\nenvelope = {envelope:.3e}\nstop_energy = 30\n"
-            "max_iterations = 10\nthreads = 1\n"
+            "max_iterations = 8\nthreads = 1\n"
         )
         tags = f"epsilon = {SELECTION * envelope:.3e}\n"
         for name in (*self.chambers, "seat", "skin"):

@@ -14,7 +14,7 @@ class Model:
     """A model file that grows."""
 
     def __init__(self, wall, size):
-        grid = max(0.8 * wall, size / 60)
+        grid = max(0.8 * wall, size / 50)
         self.head = f'unit = "mm"\ngrid = {grid:.4f}\nsimplify = {wall / 20:.4f}\n'
         self.parts, self.regions, self.count = [], [], 0
 

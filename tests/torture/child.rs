@@ -38,6 +38,7 @@ impl End {
 pub struct Running {
     child: Child,
     clock: Instant,
+    longest: Duration,
 }
 
 impl Running {
@@ -45,7 +46,12 @@ impl Running {
     pub fn start(mut command: Command) -> Self {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let child = command.spawn().unwrap_or_else(|e| panic!("{command:?}: {e}"));
-        Self { child, clock: Instant::now() }
+        Self { child, clock: Instant::now(), longest: LONGEST }
+    }
+
+    /// It hangs only when it takes this long.
+    pub fn within(self, longest: Duration) -> Self {
+        Self { longest, ..self }
     }
 
     /// Waits so long since the start; false when it has ended before.
@@ -78,10 +84,10 @@ impl Running {
             let _ = pipe.map(|mut pipe| pipe.read_to_end(&mut bytes));
             String::from_utf8_lossy(&bytes).into_owned()
         });
-        if self.runs_for(LONGEST) {
+        if self.runs_for(self.longest) {
             let _ = self.child.kill();
             let _ = self.child.wait();
-            return Err(format!("runs longer than {} s", LONGEST.as_secs()));
+            return Err(format!("runs longer than {} s", self.longest.as_secs()));
         }
         let status = self.child.wait().map_err(|e| e.to_string())?;
         said.push_str(&reader.join().unwrap_or_default());

@@ -7,6 +7,9 @@ use tests::workdir::{Workdir, program, python, repository};
 
 use crate::child::{self, Running};
 
+/// A make that takes longer hangs: it takes 15 s undisturbed.
+const LONGEST: Duration = Duration::from_secs(900);
+
 /// Each ends well or says that the other one is at work, and one more make ends with results that belong together; the
 /// second begins so long after the first.
 pub fn both(later: Duration) -> Result<(), String> {
@@ -23,9 +26,9 @@ pub fn both(later: Duration) -> Result<(), String> {
         command.env("PUFFER_CACHE", dir.path("cache")).current_dir(repository());
         command
     };
-    let mut first = Running::start(make());
+    let mut first = Running::start(make()).within(LONGEST);
     first.runs_for(later);
-    let second = Running::start(make());
+    let second = Running::start(make()).within(LONGEST);
     let ends = [first.end()?, second.end()?];
     for end in &ends {
         end.expect(&[0, 2])?;
@@ -36,11 +39,11 @@ pub fn both(later: Duration) -> Result<(), String> {
     if ends.iter().all(|end| end.code != Some(0)) {
         return Err(format!("both are refused: {} and {}", ends[0].said, ends[1].said));
     }
-    child::run(make())?.expect(&[0])?;
+    Running::start(make()).within(LONGEST).end()?.expect(&[0])?;
     let page =
         || std::fs::metadata(dir.path("mine/build/report.html")).unwrap().modified().unwrap();
     let made = page();
-    child::run(make())?.expect(&[0])?;
+    Running::start(make()).within(LONGEST).end()?.expect(&[0])?;
     if page() != made {
         return Err("what is done is made again".into());
     }
