@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use mesh::io::{read_tets, write_atomic, write_tets};
+use mesh::io::{read_own_text, read_tets, write_atomic, write_tets};
 use mesh::{SurfaceMesh, Tags, TetMesh};
 use program::{sha256, sha256_file};
 use serde::Serialize;
@@ -36,7 +36,7 @@ impl Cache {
     #[must_use]
     pub fn get(&self, key: &str) -> Option<TetMesh> {
         let (file, print) = self.entry(key);
-        let expected = std::fs::read_to_string(print).ok()?;
+        let expected = read_own_text(&print).ok()?;
         let sound = sha256_file(&file).is_ok_and(|found| found == expected.trim());
         let mesh = sound.then(|| read_tets(&file).ok()).flatten();
         if mesh.is_none() {

@@ -162,7 +162,7 @@ impl LabelledSurface {
         if found.is_empty() {
             return Ok(());
         }
-        std::fs::remove_file(model)?;
+        remove_output(model)?;
         Err(Unusable(format!("the surface is not usable:{}", findings(&found))).into())
     }
 

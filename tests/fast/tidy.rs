@@ -82,10 +82,10 @@ fn is_test(path: &Path) -> bool {
     path.ends_with("tests.rs") || path.parent().is_some_and(|folder| folder.ends_with("tests"))
 }
 
-/// Modules of the crate that a file uses: `crate::name`, `crate::{a, b::c}`.
-fn used(code: &str) -> Vec<String> {
+/// Names that code uses from a module, as from `crate`: `crate::name`, `crate::{a, b::c}`.
+fn used(code: &str, from: &str) -> Vec<String> {
     let mut found = Vec::new();
-    for rest in code.split("crate::").skip(1) {
+    for rest in code.split(&format!("{from}::")).skip(1) {
         let word = |s: &str| {
             s.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
         };
@@ -112,7 +112,7 @@ fn used(code: &str) -> Vec<String> {
 #[test]
 fn names_are_found_in_every_way_of_use() {
     let code = "use crate::{a, b::{c, d}};\nuse crate::e::F;\nlet x = crate::g(&crate::h::I);\npub(crate) i: J";
-    assert_eq!(used(code), ["a", "b", "e", "g", "h"]);
+    assert_eq!(used(code, "crate"), ["a", "b", "e", "g", "h"]);
 }
 
 /// What follows `#[cfg(test)]` escapes the checks here, so only tests may.
@@ -158,7 +158,7 @@ fn uses_only_those_before(package: &str) {
         };
         // unit tests in a file of their own may use what is made for tests
         for path in paths.iter().filter(|path| !is_test(path)) {
-            for name in used(&code(path)) {
+            for name in used(&code(path), "crate") {
                 if !declared[..=level].contains(&name.as_str()) {
                     wrong.push(format!("{} uses {name}", path.display()));
                 }
@@ -245,6 +245,29 @@ fn outside_programs_and_libraries_are_called_in_one_place() {
     let asking = ["fab/src/tolerance/run.rs", "solver/src/optimize/molding.rs"];
     let ours = |p: &str| p.starts_with("cad2fem/src/mesher/") || asking.contains(&p);
     assert!(programs.iter().all(|p| ours(p)), "{programs:?}");
+}
+
+/// What may be a link or a pipe that others have put there is opened and removed with care, in one place.
+#[test]
+fn files_are_opened_in_one_place() {
+    let io = |name: &str| format!("cad2fem/mesh/src/io/{name}.rs");
+    let sources = sources();
+    for word in ["File::open", "File::create", "File::options", "OpenOptions", "DirBuilder"] {
+        let found = naming(word, &sources);
+        assert!(found.is_subset(&BTreeSet::from([io("open")])), "{word}: {found:?}");
+    }
+    let looking = ["read_dir", "metadata", "symlink_metadata", "remove_dir"];
+    let removing = [io("inputs"), io("unfinished"), "cad2fem/program/src/lock.rs".into()];
+    let mut functions = 0;
+    for path in &sources {
+        let place = path.strip_prefix(repository()).unwrap().to_string_lossy().into_owned();
+        for name in used(&code(path), "fs").iter().filter(|n| !n.starts_with(char::is_uppercase)) {
+            let removes = name.starts_with("remove_") && removing.contains(&place);
+            assert!(looking.contains(&name.as_str()) || removes, "{place}: fs::{name}");
+            functions += 1;
+        }
+    }
+    assert!(functions > 0);
 }
 
 /// Goals are named by one word; files that rules make are not goals.

@@ -32,7 +32,7 @@ pub mod survey;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use mesh::io::{read_text, write_atomic};
+use mesh::io::{note_results, read_text, write_atomic};
 use serde_json::{Value, json};
 
 use store::Store;
@@ -53,6 +53,7 @@ pub struct Summary {
 /// If the folder holds nothing that is known, a file in it cannot be used, or the page cannot be
 /// written.
 pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
+    note_results(folder);
     let survey = Survey::of(folder)?;
     let mut store = Store::default();
     let runs = run::all(&survey, &mut store)?;

@@ -114,12 +114,21 @@ impl Survey {
     }
 }
 
-/// What is in a folder, sorted.
+/// The files and folders in a folder, sorted. Links, which may lead to what nobody meant to show, and pipes
+/// are left out.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let place = || folder.display().to_string();
-    let read = std::fs::read_dir(folder).with_context(place)?;
-    let mut found: Vec<PathBuf> =
-        read.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(place)?;
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(place)? {
+        let entry = entry.with_context(place)?;
+        let kind = entry.file_type().with_context(place)?;
+        if kind.is_file() || kind.is_dir() {
+            found.push(entry.path());
+        } else {
+            let path = entry.path();
+            log::warn!("{}: left out, as it is neither a file nor a folder", path.display());
+        }
+    }
     found.sort();
     Ok(found)
 }

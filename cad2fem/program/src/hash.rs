@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh::io::{IoError, is_standard, read_standard};
+use mesh::io::{IoError, is_standard, open_input, read_standard};
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of some bytes, hexadecimal.
@@ -24,7 +24,7 @@ pub fn sha256_file(path: &Path) -> Result<String, IoError> {
     if is_standard(path)? {
         return Ok(sha256(read_standard().map_err(fail)?));
     }
-    let mut file = std::fs::File::open(path).map_err(fail)?;
+    let mut file = open_input(path)?;
     let mut digest = Sha256::new();
     std::io::copy(&mut file, &mut digest).map_err(fail)?;
     Ok(hexadecimal(&digest.finalize()))

@@ -1,11 +1,11 @@
 //! One writer for a folder of results.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::{Unfinished, remove_litter};
+use mesh::io::{Unfinished, make_results, open_to_append, read_own_text, remove_litter};
 
 /// The file that is locked.
 const NAME: &str = ".lock";
@@ -20,20 +20,17 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Makes the folder if it is missing, and locks it.
+    /// Makes the folder if it is missing, and locks it: from now on it is a folder of results.
     ///
     /// # Errors
-    /// When another process has locked it, with its number and host; or when the folder cannot be
-    /// written.
+    /// When another process has locked it, with its number and host; when the folder cannot be
+    /// written; or when the file to be locked is a link or no file.
     pub fn new(folder: &Path) -> Result<Self> {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        make_results(folder)?;
         let path = folder.join(NAME);
         let context = || path.display().to_string();
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false);
-        let open = || options.open(&path);
-        let (mut file, unfinished) =
-            Unfinished::new(open, |_| path.clone()).with_context(context)?;
+        let open = || open_to_append(&path);
+        let (mut file, unfinished) = Unfinished::new(open, |_| path.clone())?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -65,7 +62,7 @@ impl Drop for FolderLock {
 
 /// Name of this machine, for messages.
 fn host() -> String {
-    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let name = read_own_text(Path::new("/proc/sys/kernel/hostname")).unwrap_or_default();
     if name.trim().is_empty() { "this machine".to_owned() } else { name.trim().to_owned() }
 }
 

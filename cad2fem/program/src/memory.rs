@@ -1,10 +1,12 @@
 //! Memory of this process.
 
+use std::path::Path;
+
 /// Largest resident set of this process so far [MiB]; `None` where the system does not
 /// report it (other than Linux).
 #[must_use]
 pub fn peak_rss_mb() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let status = mesh::io::read_own_text(Path::new("/proc/self/status")).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib / 1024.0)

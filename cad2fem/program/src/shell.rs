@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
+use clap_mangen::Man;
 
 /// Write man pages and completions into the folders below SHARE (for make install)
 #[derive(Parser)]
@@ -40,10 +41,9 @@ pub fn parse<C: CommandFactory + FromArgMatches>() -> Result<C, ExitCode> {
 /// If a file cannot be written.
 fn write(mut command: clap::Command, share: &Path) -> Result<()> {
     let name = command.get_name().to_owned();
-    let pages = share.join("man/man1");
-    std::fs::create_dir_all(&pages).with_context(|| pages.display().to_string())?;
-    clap_mangen::generate_to(command.clone(), &pages)
-        .with_context(|| pages.display().to_string())?;
+    let mut documented = command.clone().disable_help_subcommand(true);
+    documented.build();
+    write_pages(&documented, &share.join("man/man1"))?;
     for (shell, file) in [
         (Shell::Bash, format!("bash-completion/completions/{name}")),
         (Shell::Zsh, format!("zsh/site-functions/_{name}")),
@@ -54,6 +54,15 @@ fn write(mut command: clap::Command, share: &Path) -> Result<()> {
         mesh::io::write_atomic(&share.join(file), |out| out.write_all(&text))?;
     }
     Ok(())
+}
+
+/// The man page of a command and those of its verbs.
+fn write_pages(command: &clap::Command, pages: &Path) -> Result<()> {
+    let mut shown = command.get_subcommands().filter(|verb| !verb.is_hide_set());
+    shown.try_for_each(|verb| write_pages(verb, pages))?;
+    let page = Man::new(command.clone());
+    let path = pages.join(page.get_filename());
+    Ok(mesh::io::write_atomic(&path, |mut out| page.render(&mut out))?)
 }
 
 #[cfg(test)]

@@ -107,7 +107,7 @@ fn importable(python: &Python, package: &str) -> Result<String, String> {
 
 /// Memory that is free [MB], from the system's table.
 fn memory() -> Result<String, String> {
-    let table = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let table = mesh::io::read_own_text("/proc/meminfo".as_ref()).unwrap_or_default();
     let line = table.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
     let kilobytes = line.and_then(|l| l.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
     match kilobytes.map(|kilobytes| kilobytes / 1000) {

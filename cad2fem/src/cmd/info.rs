@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use mesh::check::{Finding, check_surface, check_tets};
-use mesh::io::{read_surface, read_tets};
+use mesh::io::{read_own_text, read_surface, read_tets};
 use mesh::measure::{
     Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, unlikely_size, volume,
 };
@@ -146,7 +146,7 @@ struct MoldFile {
 fn unit_of_mold(file: &Path) -> Option<Unit> {
     let file = file.canonicalize().ok()?;
     file.ancestors().skip(1).take(2).find_map(|folder| {
-        let text = std::fs::read_to_string(folder.join("mold.json")).ok()?;
+        let text = read_own_text(&folder.join("mold.json")).ok()?;
         let mold: Mold = serde_json::from_str(&text).ok()?;
         let parts = mold.parts.iter().map(|part| &part.file);
         let mut files = parts.chain([&mold.cast.file, &mold.outside]);

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use mesh::io::read_bytes;
+use mesh::io::{read_bytes, read_own_text};
 use mesh::{SurfaceMesh, TetMesh};
 use serde_json::json;
 
@@ -160,7 +160,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
     let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
     job.run(python, script, &settings, options.timeout)?;
     let names = |file: &str| -> Result<Vec<String>> {
-        Ok(serde_json::from_str(&std::fs::read_to_string(job.file(file))?)?)
+        Ok(serde_json::from_str(&read_own_text(&job.file(file))?)?)
     };
     let column =
         |file: &str| -> Result<Vec<f64>> { Ok(mesh::io::npy::read_f64(&job.file(file))?.0) };
@@ -196,6 +196,6 @@ fn copied(job: &Job, file: &Path, kind: Kind) -> Result<String> {
     let bytes = read_bytes(file)?;
     let content =
         if kind == Kind::Script { without_reach(&bytes).with_context(shown)? } else { bytes };
-    std::fs::write(job.file(name), content).with_context(|| format!("cannot write {name}"))?;
+    job.put(name, &content)?;
     Ok(name.to_owned())
 }

@@ -4,14 +4,15 @@
 //! arrays in `.npy` files. What the external program prints goes to a log there, of
 //! which an error shows the end.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::{Unfinished, npy};
+use mesh::io::{Unfinished, create_new, npy, read_own_text, remove_output_folder};
 use mesh::{SurfaceMesh, Vec3};
-use program::{FolderLock, Process, Spinner, Unusable};
+use program::{FolderLock, Process, Spinner, Unusable, is_own_folder, temporary_folder};
 use tempfile::TempDir;
 
 use super::python::Python;
@@ -32,16 +33,17 @@ const PREFIX: &str = "cad2fem-";
 /// A folder that is younger may be about to be locked.
 const SETTLED: Duration = Duration::from_secs(60);
 
-/// Removes the folders of jobs that nobody holds; what cannot be removed stays.
+/// Removes the folders of this user's jobs that nobody holds; what cannot be removed stays.
 fn remove_left_behind(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let named = entry.file_name().to_string_lossy().starts_with(PREFIX);
-        let folder = entry.metadata().ok().filter(|found| named && found.is_dir());
-        let age = folder.and_then(|found| found.modified().ok()?.elapsed().ok());
-        if age.is_some_and(|age| age > SETTLED)
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if named
+            && is_own_folder(&entry.path())
+            && age().is_some_and(|age| age > SETTLED)
             && let Ok(lock) = FolderLock::new(&entry.path())
         {
-            let _ = std::fs::remove_dir_all(entry.path());
+            let _ = remove_output_folder(&entry.path());
             drop(lock);
         }
     }
@@ -63,10 +65,9 @@ impl Job {
     /// If the folder cannot be made.
     pub fn new(title: &'static str) -> Result<Self> {
         remove_left_behind(&std::env::temp_dir());
-        let make = || tempfile::Builder::new().prefix(PREFIX).tempdir();
+        let make = || temporary_folder(PREFIX);
         let (folder, unfinished) =
-            Unfinished::new(make, |folder: &TempDir| folder.path().to_owned())
-                .context("cannot create a temporary folder")?;
+            Unfinished::new(make, |folder: &TempDir| folder.path().to_owned())?;
         let lock = FolderLock::new(folder.path())?;
         Ok(Self { _lock: lock, folder, title, _unfinished: unfinished })
     }
@@ -75,6 +76,15 @@ impl Job {
     #[must_use]
     pub fn file(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    /// Makes a file for the script.
+    ///
+    /// # Errors
+    /// If it is there already or cannot be written.
+    pub fn put(&self, name: &str, content: &[u8]) -> Result<()> {
+        let write = create_new(&self.file(name))?.write_all(content);
+        write.with_context(|| format!("cannot write {name}"))
     }
 
     /// Runs `script` with `settings`; gives up after `timeout`.
@@ -88,12 +98,9 @@ impl Job {
         settings: &serde_json::Value,
         timeout: Duration,
     ) -> Result<()> {
-        let write = |name: &str, text: &str| {
-            std::fs::write(self.file(name), text).with_context(|| format!("cannot write {name}"))
-        };
-        write("driver.py", &format!("{PRELUDE}{script}"))?;
-        write("settings.json", &settings.to_string())?;
-        let log = |name: &str| std::fs::File::create(self.file(name)).context("cannot write logs");
+        self.put("driver.py", format!("{PRELUDE}{script}").as_bytes())?;
+        self.put("settings.json", settings.to_string().as_bytes())?;
+        let log = |name: &str| create_new(&self.file(name));
         let start = Instant::now();
         let mut command = Command::new(&python.path);
         command
@@ -139,11 +146,11 @@ impl Job {
     }
 
     fn failure(&self, status: ExitStatus, after: Duration) -> anyhow::Error {
-        let stderr = std::fs::read_to_string(self.file("stderr.log")).unwrap_or_default();
+        let stderr = read_own_text(&self.file("stderr.log")).unwrap_or_default();
         if status.code() == Some(EXPLAINED) {
             return anyhow::anyhow!("{}", stderr.lines().last().unwrap_or_default().to_owned());
         }
-        let stdout = std::fs::read_to_string(self.file("stdout.log")).unwrap_or_default();
+        let stdout = read_own_text(&self.file("stdout.log")).unwrap_or_default();
         let log = format!("{stdout}{stderr}");
         let lines: Vec<&str> = log.lines().collect();
         let end = lines[lines.len().saturating_sub(12)..].join("\n  ");
@@ -204,7 +211,17 @@ mod tests {
 
     use super::*;
 
+    /// Makes a folder that others may write to, in which a link leads elsewhere.
+    #[cfg(unix)]
+    fn plant(folder: &Path, victim: &Path) {
+        use std::os::unix::fs::{PermissionsExt as _, symlink};
+        std::fs::write(victim, "precious").unwrap();
+        symlink(victim, folder.join(".lock")).unwrap();
+        std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o777)).unwrap();
+    }
+
     #[test]
+    #[cfg(unix)]
     fn folders_of_killed_programs_are_removed() {
         let parent = tempfile::tempdir().unwrap();
         let folder = |name: &str, age: Duration| {
@@ -221,7 +238,12 @@ mod tests {
         let left = folder("cad2fem-left", 2 * SETTLED);
         let young = folder("cad2fem-young", Duration::ZERO);
         let other = folder("other", 2 * SETTLED);
+        let shared = folder("cad2fem-shared", Duration::ZERO);
+        plant(&shared, &parent.path().join("victim"));
+        File::open(&shared).unwrap().set_times(old).unwrap();
         remove_left_behind(parent.path());
+        assert!(shared.exists());
+        assert_eq!(std::fs::read_to_string(parent.path().join("victim")).unwrap(), "precious");
         assert!(held.exists() && young.exists() && other.exists() && !left.exists());
     }
 }

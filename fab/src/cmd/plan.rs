@@ -1,6 +1,7 @@
 //! `fab plan`: how a body is to be molded, and why.
 
 use anyhow::Result;
+use program::FolderLock;
 
 use super::{Planned, Task};
 use crate::plan::drawing;
@@ -12,6 +13,7 @@ use crate::plan::drawing;
 /// plan.json or the picture cannot be written.
 pub fn run(task: &Task) -> Result<()> {
     let Planned { plan, report, .. } = task.plan()?;
+    let _lock = FolderLock::new(&task.output)?;
     report.write(&task.output)?;
     drawing::draw(&task.output.join(drawing::FILE), &plan)?;
     Ok(())

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use library::printers;
 use mesh::io::{read_tets, write_atomic, write_tets};
 use mesh::measure;
-use program::{Changes, beside};
+use program::{Changes, FolderLock, beside};
 
 use crate::tolerance::offset::offset;
 use crate::tolerance::run::Solver;
@@ -59,6 +59,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (scene, body) = (args.scene.clone(), args.body.clone());
     let solver = Solver { program, scene, body, changes: args.changes.set.clone() };
     let msh = read_tets(&args.mesh)?;
+    let _lock = FolderLock::new(&args.output)?;
     let mut volumes = [0.0; 3];
     let mut runs = Vec::new();
     for (i, (name, shift)) in

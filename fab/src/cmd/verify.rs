@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use mesh::io::note_results;
 use program::Unusable;
 
 use crate::verify::{Against, Status, verify};
@@ -28,6 +29,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
     let simulation = args.simulation.as_deref();
+    for results in [Some(args.folder.as_path()), simulation].into_iter().flatten() {
+        note_results(results);
+    }
     let lines = verify(&args.folder, Against { design, simulation })?;
     let mut out = std::io::stdout().lock();
     for line in &lines {

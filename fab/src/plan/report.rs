@@ -1,6 +1,6 @@
 //! `plan.json`: how a body is to be molded, why, and which molds that takes.
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 use mesh::io::{IoError, write_atomic};
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,12 @@ use crate::geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";
+
+/// Whether a folder lies in the plan's own.
+fn is_inside(folder: &str) -> bool {
+    let mut parts = Path::new(folder).components();
+    parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+}
 
 /// The content of plan.json. Lengths are millimetres, directions those of the design.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -147,7 +153,15 @@ impl PlanReport {
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
         let text = mesh::io::read_own_text(&path)?;
-        serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
+        let read: Self =
+            serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
+        match read.molds.iter().find(|entry| !is_inside(&entry.folder)) {
+            None => Ok(read),
+            Some(Entry { folder, .. }) => {
+                let message = format!("a mold in {folder:?}; its folder must lie in the plan's");
+                Err(IoError::content(&path, message))
+            }
+        }
     }
 
     /// The molds of silicone.
@@ -192,5 +206,16 @@ fn direction(measured: &DirectionUndercut) -> Direction {
         usable: measured.usable,
         undercut: 100.0 * measured.share,
         depth: measured.depth * MM,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn molds_lie_in_the_folder_of_the_plan() {
+        assert!([".", "lid-mold", "./a/b"].into_iter().all(is_inside));
+        assert!(!["..", "../lid", "/tmp", "a/../../b"].into_iter().any(is_inside));
     }
 }

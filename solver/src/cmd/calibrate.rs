@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
-use program::{Changes, Unusable};
+use anyhow::Result;
+use program::{Changes, FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     let points = points(&calibration, &found, &before);
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     let text = table(&calibration, &found)?;
     write!(std::io::stdout().lock(), "{text}")?;
     let report = report(&calibration, &found, &points);

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use program::Unusable;
+use anyhow::{Result, bail, ensure};
+use program::{FolderLock, Unusable};
 use serde_json::{Value, json};
 
 use crate::fit::{self, CANDIDATES, Fitted, Test, Units};
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     print(&fits, chosen)?;
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     fit::draw(&folder.join("fit.svg"), &tests, &fits, chosen)?;
     results::write_json(&folder.join("fit.json"), &report(&tests, &fits, chosen)?)?;
     let material = folder.join("material.toml");

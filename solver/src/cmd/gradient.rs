@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use mesh::io::vtu;
-use program::{Changes, Unusable};
+use program::{Changes, FolderLock, Unusable};
 use serde_json::json;
 
 use super::optimize::{Problem, read};
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     grid.point_fields =
         vec![field("gradient", on_boundary), field("gradient_of_each_vertex", by_rest)];
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = FolderLock::new(folder)?;
     vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
     let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level)
         .iter()

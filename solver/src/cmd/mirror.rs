@@ -85,7 +85,8 @@ fn states(part: &Path, output: &Path) -> Result<()> {
     ensure!(count > 0, "no .vtu file; expected a folder of simulate or optimize");
     let list = part.join("result.pvd");
     if list.exists() {
-        std::fs::copy(&list, output.join("result.pvd"))?;
+        let list = mesh::io::read_bytes(&list)?;
+        mesh::io::write_atomic(&output.join("result.pvd"), |out| out.write_all(&list))?;
     }
     log::info!("{count} states mirrored to {}", output.display());
     Ok(())

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use program::FolderLock;
 use serde_json::json;
 
 use crate::plot::{Axes, Series, Style, draw};
@@ -29,8 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let config: Config = program::read_toml(&arguments.config)?;
     let folder = arguments.config.parent().unwrap_or(Path::new("."));
     let found = config.compare(folder).with_context(|| arguments.config.display().to_string())?;
-    std::fs::create_dir_all(&arguments.output)
-        .with_context(|| arguments.output.display().to_string())?;
+    let _lock = FolderLock::new(&arguments.output)?;
     let table = table(&found)?;
     writeln!(std::io::stdout().lock(), "{table}")?;
     let path = arguments.output.join("errors.md");

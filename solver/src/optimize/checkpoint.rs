@@ -269,7 +269,7 @@ impl Checkpoint {
             let other = entry?.path();
             let name = name_of(&other);
             if is_run(&name) && !self.files.contains_key(&name) {
-                std::fs::remove_file(&other).with_context(|| other.display().to_string())?;
+                mesh::io::remove_output(&other)?;
             }
         }
         Ok(())

@@ -26,13 +26,10 @@ impl History {
     /// # Errors
     /// When it cannot be written.
     pub fn append(&self, line: &Value) -> Result<()> {
-        let write = || -> std::io::Result<()> {
-            let mut file =
-                std::fs::OpenOptions::new().create(true).append(true).open(&self.path)?;
-            writeln!(file, "{line}")?;
-            file.sync_all()
-        };
-        write().with_context(|| self.path.display().to_string())
+        let mut file = mesh::io::open_to_append(&self.path)?;
+        writeln!(file, "{line}")
+            .and_then(|()| file.sync_all())
+            .with_context(|| self.path.display().to_string())
     }
 
     /// SHA-256 of all lines.

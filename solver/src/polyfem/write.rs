@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use mesh::io::{write_atomic, write_surface, write_tets};
 use serde_json::{Value, json};
 
@@ -43,12 +43,9 @@ impl Imported {
     /// # Errors
     /// When a file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        let _lock = program::FolderLock::new(folder)?;
         for name in [SCENE, DESIGN, REPORT] {
-            let path = folder.join(name);
-            if path.exists() {
-                std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
-            }
+            mesh::io::remove_output(&folder.join(name))?;
         }
         for solid in &self.scene.geometry.solids {
             write_tets(&folder.join(format!("{}.msh", solid.name)), &solid.mesh, &solid.tags)?;

@@ -80,11 +80,7 @@ impl Checkpoint {
     /// # Errors
     /// When there is one and it cannot be removed.
     pub fn remove(folder: &Path) -> Result<()> {
-        let path = folder.join(CHECKPOINT);
-        if path.exists() {
-            std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
-        }
-        Ok(())
+        Ok(mesh::io::remove_output(&folder.join(CHECKPOINT))?)
     }
 }
 

@@ -1,22 +1,23 @@
 //! Files that appear complete or not at all.
 
-use std::fs::OpenOptions;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::IoError;
 use super::inputs::{note_written, refuse_input};
+use super::open::{make_folder, open_device, refuse_link_above};
 use super::standard::is_standard;
 use super::unfinished::{PREFIX, Unfinished, remove_forgotten};
 
 /// Writes a file so that `path` holds either its old content or all of the new:
 /// a temporary file beside it is filled, flushed to the disk and renamed. If
 /// anything fails, the temporary file is removed and `path` is untouched.
-/// Missing parent directories are created. Devices and pipes such as
-/// `/dev/stdout`, and standard output as `stl:-`, cannot be replaced and are written to directly.
+/// Missing parent directories are created. A link is replaced, not followed. Devices below `/dev`, pipes
+/// such as `/dev/stdout`, and standard output as `stl:-` are written to directly.
 ///
 /// # Errors
-/// If `path` was read as an input of this process, a directory or file cannot be created, or `fill` or the disk fails.
+/// If `path` was read as an input of this process, is a pipe or a socket, or lies behind a link in a folder of
+/// results; if a directory or file cannot be created, or `fill` or the disk fails.
 pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -27,8 +28,8 @@ pub fn write_atomic(
         let mut out = BufWriter::new(io::stdout().lock());
         return fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"));
     }
-    if is_device(path) {
-        let device = OpenOptions::new().write(true).open(path).map_err(fail("open"))?;
+    refuse_link_above(path)?;
+    if let Some(device) = open_device(path)? {
         let mut out = BufWriter::new(device);
         return fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"));
     }
@@ -36,7 +37,7 @@ pub fn write_atomic(
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
     };
-    std::fs::create_dir_all(folder).map_err(fail("create its folder"))?;
+    make_folder(folder)?;
     remove_forgotten(folder);
     let mut builder = tempfile::Builder::new();
     // Private by default; a result file gets the usual mode of a new file.
@@ -52,11 +53,6 @@ pub fn write_atomic(
     temporary.persist(path).map_err(|e| fail("rename the finished file")(e.error))?;
     note_written(path);
     Ok(())
-}
-
-/// Whether `path` exists and is neither a file nor a folder.
-fn is_device(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 #[cfg(test)]
@@ -91,7 +87,7 @@ mod tests {
         let path = Path::new("/dev/full");
         let full = write_atomic(path, |out| write!(out, "x")).expect_err("it is always full");
         assert!(full.to_string().contains("No space left"), "{full}");
-        assert!(is_device(path));
+        assert!(!std::fs::metadata(path).expect("there").is_file());
     }
 
     #[test]

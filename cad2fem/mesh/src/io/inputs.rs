@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::IoError;
+use super::open::refuse_link_above;
 
 /// Files of this process, by their canonical paths.
 #[derive(Default)]
@@ -58,6 +59,7 @@ pub(super) fn refuse_input(path: &Path) -> Result<(), IoError> {
 /// If it is an input of this run or cannot be removed.
 pub fn remove_output(path: &Path) -> Result<(), IoError> {
     refuse_input(path)?;
+    refuse_link_above(path)?;
     missing_is_fine(std::fs::remove_file(path), path)
 }
 
@@ -67,6 +69,7 @@ pub fn remove_output(path: &Path) -> Result<(), IoError> {
 /// If it holds an input of this run or cannot be removed.
 pub fn remove_output_folder(path: &Path) -> Result<(), IoError> {
     refuse_input(path)?;
+    refuse_link_above(path)?;
     missing_is_fine(std::fs::remove_dir_all(path), path)
 }
 

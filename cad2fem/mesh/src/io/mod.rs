@@ -10,6 +10,7 @@ mod inputs;
 pub mod msh;
 pub mod npy;
 mod obj;
+mod open;
 mod ply;
 mod standard;
 mod stl;
@@ -25,10 +26,11 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, write_tets};
+pub use open::{create_new, make_results, note_results, open_input, open_own, open_to_append};
 pub use standard::{extension, is_standard, read_standard};
 pub use tags::{read_tags, write_tags};
 pub use text::{read_own_text, read_text};
-pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
+pub use unfinished::{Unfinished, remove_litter, remove_unfinished, remove_unfinished_files};
 
 use crate::SurfaceMesh;
 
@@ -199,13 +201,20 @@ const LARGEST: u64 = 4 << 30;
 /// # Errors
 /// If the file cannot be read or has more than 4 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    let bytes = read_own_bytes(path)?;
+    let bytes = read_whole(path, open_input)?;
     inputs::note_read(path);
     Ok(bytes)
 }
 
-/// Reads a file that the program itself wrote, in an earlier run perhaps, and may write again.
+/// Reads a file that a program of ours wrote, in an earlier run perhaps, and that this one may write again.
 fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    read_whole(path, open_own)
+}
+
+fn read_whole(
+    path: &Path,
+    open: fn(&Path) -> Result<std::fs::File, IoError>,
+) -> Result<Vec<u8>, IoError> {
     let fail = |cause| IoError::system(path, "read", cause);
     let too_large = |size: String| {
         IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
@@ -213,7 +222,7 @@ fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     if is_standard(path)? {
         return Ok(read_standard().map_err(fail)?.to_vec());
     }
-    let file = std::fs::File::open(path).map_err(fail)?;
+    let file = open(path)?;
     let announced = file.metadata().map_err(fail)?.len();
     if announced > LARGEST {
         return Err(too_large(announced.to_string()));
@@ -222,7 +231,7 @@ fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     bytes.try_reserve_exact(announced as usize).map_err(|_| {
         IoError::content(path, format!("its {announced} bytes do not fit into memory"))
     })?;
-    // devices and pipes announce nothing
+    // pipes announce nothing
     let read = file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(fail)?;
     if read as u64 > LARGEST { Err(too_large(format!("more than {LARGEST}"))) } else { Ok(bytes) }
 }

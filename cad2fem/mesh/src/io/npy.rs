@@ -9,7 +9,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::bytes::Cursor;
-use super::{IoError, Parsed, read_bytes, write_atomic};
+use super::{IoError, Parsed, open_own, read_bytes, write_atomic};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// More bytes than the headers of the arrays that are read by rows have.
@@ -94,13 +94,13 @@ pub struct Rows {
     path: PathBuf,
 }
 
-/// Opens an array of two axes.
+/// Opens an array of two axes that a program of ours has written.
 ///
 /// # Errors
 /// As [`read_f64`], and if it has another number of axes.
 pub fn read_rows(path: &Path) -> Result<Rows, IoError> {
     let fail = |cause| IoError::system(path, "read", cause);
-    let mut file = File::open(path).map_err(fail)?;
+    let mut file = open_own(path)?;
     let size = file.metadata().map_err(fail)?.len();
     let mut start = Vec::new();
     (&mut file).take(LONGEST_HEADER).read_to_end(&mut start).map_err(fail)?;

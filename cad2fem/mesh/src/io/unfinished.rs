@@ -1,7 +1,6 @@
 //! What must not outlive the program: files that are being written, folders of jobs.
 
 use std::collections::BTreeSet;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -27,10 +26,10 @@ impl Unfinished {
     ///
     /// # Errors
     /// When it cannot be made.
-    pub fn new<T>(
-        make: impl FnOnce() -> io::Result<T>,
+    pub fn new<T, E>(
+        make: impl FnOnce() -> Result<T, E>,
         path: impl FnOnce(&T) -> PathBuf,
-    ) -> io::Result<(T, Self)> {
+    ) -> Result<(T, Self), E> {
         let mut paths = paths(); // an interruption waits until it is there and known
         let made = make()?;
         let path = path(&made);
@@ -54,6 +53,15 @@ pub fn remove_unfinished() -> impl Sized {
             if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
     paths
+}
+
+/// Removes the files that are unfinished, unless one is just being made, without asking for memory.
+pub fn remove_unfinished_files() {
+    if let Ok(paths) = PATHS.try_lock() {
+        for path in paths.iter() {
+            let _stays_if_it_must = std::fs::remove_file(path);
+        }
+    }
 }
 
 /// Removes the unfinished files that a killed program left in a folder whose only writer this is.

@@ -1,6 +1,6 @@
 //! Terms of the objective of a run file.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::{TargetFile, Writer, names};
 use crate::polyfem::document::Key;
@@ -247,7 +247,7 @@ impl Writer<'_> {
             }
             None => {}
         }
-        let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+        let bytes = mesh::io::read_bytes(&path)?;
         self.targets.push(TargetFile { from: path, name: ours.clone(), bytes });
         Ok(ours)
     }

@@ -36,6 +36,7 @@ impl Run {
     /// When a file is missing, the run has no equilibrium, or the mesh is not
     /// the one that was used.
     pub fn read(folder: &Path) -> Result<Self> {
+        mesh::io::note_results(folder);
         let path = folder.join("report.json");
         let report: Value = serde_json::from_str(&mesh::io::read_text(&path)?)
             .with_context(|| path.display().to_string())?;
