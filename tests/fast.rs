@@ -47,6 +47,9 @@ mod newton;
 mod optimize;
 #[path = "fast/page.rs"]
 mod page;
+#[cfg(unix)]
+#[path = "fast/planted.rs"]
+mod planted;
 #[path = "fast/plug.rs"]
 mod plug;
 #[path = "fast/polyfem.rs"]

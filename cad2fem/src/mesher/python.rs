@@ -5,10 +5,13 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::checkout::checkout;
+use crate::checkout::{checkout, unchanged};
 
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
+
+/// That of a checkout.
+const PYTHON: &str = ".venv/bin/python";
 
 /// A Python interpreter.
 pub struct Python {
@@ -79,10 +82,11 @@ fn of_checkout() -> Result<PathBuf> {
     let remedy = || {
         format!(
             "no Python with the meshers: {PYTHON_VARIABLE} is not set, and the program does not \
-             lie in a checkout with a .venv; run `make setup` and the program that it builds, or \
+             lie in a checkout of its own with a .venv; run `make setup` and the program that it builds, or \
              set {PYTHON_VARIABLE}"
         )
     };
-    let path = checkout().map(|folder| folder.join(".venv/bin/python"));
-    path.filter(|path| path.is_file()).with_context(remedy)
+    let folder = checkout().filter(|folder| folder.join(PYTHON).is_file()).with_context(remedy)?;
+    ensure!(unchanged(&folder, &[".venv", ".venv/bin", PYTHON]), "{}", remedy());
+    Ok(folder.join(PYTHON))
 }
