@@ -4,7 +4,7 @@
 //! be used ([`Unusable`]); 2 usage or input error; 130 and 143 interrupted by SIGINT, SIGTERM.
 
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{ArgAction, Args};
@@ -12,6 +12,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use mesh::io::IoError;
 
 use crate::interrupt::end_in_order;
+use crate::terminal::to_stderr;
 
 /// How much a program reports on standard error; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -87,11 +88,6 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         };
         system.is_some_and(|system| system.kind() == ErrorKind::BrokenPipe)
     })
-}
-
-/// A failure to write to standard error cannot be reported and is ignored.
-pub(crate) fn to_stderr(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// Prints the message; warnings and errors are named as such.

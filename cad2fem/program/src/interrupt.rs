@@ -8,7 +8,7 @@ use std::process::Command;
 #[cfg(unix)]
 use nix::sys::signal::{SigSet, Signal};
 
-use crate::cli::to_stderr;
+use crate::terminal::to_stderr;
 
 /// From now on the process ends in order when it is interrupted, with the exit code that shells
 /// give to a process that the signal has ended: 130 or 143. To be called before the first thread is

@@ -15,6 +15,7 @@ mod progress;
 pub mod schema;
 mod settings;
 mod shell;
+mod terminal;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::{Process, beside};
@@ -28,3 +29,4 @@ pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use progress::{Heartbeat, Progress, Spinner};
 pub use settings::{Change, Changes, Keys, Settings, VERSION, read_toml};
 pub use shell::parse;
+pub use terminal::{Stdout, stdout};

@@ -39,7 +39,7 @@ const MEMORY: u64 = 2000;
 /// If something is missing.
 pub fn run(_: &Args) -> Result<()> {
     let findings = findings();
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     for Finding { what, found, for_what } in &findings {
         match found {
             Ok(found) => writeln!(out, "ok       {what:<14} {found}")?,

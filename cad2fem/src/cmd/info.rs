@@ -86,11 +86,10 @@ struct FindingInfo {
 pub fn run(args: &Args) -> Result<()> {
     let is_mesh = mesh::io::extension(&args.file) == "msh";
     let (info, found) = if is_mesh { of_tets(args)? } else { of_surface(args)? };
-    let mut out = std::io::stdout().lock();
     if args.json {
-        writeln!(out, "{}", serde_json::to_string(&info)?)?;
+        writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&info)?)?;
     } else {
-        info.print(&mut out)?;
+        info.print(&mut program::stdout())?;
     }
     if args.check && !found.is_empty() {
         let message = format!("{}:{}", args.file.display(), findings(&found));

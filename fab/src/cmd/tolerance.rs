@@ -100,7 +100,7 @@ fn study(
 }
 
 fn print(study: &Study) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     writeln!(
         out,
         "{:<36}  {:>12}  {:>12}  {:>12}  {:>8}",

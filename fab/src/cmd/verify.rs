@@ -33,7 +33,7 @@ pub fn run(args: &Args) -> Result<()> {
         note_results(results);
     }
     let lines = verify(&args.folder, Against { design, simulation })?;
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     for line in &lines {
         writeln!(out, "{line}")?;
     }

@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let text = table(&calibration, &found)?;
-    write!(std::io::stdout().lock(), "{text}")?;
+    write!(program::stdout(), "{text}")?;
     let report = report(&calibration, &found, &points);
     results::write_json(&folder.join("calibration.json"), &report)?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;

@@ -391,7 +391,7 @@ struct Table {
 
 impl Table {
     fn add(&mut self, parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<()> {
-        let mut out = std::io::stdout().lock();
+        let mut out = program::stdout();
         for outcome in outcomes {
             let term = &outcome.term;
             writeln!(out, "\"{term}\" by {parameter}, {direction}")?;

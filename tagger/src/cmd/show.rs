@@ -68,7 +68,7 @@ fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags
 
 fn print(rows: &[Row]) -> std::io::Result<()> {
     let width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(3);
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     writeln!(
         out,
         "{:width$}  {:>3}  {:>7}  {:>12}  {:>10}  {:>5}",
@@ -87,7 +87,7 @@ fn print(rows: &[Row]) -> std::io::Result<()> {
 /// Volumes with their tetrahedra, where there are any.
 fn print_volumes(file: &io::MshFile) -> std::io::Result<()> {
     let Volumes { names, of } = &file.tags.volumes;
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     for (i, name) in names.iter().enumerate() {
         let own = (0..of.len()).filter(|&t| of[t] == i).map(|t| {
             let [a, b, c, d] = file.mesh.corners(t);

@@ -7,6 +7,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::merge::identity;
 
+/// As much of a line is shown before a place, and twice as much from there on [bytes].
+const AROUND: usize = 300;
+
 /// The place of an error. `span` is that of what did not fit: of a key or value it is the place, in
 /// a table it is looked for. Without one the whole file is. There it is the word that the message
 /// calls unknown, or the address that it begins or ends with.
@@ -172,13 +175,21 @@ fn underlined(text: &str, place: Range<usize>, margin: &str) -> String {
     let at = floor(text, place.start);
     let begin = text[..at].rfind('\n').map_or(0, |end| end + 1);
     let end = text[begin..].find(['\n', '\r']).map_or(text.len(), |length| begin + length);
-    let line = &text[begin..end];
-    // tabs stay tabs, so that the carets stand below
-    let indent: String =
-        text[begin..at.min(end)].chars().map(|c| if c == '\t' { c } else { ' ' }).collect();
     let until = floor(text, place.end.clamp(at.min(end), end));
-    let count = text[at.min(until)..until].chars().count().max(1);
-    format!("{line}\n{margin}{indent}{}", "^".repeat(count))
+    let at = at.min(until);
+    // of a long line what is around the place
+    let from = floor(text, at.saturating_sub(AROUND)).max(begin);
+    let to = floor(text, (at + 2 * AROUND).min(end));
+    let until = until.min(to);
+    let (before, after) = (if from > begin { "…" } else { "" }, if to < end { "…" } else { "" });
+    // tabs stay tabs, so that the carets stand below
+    let indent: String = before
+        .chars()
+        .chain(text[from..at].chars())
+        .map(|c| if c == '\t' { c } else { ' ' })
+        .collect();
+    let count = text[at..until].chars().count().max(1);
+    format!("{before}{}{after}\n{margin}{indent}{}", &text[from..to], "^".repeat(count))
 }
 
 fn floor(text: &str, at: usize) -> usize {
