@@ -17,6 +17,8 @@ mod job;
 mod makes;
 #[path = "torture/mesher.rs"]
 mod mesher;
+#[path = "torture/planted.rs"]
+mod planted;
 #[path = "torture/trial.rs"]
 mod trial;
 
@@ -103,6 +105,39 @@ fn from_environment(seconds: f64) {
 #[test]
 fn fifteen_seconds() {
     campaign(15.0, 1, None);
+}
+
+/// Of `cad2fem`, `tagger` and `fab`.
+#[test]
+fn links_and_pipes_in_folders_of_results() {
+    for job in JOBS.iter().filter(|job| !job.continues) {
+        planted::each(job).unwrap_or_else(|what| panic!("{}: {what}", job.name));
+    }
+}
+
+/// Of `solver`, which reads its own files again.
+#[test]
+#[ignore = "a minute: runs in make test-all"]
+fn links_and_pipes_where_runs_continue() {
+    for job in JOBS.iter().filter(|job| job.continues) {
+        let refused = planted::each(job).unwrap_or_else(|what| panic!("{}: {what}", job.name));
+        assert!(refused > 0, "{}", job.name);
+    }
+}
+
+/// Whatever the system grants, a program ends by itself and says why.
+#[test]
+fn small_memory() {
+    for job in JOBS {
+        for kib in [30_000, 60_000, 100_000, 150_000, 200_000, 300_000] {
+            let dir = (job.workdir)();
+            let end = child::run(job.after(&dir, &format!("ulimit -v {kib}")));
+            // where not even the libraries of the system can be loaded, it says so with 127
+            let end = end.and_then(|end| end.expect(&[0, 1, 2, 127]).map(|()| end));
+            let end = end.unwrap_or_else(|what| panic!("{}, {kib} KiB: {what}", job.name));
+            assert!(end.code == Some(0) || !end.said.is_empty(), "{}, {kib} KiB", job.name);
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,10 @@ use std::process::ExitCode;
 
 use cad2fem::cmd::Verb;
 use clap::Parser;
-use program::Verbosity;
+use program::{OrEnd, Verbosity};
+
+#[global_allocator]
+static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
 
 /// CAD surfaces and implicit models → surfaces in named regions → tetrahedra.
 ///

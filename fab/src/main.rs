@@ -2,9 +2,13 @@
 
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use clap::Parser;
 use fab::cmd::Verb;
-use program::Verbosity;
+use program::{OrEnd, Verbosity};
+
+#[global_allocator]
+static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
 
 /// Printable molds from an optimised body.
 ///
@@ -24,5 +28,9 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(code) => return code,
     };
-    program::run("fab", cli.verbosity, || cli.verb.run())
+    program::run("fab", cli.verbosity, || {
+        let pool = rayon::ThreadPoolBuilder::new();
+        pool.build_global().context("threads cannot be started")?;
+        cli.verb.run()
+    })
 }

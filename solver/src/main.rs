@@ -2,14 +2,15 @@
 
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use clap::Parser;
-use program::Verbosity;
+use program::{OrEnd, Verbosity};
 use solver::cmd::Verb;
 
 /// Keeps freed memory for reuse: fronts and element blocks come and go by the
 /// megabyte, and pages from the system cost a quarter of an assembly.
 #[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+static ALLOCATOR: OrEnd<mimalloc::MiMalloc> = OrEnd(mimalloc::MiMalloc);
 
 /// Finite elements of pressurised silicone, and designs by their gradient
 #[derive(Parser)]
@@ -47,9 +48,9 @@ fn main() -> ExitCode {
         Err(code) => return code,
     };
     program::run("solver", program.verbosity, || {
-        if let Some(threads) = program.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
-        }
+        let threads = program.threads.map_or(0, usize::from); // 0 for all cores
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build_global().context("threads cannot be started")?;
         program.verb.run()
     })
 }

@@ -2,12 +2,12 @@
 //!
 //! Available is the least of `MemAvailable` in /proc/meminfo, the limit of the
 //! control group (version 2, as in containers) less what its processes hold, and
-//! the limit of the address space (`ulimit -v`) less what is mapped. Other
-//! systems report nothing here, and nothing is refused.
+//! the limit of the address space (`ulimit -v`) less what is mapped and what faer maps
+//! for products of matrices. Other systems report nothing here, and nothing is refused.
 
-use std::fs::read_to_string;
 use std::path::Path;
 
+use mesh::io::read_own_text;
 use serde::Serialize;
 
 /// What a direct solution needs.
@@ -98,17 +98,25 @@ fn machine(root: &Path) -> Option<usize> {
 /// The limit less what cannot be dropped, which the page cache can.
 fn control_group(root: &Path) -> Option<usize> {
     let folder = root.join("sys/fs/cgroup");
-    let limit = read_to_string(folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
+    let limit = read_own_text(&folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
     let held = number_after(&folder.join("memory.stat"), "anon").unwrap_or(0);
     Some(limit.saturating_sub(held))
 }
 
 fn address_space(root: &Path) -> Option<usize> {
-    let text = read_to_string(root.join("proc/self/limits")).ok()?;
+    let text = read_own_text(&root.join("proc/self/limits")).ok()?;
     let line = text.lines().find(|l| l.starts_with("Max address space"))?;
     let limit: usize = line.split_whitespace().nth(3)?.parse().ok()?;
     let mapped = kilobytes(&root.join("proc/self/status"), "VmSize:").unwrap_or(0);
-    Some(limit.saturating_sub(mapped))
+    Some(limit.saturating_sub(mapped + packed(root)))
+}
+
+/// What the product of matrices in faer (private-gemm-x86) maps in a thread, most of it never touched: twice
+/// the third cache. Small problems have one such thread.
+fn packed(root: &Path) -> usize {
+    let cache = read_own_text(&root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
+    let kib = cache.ok().and_then(|size| size.trim().strip_suffix('K')?.parse::<usize>().ok());
+    2 * 1024 * kib.unwrap_or(0)
 }
 
 fn kilobytes(path: &Path, key: &str) -> Option<usize> {
@@ -117,7 +125,7 @@ fn kilobytes(path: &Path, key: &str) -> Option<usize> {
 
 /// The number after a key at the beginning of a line.
 fn number_after(path: &Path, key: &str) -> Option<usize> {
-    let text = read_to_string(path).ok()?;
+    let text = read_own_text(path).ok()?;
     let mut lines = text.lines().map(str::split_whitespace);
     lines.find_map(|mut words| (words.next()? == key).then(|| words.next())?)?.parse().ok()
 }
@@ -170,6 +178,8 @@ mod tests {
         file("proc/self/limits", &limits("2500000"));
         file("proc/self/status", "Name: solver\nVmSize:\t    1000 kB\n");
         assert_eq!(found(), Some(1_476_000));
+        file("sys/devices/system/cpu/cpu0/cache/index3/size", "4K\n");
+        assert_eq!(found(), Some(1_476_000 - 8192));
     }
 
     #[test]

@@ -3,8 +3,11 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use program::Verbosity;
+use program::{OrEnd, Verbosity};
 use tagger::cmd::Verb;
+
+#[global_allocator]
+static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
 
 /// Gives names to parts of the boundary of a tetrahedral mesh.
 #[derive(Parser)]
