@@ -99,6 +99,7 @@ fn schedules() {
                 "pressure = \"8e3/(t - 1)\"",
                 &["[[chamber]] on \"cavity\": pressure: \"8e3/(t - 1)\" is inf at t = 1 s"],
             ),
+            ("pressure = 8e3", "pressure = \"1e308*t\"", &["\"1e308*t\" is ", "e30"]),
             ("pressure = 8e3", "pressure = \"log(t)\"", &["\"log(t)\" is -inf at t = 0 s"]),
             (
                 "pressure = 8e3",

@@ -65,7 +65,7 @@ pub struct Converged {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
     /// The start is not admissible.
-    #[error("the starting shape has inverted elements or an energy that is not finite")]
+    #[error("the starting shape has inverted elements, or an energy or forces that are not finite")]
     Inadmissible,
     /// Too many iterations.
     #[error(
@@ -200,6 +200,10 @@ impl Newton {
             let (residual, wanted) = (now.residual, self.wanted(now.scale));
             log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
             residuals.push(residual);
+            // an infinite one is within a tolerance that is infinite
+            if !residual.is_finite() {
+                return Err(Failure::Inadmissible);
+            }
             if residual <= wanted {
                 return Ok(Converged { iterations, residual, wanted, floor: None });
             }

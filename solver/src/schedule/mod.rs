@@ -52,6 +52,9 @@ enum Written {
     Table(Arc<Table>),
 }
 
+/// The largest value of an expression or table: squares of forces by it are finite.
+const LARGEST: f64 = 1e100;
+
 impl From<f64> for Schedule {
     fn from(value: f64) -> Self {
         Self { written: Written::Number(value), first: 1.0 }
@@ -196,13 +199,13 @@ impl Schedule {
         for &t in times {
             for &x in everywhere {
                 let value = self.written.at(x, t).value;
-                if !value.is_finite() {
+                if value.is_nan() || value.abs() > LARGEST {
                     let place = if self.uses_position() {
                         format!(" at ({:.5}, {:.5}, {:.5}) m", x.x, x.y, x.z)
                     } else {
                         String::new()
                     };
-                    return Err(format!("{self} is {value} at t = {t} s{place}"));
+                    return Err(format!("{self} is {value:e} at t = {t} s{place}"));
                 }
             }
         }
@@ -403,6 +406,7 @@ mod tests {
             "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m"
         );
         assert_eq!(refused("nan", &[0.0]), "NaN is not finite");
+        assert_eq!(refused("\"1e155*t\"", &[0.0, 2.0]), "\"1e155*t\" is 2e155 at t = 2 s");
         let table = "{ t = [0.1, 0.5], value = [0, 1] }";
         assert!(refused(table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
         assert!(sound(table, 1.0).at(0.6).is_nan(), "never a silent zero");
