@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 
 use solver::math::random::Random;
 use tests::chamber;
-use tests::fuzz::numbers;
 use tests::fuzz::{TARGETS, Target, mutate};
+use tests::fuzz::{numbers, sweeps};
 use tests::workdir::repository;
 
 /// Nothing that these files hold is large; a busy machine may take its time.
@@ -106,6 +106,18 @@ fn numbers_at_the_limits_in_every_key() {
 fn some_numbers_at_the_limits() {
     let failures = numbers::campaign(&chamber::workdir(), 397, 1);
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+#[test]
+#[ignore = "minutes: make fuzz"]
+fn hostile_sweeps_are_short_errors() {
+    let seed = std::env::var("FUZZ_SEED").map_or(1, |seed| seed.parse().unwrap());
+    assert_eq!(sweeps::campaign(20_000, seed), None);
+}
+
+#[test]
+fn some_hostile_sweeps_are_short_errors() {
+    assert_eq!(sweeps::campaign(400, 1), None);
 }
 
 #[test]

@@ -310,24 +310,6 @@ fn links_and_pipes_in_results_are_refused() {
     assert!(dir.files("elsewhere").is_empty());
 }
 
-/// Every mutation of a sweep is a short error, or a sweep: `hostile_sweeps.py` says what is mutated.
-#[test]
-fn hostile_sweeps_are_refused_in_a_line() {
-    let Some(python) = python() else { return };
-    let dir = body("");
-    let programs = stand_ins(&dir);
-    assert!(Command::new("mkfifo").arg(dir.path("fifo")).status().unwrap().success());
-    dir.write("loop.toml", "include = \"../x/../loop.toml\"\n");
-    dir.write("deep.toml", &format!("a = {}", "[".repeat(5000)));
-    let cases = std::env::var("FUZZ_CASES").unwrap_or_else(|_| "400".to_owned());
-    let seed = std::env::var("FUZZ_SEED").unwrap_or_else(|_| "1".to_owned());
-    let mut fuzz = Command::new(&python);
-    fuzz.arg(repository().join("tests/fast/hostile_sweeps.py"));
-    fuzz.arg(repository().join("pipelines/sweep")).arg(dir.path("")).args([cases, seed]);
-    let output = fuzz.env("PUFFER_BIN", programs).output().unwrap();
-    assert!(output.status.success(), "{}", said(&output));
-}
-
 /// An independent validator takes what the program takes, and refuses what it refuses by its keys.
 #[test]
 fn the_schema_knows_the_keys() {

@@ -7,6 +7,7 @@
 mod corpus;
 mod mutation;
 pub mod numbers;
+pub mod sweeps;
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-"""Hostile sweep.toml: `hostile_sweeps.py PIPELINES/SWEEP FOLDER CASES SEED`, by structure-aware mutations.
+"""Hostile sweep.toml: `sweeps.py PIPELINES/SWEEP FOLDER CASES SEED`, by structure-aware mutations.
 
 FOLDER holds sim.toml and its like. Each case is one error of a few lines with exit code 2, or a sweep whose folders
 are written. Anything else ends this program with the sweep that did it.
