@@ -41,6 +41,8 @@ mod measured_rubber;
 mod membranes;
 #[path = "fast/names.rs"]
 mod names;
+#[path = "fast/nested.rs"]
+mod nested;
 #[path = "fast/newton.rs"]
 mod newton;
 #[path = "fast/optimize.rs"]

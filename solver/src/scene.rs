@@ -1,6 +1,7 @@
 //! From config and files to objects: the only place where names become
 //! meshes, energies and objectives.
 
+mod apart;
 mod changes;
 mod chambers;
 mod contact;
@@ -311,6 +312,7 @@ impl Scene {
         }
         self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
+        self.check_apart(body, space)?;
         self.check_field("gravity", &self.config.gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;

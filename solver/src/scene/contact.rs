@@ -68,12 +68,16 @@ impl Scene {
         let contact = Contact::new(Arc::clone(&surface), config.pairs.partners(), barrier);
         let contact = if self.certify { contact.certified() } else { contact };
         if let Some(what) = contact.intersection(&rest) {
+            let names = self.surface_names();
+            let [a, b] =
+                what.triangles.map(|t| names[surface.body(surface.features().triangles[t][0])]);
             bail!(
-                "{}: at rest {what}\n  bodies must be apart at the start: move one by translate, or \
-                 repair the mesh",
+                "{}: at rest {what}, of \"{a}\" and \"{b}\"\n  bodies must be apart at the start: move \
+                 one by translate, or repair the mesh",
                 self.path.display()
             );
         }
+        self.check_nested(&surface, &rest).with_context(context)?;
         self.check_gaps(&contact, &rest, &barrier).with_context(context)?;
         Ok(Some(Collisions { contact, friction }))
     }
