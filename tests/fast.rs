@@ -72,6 +72,8 @@ mod resume_in_time;
 mod resume_static;
 #[path = "fast/scenarios.rs"]
 mod scenarios;
+#[path = "fast/scales.rs"]
+mod scales;
 #[path = "fast/schemas.rs"]
 mod schemas;
 #[path = "fast/set_from_outside.rs"]

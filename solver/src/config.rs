@@ -326,8 +326,10 @@ pub struct SolverConfig {
     /// Unbalanced force relative to the forces that balance, and gap of a
     /// prescribed volume relative to it [1].
     pub relative_tolerance: f64,
-    /// Unbalanced force that counts as none [N].
-    pub absolute_tolerance: f64,
+    /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
+    /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absolute_tolerance: Option<f64>,
     /// What becomes of an equilibrium in which an element is turned inside out somewhere.
     pub inside_out: InsideOut,
 }
@@ -353,7 +355,7 @@ impl Default for SolverConfig {
             smallest_load_step: 1e-3,
             newton_iterations: None,
             relative_tolerance: 1e-10,
-            absolute_tolerance: 1e-10,
+            absolute_tolerance: None,
             inside_out: InsideOut::Refused,
         }
     }

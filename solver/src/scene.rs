@@ -34,6 +34,8 @@ use crate::schedule::Field;
 use crate::stretch::Limits;
 use crate::supports::Supports;
 
+/// Strain of a whole body that is as good as none, where loads are no smaller [1].
+const NEGLIGIBLE_STRAIN: f64 = 1e-11;
 /// Density for the tiny mass of a loose body if its own is not known [kg/m³].
 const WATER: f64 = 1000.0;
 
@@ -310,9 +312,9 @@ impl Scene {
             energies.contact = Some(Arc::new(collisions.contact));
             energies.friction = collisions.friction;
         }
+        self.check_apart(body, space)?;
         self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
-        self.check_apart(body, space)?;
         self.check_field("gravity", &self.config.gravity, &nodes)?;
         for load in &self.config.body_force {
             self.check_field("[[body_force]]: force", &load.force, &nodes)?;
@@ -391,11 +393,19 @@ impl Scene {
             newton: Newton {
                 iterations: self.config.newton_iterations(),
                 relative: relative_tolerance,
-                absolute: absolute_tolerance,
+                absolute: absolute_tolerance.unwrap_or(0.0),
+                negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
             },
         }
     }
 }
+
+    /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].
+    fn negligible_force(&self) -> f64 {
+        let shears = self.laws.iter().map(|law| law.material.moduli().shear);
+        let size = mesh::measure::volume(&self.body.mesh).cbrt();
+        NEGLIGIBLE_STRAIN * shears.fold(0.0, f64::max) * size * size
+    }
 
 /// Nodes of one of the bodies, ascending.
 #[must_use]

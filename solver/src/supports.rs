@@ -13,8 +13,8 @@ use crate::config::Fixed;
 use crate::element::FunctionSpace;
 use crate::schedule::Field;
 
-/// Two prescribed displacements differ when they do so by more than this [m].
-const SAME: f64 = 1e-15;
+/// Two prescribed displacements differ when they do so by more than this fraction of the largest.
+const SAME: f64 = 1e-12;
 /// A rigid motion is free when the supports prevent less than this fraction of it.
 const FREE: f64 = 1e-8;
 
@@ -150,9 +150,11 @@ impl Supports {
                 self.owner[dof] = Some(index);
                 continue;
             };
+            let both = |&t: &f64| [first, index].map(|i| self.value(i, dof, t));
+            let largest = times.iter().flat_map(both).fold(0.0_f64, |m, value| m.max(value.abs()));
             for &t in times.iter().rev() {
-                let [before, value] = [first, index].map(|i| self.value(i, dof, t));
-                if (before - value).abs() > SAME {
+                let [before, value] = both(&t);
+                if (before - value).abs() > SAME * largest {
                     let (axis, p) = (["x", "y", "z"][k], self.positions[node]);
                     bail!(
                         "[[fixed]]: \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {before} m \

@@ -48,7 +48,7 @@ impl Equilibrium {
     /// When there is none or it is not certified.
     pub fn solve(&mut self, load: f64) {
         // slender bodies cancel large inner forces: 1e-10 is below their rounding
-        let newton = Newton { iterations: 40, relative: 1e-9, absolute: 0.0 };
+        let newton = Newton { iterations: 40, relative: 1e-9, absolute: 0.0, negligible: 0.0 };
         self.balance(&newton, load).unwrap_or_else(|failure| panic!("load {load}: {failure}"));
         certificate(&self.problem.space, &self.rest, &self.u)
             .unwrap_or_else(|found| panic!("load {load}: {found}"));

@@ -289,11 +289,12 @@ impl SolverConfig {
             "relative_tolerance = {}: must be above 0 and below 1",
             s.relative_tolerance
         );
-        ensure!(
-            s.absolute_tolerance >= 0.0 && s.absolute_tolerance.is_finite(),
-            "absolute_tolerance = {} N: must be finite and not negative",
-            s.absolute_tolerance
-        );
+        if let Some(absolute) = s.absolute_tolerance {
+            ensure!(
+                absolute >= 0.0 && absolute.is_finite(),
+                "absolute_tolerance = {absolute} N: must be finite and not negative"
+            );
+        }
         ensure!(s.newton_iterations != Some(0), "newton_iterations = 0: must be positive");
         Ok(())
     }

@@ -33,6 +33,8 @@ const FLAT: usize = 3;
 const A_LOT: f64 = 10.0;
 /// Steps with a modified Hessian before the exact one is tried again.
 const PATIENCE: usize = 8;
+/// How many times as large as a negligible residual the forces must have been.
+const PREVAIL: f64 = 1e6;
 /// Predicted decrease of the energy, relative to it, that is within rounding.
 const NEGLIGIBLE: f64 = 1e-12;
 
@@ -45,6 +47,8 @@ pub struct Newton {
     pub relative: f64,
     /// Residual below which any state counts as an equilibrium [N].
     pub absolute: f64,
+    /// The same where forces of [`PREVAIL`] times as much were to balance [N].
+    pub negligible: f64,
 }
 
 /// An equilibrium.
@@ -59,6 +63,8 @@ pub struct Converged {
     /// Where the residual is larger than wanted and rounding allows no less:
     /// its estimated floor [N].
     pub floor: Option<f64>,
+    /// The largest scale of the forces on the way [N].
+    pub peak: f64,
 }
 
 /// Why there is no equilibrium. Not a panic: the caller decides.
@@ -194,10 +200,12 @@ impl Newton {
         residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
+        let mut peak = 0.0_f64;
         let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
-            let (residual, wanted) = (now.residual, self.wanted(now.scale));
+            peak = peak.max(now.scale);
+            let (residual, wanted) = (now.residual, self.wanted(now.scale, peak));
             log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
             residuals.push(residual);
             // an infinite one is within a tolerance that is infinite
@@ -205,13 +213,13 @@ impl Newton {
                 return Err(Failure::Inadmissible);
             }
             if residual <= wanted {
-                return Ok(Converged { iterations, residual, wanted, floor: None });
+                return Ok(Converged { iterations, residual, wanted, floor: None, peak });
             }
             flat.watch(now);
             if iterations == self.iterations {
                 if within_rounding {
                     *now = flat.best;
-                    return self.stagnated(problem, workspace, at, now, iterations);
+                    return self.stagnated(problem, workspace, at, now, iterations, peak);
                 }
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
@@ -233,12 +241,12 @@ impl Newton {
             within_rounding = decrease <= NEGLIGIBLE * now.energy.abs();
             if within_rounding && (step.is_none() || flat.iterations >= FLAT) {
                 *now = flat.best;
-                return self.stagnated(problem, workspace, at, now, iterations);
+                return self.stagnated(problem, workspace, at, now, iterations, peak);
             }
             let Some(accepted) = step else {
                 // energies that cancel each other have more rounding than their sum shows
                 let best = &flat.best;
-                return match self.stagnated(problem, workspace, at, best, iterations) {
+                return match self.stagnated(problem, workspace, at, best, iterations, peak) {
                     Ok(converged) => {
                         *now = flat.best;
                         Ok(converged)
@@ -251,8 +259,11 @@ impl Newton {
         unreachable!("the loop ends by returning")
     }
 
-    fn wanted(&self, scale: f64) -> f64 {
-        (self.relative * scale).max(self.absolute)
+    /// Residual of an equilibrium [N] where forces of a scale balance, and of `peak` at most were to.
+    /// Without loads only the residual itself is left to compare with, so that the past counts.
+    pub(super) fn wanted(&self, scale: f64, peak: f64) -> f64 {
+        let negligible = self.negligible.min(peak / PREVAIL);
+        (self.relative * scale).max(self.absolute).max(negligible)
     }
 
     /// Whether a residual that falls no further is as small as rounding allows.
@@ -263,12 +274,13 @@ impl Newton {
         at: &Iterate,
         best: &State,
         iterations: usize,
+        peak: f64,
     ) -> Result<Converged, Failure> {
-        let (residual, scale, wanted) = (best.residual, best.scale, self.wanted(best.scale));
+        let (residual, scale, wanted) = (best.residual, best.scale, self.wanted(best.scale, peak));
         let floor = workspace.rounding_floor(problem, &Iterate { u: &best.u, ..*at });
         log::debug!("residual {residual:.2e} N does not fall; floor by rounding {floor:.1e} N");
         if residual <= floor {
-            return Ok(Converged { iterations, residual, wanted, floor: Some(floor) });
+            return Ok(Converged { iterations, residual, wanted, floor: Some(floor), peak });
         }
         Err(Failure::Stagnated { iterations, residual, wanted, floor, scale })
     }

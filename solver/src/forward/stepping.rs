@@ -178,7 +178,12 @@ pub fn solve_in_time(
 }
 
 pub(super) fn loosened(newton: &Newton) -> Newton {
-    Newton { relative: LOOSE * newton.relative, absolute: LOOSE * newton.absolute, ..*newton }
+    Newton {
+        relative: LOOSE * newton.relative,
+        absolute: LOOSE * newton.absolute,
+        negligible: LOOSE * newton.negligible,
+        ..*newton
+    }
 }
 
 pub(super) struct Failed {
@@ -214,7 +219,7 @@ pub(super) fn attempt(
         Ok(converged) => converged,
         Err(failure) => return Err(Failed { failure, u: state.u, residuals }),
     };
-    let Converged { iterations, residual, wanted, floor } = converged;
+    let Converged { iterations, residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
         log::warn!(
             "load {load:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
@@ -284,7 +289,7 @@ mod tests {
 
     #[test]
     fn an_element_inside_out_is_refused_or_tolerated() {
-        let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10 };
+        let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10, negligible: 0.0 };
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 0.5, newton };
         let (mut problem, rest) = pinched();
         let go = |problem: &Problem| {

@@ -53,11 +53,14 @@ pub fn balance(
         return newton.trace(problem, workspace, state, residuals);
     }
     let rough = Newton { relative: newton.relative.max(ROUGH), ..*newton };
-    let mut iterations = 0;
+    let (mut iterations, mut peak) = (0, 0.0_f64);
     let mut last = vec![f64::INFINITY; state.multipliers.len()];
     for minimum in 0.. {
-        iterations += rough.trace(problem, workspace, state, residuals)?.iterations;
-        let mut distance = Distance::of(problem, workspace, &state.iterate(problem), newton);
+        let least = rough.trace(problem, workspace, state, residuals)?;
+        iterations += least.iterations;
+        peak = peak.max(least.peak);
+        let at = &state.iterate(problem);
+        let mut distance = Distance::of(problem, workspace, at, newton, peak);
         for _ in 0..STEPS {
             if distance.is_reached() {
                 break;
@@ -76,7 +79,8 @@ pub fn balance(
             // what is left, if anything, are digits that rounding takes
             let converged = newton.trace(problem, workspace, state, residuals)?;
             iterations += converged.iterations;
-            distance = Distance::of(problem, workspace, &state.iterate(problem), newton);
+            let at = &state.iterate(problem);
+            distance = Distance::of(problem, workspace, at, newton, peak);
             if distance.largest_gap() <= newton.relative {
                 return Ok(Converged { iterations, ..converged });
             }
@@ -132,6 +136,8 @@ struct Distance {
     residual: f64,
     /// What that may be [N].
     wanted: f64,
+    /// The largest scale of the forces so far [N].
+    peak: f64,
     constraints: Vec<Constraint>,
     /// Largest gap allowed.
     tolerance: f64,
@@ -143,12 +149,19 @@ fn gap(constraint: &Constraint) -> f64 {
 }
 
 impl Distance {
-    fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate, newton: &Newton) -> Self {
+    fn of(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        at: &Iterate,
+        newton: &Newton,
+        peak: f64,
+    ) -> Self {
         let (gradient, scale) = workspace.gradient(problem, at);
+        let peak = peak.max(scale);
         let residual = norm(&problem.restrict(&gradient));
-        let wanted = (newton.relative * scale).max(newton.absolute);
+        let wanted = newton.wanted(scale, peak);
         let constraints = problem.constraints(at);
-        Self { gradient, residual, wanted, constraints, tolerance: newton.relative }
+        Self { gradient, residual, wanted, peak, constraints, tolerance: newton.relative }
     }
 
     fn largest_gap(&self) -> f64 {
@@ -210,7 +223,8 @@ fn joint_step(
         multipliers[constraint.multiplier].pressure += change;
     }
     let trial = Configuration { u, multipliers, ..*state };
-    let nearer = Distance::of(problem, workspace, &trial.iterate(problem), newton);
+    let at = &trial.iterate(problem);
+    let nearer = Distance::of(problem, workspace, at, newton, distance.peak);
     log::debug!(
         "newton with volumes  |g| {:.2e} N  largest gap {:.2e}",
         nearer.residual,
