@@ -29,6 +29,8 @@ mod failures;
 mod flat_element;
 #[path = "fast/hostile_page.rs"]
 mod hostile_page;
+#[path = "fast/locking.rs"]
+mod locking;
 #[path = "fast/keep.rs"]
 mod keep;
 #[path = "fast/import.rs"]
@@ -70,10 +72,10 @@ mod resume;
 mod resume_in_time;
 #[path = "fast/resume_static.rs"]
 mod resume_static;
-#[path = "fast/scenarios.rs"]
-mod scenarios;
 #[path = "fast/scales.rs"]
 mod scales;
+#[path = "fast/scenarios.rs"]
+mod scenarios;
 #[path = "fast/schemas.rs"]
 mod schemas;
 #[path = "fast/set_from_outside.rs"]

@@ -332,6 +332,23 @@ pub struct SolverConfig {
     pub absolute_tolerance: Option<f64>,
     /// What becomes of an equilibrium in which an element is turned inside out somewhere.
     pub inside_out: InsideOut,
+    /// When `solver simulate` estimates by how much the state at the end would change with elements of
+    /// the next degree. That costs an assembly and a factorisation with that degree.
+    pub locking: Locking,
+}
+
+/// When it is estimated what elements hold back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Locking {
+    /// Where it is likely: with degree 1, and with degree 2 at a bulk modulus of more than 1000 shear
+    /// moduli.
+    #[default]
+    Likely,
+    /// Always, with degree 1 or 2.
+    Always,
+    /// Never.
+    Never,
 }
 
 /// What becomes of an equilibrium in which an element is turned inside out between its quadrature
@@ -357,6 +374,7 @@ impl Default for SolverConfig {
             relative_tolerance: 1e-10,
             absolute_tolerance: None,
             inside_out: InsideOut::Refused,
+            locking: Locking::Likely,
         }
     }
 }

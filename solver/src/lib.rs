@@ -27,6 +27,7 @@ pub mod scene; // config and files to objects
 pub mod design; // design variables to rest shape and loads, with transposed derivative
 pub mod sensitivity; // derivatives of probes by numbers of a scene
 pub mod uncertainty; // what probes change by if numbers are off
+pub mod locking; // what elements of a degree hold back
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod validation; // simulations beside measurements
 pub mod calibration; // numbers of scenes from measurements on a device

@@ -385,6 +385,7 @@ impl Scene {
             relative_tolerance,
             absolute_tolerance,
             inside_out: _,
+            locking: _,
         } = self.config.solver;
         Stepping {
             first: self.config.solver.first_load_step(),
@@ -398,7 +399,6 @@ impl Scene {
             },
         }
     }
-}
 
     /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].
     fn negligible_force(&self) -> f64 {
@@ -406,6 +406,7 @@ impl Scene {
         let size = mesh::measure::volume(&self.body.mesh).cbrt();
         NEGLIGIBLE_STRAIN * shears.fold(0.0, f64::max) * size * size
     }
+}
 
 /// Nodes of one of the bodies, ascending.
 #[must_use]

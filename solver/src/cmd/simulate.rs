@@ -16,6 +16,7 @@ use crate::energy::Iterate;
 use crate::forward::{
     LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
 };
+use crate::locking;
 use crate::memory;
 use crate::probe::Probe;
 use crate::report::crossing::Crossing;
@@ -89,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
         log::info!("{line}");
     }
+    locking::foresee(&scene);
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     log::info!(
@@ -359,6 +361,9 @@ impl Run<'_> {
             report["probes"] = results::probes(self.probes, problem, end);
         }
         report["stretch_range"] = json!(stretches(scene, end));
+        if let Some(estimate) = locking::estimate(scene, (problem, self.probes), end) {
+            report["locking"] = json!(estimate);
+        }
         report["timings"] = json!(self.workspace.timings);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use mesh::Vec3;
 use mesh::bvh::overlapping_pairs;
 
-use super::basis::values;
+use super::basis::{nodes, values};
 use super::{FunctionSpace, at};
 
 /// How far outside an element a point may be and still count as in it, relative
@@ -46,6 +46,27 @@ pub fn interpolate(
         places.iter().flat_map(|place| <[f64; 3]>::from(value(place))).collect()
     };
     fields.map(one).collect()
+}
+
+/// A field in the space of a higher degree on the same tetrahedra, which has it exactly.
+#[must_use]
+pub fn elevate(from: &FunctionSpace, to: &FunctionSpace, u: &[f64]) -> Vec<f64> {
+    let degree = to.degree() as f64;
+    let weights = nodes(4, to.degree()).into_iter().map(|index| {
+        let lambda: Vec<f64> = index.iter().map(|&i| i as f64 / degree).collect();
+        values(from.degree(), &lambda)
+    });
+    let weights: Vec<Vec<f64>> = weights.collect();
+    let own = from.element_nodes().chunks_exact(from.nodes_per_element());
+    let richer = to.element_nodes().chunks_exact(to.nodes_per_element());
+    let mut field = vec![0.0; 3 * to.node_count()];
+    for (own, richer) in own.zip(richer) {
+        for (&node, weights) in richer.iter().zip(&weights) {
+            let value: Vec3 = own.iter().zip(weights).map(|(&n, w)| *w * at(u, n)).sum();
+            field[3 * node..3 * node + 3].copy_from_slice(value.as_slice());
+        }
+    }
+    field
 }
 
 /// Values of the field `u` at rest positions; none at those outside the body.
@@ -134,6 +155,24 @@ mod tests {
             assert!(result[0].iter().all(|a| *a == 0.0));
             for (a, b) in result[1].iter().zip(nodal(&to, &other_rest)) {
                 assert!((a - b).abs() < 1e-12, "{degree} {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_higher_degree_has_the_same_polynomial() {
+        let mesh = testing::cube(2, 0.2);
+        let rest = &mesh.vertices;
+        for (degree, higher) in [(1, 2), (1, 3), (2, 3)] {
+            let space = |degree| FunctionSpace::new(degree, rest.len(), mesh.tets.clone());
+            let p = degree as i32;
+            let field = |x: &Vec3| [(x.x - 2.0 * x.z).powi(p), x.y.powi(p) + 1.0, x.z];
+            let nodal = |space: &FunctionSpace| -> Vec<f64> {
+                space.node_positions(rest).iter().flat_map(field).collect()
+            };
+            let (from, to) = (space(degree), space(higher));
+            for (a, b) in elevate(&from, &to, &nodal(&from)).iter().zip(nodal(&to)) {
+                assert!((a - b).abs() < 1e-13, "{degree} {higher}: {a} {b}");
             }
         }
     }

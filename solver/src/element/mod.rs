@@ -10,5 +10,5 @@ mod space;
 pub use basis::{HIGHEST_DEGREE, Tabulation, nodes as node_indices, tabulate};
 pub use bernstein::JacobianForm;
 pub use incidence::Incidence;
-pub use interpolate::{interpolate, sample, weights};
+pub use interpolate::{elevate, interpolate, sample, weights};
 pub use space::{FunctionSpace, add_at, at};

@@ -41,5 +41,5 @@ pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};
 pub use timings::{Clock, Time, Timings};
 pub use trajectory::Trajectory;
-pub use volumes::solve_multipliers;
+pub use volumes::{newton_step, solve_multipliers};
 pub use workspace::{Linearization, Workspace};

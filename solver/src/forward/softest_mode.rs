@@ -39,10 +39,12 @@ pub struct SoftestMode {
 }
 
 impl SoftestMode {
-    /// Whether something moves without any force.
+    /// Whether something moves without any force, in a body whose bulk modulus is so many times its
+    /// shear modulus: the largest entry is of the first, motions are resisted by the second.
     #[must_use]
-    pub fn floats(&self) -> bool {
-        self.stiffness.is_some_and(|stiffness| stiffness < NONE * self.largest)
+    pub fn floats(&self, bulk_over_shear: f64) -> bool {
+        let none = NONE / bulk_over_shear.max(1.0);
+        self.stiffness.is_some_and(|stiffness| stiffness < none * self.largest)
     }
 
     /// Of a state; forces are those that the step to the load `next` adds.

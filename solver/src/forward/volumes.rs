@@ -195,25 +195,8 @@ fn joint_step(
     distance: &Distance,
 ) -> Option<Distance> {
     let at = state.iterate(problem);
-    let hessian = workspace.hessian(problem, &at, Hessian::Exact);
-    let columns: Vec<Vec<f64>> =
-        distance.constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
-    let mut sides = columns.clone();
-    sides.push(problem.restrict(&distance.gradient).iter().map(|g| -g).collect());
-    let mut solutions = solve_all(workspace, &hessian, &sides)?;
-    let free = solutions.pop()?;
-    let count = columns.len();
-    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&columns[i], &solutions[j]));
-    let side = DVector::from_fn(count, |i, _| {
-        let constraint = &distance.constraints[i];
-        constraint.wanted - constraint.volume - dot(&columns[i], &free)
-    });
-    let change = matrix.lu().solve(&side)?;
-    let mut step = free;
-    for (z, weight) in solutions.iter().zip(change.iter()) {
-        step.iter_mut().zip(z).for_each(|(s, z)| *s += weight * z);
-    }
-    let step = problem.prolong(&step);
+    let (step, change) =
+        direction(problem, workspace, &at, (&distance.gradient, &distance.constraints))?;
     let u: Vec<f64> = state.u.iter().zip(&step).map(|(u, s)| u + s).collect();
     if workspace.max_step(problem, &at, &Iterate { u: &u, ..at }) < 1.0 {
         return None;
@@ -235,6 +218,45 @@ fn joint_step(
         return Some(nearer);
     }
     None
+}
+
+/// The whole step of Newton's method on ∂L/∂u = 0 and V = V*, over all degrees of freedom [m], whether
+/// it leads to an equilibrium or not; none where H is singular.
+pub fn newton_step(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Option<Vec<f64>> {
+    let (gradient, _) = workspace.gradient(problem, at);
+    let constraints = problem.constraints(at);
+    direction(problem, workspace, at, (&gradient, &constraints)).map(|(step, _)| step)
+}
+
+/// δ and ΔP̂; none where H is singular.
+fn direction(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    (gradient, constraints): (&[f64], &[Constraint]),
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let hessian = workspace.hessian(problem, at, Hessian::Exact);
+    let columns: Vec<Vec<f64>> =
+        constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
+    let mut sides = columns.clone();
+    sides.push(problem.restrict(gradient).iter().map(|g| -g).collect());
+    let mut solutions = solve_all(workspace, &hessian, &sides)?;
+    let free = solutions.pop()?;
+    let count = columns.len();
+    if count == 0 {
+        return Some((problem.prolong(&free), Vec::new()));
+    }
+    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&columns[i], &solutions[j]));
+    let side = DVector::from_fn(count, |i, _| {
+        let constraint = &constraints[i];
+        constraint.wanted - constraint.volume - dot(&columns[i], &free)
+    });
+    let change = matrix.lu().solve(&side)?;
+    let mut step = free;
+    for (z, weight) in solutions.iter().zip(change.iter()) {
+        step.iter_mut().zip(z).for_each(|(s, z)| *s += weight * z);
+    }
+    Some((problem.prolong(&step), change.iter().copied().collect()))
 }
 
 /// H⁻¹ of some vectors; none where H is singular.

@@ -13,6 +13,7 @@ use crate::body::Body;
 use crate::element::{FunctionSpace, at};
 use crate::energy::Iterate;
 use crate::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Workspace};
+use crate::locking::{FIRM, bulk_over_shear};
 use crate::material::Kinematics;
 use crate::math::linear::Pivot;
 use crate::math::tensor::{Mat3, cofactor};
@@ -86,7 +87,11 @@ impl Diagnosis {
         lines.extend(facts(scene, unreached, &worst, problem, rest, [&at_rest, &reached]));
         let advice = advice(scene, unreached, &worst, [&at_rest, &reached], &stretches);
         lines.extend(advice.iter().map(|a| format!("try: {a}")));
-        let status = if at_rest.floats() { "not enough supports" } else { "no equilibrium" };
+        let status = if at_rest.floats(bulk_over_shear(scene)) {
+            "not enough supports"
+        } else {
+            "no equilibrium"
+        };
         let report = json!({
             "status": status,
             "usable": false,
@@ -189,7 +194,7 @@ fn reason(
     space: &FunctionSpace,
     rest: &[Vec3],
 ) -> String {
-    if !at_rest.floats() {
+    if !at_rest.floats(bulk_over_shear(scene)) {
         let reached = scene.progress(unreached.load);
         return format!("no equilibrium beyond {reached}: {}", unreached.failure);
     }
@@ -262,13 +267,17 @@ fn advice(
 ) -> Vec<String> {
     let mut advice = Vec::new();
     let settings = &scene.config.solver;
-    if at_rest.floats() {
+    let ratio = bulk_over_shear(scene);
+    if at_rest.floats(ratio) {
         advice.push(
             "fix more tags or components; parts that touch in an edge or a vertex only do not \
              hold each other"
                 .to_owned(),
         );
         return advice;
+    }
+    if ratio > FIRM {
+        advice.push(incompressible(ratio));
     }
     if let Failure::Stagnated { residual, scale, .. } = unreached.failure {
         advice.push(format!(
@@ -328,6 +337,17 @@ fn advice(
         scene.config.newton_iterations()
     ));
     advice
+}
+
+/// Why Newton's method fails in a nearly incompressible body, and what to use.
+fn incompressible(bulk_over_shear: f64) -> String {
+    format!(
+        "a smaller bulk modulus: it is {bulk_over_shear:.1e} times the shear modulus, so nearly \
+         incompressible that steps of Newton's method beyond a strain of about {:.0e} change the volume \
+         by more than they gain; 100 to {FIRM:.0} times, poisson = 0.4950 to 0.4995, changes the result \
+         by less than a mesh does",
+        bulk_over_shear.powf(-0.5)
+    )
 }
 
 fn pivot(pivot: &Option<Pivot>, problem: &Problem, rest: &[Vec3]) -> Value {
