@@ -137,6 +137,7 @@ impl Tetmesh {
             max_iterations: self.max_iterations,
             coarsen: self.coarsen,
             threads: self.threads,
+            seed: 1,
         })
     }
 }

@@ -55,6 +55,8 @@ fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
     again.says("damaged cache entry");
     assert!(!again.stderr.contains("from the cache"));
     assert_eq!(fs::read(&entry).unwrap(), bytes("c.msh"));
+    // made twice, with the same bits
+    assert_eq!(bytes("a.msh"), bytes("c.msh"));
 }
 
 #[test]

@@ -162,7 +162,7 @@ impl Repair {
     pub fn remesh(&self, raw: &Patched, record: &mut Record) -> Result<Patched> {
         let size = diagonal(&raw.surface.vertices);
         let envelope = self.envelope.unwrap_or(1e-3 * size);
-        let options = Options {
+        let mut options = Options {
             edge_length: 0.05 * size,
             refine: Vec::new(),
             envelope,
@@ -170,6 +170,7 @@ impl Repair {
             max_iterations: 80,
             coarsen: true,
             threads: 0,
+            seed: 1,
         };
         let python = Python::find()?;
         let oriented = oriented(raw);
@@ -199,6 +200,7 @@ impl Repair {
             }
             log::warn!("{message}; again");
             attempt += 1;
+            options.seed = attempt;
         };
         let gone = hausdorff(&raw.surface, &surface, SAMPLES);
         record.change(format!(

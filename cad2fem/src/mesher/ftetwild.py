@@ -11,10 +11,11 @@ except ImportError as error:
     sys.exit(3)
 
 settings = json.load(open("settings.json"))
-scale, edge_length, balls = (settings.pop(key) for key in ("scale", "edge_length", "refine"))
+scale, edge_length, balls, seed = (
+    settings.pop(key) for key in ("scale", "edge_length", "refine", "seed")
+)
 vertices = numpy.ascontiguousarray(numpy.load("vertices.npy")) * scale
 triangles = numpy.ascontiguousarray(numpy.load("triangles.npy").astype(numpy.int32))
-
 
 
 def size(point):
@@ -26,6 +27,8 @@ def size(point):
     return length * scale
 
 
+if not fix_seed(wildmeshing.wildmeshing.__file__, seed):
+    open("unseeded", "w").close()
 mesher = wildmeshing.Tetrahedralizer(**settings)
 mesher.set_log_level(6)
 if not mesher.set_mesh(vertices, triangles) in (None, True):

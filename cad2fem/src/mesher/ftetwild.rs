@@ -2,8 +2,8 @@
 //! `wildmeshing`, MPL-2.0.
 //!
 //! Robust for any input; its boundary stays within an envelope of the input
-//! surface and is not the input surface. Not deterministic: the order in which it
-//! inserts triangles is random.
+//! surface and is not the input surface. The order in which it inserts triangles is
+//! random; `fixed_seed.py` gives it a seed, so that the same input gives the same mesh.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -33,9 +33,13 @@ impl TetMesher for FTetWild {
 
     fn script(&self, inside: bool) -> &'static str {
         if inside {
-            concat!(include_str!("ftetwild.py"), include_str!("ftetwild_inside.py"))
+            concat!(
+                include_str!("fixed_seed.py"),
+                include_str!("ftetwild.py"),
+                include_str!("ftetwild_inside.py")
+            )
         } else {
-            include_str!("ftetwild.py")
+            concat!(include_str!("fixed_seed.py"), include_str!("ftetwild.py"))
         }
     }
 
@@ -63,8 +67,12 @@ impl TetMesher for FTetWild {
             "max_its": options.max_iterations,
             "coarsen": options.coarsen,
             "max_threads": options.threads,
+            "seed": options.seed,
         });
         job.run(python, self.script(inside > 0), &settings, timeout)?;
+        if job.file("unseeded").exists() {
+            log::warn!("fTetWild takes no seed on this machine: another run gives another mesh");
+        }
         let mesh = TetMesh { vertices: job.points("points.npy")?, tets: job.indices("tets.npy")? };
         Ok(if inside > 0 { in_body(&mesh, surface) } else { mesh })
     }

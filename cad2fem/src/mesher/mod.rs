@@ -32,6 +32,8 @@ pub struct Options {
     pub coarsen: bool,
     /// Most threads, 0 for all.
     pub threads: usize,
+    /// What decides the order in which fTetWild inserts triangles.
+    pub seed: u32,
 }
 
 /// A ball with shorter edges; from its surface on the edge length grows by half the

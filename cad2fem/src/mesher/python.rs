@@ -15,7 +15,7 @@ const PYTHON: &str = ".venv/bin/python";
 
 /// A Python interpreter.
 pub struct Python {
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
 }
 
 impl Python {
