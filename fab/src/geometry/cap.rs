@@ -1,10 +1,11 @@
 //! Closing a planar hole: a polygon cut into triangles.
 //!
-//! The polygon is projected to its plane (Newell's normal) and ears are clipped,
-//! each time the one whose smallest angle is largest, so that collinear rim
-//! vertices do not leave triangles without area.
+//! The polygon is projected to its plane (Newell's normal) and cut by a constrained Delaunay
+//! triangulation (`spade`, with exact predicates). Vertices on one straight side, even if they
+//! are off it by rounding, have a circumcircle that holds all others: they are no triangle.
 
 use mesh::Vec3;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation, mitigate_underflow};
 
 /// A triangulated polygon.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +54,7 @@ pub fn close(polygon: &[Vec3]) -> Result<Cap, CapError> {
     let normal = area.normalize();
     let deviation = polygon.iter().map(|p| (p - mean).dot(&normal).abs()).fold(0.0, f64::max);
     let flat = flatten(polygon, &mean, &normal);
-    let triangles = clip_ears(&flat).ok_or(CapError::Crossing { vertices })?;
+    let triangles = triangulate(&flat).ok_or(CapError::Crossing { vertices })?;
     Ok(Cap { triangles, normal, mean, deviation })
 }
 
@@ -124,51 +125,40 @@ fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Triangles of a counter-clockwise simple polygon; none if it is not simple.
-fn clip_ears(polygon: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
-    let mut left: Vec<usize> = (0..polygon.len()).collect();
-    let mut triangles = Vec::with_capacity(polygon.len() - 2);
-    while left.len() > 2 {
-        let n = left.len();
-        let corner = |i: usize| [left[(i + n - 1) % n], left[i], left[(i + 1) % n]];
-        let (best, quality) = (0..n)
-            .map(|i| (i, smallest_sine(corner(i).map(|v| polygon[v]))))
-            .filter(|&(i, quality)| quality > 0.0 && is_ear(polygon, &left, corner(i)))
-            .fold((0, 0.0), |best, ear| if ear.1 > best.1 { ear } else { best });
-        if quality <= 0.0 {
-            return None;
-        }
-        triangles.push(corner(best));
-        left.remove(best);
+fn triangulate(polygon: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
+    let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+    let place = |&[x, y]: &[f64; 2]| mitigate_underflow(Point2::new(x, y));
+    let corners: Result<Vec<_>, _> = polygon.iter().map(|p| plane.insert(place(p))).collect();
+    let corners = corners.ok()?;
+    let next = corners.iter().copied().cycle().skip(1);
+    let mut sides = Vec::with_capacity(corners.len());
+    for (from, to) in corners.iter().copied().zip(next) {
+        // None where it would cross another side; several where it runs through a vertex.
+        let [side] = plane.try_add_constraint(from, to)[..] else { return None };
+        sides.push(side);
     }
-    Some(triangles)
-}
-
-/// Whether no other remaining vertex lies in the closed triangle.
-fn is_ear(polygon: &[[f64; 2]], left: &[usize], corner: [usize; 3]) -> bool {
-    let [a, b, c] = corner.map(|v| polygon[v]);
-    left.iter().filter(|v| !corner.contains(v)).all(|&v| {
-        let p = polygon[v];
-        turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0
-    })
-}
-
-/// Smallest sine of the angles of a triangle, not positive unless counter-clockwise.
-fn smallest_sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
-    let (ab, bc, ca) = (length(a, b), length(b, c), length(c, a));
-    let longest_two = ab * bc * ca / ab.min(bc).min(ca);
-    turn(a, b, c) / longest_two.max(f64::MIN_POSITIVE)
-}
-
-/// Twice the signed area of a triangle.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    let point = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
-    robust::orient2d(point(a), point(b), point(c))
+    let mut inside = vec![false; plane.num_all_faces()];
+    let mut open: Vec<_> = sides.iter().map(|&side| plane.directed_edge(side).face()).collect();
+    while let Some(face) = open.pop() {
+        let face = face.as_inner()?;
+        if !std::mem::replace(&mut inside[face.index()], true) {
+            let edges = face.adjacent_edges().into_iter();
+            open.extend(edges.filter(|e| !e.is_constraint_edge()).map(|e| e.rev().face()));
+        }
+    }
+    let filled = plane.inner_faces().filter(|face| inside[face.index()]);
+    let triangles: Vec<_> = filled.map(|face| face.vertices().map(|v| v.index())).collect();
+    // A polygon that touches itself has another count.
+    (triangles.len() + 2 == polygon.len()).then_some(triangles)
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use std::f64::consts::TAU;
+
+    use mesh::SurfaceMesh;
+
     use super::*;
 
     fn lifted(points: &[[f64; 2]]) -> Vec<Vec3> {
@@ -200,6 +190,46 @@ mod tests {
         for t in &cap.triangles {
             let [a, b, c] = t.map(|v| polygon[v]);
             assert!((b - a).cross(&(c - a)).norm() > 0.1, "a sliver: {t:?}");
+        }
+    }
+
+    /// A star-shaped polygon whose sides have vertices between their ends, off them by rounding.
+    fn star(random: &mut impl FnMut() -> f64) -> (Vec<[f64; 2]>, f64) {
+        let corners = 4 + (random() * 8.0) as usize;
+        let turn = |i: usize| (i as f64 + 0.8 * random()) * TAU / corners as f64;
+        let angles: Vec<f64> = (0..corners).map(turn).collect();
+        let at = |angle: f64| (0.05 * (0.4 + random())) * Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let ends: Vec<Vec3> = angles.into_iter().map(at).collect();
+        let (mut points, mut area) = (Vec::new(), 0.0);
+        for (i, a) in ends.iter().enumerate() {
+            let b = &ends[(i + 1) % corners];
+            area += a.cross(b).z / 2.0;
+            let count = 1 + (random() * 30.0) as usize;
+            let on = |k: usize| a + (b - a) * (k as f64 / count as f64);
+            let shaken = |k: usize| {
+                let noise = if k == 0 { 0.0 } else { 1e-17 * (random() - 0.5) };
+                [on(k).x + noise, on(k).y - noise]
+            };
+            points.extend((0..count).map(shaken));
+        }
+        (points, area)
+    }
+
+    #[test]
+    fn vertices_on_straight_sides_leave_no_triangle_without_area() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for case in 0..300 {
+            let (points, wanted) = star(&mut random);
+            let polygon = lifted(&points);
+            let cap = close(&polygon).unwrap_or_else(|e| panic!("{case}: {e}"));
+            assert_eq!(cap.triangles.len(), points.len() - 2, "{case}");
+            assert!((area(&polygon, &cap) - wanted).abs() < 1e-12 * wanted, "{case}");
+            let surface = SurfaceMesh { vertices: polygon, triangles: cap.triangles };
+            assert_eq!(mesh::check::run(&surface, &["degenerate", "manifold"]), [], "{case}");
         }
     }
 
