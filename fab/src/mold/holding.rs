@@ -137,7 +137,9 @@ pub fn hold(
     let channels: Vec<Solid> =
         mount.channels.iter().map(|channel| channel.frustum.solid()).collect();
     let fits = |pin: &Pin, others: &[Pin]| {
-        pin.is_clear(&channels, others, config.core.skin)
+        let beside = shells.iter().enumerate().filter(|(i, _)| *i != pin.shell);
+        pin.is_beside(beside.map(|(_, shell)| &shell.solid))
+            && pin.is_clear(&channels, others, config.core.skin)
             && leaves_walls(pin, others, &solids.cast, config)
     };
     let alone = stand.sag(&[]).most();

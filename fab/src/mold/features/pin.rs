@@ -241,10 +241,17 @@ impl Site<'_> {
 }
 
 impl Pin {
-    /// Whether mold is left between it and the channels, and `skin` [m] of core between its pit and others.
+    /// Whether it reaches into none of the shells to which it does not belong.
+    #[must_use]
+    pub fn is_beside<'a>(&self, mut others: impl Iterator<Item = &'a Solid>) -> bool {
+        let pin = self.frustum.solid();
+        others.all(|other| other.intersection(&pin).is_empty())
+    }
+
+    /// Whether mold is left between its outline and the channels, and `skin` [m] of core between its pit and others.
     #[must_use]
     pub fn is_clear(&self, channels: &[Solid], others: &[Self], skin: f64) -> bool {
-        let around = self.frustum.grown(LAND).solid();
+        let around = self.pit.grown(LAND).solid();
         let pit = self.pit.grown(skin).solid();
         channels.iter().all(|channel| channel.intersection(&around).is_empty())
             && others.iter().all(|other| other.pit.solid().intersection(&pit).is_empty())
@@ -357,6 +364,27 @@ mod tests {
             assert!(alone > 2e-3 && with <= 7e-4, "{alone} {with} {held:?}");
             // Where no place fits, there is none.
             assert!(choose(stand, &pins, 7e-4, |_, _| false).is_empty());
+        });
+    }
+
+    #[test]
+    fn a_pin_keeps_clear_of_channels_and_of_other_shells() {
+        with_site(None, 1e-3, |_, pins, _| {
+            let pin = &pins[0];
+            // Its pit is 0.2 mm wider than the pin.
+            let channel = |gap: f64| {
+                let at = pin.frustum.base + Vec3::y() * (2.2e-3 + gap) - pin.frustum.axis;
+                Solid::cylinder(&at, &(pin.frustum.axis * 3.0), 1e-3, 1e-3, 48)
+            };
+            assert!(pin.is_clear(&[channel(1.01 * LAND)], &[], 0.0));
+            assert!(!pin.is_clear(&[channel(0.9 * LAND)], &[], 0.0));
+            let top = pin.frustum.base + pin.frustum.axis;
+            let shell = |low: f64| {
+                let corner = top + Vec3::new(low, -1e-2, -1e-3);
+                Solid::cube(&corner, &(corner + Vec3::repeat(2e-2)))
+            };
+            assert!(pin.is_beside([&shell(1.01e-3)].into_iter()));
+            assert!(!pin.is_beside([&shell(1.01e-3), &shell(0.9e-3)].into_iter()));
         });
     }
 
