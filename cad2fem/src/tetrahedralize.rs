@@ -3,16 +3,17 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
-use mesh::check::{check_tets, orient_by_nesting, run};
+use mesh::check::{check_surface, check_tets, coincident, orient_by_nesting, run};
 use mesh::improve::{improve_around, improve_interior};
-use mesh::measure::{Quality, area, enclosed_volume, hausdorff, quality, tet_volume, volume};
-use mesh::topology::{boundary, components, is_manifold, submesh};
-use mesh::{SurfaceMesh, TetMesh};
+use mesh::measure::{Quality, area, enclosed_volume, farthest, quality, tet_volume, volume};
+use mesh::topology::{boundary, components, submesh};
+use mesh::walls::thinner;
+use mesh::{SurfaceMesh, TetMesh, Vec3};
 use program::Unusable;
 use serde::Serialize;
 
 use crate::cache::{Cache, key};
-use crate::fragments::{remove_fragments, remove_spikes};
+use crate::fragments::{open_pinches, remove_fragments, remove_spikes};
 use crate::layers::{Layers, exact_facets};
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
@@ -23,10 +24,13 @@ use crate::report::findings;
 const SAMPLES: usize = 60_000;
 
 /// Part of the cache key; changes whenever the steps after the mesher change.
-const REVISION: u32 = 5;
+const REVISION: u32 = 6;
 
 /// How often a mesher may try.
 const ATTEMPTS: u32 = 3;
+
+/// The envelope of the next try of a mesher [that of the one before].
+const FINER: f64 = 0.5;
 
 /// How a surface is to be meshed.
 pub struct Request<'a> {
@@ -60,6 +64,9 @@ pub struct Outcome {
     pub triangles_inside: usize,
     /// Whether the mesh came from the cache.
     pub cached: bool,
+    /// Why earlier tries were not usable; not known of a mesh from the cache.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<String>,
     /// Vertices.
     pub vertices: usize,
     /// Tetrahedra.
@@ -156,21 +163,28 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
     Ok((mesh, outcome))
 }
 
-/// Makes a mesh that passes [`verify`]. fTetWild is not deterministic: where one run
-/// fails the next may not.
+/// Makes a mesh that passes [`verify`]: where one try fails, the next has a smaller envelope and
+/// another seed.
 fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMesh, Outcome)> {
-    let mut attempt = 1;
-    loop {
-        let Request { python, options, layers, timeout, .. } = request;
-        let mut mesh = request.mesher.mesh(python, surface, layers, options, *timeout)?;
+    let mut options = request.options.clone();
+    let mut refused = Vec::new();
+    for attempt in 1.. {
+        let Request { python, layers, timeout, .. } = request;
+        let mut mesh = request.mesher.mesh(python, surface, layers, &options, *timeout)?;
         finish(&mut mesh, surface, request);
-        match verify(&mesh, surface, request, mesher.to_owned()) {
-            Ok(outcome) => return Ok((mesh, outcome)),
-            Err(error) if attempt == ATTEMPTS => return Err(error),
-            Err(error) => log::warn!("{error:#}; meshing again"),
-        }
-        attempt += 1;
+        let error = match verify(&mesh, surface, request, mesher.to_owned()) {
+            Ok(outcome) => return Ok((mesh, Outcome { refused, ..outcome })),
+            Err(error) if attempt == ATTEMPTS => {
+                return Err(error.context(format!("no usable mesh in {ATTEMPTS} tries")));
+            }
+            Err(error) => format!("{error:#}"),
+        };
+        options.envelope *= FINER;
+        options.seed += 1;
+        log::warn!("{error}; meshing again with an envelope of {:.4} mm", options.envelope * 1e3);
+        refused.push(error);
     }
+    unreachable!("the last attempt returns")
 }
 
 /// What follows the mesher, whichever it was.
@@ -193,9 +207,13 @@ pub fn tidy(mesh: &mut TetMesh, surface: &SurfaceMesh, envelope: f64) {
     }
 }
 
-/// Positive tetrahedra without fragments and spikes.
+/// Positive tetrahedra without fragments, spikes and places where the boundary touches itself.
 pub fn settle(mesh: &mut TetMesh, envelope: f64) {
     make_positive(mesh);
+    let pinches = open_pinches(mesh);
+    if pinches > 0 {
+        log::info!("removed {pinches} tets at which the boundary touched itself");
+    }
     let fragments = remove_fragments(mesh);
     if fragments > 0 {
         log::info!(
@@ -229,10 +247,16 @@ fn verify(
     request: &Request,
     mesher: String,
 ) -> Result<Outcome> {
-    let found = check_tets(mesh);
+    let mut found = check_tets(mesh);
+    if found.is_empty() {
+        found.extend(coincident(mesh));
+    }
     require(found.is_empty(), || format!("the mesh is not usable:{}", findings(&found)))?;
     let (skin, _) = boundary(mesh).surface(mesh);
-    require(is_manifold(&skin.triangles), || "the boundary of the mesh is not manifold".into())?;
+    let found = check_surface(&skin);
+    require(found.is_empty(), || {
+        format!("the boundary of the mesh is not usable:{}", findings(&found))
+    })?;
     let shells = components(&skin.triangles).len();
     let wanted = components(&surface.triangles).len();
     require(shells == wanted, || {
@@ -246,6 +270,10 @@ fn verify(
              than area × envelope = {tolerance:.1e} m3 apart"
         )
     })?;
+    let envelope = request.options.envelope;
+    let to_input = distance(&skin, surface, envelope, "the boundary of the mesh", "the input")?;
+    let from_input = distance(surface, &skin, envelope, "the input", "the boundary of the mesh")?;
+    require_walls(&skin, surface, envelope)?;
     let inside = request.layers.beside(surface).1;
     Ok(Outcome {
         mesher,
@@ -253,6 +281,7 @@ fn verify(
         improve_passes: request.improve_passes,
         triangles_inside: inside,
         cached: false,
+        refused: Vec::new(),
         vertices: mesh.vertices.len(),
         tets: mesh.tets.len(),
         boundary_facets: skin.triangles.len(),
@@ -260,11 +289,50 @@ fn verify(
         volume,
         input_volume,
         volume_tolerance: tolerance,
-        hausdorff_to_input: hausdorff(&skin, surface, SAMPLES) / request.options.envelope,
-        hausdorff_from_input: hausdorff(surface, &skin, SAMPLES) / request.options.envelope,
+        hausdorff_to_input: to_input,
+        hausdorff_from_input: from_input,
         quality: quality(mesh),
         wall_s: 0.0,
     })
+}
+
+/// The largest distance of one surface from another [envelope], which is at most 1.
+fn distance(
+    from: &SurfaceMesh,
+    to: &SurfaceMesh,
+    envelope: f64,
+    name: &str,
+    other: &str,
+) -> Result<f64, Unusable> {
+    let Some((distance, at)) = farthest(from, to, SAMPLES) else { return Ok(0.0) };
+    require(distance <= envelope, || {
+        format!(
+            "{name} is up to {:.4} mm from {other}, at {}: {:.2} of the envelope of {:.4} mm",
+            distance * 1e3,
+            place(&at),
+            distance / envelope,
+            envelope * 1e3
+        )
+    })?;
+    Ok(distance / envelope)
+}
+
+/// No wall of the mesh is thinner than that of the input beside it by more than the envelope.
+fn require_walls(skin: &SurfaceMesh, input: &SurfaceMesh, envelope: f64) -> Result<(), Unusable> {
+    let found = thinner(skin, input, envelope);
+    let message = |(thickness, wanted, at): (f64, f64, Vec3)| {
+        let (thickness, wanted) = (thickness * 1e3, wanted * 1e3);
+        format!(
+            "a wall of the mesh has {thickness:.4} mm at {}, where the input has {wanted:.4} mm",
+            place(&at)
+        )
+    };
+    found.map_or(Ok(()), |found| Err(Unusable(message(found))))
+}
+
+/// A place in millimetres.
+fn place(p: &Vec3) -> String {
+    format!("({:.3}, {:.3}, {:.3}) mm", p.x * 1e3, p.y * 1e3, p.z * 1e3)
 }
 
 fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Unusable> {
@@ -309,56 +377,8 @@ impl Outcome {
             self.hausdorff_from_input,
             self.options.envelope * 1e3
         );
-        // Flattening a planar face may add half an envelope to what the mesher left.
-        if self.hausdorff_to_input.max(self.hausdorff_from_input) > 1.5 {
-            log::warn!("the boundary leaves the envelope; selections may miss facets");
-        }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use mesh::Vec3;
-    use mesh::solid::Solid;
-
-    fn cube(half: f64) -> SurfaceMesh {
-        Solid::cube(&Vec3::repeat(-half), &Vec3::repeat(half)).to_surface()
-    }
-
-    fn joined(a: SurfaceMesh, b: &SurfaceMesh) -> SurfaceMesh {
-        let n = a.vertices.len();
-        let mut sum = a;
-        sum.vertices.extend(&b.vertices);
-        sum.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + n)));
-        sum
-    }
-
-    #[test]
-    fn a_cavity_is_turned_but_an_inward_body_only_on_demand() {
-        let mut nested = joined(cube(2.0), &cube(1.0));
-        prepare(&mut nested, false).unwrap();
-        assert!((enclosed_volume(&nested) - 56.0).abs() < 1e-12);
-
-        let mut inward = cube(1.0);
-        inward.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        let message = prepare(&mut inward.clone(), false).unwrap_err().to_string();
-        assert!(message.contains("--orient"), "{message}");
-        prepare(&mut inward, true).unwrap();
-        assert!((enclosed_volume(&inward) - 8.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn open_and_crossing_surfaces_are_refused() {
-        let mut open = cube(1.0);
-        open.triangles.pop();
-        let message = prepare(&mut open, true).unwrap_err().to_string();
-        assert!(message.contains("3 edges"), "{message}");
-
-        let mut crossing = cube(1.0);
-        crossing.vertices.iter_mut().for_each(|v| *v += Vec3::new(0.5, 0.3, 0.2));
-        let message = prepare(&mut joined(cube(1.0), &crossing), true).unwrap_err().to_string();
-        assert!(message.contains("intersect"), "{message}");
-    }
-}
+mod tests;

@@ -206,13 +206,20 @@ pub fn hausdorff(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> f64 {
     if from.triangles.is_empty() {
         return 0.0;
     }
-    if to.triangles.is_empty() {
-        return f64::INFINITY;
+    farthest(from, to, samples).map_or(f64::INFINITY, |(distance, _)| distance)
+}
+
+/// The same with the point of `from` that is farthest away; `None` if one of them is empty.
+#[must_use]
+pub fn farthest(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> Option<(f64, Vec3)> {
+    if from.triangles.is_empty() || to.triangles.is_empty() {
+        return None;
     }
     let target = SurfaceBvh::new(to);
     let mut points = from.vertices.clone();
     points.extend(spread(from, samples));
-    points.par_iter().map(|p| target.closest(p).distance).reduce(|| 0.0, f64::max)
+    let distances = points.par_iter().map(|p| (target.closest(p).distance, *p));
+    distances.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// About `count` points spread evenly by area.

@@ -7,39 +7,118 @@
 use rayon::prelude::*;
 
 use crate::bvh::SurfaceBvh;
-use crate::measure::triangle_normal;
+use crate::measure::{diagonal, triangle_area, triangle_normal};
 use crate::{SurfaceMesh, Vec3};
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
 /// it is an edge, whose thickness is zero and no fault.
 const OPPOSITE: f64 = 0.5;
 
+/// A triangle lower than this says nothing about the direction of its surface [diagonal]: binary STL
+/// rounds its corners by 6·10⁻⁸, which turns it by up to 3°.
+const NEEDLE: f64 = 2e-6;
+
+/// Walls across less than this part of what another surface has beside them are thinner than it: a
+/// judgement. The direction in which a wall is measured may be off by 60°.
+const THINNER: f64 = 0.5;
+
+/// Walls of a surface.
+struct Walls<'a> {
+    surface: &'a SurfaceMesh,
+    bvh: SurfaceBvh,
+    normals: Vec<Vec3>,
+}
+
+impl<'a> Walls<'a> {
+    fn new(surface: &'a SurfaceMesh) -> Self {
+        let least = NEEDLE * diagonal(&surface.vertices);
+        let normal = |t: usize| {
+            let [a, b, c] = surface.corners(t);
+            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+            let is_needle = 2.0 * triangle_area(a, b, c) < least * longest;
+            if is_needle { Vec3::zeros() } else { triangle_normal(a, b, c) }
+        };
+        let normals = (0..surface.triangles.len()).map(normal).collect();
+        Self { surface, bvh: SurfaceBvh::new(surface), normals }
+    }
+
+    /// How far a point on a triangle is from the surface across, and the triangle there: the first
+    /// that is not entered again, as its own and its neighbours' are.
+    fn across(&self, t: usize, from: &Vec3) -> Option<(f64, usize)> {
+        let inward = -self.normals[t];
+        if inward == Vec3::zeros() {
+            return None;
+        }
+        let hits = self.bvh.ray(from, &inward);
+        hits.into_iter().find(|&(_, hit)| self.normals[hit].dot(&inward) > 0.0)
+    }
+
+    /// The thickness at each triangle where there is a wall, and its centroid.
+    fn all(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
+        let wall = |t: usize| {
+            let from = self.surface.centroid(t);
+            let (thickness, across) = self.across(t, &from)?;
+            let opposite = -self.normals[t].dot(&self.normals[across]) >= OPPOSITE;
+            opposite.then_some((thickness, from))
+        };
+        (0..self.surface.triangles.len()).into_par_iter().filter_map(wall)
+    }
+
+    fn thinnest(&self) -> Option<(f64, Vec3)> {
+        self.all().min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
 /// The thinnest wall of a closed surface and where it begins, in the unit of the surface, measured
 /// through the centroid of every triangle; `None` if no two triangles are opposite to each other.
 #[must_use]
 pub fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
-    let normal = |t: usize| {
-        let [a, b, c] = surface.corners(t);
-        triangle_normal(a, b, c)
-    };
-    let normals: Vec<Vec3> = (0..surface.triangles.len()).map(normal).collect();
-    thinnest_along(surface, &normals)
+    Walls::new(surface).thinnest()
 }
 
 /// The same with given outward unit normals of the triangles, for surfaces with needles, whose own
 /// normals say little.
 #[must_use]
 pub fn thinnest_along(surface: &SurfaceMesh, normals: &[Vec3]) -> Option<(f64, Vec3)> {
-    let bvh = SurfaceBvh::new(surface);
-    let way = |t: usize| {
-        let (from, inward) = (surface.centroid(t), -normals[t]);
-        let hits = bvh.ray(&from, &inward);
-        // The first facet that is not entered again, as its own and its neighbours' are.
-        let (s, across) = hits.into_iter().find(|&(_, hit)| normals[hit].dot(&inward) > 0.0)?;
-        (normals[across].dot(&inward) >= OPPOSITE).then_some((s, from))
+    let (bvh, normals) = (SurfaceBvh::new(surface), normals.to_vec());
+    Walls { surface, bvh, normals }.thinnest()
+}
+
+/// The thinnest wall of `model` and of what `surface` has further than `reach` from it.
+#[must_use]
+pub fn thinnest_with(
+    surface: &SurfaceMesh,
+    model: &SurfaceMesh,
+    reach: f64,
+) -> Option<(f64, Vec3)> {
+    let (walls, model) = (Walls::new(surface), Walls::new(model));
+    let beside = walls.all().filter(|(_, at)| model.bvh.closest(at).distance > reach);
+    let beside = beside.min_by(|a, b| a.0.total_cmp(&b.0));
+    [model.thinnest(), beside].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The wall of `surface` that is thinnest among those that are thinner by more than `envelope` on
+/// both sides than any wall of `model`, which it follows, and than half of what the model has where
+/// it is nearest: a triangle that stands askew in a groove. Its thickness, that of the model there,
+/// and its place.
+#[must_use]
+pub fn thinner(
+    surface: &SurfaceMesh,
+    model: &SurfaceMesh,
+    envelope: f64,
+) -> Option<(f64, f64, Vec3)> {
+    let model = Walls::new(model);
+    let least = model.thinnest()?.0 - 2.0 * envelope;
+    let thin = |(thickness, at): (f64, Vec3)| {
+        if thickness >= least {
+            return None;
+        }
+        let nearest = model.bvh.closest(&at);
+        let (wanted, _) = model.across(nearest.triangle, &nearest.point)?;
+        let is_thin = thickness < THINNER * (wanted - 2.0 * envelope);
+        is_thin.then_some((thickness, wanted, at))
     };
-    let ways = (0..surface.triangles.len()).into_par_iter().filter_map(way);
-    ways.min_by(|a, b| a.0.total_cmp(&b.0))
+    Walls::new(surface).all().filter_map(thin).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 #[cfg(test)]
@@ -59,5 +138,34 @@ mod tests {
         let wedge = outer.trim_by_plane(&Vec3::new(1.0, 0.0, -1.0).normalize(), 0.0);
         let (thickness, _) = thinnest(&wedge.to_surface()).unwrap();
         assert!(thickness > 1.0, "{thickness}");
+    }
+
+    #[test]
+    fn walls_beside_a_model_are_measured_on_the_surface() {
+        let box_of = |low: [f64; 3], high: [f64; 3]| Solid::cube(&low.into(), &high.into());
+        // A plate of 2 mm, as meshed with 1.9 mm, with a fin of 1 mm that the model has not.
+        let model = box_of([0.0; 3], [20.0, 20.0, 2.0]).to_surface();
+        let meshed = box_of([0.0; 3], [20.0, 20.0, 1.9]);
+        let fin = box_of([5.0, 5.0, 1.0], [15.0, 6.0, 9.0]);
+        let thickness = |surface: &Solid| thinnest_with(&surface.to_surface(), &model, 0.2);
+        assert!((thickness(&meshed).unwrap().0 - 2.0).abs() < 1e-12);
+        assert!((thickness(&meshed.union(&fin)).unwrap().0 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wall_far_thinner_than_that_of_the_model_is_found() {
+        let plate = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 2.0));
+        let pit = Solid::cube(&Vec3::new(9.9, 9.9, 0.15), &Vec3::new(10.1, 10.1, 3.0));
+        let model = plate.to_surface();
+        let pitted = plate.difference(&pit).to_surface();
+        let (found, wanted, at) = thinner(&pitted, &model, 0.05).unwrap();
+        assert!((found - 0.15).abs() < 1e-12 && (wanted - 2.0).abs() < 1e-12, "{found} {wanted}");
+        assert!((at - Vec3::new(10.0, 10.0, 0.15)).xy().norm() < 0.2, "{at}");
+        // What the envelope explains, and an edge that is sharp in the model, too.
+        let thin = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 1.91)).to_surface();
+        assert_eq!(thinner(&thin, &model, 0.05), None);
+        let wedge = plate.trim_by_plane(&Vec3::new(1.0, 0.0, -1.2).normalize(), 10.0);
+        let cut = wedge.trim_by_plane(&Vec3::new(-1.0, 0.0, 0.0), -12.0);
+        assert_eq!(thinner(&cut.to_surface(), &wedge.to_surface(), 0.05), None);
     }
 }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use mesh::check::{Finding, check_surface, check_tets};
+use mesh::check::{Finding, check_surface, check_tets, coincident};
 use mesh::io::{read_own_text, read_surface, read_tets};
 use mesh::measure::{
     Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, unlikely_size, volume,
@@ -116,7 +116,10 @@ fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
     let mut file = read_tets(&args.file)?;
     let unit = args.unit.unwrap_or(Unit::M);
     file.mesh.vertices.iter_mut().for_each(|v| *v *= unit.metres());
-    let found = check_tets(&file.mesh);
+    let mut found = check_tets(&file.mesh);
+    if found.is_empty() {
+        found.extend(coincident(&file.mesh));
+    }
     let (skin, _) = boundary(&file.mesh).surface(&file.mesh);
     let mut info = Info::of(args, unit, &skin, &found);
     info.vertices = file.mesh.vertices.len();

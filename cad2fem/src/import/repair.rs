@@ -24,7 +24,6 @@ use program::Unusable;
 use super::fill::fill;
 use super::weld::weld;
 use super::{Patched, Patches, Record, THIN};
-use crate::fragments::open_pinches;
 use crate::layers::Layers;
 use crate::mesher::ftetwild::FTetWild;
 use crate::mesher::python::Python;
@@ -180,7 +179,6 @@ impl Repair {
             let mut mesh =
                 FTetWild.mesh(&python, &oriented.surface, &layers, &options, self.timeout)?;
             settle(&mut mesh, envelope);
-            open_pinches(&mut mesh);
             let rough = mesh.clone();
             tidy(&mut mesh, &oriented.surface, envelope);
             let (mut surface, _) = boundary(&mesh).surface(&mesh);

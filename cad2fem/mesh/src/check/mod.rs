@@ -4,6 +4,7 @@
 //! offender, so that it can be looked up in a viewer.
 
 mod closed;
+mod coincident;
 mod degenerate;
 mod finite;
 mod intersecting;
@@ -12,6 +13,7 @@ mod nesting;
 mod oriented;
 mod tets;
 
+pub use coincident::coincident;
 pub use intersecting::self_intersections;
 pub use nesting::orient_by_nesting;
 pub use tets::check_tets;

@@ -150,3 +150,23 @@ fn faults_of_tetrahedra_are_found() {
     assert_eq!(found(|m| m.tets.push([0, 1, 2, 4])), [("conforming", 2)]);
     assert_eq!(found(|m| m.tets.truncate(1)), [("unused", 1)]);
 }
+
+/// Two tetrahedra on a common facet, and a third on one of them with a tip at the corner of the first.
+fn doubled(off: f64, joined: bool) -> TetMesh {
+    let tip = Vec3::x() * (1.0 + off);
+    let mut vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), -Vec3::z(), tip];
+    let base = if joined { [0, 2, 4] } else { [6, 7, 8] };
+    vertices.extend([-Vec3::x(), -Vec3::y(), -Vec3::z()].map(|v| v * 2.0));
+    let third = [base[0], base[1], base[2], 5];
+    TetMesh { vertices, tets: vec![[0, 1, 2, 3], [0, 2, 1, 4], third] }
+}
+
+#[test]
+fn vertices_at_one_place_are_found_in_a_body_but_not_between_bodies() {
+    let found = coincident(&doubled(0.0, true)).expect("they are at one place");
+    assert_eq!((found.rule, found.count), ("coincident", 1));
+    assert!(found.message.contains("first 1 and 5, 0.0e0 m apart, at (1.0"), "{}", found.message);
+    assert!(coincident(&doubled(1e-6, true)).is_some());
+    assert_eq!(coincident(&doubled(1e-4, true)), None);
+    assert_eq!(coincident(&doubled(0.0, false)), None);
+}
