@@ -123,7 +123,8 @@ endef
 # its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
 $(2)/mold/plan.json: $(4) $(call from,$(1))/mold.toml | setup
-	$(BIN)/fab mold $(3) --config $(call from,$(1))/mold.toml -o $$(@D)
+	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
+		--config $(call from,$(1))/mold.toml -o $$(@D)
 
 $(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup
 	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) | tee $$@

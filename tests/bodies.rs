@@ -100,9 +100,12 @@ fn mold(seed: u64) -> (&'static str, End, String) {
         )?;
         run("tagger", "-q tag volume.msh --config tags.toml --patches model/patches -o body.msh")?;
         end = End::Refused;
-        run("fab", "-q plan body.msh --config mold.toml -o plan")?;
+        run("fab", "-q plan body.msh --model model/model.stl --config mold.toml -o plan")?;
         end = End::NoMold;
-        run("fab", "-q mold body.msh --config mold.toml -o mold --no-pictures")?;
+        run(
+            "fab",
+            "-q mold body.msh --model model/model.stl --config mold.toml -o mold --no-pictures",
+        )?;
         run("fab", "verify mold")?;
         end = End::Verified;
         Ok::<_, String>(())

@@ -309,7 +309,7 @@ fn printing() {
 #[test]
 fn inflated_walls() {
     let lines_of = |folder: &tempfile::TempDir| {
-        let against = Against { simulation: Some(folder.path()), design: None };
+        let against = Against { simulation: Some(folder.path()), ..Against::default() };
         verify(&sound().path("mold"), against).unwrap()
     };
     let lines = lines_of(&sound().simulation(0.5, true, 2.0));

@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, stderr, stdout};
+use std::ffi::OsStr;
+
+use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, fab, stderr, stdout};
 use fab::config::method::Method;
 use fab::plan::report::PlanReport;
 use mesh::Vec3;
-use mesh::io::{read_tets, write_tets};
+use mesh::io::{read_tets, write_surface, write_tets};
+use mesh::topology::boundary;
 use nalgebra::{Rotation3, Unit};
 
 /// A scene whose vertices are moved.
@@ -115,4 +118,47 @@ fn a_wall_too_thin_is_refused_by_the_plan_with_its_place() {
         assert_eq!(made.status.code(), Some(2), "{method}: {said}");
         assert!(said.contains("the silicone is 0.800 mm thick at ("), "{method}: {said}");
     }
+}
+
+#[test]
+fn walls_are_measured_on_the_model_if_it_is_that_of_the_mesh() {
+    let press = |part: f64| {
+        move |p: &mut Vec3| {
+            if p.y < 2.0 * CELL {
+                p.y = 2.0 * CELL - part * (2.0 * CELL - p.y);
+            }
+        }
+    };
+    // The mesh is within its envelope of a model of 1.04 mm.
+    let scene = moved(&CHAMBER, "method = \"soluble\"", press(0.12));
+    assert!(stderr(&scene.mold()).contains("the silicone is 0.960 mm thick"));
+    let model = |part: f64| {
+        let body = moved(&CHAMBER, "", press(part));
+        let mesh = read_tets(&body.path("design.msh")).unwrap().mesh;
+        write_surface(&scene.path("model.stl"), &boundary(&mesh).surface(&mesh).0).unwrap();
+    };
+    let with_model = || {
+        let files = ["design.msh", "mold.toml", "mold", "model.stl"].map(|name| scene.path(name));
+        let [mesh, config, out, model] = files.each_ref().map(|path| path.as_os_str());
+        let [c, o, m, n] = ["--config", "-o", "--model", "--no-pictures"].map(OsStr::new);
+        fab(&[OsStr::new("mold"), mesh, c, config, o, out, m, model, n])
+    };
+    model(0.13);
+    let made = with_model();
+    assert!(made.status.success(), "{}", stderr(&made));
+    let verified = scene.verify();
+    assert!(verified.status.success(), "{}", stdout(&verified));
+    assert!(stdout(&verified).contains("1.040 mm of the model at ("), "{}", stdout(&verified));
+
+    model(0.12);
+    let changed = scene.verify();
+    assert!(stdout(&changed).contains("has changed since"), "{}", stdout(&changed));
+    let thin = with_model();
+    assert_eq!(thin.status.code(), Some(2));
+    assert!(stderr(&thin).contains("of the model, casting.least_wall is 1.000 mm"));
+    // The model of another body.
+    model(0.2);
+    let other = with_model();
+    assert_eq!(other.status.code(), Some(2));
+    assert!(stderr(&other).contains("up to 0.640 mm from it"), "{}", stderr(&other));
 }

@@ -38,8 +38,8 @@ def chain(folder):
                    "--no-cache", "-o", folder / "volume.msh"]
     yield "tags", ["tagger", "tag", folder / "volume.msh", "--config", folder / "tags.toml",
                    "--patches", folder / "model/patches", "-o", folder / "tagged.msh"]
-    yield "mold", ["fab", "mold", folder / "tagged.msh", "--config", folder / "mold.toml", "--no-pictures",
-                   "-o", folder / "mold"]
+    yield "mold", ["fab", "mold", folder / "tagged.msh", "--model", folder / "model/model.stl",
+                   "--config", folder / "mold.toml", "--no-pictures", "-o", folder / "mold"]
     yield "verify", ["fab", "verify", folder / "mold"]
 
 

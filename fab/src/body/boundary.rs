@@ -12,15 +12,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::check;
 use mesh::io::MshFile;
-use mesh::measure::{bounds, diagonal, enclosed_volume, tet_volume};
+use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
 
 use crate::config::Chambers;
 use crate::geometry::cap::{self, Cap, CapError};
+use crate::geometry::walls::OFF;
 
 /// A rim counts as planar if it keeps to its plane within this part of the body's
 /// diagonal: twice the envelope that the volume mesher is given by default.
 const PLANAR: f64 = 2e-3;
+
+/// Points per surface at which mesh and model are compared, besides vertices.
+const SAMPLES: usize = 20_000;
 
 /// Volumes that should be equal may differ by this part, from rounding.
 const ROUNDING: f64 = 1e-9;
@@ -32,6 +36,8 @@ pub struct Boundary {
     pub filled: SurfaceMesh,
     /// Boundary of the body: what is cast [m].
     pub cast: SurfaceMesh,
+    /// The surface that the body was meshed from, on which its walls are measured [m].
+    pub model: Option<SurfaceMesh>,
     /// One per connected piece of a chamber, in the order of the chambers' tags.
     pub cores: Vec<CoreBoundary>,
     /// The paths of rising air.
@@ -148,6 +154,19 @@ pub enum BoundaryError {
         /// A vertex that they share.
         at: String,
     },
+    /// The model is another body.
+    #[error(
+        "--model: the mesh is up to {off_mm:.3} mm from it, at {at}, at most {limit_mm:.3} mm are allowed: name \
+         the surface that was meshed, in metres, and none for a body whose shape was designed since"
+    )]
+    Model {
+        /// Largest distance [mm].
+        off_mm: f64,
+        /// Largest distance allowed [mm].
+        limit_mm: f64,
+        /// Where.
+        at: String,
+    },
     /// Several bodies, or closed chambers without the tag.
     #[error(
         "the boundary without the chamber's tag has {count} separate pieces, one is needed; the second, \
@@ -209,6 +228,7 @@ impl Boundary {
         let boundary = Self {
             filled: topology::submesh(&mesh.vertices, &filled).0,
             cast: topology::submesh(&mesh.vertices, &boundary).0,
+            model: None,
             cores,
             air_paths: AirPaths::within(mesh, outer_vertices),
         };
@@ -223,7 +243,29 @@ impl Boundary {
     pub fn of_surface(surface: SurfaceMesh) -> Result<Self, BoundaryError> {
         require_valid("surface", &surface)?;
         let air_paths = AirPaths::on(&surface);
-        Ok(Self { cast: surface.clone(), filled: surface, cores: Vec::new(), air_paths })
+        Ok(Self {
+            cast: surface.clone(),
+            filled: surface,
+            model: None,
+            cores: Vec::new(),
+            air_paths,
+        })
+    }
+
+    /// The same body, whose walls are measured on the surface that it was meshed from.
+    ///
+    /// # Errors
+    /// [`BoundaryError::Model`] if the body is not where that surface is.
+    pub fn with_model(self, model: SurfaceMesh) -> Result<Self, BoundaryError> {
+        let limit = OFF * diagonal(&model.vertices);
+        let ways = [farthest(&self.cast, &model, SAMPLES), farthest(&model, &self.cast, SAMPLES)];
+        let off = ways.into_iter().map(|way| way.unwrap_or((f64::INFINITY, Vec3::zeros())));
+        let (off, at) = off.fold((0.0, Vec3::zeros()), |a, b| if b.0 > a.0 { b } else { a });
+        if off > limit {
+            let (off_mm, limit_mm) = (off * 1e3, limit * 1e3);
+            return Err(BoundaryError::Model { off_mm, limit_mm, at: place(&at) });
+        }
+        Ok(Self { model: Some(model), ..self })
     }
 
     fn check(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {

@@ -151,6 +151,7 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
     let boundary = Boundary {
         filled: filled.to_surface(),
         cast: cast.to_surface(),
+        model: boundary.model,
         cores,
         air_paths: boundary.air_paths,
     };

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use mesh::io::IoError;
+use mesh::SurfaceMesh;
+use mesh::io::{IoError, read_surface};
 use program::{relative, sha256_file};
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,41 @@ pub struct Input {
     pub chamber: Chambers,
     /// Which part of it is cast.
     pub part: CastPart,
+    /// The surface that it was meshed from, on which its walls are measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<Model>,
+}
+
+/// The surface that a body was meshed from.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Its file, relative to the folder of this one.
+    pub path: PathBuf,
+    /// SHA-256 of its content.
+    pub sha256: String,
+}
+
+impl Model {
+    /// Names and hashes the surface at `path` for a report in `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn new(path: &Path, folder: &Path) -> Result<Self, IoError> {
+        Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
+    }
+
+    /// The surface [m], read from `path`.
+    ///
+    /// # Errors
+    /// If it cannot be read, or has changed since.
+    pub fn read(&self, path: &Path) -> Result<SurfaceMesh, String> {
+        let found = sha256_file(path).map_err(|e| e.to_string())?;
+        if found != self.sha256 {
+            return Err(format!("{} has changed since the mold was made", path.display()));
+        }
+        read_surface(path).map_err(|e| e.to_string())
+    }
 }
 
 /// What of the input is cast.
@@ -63,6 +99,7 @@ impl Input {
         part: CastPart,
     ) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
-        Ok(Self { path: relative(path, folder), sha256, chamber: chamber.clone(), part })
+        let path = relative(path, folder);
+        Ok(Self { path, sha256, chamber: chamber.clone(), part, model: None })
     }
 }

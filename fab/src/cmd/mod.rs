@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
-use mesh::io::{IoError, read_tets};
+use mesh::io::{IoError, read_surface, read_tets};
 use program::schema::SchemaArguments;
 use program::{Changes, Progress};
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
 use crate::body::layer::Layer;
-use crate::body::source::{CastPart, Input};
+use crate::body::source::{CastPart, Input, Model};
 use crate::config::Config;
 use crate::plan::Plan;
 use crate::plan::report::{PlanReport, entries};
@@ -51,6 +51,10 @@ pub struct Task {
     /// Folder for what is made
     #[arg(short, long)]
     pub output: PathBuf,
+    /// Surface that the mesh was made from (model.stl) [m]: walls are measured on it. Not for a body whose
+    /// shape was designed since
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
     /// What is asked for instead
     #[command(flatten)]
     pub changes: Changes,
@@ -83,6 +87,10 @@ impl Task {
         let config = Config::read(self.config.as_deref(), &self.changes.set)?;
         let file = read_tets(&self.mesh)?;
         let boundary = self.named(Boundary::new(&file, &config.chamber))?;
+        let boundary = match &self.model {
+            Some(model) => self.named(boundary.with_model(read_surface(model)?))?,
+            None => boundary,
+        };
         let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
         let layers = self.named(config.layers.iter().map(layer).collect::<Result<_>>())?;
         let triangles = boundary.cast.triangles.len();
@@ -106,7 +114,9 @@ impl Task {
         let config = self.config.as_ref().map(|path| format!(" --config {}", path.display()));
         let set: String =
             self.changes.set.iter().map(|change| format!(" --set {change}")).collect();
-        format!("fab mold {}{}{set}", self.mesh.display(), config.unwrap_or_default())
+        let model = self.model.as_ref().map(|path| format!(" --model {}", path.display()));
+        let asked = [config, model].map(Option::unwrap_or_default).concat();
+        format!("fab mold {}{asked}{set}", self.mesh.display())
     }
 
     /// The mesh as a report in `folder` names it.
@@ -114,7 +124,8 @@ impl Task {
     /// # Errors
     /// If the mesh cannot be read.
     pub fn input(&self, folder: &Path, config: &Config, part: CastPart) -> Result<Input, IoError> {
-        Input::new(&self.mesh, folder, &config.chamber, part)
+        let model = self.model.as_ref().map(|model| Model::new(model, folder)).transpose()?;
+        Ok(Input { model, ..Input::new(&self.mesh, folder, &config.chamber, part)? })
     }
 
     /// A result whose error names the mesh.

@@ -27,7 +27,7 @@ use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
 use crate::plan::report::{Entry, Material};
 use crate::plan::{self, Casting};
-use crate::verify::{Status, before_writing};
+use crate::verify::{Against, Status, before_writing};
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -81,6 +81,8 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         remove_litter(&folder(entry).join("reference"));
     }
     let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
+    let model = task.model.as_deref();
+    let against = Against { design: Some(&task.mesh), model, simulation: None };
     let mut molds = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
@@ -91,7 +93,7 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         let mut files = MoldFiles::new(&mold, input, &config)?;
         files.report.collars = fitted_tubes(&collars, &mold, &config);
         files.report.layers = task.named(laid_in(&layers, &mold, &casting.name))?;
-        files.prove(&entry.name, &task.mesh, &planned, progress)?;
+        files.prove(&entry.name, against, &planned, progress)?;
         molds.push((entry, files));
     }
     let laid = |layer: &&Layer| {
@@ -180,7 +182,8 @@ fn write_all(
         let file = format!("{}.stl", entry.name);
         let file = folder(body).join(file);
         let mold = wax_mold(&file, files.surface(&entry.name), &folder(entry), config)?;
-        mold.prove(&entry.name, &file, planned, progress)?;
+        let against = Against { design: Some(&file), ..Against::default() };
+        mold.prove(&entry.name, against, planned, progress)?;
         mold.write(&folder(entry), pictures)?;
     }
     if planned.molds.len() > 1 {
@@ -266,11 +269,11 @@ impl MoldFiles {
     fn prove(
         &self,
         name: &str,
-        design: &Path,
+        against: Against,
         plan: &plan::report::PlanReport,
         progress: Progress,
     ) -> Result<()> {
-        let lines = before_writing(&self.report, &self.surfaces, design, plan, progress);
+        let lines = before_writing(&self.report, &self.surfaces, against, plan, progress);
         let failed = lines.iter().filter(|line| line.status == Status::Fail);
         let failed: Vec<String> = failed
             .map(|line| format!("{} is {}, expected {}", line.name, line.found, line.needed))

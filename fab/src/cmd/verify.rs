@@ -17,6 +17,9 @@ pub struct Args {
     /// The design, if it is no longer where mold.json says
     #[arg(long)]
     pub design: Option<PathBuf>,
+    /// The surface that the design was meshed from, if it is no longer where mold.json says
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
     /// Folder that `solver simulate` wrote for the design: checks its walls under load
     #[arg(long)]
     pub simulation: Option<PathBuf>,
@@ -28,11 +31,11 @@ pub struct Args {
 /// If the folder has no readable report; [`Unusable`] if a check fails.
 pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
-    let simulation = args.simulation.as_deref();
+    let (model, simulation) = (args.model.as_deref(), args.simulation.as_deref());
     for results in [Some(args.folder.as_path()), simulation].into_iter().flatten() {
         note_results(results);
     }
-    let lines = verify(&args.folder, Against { design, simulation })?;
+    let lines = verify(&args.folder, Against { design, model, simulation })?;
     let mut out = program::stdout();
     for line in &lines {
         writeln!(out, "{line}")?;

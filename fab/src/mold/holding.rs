@@ -254,7 +254,7 @@ fn placed(
 fn leaves_walls(pin: &Pin, others: &[Pin], cast: &Solid, config: &Config) -> bool {
     let all = others.iter().chain([pin]);
     let around = all.fold(cast.clone(), |cast, pin| cast.difference(&pin.frustum.solid()));
-    too_thin(&around.to_surface(), config.casting.least_wall).is_none()
+    too_thin(&around.to_surface(), None, config.casting.least_wall).is_none()
 }
 
 /// Tells of the pins of a core, which moves by so much alone, with them, and at most [m].

@@ -103,8 +103,8 @@ pub enum PlanError {
     },
     /// A wall of the body is too thin.
     #[error(
-        "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_wall is {:.3} mm: thicken \
-         the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
+        "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm of the {on}, casting.least_wall is {:.3} mm: \
+         thicken the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
         thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
     )]
     Thin {
@@ -114,6 +114,8 @@ pub enum PlanError {
         at: Vec3,
         /// Least thickness allowed [m].
         least: f64,
+        /// On what it was measured.
+        on: &'static str,
     },
     /// The directions do not fit.
     #[error(transparent)]
@@ -206,10 +208,11 @@ fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
 
 /// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
 /// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
-fn require_walls(cast: &SurfaceMesh, config: &Config) -> Result<(), PlanError> {
-    let least = config.casting.least_wall;
-    match walls::too_thin(cast, least * (1.0 - config.shrinkage())) {
-        Some((thickness, at)) => Err(PlanError::Thin { thickness, at, least }),
+fn require_walls(boundary: &Boundary, config: &Config) -> Result<(), PlanError> {
+    let (least, model) = (config.casting.least_wall, boundary.model.as_ref());
+    let on = walls::measured_on(model);
+    match walls::too_thin(&boundary.cast, model, least * (1.0 - config.shrinkage())) {
+        Some((thickness, at)) => Err(PlanError::Thin { thickness, at, least, on }),
         None => Ok(()),
     }
 }

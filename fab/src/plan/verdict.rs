@@ -110,7 +110,7 @@ impl<'a> Judge<'a> {
     /// What a method that was judged possible casts.
     pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
         let (boundary, config) = (self.boundary, self.config);
-        require_walls(&boundary.cast, config)?;
+        require_walls(boundary, config)?;
         match method {
             Method::Solid | Method::PullOut | Method::Soluble | Method::Wax => {
                 let up = layout::up(boundary, config);

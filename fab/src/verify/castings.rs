@@ -5,7 +5,7 @@ use std::path::Path;
 use mesh::SurfaceMesh;
 use mesh::measure::enclosed_volume;
 
-use super::{Line, fit, walls};
+use super::{Against, Line, fit, walls};
 use crate::body::source::CastPart;
 use crate::files::report::MoldReport;
 use crate::geometry::MM;
@@ -18,14 +18,14 @@ const GLUE: f64 = 1e-2;
 
 /// All checks of a plan that divides the body; a casting of the whole is compared with the
 /// design itself.
-pub fn checks(folder: &Path, plan: &PlanReport, design: Option<&Path>) -> Vec<Line> {
+pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
     let read = |entry: &Entry| MoldReport::read(&folder.join(&entry.folder)).ok();
     let reports: Vec<MoldReport> = plan.silicone().filter_map(read).collect();
     let Some(first) = reports.first() else { return Vec::new() };
     if reports.len() == 1 && first.input.part == CastPart::Whole {
         return Vec::new();
     }
-    let path = design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let path = against.design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
     // In the millimetres of each mold, larger by what the silicone shrinks.
     let designs: Result<Vec<SurfaceMesh>, String> =
         reports.iter().map(|report| fit::whole(&path, report)).collect();
@@ -36,7 +36,11 @@ pub fn checks(folder: &Path, plan: &PlanReport, design: Option<&Path>) -> Vec<Li
     let design = &designs[0];
     let volume = volume(&reports, &designs);
     let least = (first.casting.least_wall - ROUNDING) * MM;
-    vec![volume, walls::wall_line("castings: thinnest wall", design, least)]
+    let model = plan.input.model.as_ref().map(|named| {
+        let path = against.model.map_or_else(|| folder.join(&named.path), Path::to_path_buf);
+        Ok(fit::placed(named.read(&path)?, first))
+    });
+    vec![volume, walls::wall_line_with("castings: thinnest wall", design, model, least)]
 }
 
 /// No two castings are the same, and their volumes add up to that of the design, which is given as it

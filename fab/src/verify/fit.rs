@@ -163,7 +163,8 @@ fn collared(msh: &MshFile, report: &MoldReport) -> Result<SurfaceMesh, String> {
 }
 
 /// The design in the mold's millimetres.
-fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
+/// A surface of the design, in the mold's millimetres.
+pub fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
     let m = report.design_to_mold;
     for p in &mut surface.vertices {
         let row = |r: [f64; 4]| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];

@@ -128,6 +128,8 @@ fn number(x: f64) -> String {
 pub struct Against<'a> {
     /// The design, if it is no longer where the report says.
     pub design: Option<&'a Path>,
+    /// The surface that the design was meshed from, if it is no longer where the report says.
+    pub model: Option<&'a Path>,
     /// A folder that `solver simulate` wrote for the design, for checks under load.
     pub simulation: Option<&'a Path>,
 }
@@ -145,7 +147,7 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     let mut lines = match folder.join(plan::FILE).exists() {
         true => verify_plan(folder, against)?,
         false => {
-            let mut lines = verify_mold(folder, against.design, None)?;
+            let mut lines = verify_mold(folder, against, None)?;
             lines.extend(inflated(folder, against.simulation)?);
             lines
         }
@@ -168,14 +170,14 @@ fn verify_plan(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     let plan = plan::PlanReport::read(folder)?;
     let mut lines = Vec::new();
     for entry in &plan.molds {
-        let found = verify_mold(&folder.join(&entry.folder), against.design, Some(&plan))?;
+        let found = verify_mold(&folder.join(&entry.folder), against, Some(&plan))?;
         let named = |line: Line| match plan.molds.len() {
             1 => line,
             _ => Line { name: format!("{}: {}", entry.name, line.name), ..line },
         };
         lines.extend(found.into_iter().map(named));
     }
-    lines.extend(castings::checks(folder, &plan, against.design));
+    lines.extend(castings::checks(folder, &plan, against));
     // What is inflated is the whole body, whichever castings it is made of.
     if let Some(entry) = plan.silicone().next() {
         lines.extend(inflated(&folder.join(&entry.folder), against.simulation)?);
@@ -199,7 +201,7 @@ fn inflated(folder: &Path, simulation: Option<&Path>) -> Result<Vec<Line>, IoErr
 /// All checks of one mold. Checks that need sound parts are left out if a part is not.
 fn verify_mold(
     folder: &Path,
-    design: Option<&Path>,
+    against: Against,
     plan: Option<&plan::PlanReport>,
 ) -> Result<Vec<Line>, IoError> {
     let report = MoldReport::read(folder)?;
@@ -221,7 +223,7 @@ fn verify_mold(
     let parts = files.parts.clone();
     progress.step("putting the parts together");
     let mold = ClosedMold::new(files);
-    lines.extend(shapes(&mold, &parts, folder, design, plan, progress));
+    lines.extend(shapes(&mold, &parts, folder, against, plan, progress));
     Ok(lines)
 }
 
@@ -230,12 +232,12 @@ fn shapes(
     mold: &ClosedMold,
     parts: &[SurfaceMesh],
     folder: &Path,
-    design: Option<&Path>,
+    against: Against,
     plan: Option<&plan::PlanReport>,
     progress: Progress,
 ) -> Vec<Line> {
     progress.step("comparing with the design");
-    let mut lines = fit::checks(mold, folder, design);
+    let mut lines = fit::checks(mold, folder, against.design);
     lines.extend(channels::checks(mold));
     lines.extend(holding::checks(mold));
     lines.extend(keying::checks(mold));
@@ -243,7 +245,7 @@ fn shapes(
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
-    lines.extend(walls::checks(mold));
+    lines.extend(walls::checks(mold, folder, against.model));
     lines.extend(weight::check(mold));
     progress.step("pulling apart");
     lines.extend(demolding::checks(mold));
@@ -253,16 +255,16 @@ fn shapes(
 }
 
 /// The checks of a mold that is not yet written. `surfaces` are those of the files in the
-/// order of the report, valid and in millimetres; `design` is what is molded.
+/// order of the report, valid and in millimetres; `against` names what is molded.
 #[must_use]
 pub fn before_writing(
     report: &MoldReport,
     surfaces: &[SurfaceMesh],
-    design: &Path,
+    against: Against,
     plan: &plan::PlanReport,
     progress: Progress,
 ) -> Vec<Line> {
     let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
     let parts = files.parts.clone();
-    shapes(&ClosedMold::new(files), &parts, Path::new("."), Some(design), Some(plan), progress)
+    shapes(&ClosedMold::new(files), &parts, Path::new("."), against, Some(plan), progress)
 }

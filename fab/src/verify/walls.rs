@@ -6,15 +6,15 @@ use std::path::Path;
 use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
-use mesh::walls::thinnest;
 use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
-use super::{Line, Status};
+use super::{Line, Status, fit};
 use crate::body::source::{CastPart, Input};
 use crate::config::CastingConfig;
 use crate::geometry::MM;
+use crate::geometry::walls::thinnest;
 use crate::mold::Purpose;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
@@ -22,10 +22,15 @@ use crate::mold::Purpose;
 const INFLATED: f64 = 0.25;
 
 /// Checks of the walls as they are cast.
-pub fn checks(mold: &ClosedMold) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold, folder: &Path, model: Option<&Path>) -> Vec<Line> {
     let surface = mold.cast.solid.to_surface();
     let least = mold.report.casting.least_wall * MM - 2.0 * mold.rounding;
-    let mut silicone = wall_line("silicone: thinnest wall", &surface, least);
+    let named = mold.report.input.model.as_ref();
+    let model = named.filter(|_| mold.report.input.part == CastPart::Whole).map(|named| {
+        let path = model.map_or_else(|| folder.join(&named.path), Path::to_path_buf);
+        Ok(fit::placed(named.read(&path)?, &mold.report))
+    });
+    let mut silicone = wall_line_with("silicone: thinnest wall", &surface, model, least);
     // What the plan cuts in two has a sharp edge, no wall.
     if mold.report.input.part != CastPart::Whole && silicone.status == Status::Fail {
         silicone.status = Status::Warn;
@@ -55,10 +60,27 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
 
 /// A wall of the least thickness, or a thinner one, with its place in the surface's coordinates.
 pub fn wall_line(name: &str, surface: &SurfaceMesh, least: f64) -> Line {
-    match thinnest(surface) {
+    wall_line_with(name, surface, None, least)
+}
+
+/// The same, measured on the model if there is one: the surface or why it cannot be read.
+pub fn wall_line_with(
+    name: &str,
+    surface: &SurfaceMesh,
+    model: Option<Result<SurfaceMesh, String>>,
+    least: f64,
+) -> Line {
+    let model = match model.transpose() {
+        Ok(model) => model,
+        Err(error) => {
+            return Line::new(name, false, error, "the model; give its place with --model");
+        }
+    };
+    match thinnest(surface, model.as_ref()) {
         Some((thickness, at)) => {
             let mut line = Line::at_least(name, thickness, least, "mm");
-            line.found += &format!(" at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
+            let on = model.map_or("", |_| " of the model");
+            line.found += &format!("{on} at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
             line
         }
         None => Line::new(name, false, "no wall".into(), "a body with two sides"),
