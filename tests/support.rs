@@ -14,6 +14,8 @@ pub mod chromium;
 pub mod equilibrium;
 #[path = "support/fall.rs"]
 pub mod fall;
+#[path = "support/families.rs"]
+pub mod families;
 #[path = "support/fuzz/mod.rs"]
 pub mod fuzz;
 #[path = "support/hostile.rs"]

@@ -90,7 +90,15 @@ fn labelled(faces: &Faces) -> LabelledSurface {
         orient_by_nesting(&mut volume);
         (name.clone(), volume)
     });
-    LabelledSurface { surface, names, region, inside, volumes: volumes.collect(), import: None }
+    LabelledSurface {
+        surface,
+        names,
+        region,
+        inside,
+        volumes: volumes.collect(),
+        thin: Vec::new(),
+        import: None,
+    }
 }
 
 /// Metres per unit of what gmsh returns, and the unit that it is asked for: files that a script

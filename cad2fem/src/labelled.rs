@@ -13,6 +13,7 @@ use mesh::{SurfaceMesh, Vec3, check};
 use program::Unusable;
 use serde::Serialize;
 
+use crate::implicit::{Thin, draw_thin};
 use crate::import::Record;
 use crate::report::{Input, findings};
 
@@ -31,6 +32,8 @@ pub struct LabelledSurface {
     pub inside: Vec<(String, SurfaceMesh)>,
     /// Boundaries of parts of the body by their names [m].
     pub volumes: Vec<(String, SurfaceMesh)>,
+    /// Where an implicit body is thinner than its finest cell.
+    pub thin: Vec<Thin>,
     /// What was read and changed, of a body that others made.
     pub import: Option<Record>,
 }
@@ -55,6 +58,8 @@ pub struct Report {
     volumes: Vec<VolumeReport>,
     /// What no region took.
     unassigned: PatchReport,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    thin: Vec<Thin>,
     #[serde(skip_serializing_if = "Option::is_none")]
     import: Option<Record>,
     wall_s: f64,
@@ -135,6 +140,11 @@ impl LabelledSurface {
         };
         let inside = self.inside.iter().map(write_inside).collect::<Result<_>>()?;
         let volumes = self.write_volumes(&folder.join("volumes"))?;
+        let picture = folder.join("thin.png");
+        remove_output(&picture)?;
+        if !self.thin.is_empty() {
+            draw_thin(&self.surface, &self.thin, &picture)?;
+        }
         let (min, max) = bounds(&self.surface.vertices);
         let report = Report {
             program: crate::PROGRAM.into(),
@@ -148,6 +158,7 @@ impl LabelledSurface {
             inside,
             volumes,
             unassigned: PatchReport::of(&self.patch(None)),
+            thin: self.thin.clone(),
             import: self.import.clone(),
             wall_s: start.elapsed().as_secs_f64(),
         };

@@ -1,4 +1,4 @@
-//! Solids: Booleans, level sets, simplification, planar cuts.
+//! Solids: Booleans, simplification, planar cuts.
 //!
 //! The kernel is manifold-rust behind our types; this is the only file that
 //! names it. A solid is bounded by closed, oriented, edge-manifold shells; outer
@@ -6,14 +6,12 @@
 //! end to end, and its internal tolerance is 10⁻¹² of the bounding box, so that
 //! metres need no scaling.
 
-use std::panic::{self, AssertUnwindSafe};
-
 use crate::inside::WindingNumber;
 use crate::measure::enclosed_volume;
 use crate::{SurfaceMesh, Vec3};
 use manifold_rust::linalg::{Mat3x4, Vec2 as KernelVec2, Vec3 as KernelVec3};
 use manifold_rust::manifold::Manifold;
-use manifold_rust::types::{Box as KernelBox, Error as Status, MeshGL64};
+use manifold_rust::types::{Error as Status, MeshGL64};
 use nalgebra::{Matrix3, Matrix3x4};
 
 /// A solid body.
@@ -25,15 +23,6 @@ pub struct Solid {
 /// Why a surface does not bound a solid.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum SolidError {
-    /// The kernel failed on a level set.
-    #[error(
-        "the kernel finds no surface in a lattice of {edge_length}: the body may be very long for \
-         its width; try another grid"
-    )]
-    NoLevelSet {
-        /// Edge length of the triangles.
-        edge_length: f64,
-    },
     /// The kernel refuses the surface.
     #[error(
         "a surface of {triangles} triangles and {vertices} vertices does not bound a solid: {status}; \
@@ -187,14 +176,6 @@ impl Solid {
         Self { kernel: self.kernel.transform(&map) }
     }
 
-    /// The solid with every vertex of its boundary moved by `f`, which moves none by more
-    /// than a small part of the edges at it.
-    #[must_use]
-    pub fn warp(&self, f: impl Fn(Vec3) -> Vec3) -> Self {
-        let kernel = self.kernel.warp(|p: &mut KernelVec3| *p = to_kernel(&f(from_kernel(*p))));
-        Self { kernel }
-    }
-
     /// Volume [m³].
     #[must_use]
     pub fn volume(&self) -> f64 {
@@ -345,53 +326,6 @@ impl Solid {
         let points: Vec<_> = points.iter().map(to_kernel).collect();
         Self { kernel: Manifold::hull(&points) }
     }
-
-    /// The set f < 0 within the box `bounds` = (min, max) [m], closed along the
-    /// box where it reaches beyond: f is negative inside, as a signed distance is.
-    ///
-    /// Marching tetrahedra on a body-centred cubic lattice with triangle edges of
-    /// about `edge_length` [m]; vertices lie within 10⁻⁸ of that from the zero of
-    /// `f` along their lattice edge, so that planar faces of `f` are planar.
-    /// `f` is called from many threads.
-    ///
-    /// # Errors
-    /// If the kernel finds no surface in the lattice, wherever that begins.
-    pub fn level_set(
-        f: impl Fn(Vec3) -> f64 + Sync,
-        bounds: (Vec3, Vec3),
-        edge_length: f64,
-    ) -> Result<Self, SolidError> {
-        let positive_inside = |p: KernelVec3| -f(from_kernel(p));
-        // A lattice beside large flat faces overflows a table of the kernel, which then panics
-        // ("table full"); a lattice that begins elsewhere does not.
-        for shift in [0.0, 0.31, 0.57] {
-            let min = to_kernel(&bounds.0.add_scalar(-shift * edge_length));
-            let bounds = KernelBox { min, max: to_kernel(&bounds.1) };
-            let (level, tolerance) = (0.0, 1e-8 * edge_length);
-            let kernel = without_panic(|| {
-                Manifold::level_set_with_tolerance(
-                    positive_inside,
-                    bounds,
-                    edge_length,
-                    level,
-                    tolerance,
-                )
-            });
-            if let Some(kernel) = kernel {
-                return Ok(Self { kernel });
-            }
-        }
-        Err(SolidError::NoLevelSet { edge_length })
-    }
-}
-
-/// What `f` returns, unless it panics; then nothing is printed.
-fn without_panic<T>(f: impl FnOnce() -> T) -> Option<T> {
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let result = panic::catch_unwind(AssertUnwindSafe(f));
-    panic::set_hook(hook);
-    result.ok()
 }
 
 /// Adds every cavity to the first of the shells, given with their volumes, that contains it.

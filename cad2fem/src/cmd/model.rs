@@ -14,7 +14,7 @@ use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
 /// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, of CAD `DIR/volumes/<volume>.stl`,
-/// `DIR/model.json`, and the same in
+/// `DIR/model.json`, `DIR/thin.png` of what is thinner than the finest cell, and the same in
 /// `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -78,9 +78,9 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let fields = Fields::new(model, args.fine);
     let skin = surface(model, &fields).with_context(|| args.file.display().to_string())?;
     let region = assign(model, &fields, &skin);
-    let (surface, names) = (skin.surface, model.region_names());
+    let (surface, thin, names) = (skin.surface, skin.thin, model.region_names());
     let (inside, volumes) = (Vec::new(), Vec::new());
-    let labelled = LabelledSurface { surface, names, region, inside, volumes, import: None };
+    let labelled = LabelledSurface { surface, names, region, inside, volumes, thin, import: None };
     finish(args, &labelled, folder, input.clone(), start)
 }
 

@@ -6,6 +6,7 @@
 use mesh::Vec3;
 
 use super::model::{Op, Primitive};
+use super::range::Range;
 use super::shape::{Shape, smoothstep};
 
 /// Evaluates a list of primitives in order.
@@ -44,15 +45,27 @@ impl Field {
         self.steps.iter().fold(f64::INFINITY, |d, step| step.apply(d, step.shape.distance(p)))
     }
 
+    /// Bounds of [`Field::at`] over the ball around `c` with the radius `r` [unit].
+    #[must_use]
+    pub fn range(&self, c: &Vec3, r: f64) -> Range {
+        let nothing = (f64::INFINITY, f64::INFINITY);
+        self.steps.iter().fold(nothing, |d, step| step.apply_range(d, step.shape.range(c, r)))
+    }
+
+    /// The gradient at `p`, by central differences over 2 `step`.
+    #[must_use]
+    pub fn gradient(&self, p: &Vec3, step: f64) -> Vec3 {
+        Vec3::from_fn(|k, _| {
+            let e = Vec3::from_fn(|i, _| if i == k { step } else { 0.0 });
+            (self.at(&(p + e)) - self.at(&(p - e))) / (2.0 * step)
+        })
+    }
+
     /// The direction in which the function rises at `p`, by central differences over 2 `step`; zero
     /// where it does not.
     #[must_use]
     pub fn outward(&self, p: &Vec3, step: f64) -> Vec3 {
-        let slope = Vec3::from_fn(|k, _| {
-            let e = Vec3::from_fn(|i, _| if i == k { step } else { 0.0 });
-            self.at(&(p + e)) - self.at(&(p - e))
-        });
-        slope.try_normalize(0.0).unwrap_or_default()
+        self.gradient(p, step).try_normalize(0.0).unwrap_or_default()
     }
 
     /// The body whose own surface is nearest to `p`, as an index into the list of
@@ -78,6 +91,16 @@ impl Step {
             Op::Intersection => -smooth_min(-d, -e, self.blend),
             Op::Emboss { height, width } => d - height * smoothstep(0.5 - e / (2.0 * width)),
         }
+    }
+}
+
+impl Step {
+    /// Bounds of what [`Self::apply`] makes of values within bounds: it rises with d, and rises or
+    /// falls with e.
+    fn apply_range(&self, d: Range, e: Range) -> Range {
+        let fall = matches!(self.op, Op::Difference | Op::Emboss { height: ..0.0, .. });
+        let e = if fall { (e.1, e.0) } else { e };
+        (self.apply(d.0, e.0), self.apply(d.1, e.1))
     }
 }
 

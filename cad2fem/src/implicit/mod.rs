@@ -1,21 +1,42 @@
 //! Implicit models: primitives and smooth blends → closed surface and regions.
 //!
-//! The surface is that of {d_solid < 0} without {d_cavity < 0}, each laid by marching
-//! tetrahedra for itself, so that a wall between them may be thinner than the grid;
-//! planar faces are cut afterwards, so that they are planar to the last bit.
+//! Design of the mesher, in the order of what it does:
+//! 1. The body is where all its sides are negative: its cuts, the solid and minus the cavity (`sides`).
+//! 2. Bounds of these functions over balls (`range`) find the cubes that the surface may meet; those are
+//!    filled with tetrahedra of a body-centred cubic lattice (`lattice`).
+//! 3. Where two sheets lie within an edge, or the surface bends, tetrahedra are halved (`refine`).
+//! 4. In each tetrahedron each side is linear. One side after the other is carved out: tetrahedra are
+//!    split at the zeros of their edges, and those outside go (`carve`). Corners near a zero are moved onto
+//!    it first, along the surfaces and planes that they are on, so that these stay sharp and exact.
+//! 5. All this happens in coordinates that 32-bit floats hold, and leaves no tetrahedron without a positive
+//!    volume, exactly (`complex`). The boundary of what is left is closed, oriented and never crosses
+//!    itself. Where it would touch itself, corners are taken off the surface again, which ends with a
+//!    manifold: without a corner on the surface a linear function has no critical value there.
+//! 6. What may fail is sharpness (a corner that cannot be moved) and resolution (sheets that no edge tells
+//!    apart); either is said with its place (`thin`). Simplification is checked, and left out if need be.
 
+mod carve;
+mod complex;
 mod field;
+mod lattice;
 mod model;
+mod picture;
+mod range;
+mod refine;
 mod region;
 mod resolution;
 mod shape;
+mod sides;
 mod surface;
+mod thin;
 
 pub use field::Field;
 pub use model::{Cuboid, Cut, Model, ModelFile, Op, Primitive, Region};
+pub use picture::draw_thin;
 pub use region::assign;
 pub use shape::{Rotation, Shape};
 pub use surface::{Part, Skin, surface};
+pub use thin::{Kind, Thin};
 
 /// The two implicit functions of a model.
 pub struct Fields {

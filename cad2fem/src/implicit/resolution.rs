@@ -1,9 +1,9 @@
 //! Whether a grid resolves a model: its thin primitives, its walls, and how its surface bends.
 
 use anyhow::Result;
-use mesh::measure::triangle_area;
-use mesh::solid::Solid;
-use mesh::{Vec3, walls};
+use mesh::measure::{enclosed_volume, triangle_area};
+use mesh::topology::boundary_loops;
+use mesh::{SurfaceMesh, Vec3, walls};
 
 use super::model::Model;
 use super::surface::{Part, Skin};
@@ -70,32 +70,49 @@ pub fn remark_on_walls(model: &Model, fields: &Fields, skin: &Skin, grid: f64) {
     }
 }
 
-/// Says where the grid is too coarse for how a surface bends, and which grid would do. `left_out` is
-/// what a lattice of `grid` leaves out of each set, see [`left_out`].
-pub fn remark_on_chords(model: &Model, left_out: &[(&str, f64)], grid: f64) {
-    for (set, part) in left_out.iter().filter(|(_, part)| *part > LEFT_OUT) {
-        log::warn!(
-            "a grid of {grid:.4} {} cuts corners: {:.0} % of the volume of the {set} lies between its \
-             triangles and its surface; grid = {:.4} would leave out at most {:.0} %",
-            model.unit.symbol(),
-            100.0 * part,
-            grid * (LEFT_OUT / part).sqrt(),
-            100.0 * LEFT_OUT
-        );
+/// Says where the grid is too coarse for how a surface bends, and which grid would do.
+pub fn remark_on_chords(model: &Model, fields: &Fields, skin: &Skin, grid: f64) {
+    for (set, part, field) in
+        [("solid", Part::Outside, &fields.solid), ("cavity", Part::Cavity, &fields.cavity)]
+    {
+        let left_out = left_out(skin, part, field, model.unit.metres());
+        if left_out > LEFT_OUT {
+            log::warn!(
+                "a grid of {grid:.4} {} cuts corners: {:.0} % of the volume of the {set} lies between \
+                 its triangles and its surface; grid = {:.4} would leave out at most {:.0} %",
+                model.unit.symbol(),
+                100.0 * left_out,
+                grid * (LEFT_OUT / left_out).sqrt(),
+                100.0 * LEFT_OUT
+            );
+        }
     }
 }
 
-/// The volume between the triangles of a solid and the surface of the set that it approximates, where
-/// `field` is negative, over that of the solid. A field is a distance to first order, and zero at the
+/// The volume between the triangles of a part and its surface, where `field` is zero, over the volume
+/// that the part encloses, its openings closed. A field is a distance to first order, and zero at the
 /// corners of a triangle: the mean of the distances at the middles of its edges is exact to second
 /// order. It falls with the square of the grid.
-pub fn left_out(solid: &Solid, field: &Field) -> f64 {
-    let surface = solid.to_surface();
+fn left_out(skin: &Skin, part: Part, field: &Field, metres: f64) -> f64 {
+    let chosen = skin.surface.triangles.iter().zip(&skin.part).filter(|(_, p)| **p == part);
+    let mut triangles: Vec<[usize; 3]> = chosen.map(|(t, _)| *t).collect();
+    let mut surface = SurfaceMesh { vertices: skin.surface.vertices.clone(), triangles };
+    surface.vertices.iter_mut().for_each(|v| *v /= metres);
     let beside = |t: usize| {
         let [a, b, c] = surface.corners(t);
         let mean =
             [a + b, b + c, c + a].map(|sum| field.at(&(sum / 2.0))).iter().sum::<f64>() / 3.0;
         triangle_area(a, b, c) * mean.abs()
     };
-    (0..surface.triangles.len()).map(beside).sum::<f64>() / solid.volume()
+    let volume = (0..surface.triangles.len()).map(beside).sum::<f64>();
+    triangles = std::mem::take(&mut surface.triangles);
+    for rim in boundary_loops(&triangles) {
+        let middle = rim.iter().map(|&v| surface.vertices[v]).sum::<Vec3>() / rim.len() as f64;
+        let hub = surface.vertices.len();
+        surface.vertices.push(middle);
+        triangles.extend((0..rim.len()).map(|i| [rim[(i + 1) % rim.len()], rim[i], hub]));
+    }
+    let closed = SurfaceMesh { vertices: surface.vertices, triangles };
+    let enclosed = enclosed_volume(&closed).abs();
+    if enclosed > 0.0 { volume / enclosed } else { 0.0 }
 }

@@ -232,5 +232,13 @@ fn labelled(body: Patched, patches: &Patches, record: Record) -> LabelledSurface
     let names = used.iter().map(|&patch| patches.name(patch).to_owned()).collect();
     let (inside, volumes) = (Vec::new(), Vec::new());
     let import = Some(record);
-    LabelledSurface { surface: body.surface, names, region, inside, volumes, import }
+    LabelledSurface {
+        surface: body.surface,
+        names,
+        region,
+        inside,
+        volumes,
+        thin: Vec::new(),
+        import,
+    }
 }

@@ -168,37 +168,9 @@ fn reflections_keep_the_outside_outside() {
 }
 
 #[test]
-#[ignore = "takes 8 s"]
-fn a_long_flat_bar_has_a_level_set() {
-    // a table of the kernel was full before it had a vertex: panic
-    let half = Vec3::new(50.0, 15.0, 32768.0);
-    let bar = |x: Vec3| (x.abs() - half).max();
-    let bounds = (-half.add_scalar(12.0), half.add_scalar(12.0));
-    let solid = Solid::level_set(bar, bounds, 6.0).unwrap();
-    // edges are rounded off over a cell of 6
-    assert!(relative(solid.volume(), 8.0 * half.product()) < 0.02, "{}", solid.volume());
-}
-
-#[test]
-fn level_sets_converge_and_simplify_within_their_tolerance() {
-    let radius = 0.035;
-    let box_ = (Vec3::repeat(-0.04), Vec3::repeat(0.04));
-    let ball = |h: f64| Solid::level_set(|x| x.norm() - radius, box_, h).unwrap();
-    let worst = |solid: &Solid| {
-        let vertices = solid.to_surface().vertices;
-        vertices.iter().map(|v| (v.norm() - radius).abs()).fold(0.0, f64::max)
-    };
-    let exact = 4.0 / 3.0 * PI * radius.powi(3);
-    // Inscribed triangles of size h: relative volume error ~ h²/R².
-    for h in [0.004, 0.002] {
-        let solid = ball(h);
-        assert_eq!(solid.genus(), 0);
-        let error = relative(solid.volume(), exact);
-        assert!(error < (h / radius).powi(2), "{h} {error}");
-        let deviation = worst(&solid);
-        assert!(deviation < 1e-3 * h, "{h} {deviation}");
-    }
-    let (fine, tolerance) = (ball(0.002), 2e-4);
+fn simplification_stays_within_its_tolerance() {
+    let (radius, tolerance) = (0.035, 2e-4);
+    let fine = Solid::sphere(&Vec3::zeros(), radius, 128);
     let coarse = fine.simplify(tolerance);
     assert!(coarse.triangle_count() < fine.triangle_count() / 3);
     assert!(coarse.area() * tolerance > (coarse.volume() - fine.volume()).abs());
