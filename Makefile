@@ -3,7 +3,6 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
-.SECONDARY:
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -60,11 +59,17 @@ arm:  ## design the pressures with which an arm of three chambers reaches three 
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
 blank:  ## blow up a post, and make its mold: what cad2fem new begins with
 
+# Said by all that ends in a file called done.
+tell = @for done in $(1); do [ "$$(cat $$done)" = $$PPID ] || \
+	echo "$@: nothing to do, results in $$(dirname $$done), all to be seen in $$(dirname $$done)/report.html"; done
+
 $(filter-out $(FINER),$(BODIES)): %: build/%/done
+	$(call tell,$<)
 $(FINER): %: build/%$(if $(filter paper,$(QUALITY)),/paper)/done
+	$(call tell,$<)
 
 body: $(addsuffix /build/done,$(ELSEWHERE)) $(patsubst pipelines/%,build/%/done,$(filter pipelines/%,$(FOLDER)))  ## the same of a folder anywhere, such as cad2fem new writes (DIR=mine)
-	@$(if $(FOLDER),:,echo "make body: which? Give DIR=folder, as cad2fem new writes one"; exit 1)
+	$(if $(FOLDER),$(call tell,$^),@echo "make body: which? Give DIR=folder, as cad2fem new writes one"; exit 1)
 
 # A sweep is $(BODY)/sweep.toml, or that of a folder elsewhere, with another name if SWEEP gives one.
 # SNAKEMAKE has arguments for Snakemake, such as --executor slurm --jobs 20.

@@ -10,6 +10,21 @@
 #
 # The programs are order-only prerequisites: results follow their inputs. After a change of
 # a program, `make clean` starts over.
+#
+# A source $(1) decides by its date and by what it says: beside it stands a copy in .sources of the results, which
+# is new where the source has changed. Copied and unzipped files may be older than results and yet differ.
+seen = $(patsubst pipelines/%,build/.sources/%,$(if $(ELSEWHERE),$(patsubst $(FOLDER)/%,$(FOLDER)/build/.sources/%,$(1)),$(1)))
+source = $(foreach file,$(1),$(file) $(call seen,$(file)))
+
+define keep-source
+@if [ -e $@ ]; then cmp --silent $< $@ || cp $< $@; else mkdir -p $(@D); cp -p $< $@; fi
+endef
+
+build/.sources/%: pipelines/% always
+	$(keep-source)
+
+.PHONY: always
+always:
 
 build/%/model/model.json: pipelines/%/model.toml | setup
 	$(BIN)/cad2fem model $< -o $(@D)
@@ -20,6 +35,9 @@ build/%/model/model.json: pipelines/%/model.geo | setup
 build/%/model/model.json: pipelines/%/model.step | setup
 	$(BIN)/cad2fem model $< -o $(@D)
 
+$(foreach model,$(wildcard $(foreach e,toml geo step,pipelines/*/model.$(e) pipelines/*/*/model.$(e))),\
+$(eval $(patsubst pipelines/%,build/%,$(dir $(model)))model/model.json: $(call seen,$(model))))
+
 from = $(or $(from.$(1)),pipelines/$(1))
 to = $(or $(to.$(1)),build/$(1))
 
@@ -27,8 +45,9 @@ to = $(or $(to.$(1)),build/$(1))
 build/%/report.html: | setup
 	$(BIN)/cad2fem report $(@D) --title "$*" -o $@
 
+# It holds the number of the make that made it: with another one there was nothing to do.
 build/%/done: build/%/report.html
-	@touch $@
+	@echo $$PPID > $@
 	@echo "$*: results in $(@D), all to be seen in $<"
 
 # The same of a body $(1) elsewhere, whose model is $(2): a file of others is imported. Without any,
@@ -37,7 +56,10 @@ define elsewhere
 from.$(1) := $(1)
 to.$(1) := $(1)/build
 
-$(1)/build/model/model.json: $(2) | setup
+$(1)/build/.sources/%: $(1)/% always
+	$(value keep-source)
+
+$(1)/build/model/model.json: $(call source,$(2)) | setup
 	$(if $(2),$(BIN)/cad2fem $(if $(filter %.toml %.geo,$(2)),model,import) $$< $(if $(filter %.geo,$(2)),--unit mm) -o $$(@D),\
 		@echo "make body: there is no model.toml, .geo, .step, .stl, ... in $(1), and no $$@: cad2fem import FILE -o $$(@D)"; exit 1)
 
@@ -45,16 +67,16 @@ $(1)/build/report.html: | setup
 	$(BIN)/cad2fem report $$(@D) --title "$(notdir $(1))" -o $$@
 
 $(1)/build/done: $(1)/build/report.html
-	@touch $$@
+	@echo $$$$PPID > $$@
 	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<"
 endef
 
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
 define mesh
-$(2)/volume.msh: $(call to,$(1))/model/model.json $(call from,$(1))/cad2fem$(3).toml | setup
+$(2)/volume.msh: $(call to,$(1))/model/model.json $(call source,$(call from,$(1))/cad2fem$(3).toml) | setup
 	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl --config $(call from,$(1))/cad2fem$(3).toml -o $$@
 
-$(2)/tagged.msh: $(2)/volume.msh $(call from,$(1))/tags.toml | setup
+$(2)/tagged.msh: $(2)/volume.msh $(call source,$(call from,$(1))/tags.toml) | setup
 	$(BIN)/tagger tag $$< --config $(call from,$(1))/tags.toml --patches $(call to,$(1))/model/patches -o $$@
 endef
 
@@ -62,7 +84,7 @@ endef
 define simulate
 $(call mesh,$(1),$(2),$(3))
 
-$(2)/baseline/report.json: $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/baseline/report.json: $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
@@ -81,7 +103,7 @@ endef
 
 # The same, for a scene with a design problem.
 define optimize
-$(2)/optimize/report.json: $(call from,$(1))/design$(3).toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/optimize/report.json: $(call source,$(addprefix $(call from,$(1))/,design$(3).toml sim$(3).toml)) $(2)/tagged.msh | setup
 	$(BIN)/solver optimize $$< -o $$(@D)
 
 $(2)/optimized/report.json: $(2)/optimize/report.json | setup
@@ -103,14 +125,14 @@ endef
 
 # The same, for a design of loads alone: the scene is simulated again with those that were found.
 define loads
-$(2)/optimize/report.json: $(call from,$(1))/design$(3).toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/optimize/report.json: $(call source,$(addprefix $(call from,$(1))/,design$(3).toml sim$(3).toml)) $(2)/tagged.msh | setup
 	$(BIN)/solver optimize $$< -o $$(@D)
 
 $(2)/sim.reached.toml: $(2)/optimize/report.json
 	cd $$(@D) && { printf 'include = ["%s"' $(abspath $(call from,$(1))/sim$(3).toml); \
 		find optimize -name parameters.toml -printf ', "%p"' -o -name pressures.toml -printf ', "%p"'; echo ']'; } > $$(@F)
 
-$(2)/reached/report.json: $(2)/sim.reached.toml $(call from,$(1))/sim$(3).toml $(2)/tagged.msh | setup
+$(2)/reached/report.json: $(2)/sim.reached.toml $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
@@ -122,7 +144,7 @@ endef
 # Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
 # its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
-$(2)/mold/plan.json: $(4) $(call from,$(1))/mold.toml | setup
+$(2)/mold/plan.json: $(4) $(call source,$(call from,$(1))/mold.toml) | setup
 	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
 		--config $(call from,$(1))/mold.toml -o $$(@D)
 
@@ -155,7 +177,7 @@ endef
 cast-loaded.pneunet := yes
 
 # Force against displacement, with the cavity closed and vented.
-build/compression/vented/report.json: pipelines/compression/sim.vented.toml build/compression/tagged.msh | setup
+build/compression/vented/report.json: $(call source,pipelines/compression/sim.vented.toml) build/compression/tagged.msh | setup
 	$(BIN)/solver simulate $< -o $(@D)
 
 build/compression/pictures/force.svg: build/compression/baseline/report.json build/compression/vented/report.json | setup
@@ -176,19 +198,20 @@ build/compression/report.html: $(addprefix build/compression/pictures/,force.svg
 STUDY := build/chamber/study
 LEVELS := 6 4.4 3.2 2.4
 REFERENCE := 2/P3
+MESHES := $(addprefix $(STUDY)/,$(LEVELS) $(REFERENCE:/P3=))
 
-$(STUDY)/%/model/model.json: pipelines/chamber/model.geo | setup
+$(MESHES:=/model/model.json): $(STUDY)/%/model/model.json: $(call source,pipelines/chamber/model.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm --set h=$* -o $(@D)
 
-$(STUDY)/%/volume.msh: $(STUDY)/%/model/model.json pipelines/chamber/cad2fem.toml | setup
+$(MESHES:=/volume.msh): $(STUDY)/%/volume.msh: $(STUDY)/%/model/model.json $(call source,pipelines/chamber/cad2fem.toml) | setup
 	$(BIN)/cad2fem tetmesh $(<D)/model.stl --config pipelines/chamber/cad2fem.toml --edge-length $*e-3 -o $@
 
-$(STUDY)/%/tagged.msh: $(STUDY)/%/volume.msh pipelines/chamber/tags.toml | setup
+$(MESHES:=/tagged.msh): $(STUDY)/%/tagged.msh: $(STUDY)/%/volume.msh $(call source,pipelines/chamber/tags.toml) | setup
 	$(BIN)/tagger tag $< --config pipelines/chamber/tags.toml --patches $(@D)/model/patches -o $@
 
 # Degree $(1).
 define degree
-$(STUDY)/%/P$(1)/report.json: pipelines/chamber/sim.toml $(STUDY)/%/tagged.msh | setup
+$(STUDY)/%/P$(1)/report.json: $(call source,pipelines/chamber/sim.toml) $(STUDY)/%/tagged.msh | setup
 	$(BIN)/solver simulate $$< --degree $(1) --mesh $(STUDY)/$$*/tagged.msh -o $$(@D) --final-only
 endef
 $(foreach p,1 2 3,$(eval $(call degree,$(p))))
@@ -233,7 +256,7 @@ VALIDATION := build/validation
 
 # Body $(1), suffix of its scene $(2).
 define validate
-$(VALIDATION)/$(1)/$(2)/report.json: pipelines/validation/$(1)/sim.$(2).toml $(VALIDATION)/$(1)/tagged.msh | setup
+$(VALIDATION)/$(1)/$(2)/report.json: $(call source,pipelines/validation/$(1)/sim.$(2).toml) $(VALIDATION)/$(1)/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 
 $(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
@@ -242,11 +265,11 @@ $(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after)))
 $(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
 $(eval $(call validate,beam,datasheet))
 
-$(VALIDATION)/errors.json: pipelines/validation/validation.toml $(wildcard pipelines/validation/measured/*.csv) | setup
+$(VALIDATION)/errors.json: $(call source,pipelines/validation/validation.toml) $(call source,$(wildcard pipelines/validation/measured/*.csv)) | setup
 	$(BIN)/solver validate $< -o $(@D)
 
-$(VALIDATION)/calibration/calibration.json: pipelines/validation/beam/calibrate.toml pipelines/validation/beam/sim.datasheet.toml \
-		pipelines/validation/measured/dragon-skin-10-beam.csv $(VALIDATION)/beam/tagged.msh | setup
+$(VALIDATION)/calibration/calibration.json: $(call source,pipelines/validation/beam/calibrate.toml pipelines/validation/beam/sim.datasheet.toml) \
+		$(call source,pipelines/validation/measured/dragon-skin-10-beam.csv) $(VALIDATION)/beam/tagged.msh | setup
 	$(BIN)/solver calibrate $< -o $(@D)
 
 $(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
@@ -265,7 +288,7 @@ $(VALIDATION)/done: $(VALIDATION)/errors.json $(VALIDATION)/calibration/calibrat
 	@touch $@
 
 # The frog without a cascade, for comparison.
-build/frog/paper/vertices/report.json: pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml \
+build/frog/paper/vertices/report.json: $(call source,pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml) \
 		build/frog/paper/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
@@ -283,7 +306,7 @@ $(eval $(call figure,,--x-title "accepted shapes"))
 $(eval $(call figure,-time,--x time_s*0.0166667 --x-title "computing time [min]"))
 
 # The optimised frog, designed further for walls that are off, and both with walls that are.
-build/frog/robust/report.json: pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml \
+build/frog/robust/report.json: $(call source,pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml) \
 		build/frog/optimize/report.json | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
@@ -312,7 +335,7 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 build/finger/report.html: build/finger/pictures/target.png
 
 # The PneuNet without the paper in its floor, on the same mesh.
-build/pneunet/bare/report.json: pipelines/pneunet/sim.bare.toml build/pneunet/tagged.msh | setup
+build/pneunet/bare/report.json: $(call source,pipelines/pneunet/sim.bare.toml) build/pneunet/tagged.msh | setup
 	$(BIN)/solver simulate $< -o $(@D)
 
 build/pneunet/pictures/bending.svg: build/pneunet/baseline/report.json build/pneunet/bare/report.json | setup
@@ -328,17 +351,17 @@ build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg infla
 # The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
 # the force on the cylinder (optimize) and by shape alone (shape). The first, and the gripper as modelled, are
 # pulled off the cylinder.
-build/gripper/cylinder/model/model.json: pipelines/gripper/cylinder/model.geo | setup
+build/gripper/cylinder/model/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
 
-build/gripper/target/model.json: pipelines/gripper/cylinder/model.geo | setup
+build/gripper/target/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm --set radius=12 -o $(@D)
 
 build/gripper/baseline/report.json: build/gripper/cylinder/model/model.json
 
 # Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
 define grip
-build/gripper/$(1)/report.json: pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml \
+build/gripper/$(1)/report.json: $(call source,pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml) \
 		build/gripper/tagged.msh build/gripper/cylinder/model/model.json build/gripper/target/model.json | setup
 	$(BIN)/solver optimize $$< -o $$(@D)
 
@@ -399,13 +422,13 @@ build/$(1)-authors/import/sim.toml: | $(THEIRS)/$(2)/$(3) setup
 build/$(1)-authors/model/model.json: build/$(1)-authors/import/sim.toml | setup
 	$(BIN)/cad2fem import $$(<D)/$(4) --unit m -o $$(@D)
 
-build/$(1)-authors/volume.msh: build/$(1)-authors/model/model.json pipelines/$(1)/authors/cad2fem.toml | setup
+build/$(1)-authors/volume.msh: build/$(1)-authors/model/model.json $(call source,pipelines/$(1)/authors/cad2fem.toml) | setup
 	$(BIN)/cad2fem tetmesh $$(<D)/model.stl --config pipelines/$(1)/authors/cad2fem.toml -o $$@
 
-build/$(1)-authors/tagged.msh: build/$(1)-authors/volume.msh pipelines/$(1)/authors/tags.toml | setup
+build/$(1)-authors/tagged.msh: build/$(1)-authors/volume.msh $(call source,pipelines/$(1)/authors/tags.toml) | setup
 	$(BIN)/tagger tag $$< --config pipelines/$(1)/authors/tags.toml --patches build/$(1)-authors/$(5) -o $$@
 
-build/$(1)-authors/baseline/report.json: pipelines/$(1)/authors/sim.toml build/$(1)-authors/tagged.msh | setup
+build/$(1)-authors/baseline/report.json: $(call source,pipelines/$(1)/authors/sim.toml) build/$(1)-authors/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 endef
 $(eval $(call authors,gripper,gripper_bellows,run_gripper_bellows_log_inside.json,gripper_bellows_thick.msh,selections))
@@ -427,8 +450,8 @@ build/arm/report.html: build/arm/pictures/reached.png
 
 # The walker's pressures over time are designed: the scene again with the numbers that were found, and
 # ten times as long.
-build/walker/optimize/report.json: pipelines/walker/design.toml pipelines/walker/sim.toml \
-		pipelines/walker/floor.stl build/walker/tagged.msh | setup
+build/walker/optimize/report.json: $(call source,pipelines/walker/design.toml pipelines/walker/sim.toml) \
+		$(call source,pipelines/walker/floor.stl) build/walker/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
 build/walker/sim.optimized.toml: build/walker/optimize/report.json
@@ -440,7 +463,7 @@ build/walker/optimized/report.json: build/walker/sim.optimized.toml | setup
 build/walker/long/optimized/report.json: build/walker/sim.optimized.toml | setup
 	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=1000 --final-only -o $(@D)
 
-build/walker/long/baseline/report.json: pipelines/walker/sim.toml build/walker/tagged.msh | setup
+build/walker/long/baseline/report.json: $(call source,pipelines/walker/sim.toml) build/walker/tagged.msh | setup
 	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=1000 --final-only -o $(@D)
 
 # Film strip of $(1), every tenth of a second, and its first and last state in one picture.
@@ -469,7 +492,7 @@ build/walker/report.html: $(addprefix build/walker/pictures/,way.svg pressures.s
 
 # The worm is half a body; its pictures are those of the whole. It is shown over twice the time that it
 # was designed for.
-build/worm/optimize/report.json: pipelines/worm/design.toml pipelines/worm/sim.toml pipelines/worm/floor.stl \
+build/worm/optimize/report.json: $(call source,pipelines/worm/design.toml pipelines/worm/sim.toml pipelines/worm/floor.stl) \
 		build/worm/tagged.msh | setup
 	$(BIN)/solver optimize $< -o $(@D)
 
@@ -480,7 +503,7 @@ build/worm/long/optimized/report.json: build/worm/optimize/report.json | setup
 	$(BIN)/solver simulate pipelines/worm/sim.toml --set time.end=4 --set time.steps=80 --final-only \
 		--mesh worm=build/worm/optimize/design.worm.msh -o $(@D)
 
-build/worm/long/baseline/report.json: pipelines/worm/sim.toml build/worm/tagged.msh | setup
+build/worm/long/baseline/report.json: $(call source,pipelines/worm/sim.toml) build/worm/tagged.msh | setup
 	$(BIN)/solver simulate $< --set time.end=4 --set time.steps=80 --final-only -o $(@D)
 
 build/worm/pictures/optimized.png: $(patsubst %,build/worm/long/%/report.json,baseline optimized) | setup

@@ -35,6 +35,8 @@ mod locking;
 mod keep;
 #[path = "fast/import.rs"]
 mod import;
+#[path = "fast/make_body.rs"]
+mod make_body;
 #[path = "fast/materials.rs"]
 mod materials;
 #[path = "fast/measured_rubber.rs"]

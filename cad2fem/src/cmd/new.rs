@@ -123,7 +123,7 @@ fn readme(name: &str, template: &Template, place: &Place) -> String {
         "# {name}\n\n\
          Written by `cad2fem new --like {}`: {}.\n\n\
          ```\n{}\n```\n\n\
-         makes everything that is not there yet or older than what it is made from, and \
+         makes everything that is missing, or older than or made from another version of its sources, and \
          `{results}/report.html`, a page of all results.\n\n\
          | file | read by | contains |\n|-|-|-|\n\
          | `{model}` | `cad2fem model` | the body and its regions |\n\
