@@ -89,8 +89,8 @@ $(2)/baseline/report.json: $(call source,$(call from,$(1))/sim$(3).toml) $(2)/ta
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
 	mapfile -d '' -t patches < <(printf '%s\0' $(call to,$(1))/model/patches/*.stl | sort -zV); \
-		$(BIN)/cad2fem picture --together $(APART) --captions "$$$$(basename -s .stl -- "$$$${patches[@]}" | paste -sd,)" \
-		$(VIEW) --title "$(notdir $(1)): regions" -o $$@ -- "$$$${patches[@]}"
+		$(BIN)/cad2fem picture --together --label --spread 1.2 --no-ground $(VIEW) --title "$(notdir $(1)): regions" \
+		-o $$@ -- "$$$${patches[@]}"
 
 $(2)/pictures/mesh.png: $(2)/tagged.msh | setup
 	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@
@@ -526,8 +526,6 @@ build/worm/pictures/terms.svg: build/worm/optimize/report.json | setup
 build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg terms.svg)
 
 VIEW = --view $(or $(view.$(1)),iso)
-# Faces of a STEP file have numbers, those inside as well: they are drawn apart.
-APART = $(if $(wildcard $(call from,$(1))/model.step),--spread 1.2 --no-ground)
 view.frog := -60,20
 view.chamber := 60,10
 view.finger := front

@@ -4,7 +4,7 @@
 //! shading normals, and cells where it is solid), is cut by a plane
 //! ([`cut`]), seen by a [`camera::Camera`], reduced to visible fragments
 //! ([`raster`]), lit by a sky and a key light with real shadows ([`light`]),
-//! and set on a [`sheet`] with title, captions and scale ([`annotate`]).
+//! and set on a [`sheet`] with title, captions, scale ([`annotate`]) and labels ([`label`]).
 //!
 //! Colours are linear RGB until a pixel is finished.
 
@@ -14,6 +14,7 @@ pub mod color;
 pub mod cut;
 pub mod font;
 pub mod image;
+pub mod label;
 pub mod light;
 pub mod panel;
 pub mod quadratic;

@@ -7,6 +7,7 @@ use super::camera::{Camera, Projection};
 use super::color::encode;
 use super::font::{Anchor, draw};
 use super::image::Image;
+use super::label;
 use super::panel::{self, Look, Rows};
 use super::view::View;
 use super::{Piece, bounds};
@@ -35,6 +36,8 @@ pub struct Panel {
     pub pieces: Vec<Piece>,
     /// Written below it; empty for none.
     pub caption: String,
+    /// Written on each piece where it is seen; empty for none.
+    pub labels: Vec<String>,
 }
 
 /// Draws a sheet. All panels share one camera, so that sizes can be compared.
@@ -58,6 +61,12 @@ pub fn draw_sheet(sheet: &Sheet, panels: &[Panel]) -> Image {
         let rows = Rows { top: upper, of: sheet.size[1] };
         let picture = panel::draw(&panel.pieces, &camera, grid.panel, &sheet.look, rows);
         image.paste(&picture, left, upper);
+        let on = (&panel.pieces[..], &panel.labels[..]);
+        let missing = label::write(&mut image, on, (&camera, grid.panel), [left, upper], &ty);
+        if !missing.is_empty() {
+            let names: Vec<&str> = missing.iter().map(|&i| panel.labels[i].as_str()).collect();
+            log::info!("hidden or small from here, without a label: {}", names.join(", "));
+        }
         let at =
             [left as f64 + 0.5 * grid.panel[0] as f64, (upper + grid.panel[1]) as f64 + 1.4 * h];
         draw(&mut image, &panel.caption, at, Anchor::Center, &ty.text());

@@ -140,7 +140,7 @@ fn thinned(steps: Vec<Step>, most: usize) -> Vec<Step> {
 fn panel(looks: &Looks, step: &Step) -> Result<(Panel, load::Loaded)> {
     let loaded = load::load(&step.path, &looks.paint(color::material(), false))?;
     let pieces = vec![cut(&loaded.shape, looks.plane())];
-    Ok((Panel { pieces, caption: step.caption.clone() }, loaded))
+    Ok((Panel { pieces, caption: step.caption.clone(), labels: Vec::new() }, loaded))
 }
 
 /// One camera, scale and ground for all steps, of which one at a time is in memory.

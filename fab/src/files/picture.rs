@@ -70,7 +70,7 @@ fn draw(
             cut(&shape, plane)
         })
         .collect();
-    let panels = [Panel { pieces, caption: String::new() }];
+    let panels = [Panel { pieces, caption: String::new(), labels: Vec::new() }];
     let names = members.iter().map(|m| m.name.clone()).zip(colors).collect();
     let sheet = Sheet {
         size: SIZE,

@@ -71,6 +71,7 @@ fn panels(casting: &Casting) -> [Panel; 2] {
         Panel {
             pieces: vec![cut(&shape, None)],
             caption: format!("{} {side}: at worst {worst}", casting.name),
+            labels: Vec::new(),
         }
     })
 }

@@ -19,6 +19,9 @@ use render::cut::cut;
 use render::shape::Shape;
 use render::sheet::{Panel, Sheet, draw_sheet, floor};
 
+/// Names beyond which there is no legend, as it would not be read.
+const LEGEND: usize = 30;
+
 /// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -40,8 +43,12 @@ pub struct Args {
     #[arg(long, requires = "together", conflicts_with = "spread")]
     row: bool,
     /// One per file, separated by commas; names in the legend with --together
+    /// [default there: names of the files, where no field gives colours]
     #[arg(long, value_delimiter = ',')]
     captions: Vec<String>,
+    /// Write its caption on each file, or the number where captions are one word with numbers
+    #[arg(long, requires = "together")]
+    label: bool,
 }
 
 /// Runs `cad2fem picture`.
@@ -133,10 +140,12 @@ fn line_up(loaded: &mut [Loaded], right: &Vec3) {
 fn panels(args: &Args, loaded: &[Loaded]) -> Vec<Panel> {
     let pieces = loaded.iter().map(|l| cut(&l.shape, args.looks.plane()));
     if args.together {
-        return vec![Panel { pieces: pieces.collect(), caption: String::new() }];
+        let labels = if args.label { labels(&names(args)) } else { Vec::new() };
+        return vec![Panel { pieces: pieces.collect(), caption: String::new(), labels }];
     }
     let captions = args.captions.iter().cloned().chain(std::iter::repeat(String::new()));
-    pieces.zip(captions).map(|(p, caption)| Panel { pieces: vec![p], caption }).collect()
+    let panel = |(piece, caption)| Panel { pieces: vec![piece], caption, labels: Vec::new() };
+    pieces.zip(captions).map(panel).collect()
 }
 
 fn sheet(args: &Args, loaded: &[Loaded], panels: &[Panel]) -> Result<Sheet> {
@@ -148,15 +157,54 @@ fn key(args: &Args, loaded: &[Loaded], scale: Option<Scale>) -> Key {
     if let Some(key) = args.looks.key(loaded, scale) {
         return key;
     }
-    let mut names: Vec<(String, Rgb)> = Vec::new();
+    let mut entries: Vec<(String, Rgb)> = Vec::new();
     if args.together {
-        names.extend(args.captions.iter().enumerate().map(|(i, c)| (c.clone(), color::palette(i))));
+        let captions = names(args).into_iter().enumerate();
+        entries.extend(captions.map(|(i, c)| (c, color::palette(i))));
     } else {
         for entry in loaded.iter().flat_map(|l| &l.names) {
-            if !names.contains(entry) {
-                names.push(entry.clone());
+            if !entries.contains(entry) {
+                entries.push(entry.clone());
             }
         }
     }
-    if names.is_empty() { Key::None } else { Key::Names(names) }
+    if entries.is_empty() || entries.len() > LEGEND { Key::None } else { Key::Names(entries) }
+}
+
+/// What files of one panel are called: their captions, or else their names.
+fn names(args: &Args) -> Vec<String> {
+    if !args.captions.is_empty() {
+        return args.captions.clone();
+    }
+    let name = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    args.files.iter().map(name).collect()
+}
+
+/// Names as they are written on surfaces: of `face-1`, `face-2`, … the numbers.
+fn labels(names: &[String]) -> Vec<String> {
+    let split = |name: &str| {
+        let word = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        (word > 0 && word < name.len()).then_some(word)
+    };
+    let words: Option<Vec<&str>> = names.iter().map(|n| split(n).map(|at| &n[..at])).collect();
+    match words.as_deref() {
+        Some([first, rest @ ..]) if !rest.is_empty() && rest.iter().all(|word| word == first) => {
+            names.iter().map(|name| name[first.len()..].to_owned()).collect()
+        }
+        _ => names.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::labels;
+
+    #[test]
+    fn faces_are_labelled_by_their_numbers_and_regions_by_their_names() {
+        let of = |names: &[&str]| labels(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
+        assert_eq!(of(&["face-1", "face-12"]), ["1", "12"]);
+        for names in [&["face-1", "seat"][..], &["face-1", "side-2"], &["1", "2"], &["face-1"]] {
+            assert_eq!(of(names), names);
+        }
+    }
 }
