@@ -24,6 +24,7 @@ use crate::report::failure::{self, Diagnosis};
 use crate::report::leap::leap;
 use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
 use crate::report::results;
+use crate::report::summary;
 use crate::report::writer::{Finished, Writer, write_beside};
 use crate::scene::Scene;
 use crate::stretch::Stretches;
@@ -186,6 +187,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
     results::write_json(&folder.join("report.json"), &report)?;
+    log::info!("{}", summary::in_words(&report));
     match crossing {
         None => Ok(()),
         Some(crossing) => {

@@ -11,6 +11,7 @@ pub mod leap;
 pub mod mirror;
 pub mod record;
 pub mod results;
+pub mod summary;
 pub mod writer;
 
 /// Name and version of the program, in reports and checkpoints.

@@ -1,0 +1,78 @@
+//! What a run found, in a few words, from the report of a run.
+//!
+//! Lengths are told in mm, volumes in mL, pressures in kPa; reports have them in SI.
+
+use serde_json::Value;
+
+/// Units of reports that people read better in another: factor and its name.
+const READABLE: &[(&str, f64, &str)] =
+    &[("m", 1e3, "mm"), ("m³", 1e6, "mL"), ("Pa", 1e-3, "kPa"), ("deg", 1.0, "°")];
+
+/// How far the body moves, how far it is stretched, each chamber and each probe.
+#[must_use]
+pub fn in_words(report: &Value) -> String {
+    let number = |value: &Value| value.as_f64();
+    let mut parts = Vec::new();
+    let moved = entries(&report["tags"]).filter_map(|(_, tag)| number(&tag["max_displacement"]));
+    if let Some(largest) = moved.reduce(f64::max) {
+        parts.push(format!("largest displacement {}", quantity(largest, "m")));
+    }
+    if let Some(largest) = number(&report["stretch_range"]["largest"]) {
+        parts.push(format!("largest stretch {largest:.2}"));
+    }
+    for (name, chamber) in entries(&report["chambers"]) {
+        if let (Some(volume), Some(pressure)) =
+            (number(&chamber["volume"]), number(&chamber["pressure"]))
+        {
+            let at = [quantity(volume, "m³"), quantity(pressure, "Pa")].join(" at ");
+            parts.push(format!("{name} {at}"));
+        }
+    }
+    for (name, probe) in entries(&report["probes"]) {
+        if let (Some(value), Some(unit)) = (number(&probe["value"]), probe["unit"].as_str()) {
+            parts.push(format!("{name} {}", quantity(value, unit)));
+        }
+    }
+    parts.join(", ")
+}
+
+fn entries(table: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    table.as_object().into_iter().flatten()
+}
+
+/// A number with four digits and a unit that people read.
+fn quantity(value: f64, unit: &str) -> String {
+    let known = READABLE.iter().find(|row| row.0 == unit);
+    let (value, unit) = known.map_or((value, unit), |(_, factor, name)| (value * factor, name));
+    let digits = match value.abs() {
+        size if size == 0.0 => 0,
+        size if size >= 1e5 || (size < 1e-3) => return format!("{value:.3e} {unit}"),
+        size => (3 - size.log10().floor() as i32).clamp(0, 6) as usize,
+    };
+    let gap = if unit == "°" { "" } else { " " };
+    format!("{value:.digits$}{gap}{unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_run_is_told_in_units_that_people_read() {
+        let report = json!({
+            "tags": {"seat": {"max_displacement": 0.0}, "skin": {"max_displacement": 6.1234e-3}},
+            "stretch_range": {"largest": 1.314},
+            "chambers": {"cavity": {"volume": 1.45e-6, "pressure": 12e3}},
+            "probes": {"bend": {"value": -0.51e-3, "unit": "m"}, "tip": {"value": 59.9, "unit": "deg"}},
+        });
+        assert_eq!(
+            in_words(&report),
+            "largest displacement 6.123 mm, largest stretch 1.31, cavity 1.450 mL at 12.00 kPa, \
+             bend -0.5100 mm, tip 59.90°"
+        );
+        assert_eq!(in_words(&json!({})), "");
+        assert_eq!(quantity(2.5e-7, "N"), "2.500e-7 N");
+        assert_eq!(quantity(0.0, "N"), "0 N");
+    }
+}
