@@ -2,7 +2,8 @@
 //!
 //! A block of commands is marked after its fence: ```` ```sh test ```` runs in `make test`, ```` ```sh slow ````
 //! in `make test-all`, and ```` ```sh ```` nowhere, as it needs what only a reader has. Those of a chapter run
-//! one after the other in one folder, in which `pipelines` is, as in the checkout.
+//! one after the other in one folder, in which `pipelines` is, as in the checkout. What a chapter says of a block is
+//! checked by a command in a comment below it, `<!-- check: COMMAND -->`, which fails where it is not so.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,17 +38,33 @@ pub fn chapters() -> Vec<Chapter> {
     paths.into_iter().map(chapter).collect()
 }
 
+/// The README of the project, whose commands are marked as those of chapters.
+///
+/// # Panics
+/// When it cannot be read.
+#[must_use]
+pub fn readme() -> Chapter {
+    let path = repository().join("README.md");
+    let text = fs::read_to_string(&path).expect("a README");
+    Chapter { path, text }
+}
+
 impl Chapter {
-    /// The commands in blocks with one of these marks, one block after the other.
+    /// The commands in blocks with one of these marks and their checks, one block after the other.
     #[must_use]
     pub fn commands(&self, marks: &[&str]) -> String {
         let mut commands = String::new();
-        let mut inside = false;
+        let (mut inside, mut wanted) = (false, false);
         for line in self.text.lines() {
+            let check = line.strip_prefix("<!-- check: ").and_then(|rest| rest.strip_suffix(" -->"));
             match line.strip_prefix("```") {
                 Some(_) if inside => inside = false,
-                Some(info) => inside = marks.iter().any(|mark| info == format!("sh {mark}")),
-                None if inside => commands += &format!("{line}\n"),
+                Some(info) => {
+                    inside = true;
+                    wanted = marks.iter().any(|mark| info == format!("sh {mark}"));
+                }
+                None if inside && wanted => commands += &format!("{line}\n"),
+                None if wanted => commands.extend(check.map(|check| format!("{check}\n"))),
                 None => {}
             }
         }
