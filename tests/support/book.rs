@@ -56,7 +56,8 @@ impl Chapter {
         let mut commands = String::new();
         let (mut inside, mut wanted) = (false, false);
         for line in self.text.lines() {
-            let check = line.strip_prefix("<!-- check: ").and_then(|rest| rest.strip_suffix(" -->"));
+            let check =
+                line.strip_prefix("<!-- check: ").and_then(|rest| rest.strip_suffix(" -->"));
             match line.strip_prefix("```") {
                 Some(_) if inside => inside = false,
                 Some(info) => {

@@ -82,7 +82,8 @@ fn places(owners: &[u32], pieces: usize, columns: usize) -> Vec<Place> {
     let before = [1, columns - 1, columns, columns + 1];
     for i in 0..owners.len() {
         if i >= columns && i % columns > 0 && (i + 1) % columns > 0 {
-            let nearest = before.map(|back| if same(i, i - back) { reach[i - back] + 1 } else { 0 });
+            let nearest =
+                before.map(|back| if same(i, i - back) { reach[i - back] + 1 } else { 0 });
             reach[i] = nearest.into_iter().min().unwrap_or(0);
         }
     }

@@ -201,7 +201,8 @@ mod tests {
 
     #[test]
     fn faces_are_labelled_by_their_numbers_and_regions_by_their_names() {
-        let of = |names: &[&str]| labels(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
+        let of =
+            |names: &[&str]| labels(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
         assert_eq!(of(&["face-1", "face-12"]), ["1", "12"]);
         for names in [&["face-1", "seat"][..], &["face-1", "side-2"], &["1", "2"], &["face-1"]] {
             assert_eq!(of(names), names);
