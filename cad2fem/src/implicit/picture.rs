@@ -42,7 +42,7 @@ pub fn draw_thin(surface: &SurfaceMesh, thin: &[Thin], path: &Path) -> Result<()
     let panel = |plane, caption: &str| {
         let mut pieces = vec![cut(&body, plane)];
         pieces.extend(balls.iter().map(|ball| cut(ball, None)));
-        Panel { pieces, caption: caption.into() }
+        Panel { pieces, caption: caption.into(), labels: Vec::new() }
     };
     let sheet = Sheet {
         size: SIZE,
