@@ -23,7 +23,7 @@ endef
 build/.sources/%: pipelines/% always
 	$(keep-source)
 
-.PHONY: always
+# never there, so that what needs it is always looked at
 always:
 
 build/%/model/model.json: pipelines/%/model.toml | setup

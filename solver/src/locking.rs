@@ -49,7 +49,7 @@ pub struct Estimate {
     /// 1 − q(u) / q(u + δ) of the probes but those of contact.
     pub probes: BTreeMap<String, f64>,
     /// Time that it took [s].
-    pub seconds: f64,
+    pub wall_s: f64,
 }
 
 /// The estimate of a state, where the scene asks for it or its elements are likely to lock; it is said
@@ -132,14 +132,14 @@ impl Estimate {
             displacement: 1.0 - size(&u) / after,
             change: size(&by) / after,
             probes: missing.filter(|(_, part)| part.is_finite()).collect(),
-            seconds: begin.elapsed().as_secs_f64(),
+            wall_s: begin.elapsed().as_secs_f64(),
         })
     }
 
     /// What to say of it.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let Self { degree, bulk_over_shear, displacement, change, probes, seconds } = self;
+        let Self { degree, bulk_over_shear, displacement, change, probes, wall_s } = self;
         let next = degree + 1;
         let percent = 100.0 * displacement.abs();
         let amount = match displacement {
@@ -158,7 +158,7 @@ impl Estimate {
         }
         let advice = format!("; use degree = {next}, or a finer mesh");
         let advice = if *change > LARGE { &advice } else { "" };
-        words + &format!(" (one Newton step with degree {next}, {seconds:.1} s){advice}")
+        words + &format!(" (one Newton step with degree {next}, {wall_s:.1} s){advice}")
     }
 }
 

@@ -17,7 +17,7 @@ while [ $# -gt 1 ]; do [ "$1" = -o ] && out=$2; shift; done
 case $verb in
     model) mkdir -p "$out/patches"; touch "$out/model.json" "$out/patches/skin.stl" ;;
     simulate|optimize) mkdir -p "$out"; touch "$out/report.json" ;;
-    mold) mkdir -p "$out"; touch "$out/plan.json" ;;
+    mold) mkdir -p "$out"; touch "$out/assembled.png" "$out/exploded.png" "$out/plan.json" ;;
     verify) ;;
     *) mkdir -p "$(dirname "$out")"; touch "$out" ;;
 esac

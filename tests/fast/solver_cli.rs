@@ -227,7 +227,9 @@ fn options_change_what_is_written() {
     dir.solver("simulate p1.toml -o out -q").assert_good();
     let all = dir.files("out").len();
     // a second run replaces the files of the first
-    let run = dir.solver("--threads 1 simulate p1.toml -o out --final-only -q");
+    let run = dir.solver(
+        "--threads 1 simulate p1.toml -o out --final-only -q --set solver.locking=\"never\"",
+    );
     run.assert_good();
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
     let files = dir.files("out");

@@ -70,7 +70,7 @@ impl Rotation {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::test_shapes;
+    use super::super::shape::tests::shapes;
     use super::*;
 
     /// Points in the unit ball, evenly enough.
@@ -90,7 +90,7 @@ mod tests {
             depth: -0.5,
             fade: [-1.0, 1.5],
         };
-        for shape in test_shapes().into_iter().chain([crease]) {
+        for shape in shapes().into_iter().chain([crease]) {
             for center in ball().step_by(7).map(|p| p * 5.0) {
                 for r in [0.05, 0.4, 2.0] {
                     let (low, high) = shape.range(&center, r);
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_small_ball_has_a_narrow_range() {
-        for shape in test_shapes() {
+        for shape in shapes() {
             for center in ball().step_by(11).map(|p| p * 5.0).filter(|c| shape.distance(c) > 0.0) {
                 let (low, high) = shape.range(&center, 1e-4);
                 // A distance changes by 2e-4; an ellipsoid of 3:1 is no distance far from it.

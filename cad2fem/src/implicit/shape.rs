@@ -280,24 +280,22 @@ fn segment(a: &[f64; 3], b: &[f64; 3], radius: f64) -> Bounds {
     (a.inf(&b).add_scalar(-radius), a.sup(&b).add_scalar(radius))
 }
 
-/// One primitive of each kind that is a body.
 #[cfg(test)]
-pub fn test_shapes() -> Vec<Shape> {
-    let rotation = Rotation::from([30.0, -50.0, 70.0]);
-    vec![
-        Shape::Sphere { center: [1.0, 2.0, -1.0], radius: 1.5 },
-        Shape::Ellipsoid { center: [0.5, 1.0, 0.0], radii: [3.0, 2.0, 1.0], rotation },
-        Shape::Capsule { from: [0.0; 3], to: [3.0, 1.0, 2.0], radii: [1.0, 0.5] },
-        Shape::Cylinder { from: [0.0; 3], to: [1.0, 2.0, 2.0], radius: 0.7 },
-        Shape::Box { center: [1.0; 3], size: [4.0, 3.0, 2.0], rounding: 0.4, rotation },
-    ]
-}
-
-#[cfg(test)]
-mod tests {
+pub mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::test_shapes as shapes;
     use super::*;
+
+    /// One primitive of each kind that is a body.
+    pub fn shapes() -> Vec<Shape> {
+        let rotation = Rotation::from([30.0, -50.0, 70.0]);
+        vec![
+            Shape::Sphere { center: [1.0, 2.0, -1.0], radius: 1.5 },
+            Shape::Ellipsoid { center: [0.5, 1.0, 0.0], radii: [3.0, 2.0, 1.0], rotation },
+            Shape::Capsule { from: [0.0; 3], to: [3.0, 1.0, 2.0], radii: [1.0, 0.5] },
+            Shape::Cylinder { from: [0.0; 3], to: [1.0, 2.0, 2.0], radius: 0.7 },
+            Shape::Box { center: [1.0; 3], size: [4.0, 3.0, 2.0], rounding: 0.4, rotation },
+        ]
+    }
 
     fn grid() -> impl Iterator<Item = Vec3> {
         let steps = || (-20..=20).map(|i| f64::from(i) * 0.31);

@@ -210,9 +210,10 @@ fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
 /// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
 fn require_walls(boundary: &Boundary, config: &Config) -> Result<(), PlanError> {
     let (least, model) = (config.casting.least_wall, boundary.model.as_ref());
-    let on = walls::measured_on(model);
     match walls::too_thin(&boundary.cast, model, least * (1.0 - config.shrinkage())) {
-        Some((thickness, at)) => Err(PlanError::Thin { thickness, at, least, on }),
+        Some(walls::Wall { thickness, at, on }) => {
+            Err(PlanError::Thin { thickness, at, least, on })
+        }
         None => Ok(()),
     }
 }

@@ -14,7 +14,7 @@ use super::{Line, Status, fit};
 use crate::body::source::{CastPart, Input};
 use crate::config::CastingConfig;
 use crate::geometry::MM;
-use crate::geometry::walls::thinnest;
+use crate::geometry::walls::{Wall, thinnest};
 use crate::mold::Purpose;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
@@ -77,9 +77,9 @@ pub fn wall_line_with(
         }
     };
     match thinnest(surface, model.as_ref()) {
-        Some((thickness, at)) => {
+        Some(Wall { thickness, at, on }) => {
             let mut line = Line::at_least(name, thickness, least, "mm");
-            let on = model.map_or("", |_| " of the model");
+            let on = if model.is_some() { format!(" of the {on}") } else { String::new() };
             line.found += &format!("{on} at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
             line
         }

@@ -170,7 +170,7 @@ fn reflections_keep_the_outside_outside() {
 #[test]
 fn simplification_stays_within_its_tolerance() {
     let (radius, tolerance) = (0.035, 2e-4);
-    let fine = Solid::sphere(&Vec3::zeros(), radius, 128);
+    let fine = Solid::sphere(&Vec3::zeros(), radius, 512);
     let coarse = fine.simplify(tolerance);
     assert!(coarse.triangle_count() < fine.triangle_count() / 3);
     assert!(coarse.area() * tolerance > (coarse.volume() - fine.volume()).abs());

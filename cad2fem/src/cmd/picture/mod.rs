@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, requires = "together", conflicts_with = "spread")]
     row: bool,
     /// One per file, separated by commas; names in the legend with --together
-    /// [default there: names of the files, where no field gives colours]
+    /// [default with --label: names of the files]
     #[arg(long, value_delimiter = ',')]
     captions: Vec<String>,
     /// Write its caption on each file, or the number where captions are one word with numbers
@@ -158,7 +158,7 @@ fn key(args: &Args, loaded: &[Loaded], scale: Option<Scale>) -> Key {
         return key;
     }
     let mut entries: Vec<(String, Rgb)> = Vec::new();
-    if args.together {
+    if args.together && (args.label || !args.captions.is_empty()) {
         let captions = names(args).into_iter().enumerate();
         entries.extend(captions.map(|(i, c)| (c, color::palette(i))));
     } else {
