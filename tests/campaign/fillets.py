@@ -85,11 +85,15 @@ def finish(kind, occ, outside, chambers, inlets, **facts):
     def name(face, chamber_of):
         if gmsh.model.getBoundingBox(2, face)[5] < 1e-4:
             return "seat"
-        low, high = gmsh.model.getParametrizationBounds(2, face)
-        middle = gmsh.model.getValue(2, face, [(a + b) / 2 for a, b in zip(low, high)])
-        points = [[c + s * near * (k == i) for k, c in enumerate(middle)] for i in range(3) for s in (-1, 1)]
-        within = sum(gmsh.model.isInside(3, outside, point) for point in points)
-        return chamber_of(middle) if within == len(points) else "skin"
+        # of a face with holes the middle of its parameters may not be on it; its edges are
+        edges = gmsh.model.getBoundary([(2, face)], oriented=False)
+        inside = [point for point in map(middle, edges or [(2, face)]) if is_within(point)]
+        return chamber_of(inside[0]) if inside else "skin"
+
+    def is_within(point):
+        """Deeper in the outside than a part of the wall."""
+        around = [[c + s * near * (k == i) for k, c in enumerate(point)] for i in range(3) for s in (-1, 1)]
+        return all(gmsh.model.isInside(3, outside, p) for p in around)
 
     def chamber_of(point):
         return min(zip(names, inlets), key=lambda pair: math.hypot(point[0] - pair[1][0], point[1] - pair[1][1]))[0]
@@ -101,6 +105,12 @@ def finish(kind, occ, outside, chambers, inlets, **facts):
     text = step(named)
     inlet = min(radius for *_, radius, _ in inlets)
     return Body(kind, text, tuple(names), inlet=inlet, **facts)
+
+
+def middle(entity):
+    """The point of a curve or surface in the middle of its parameters."""
+    low, high = gmsh.model.getParametrizationBounds(*entity)
+    return gmsh.model.getValue(*entity, [(a + b) / 2 for a, b in zip(low, high)])
 
 
 def center(face):
