@@ -134,7 +134,7 @@ def chain(random, size, wall):
         low = min(p[2] for p in points[2:]) - radius
         if apart > 2 * radius + gap and low > gap:
             break
-        size *= 1.01  # a short row has no room to wind
+        size *= 1.0005  # a short row has no room to wind
     turn = random.choice((0.0, random.uniform(0, math.pi)))
     turned = [numpy.array([p[0] * math.cos(turn), p[0] * math.sin(turn), p[2]]) for p in points]
     model = Model(wall, size)
