@@ -70,8 +70,20 @@ impl Rotation {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::tests::shapes;
     use super::*;
+    use crate::implicit::Rotation;
+
+    /// One primitive of each kind that is a body, elsewhere than those in the tests of `shape`.
+    fn shapes() -> Vec<Shape> {
+        let rotation = Rotation::from([-20.0, 40.0, 15.0]);
+        vec![
+            Shape::Sphere { center: [0.5, -1.0, 1.0], radius: 1.2 },
+            Shape::Ellipsoid { center: [0.0, 0.5, 1.0], radii: [2.0, 3.0, 1.0], rotation },
+            Shape::Capsule { from: [1.0, 0.0, 0.0], to: [-2.0, 1.0, 1.0], radii: [0.6, 1.1] },
+            Shape::Cylinder { from: [0.0, 1.0, 0.0], to: [2.0, -1.0, 1.0], radius: 0.8 },
+            Shape::Box { center: [0.5; 3], size: [3.0, 2.0, 4.0], rounding: 0.3, rotation },
+        ]
+    }
 
     /// Points in the unit ball, evenly enough.
     fn ball() -> impl Iterator<Item = Vec3> {

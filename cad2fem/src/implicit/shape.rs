@@ -281,12 +281,12 @@ fn segment(a: &[f64; 3], b: &[f64; 3], radius: f64) -> Bounds {
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// One primitive of each kind that is a body.
-    pub fn shapes() -> Vec<Shape> {
+    fn shapes() -> Vec<Shape> {
         let rotation = Rotation::from([30.0, -50.0, 70.0]);
         vec![
             Shape::Sphere { center: [1.0, 2.0, -1.0], radius: 1.5 },

@@ -45,8 +45,8 @@ fn quantity(value: f64, unit: &str) -> String {
     let known = READABLE.iter().find(|row| row.0 == unit);
     let (value, unit) = known.map_or((value, unit), |(_, factor, name)| (value * factor, name));
     let digits = match value.abs() {
-        size if size == 0.0 => 0,
-        size if size >= 1e5 || (size < 1e-3) => return format!("{value:.3e} {unit}"),
+        0.0 => 0,
+        size if !(1e-3..1e5).contains(&size) => return format!("{value:.3e} {unit}"),
         size => (3 - size.log10().floor() as i32).clamp(0, 6) as usize,
     };
     let gap = if unit == "°" { "" } else { " " };
