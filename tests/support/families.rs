@@ -8,8 +8,11 @@ use std::fmt::Write;
 
 use solver::math::random::Random;
 
+/// Adds a body at random to a model file.
+type Build = fn(&mut Family);
+
 /// The families, which take turns.
-pub const FAMILIES: [(&str, fn(&mut Family)); 8] = [
+const FAMILIES: [(&str, Build); 8] = [
     ("lobes", lobes),
     ("bubbles", bubbles),
     ("truss", truss),
