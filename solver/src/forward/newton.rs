@@ -47,7 +47,7 @@ pub struct Newton {
     pub relative: f64,
     /// Residual below which any state counts as an equilibrium [N].
     pub absolute: f64,
-    /// The same where forces of [`PREVAIL`] times as much were to balance [N].
+    /// The same where forces of `PREVAIL` times as much were to balance [N].
     pub negligible: f64,
 }
 
