@@ -209,7 +209,8 @@ pub fn hausdorff(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> f64 {
     farthest(from, to, samples).map_or(f64::INFINITY, |(distance, _)| distance)
 }
 
-/// The same with the point of `from` that is farthest away; `None` if one of them is empty.
+/// One-sided Hausdorff distance [m] of [`hausdorff`], and the point of `from` that has it. `None` if a
+/// surface is empty.
 #[must_use]
 pub fn farthest(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> Option<(f64, Vec3)> {
     if from.triangles.is_empty() || to.triangles.is_empty() {

@@ -65,8 +65,8 @@ fn escaped(text: &str) -> Cow<'_, str> {
     text.chars().map(one).collect::<String>().into()
 }
 
-/// Control characters (C0, DEL, C1) but for the end of a line and the tab, and what changes the
-/// direction of writing or ends a line in Unicode.
+/// Whether a terminal acts on a character: control characters (C0, DEL, C1) except newline and tab,
+/// and those of Unicode that change the direction of writing or end a line.
 fn acts(c: char) -> bool {
     let directs = matches!(c,
         '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

@@ -24,7 +24,7 @@ fn refused_in(key: &str, value: &Spanned<DeValue>) -> Option<(String, Range<usiz
             let what = || {
                 let number = number.as_str();
                 format!(
-                    "{key}: {number}: numbers are 0, or from {LEAST:e} to {MOST:e} but for their sign"
+                    "{key}: {number}: numbers are 0, or from {LEAST:e} to {MOST:e} in magnitude"
                 )
             };
             (!sound).then(|| (what(), value.span()))
