@@ -171,7 +171,7 @@ fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMe
     for attempt in 1.. {
         let Request { python, layers, timeout, .. } = request;
         let mut mesh = request.mesher.mesh(python, surface, layers, &options, *timeout)?;
-        finish(&mut mesh, surface, request);
+        finish(&mut mesh, surface, request, options.envelope);
         let error = match verify(&mesh, surface, request, mesher.to_owned()) {
             Ok(outcome) => return Ok((mesh, Outcome { refused, ..outcome })),
             Err(error) if attempt == ATTEMPTS => {
@@ -187,9 +187,9 @@ fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMe
     unreachable!("the last attempt returns")
 }
 
-/// What follows the mesher, whichever it was.
-fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request) {
-    tidy(mesh, surface, request.options.envelope);
+/// What follows the mesher, whichever it was; it moves the boundary within the envelope of the try.
+fn finish(mesh: &mut TetMesh, surface: &SurfaceMesh, request: &Request, envelope: f64) {
+    tidy(mesh, surface, envelope);
     if request.layers.is_empty() {
         improve_interior(mesh, request.improve_passes);
     } else if let Some(inside) = exact_facets(&request.layers, mesh) {

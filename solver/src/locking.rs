@@ -26,6 +26,10 @@ use crate::scene::Scene;
 
 /// Bulk modulus in shear moduli up to which degree 2 is not expected to lock.
 pub const FIRM: f64 = 1e3;
+/// What to use in place of a larger one: the volume changes by the pressure over the bulk modulus, and the
+/// pressure is about shear modulus times shear strain.
+pub const FIRM_ENOUGH: &str = "100 to 1000 times, poisson = 0.4950 to 0.4995, where the volume changes by about \
+     1 to 0.1 % of the shear strain";
 /// The same beyond which Newton's method is slow.
 const SLOW: f64 = 1e4;
 /// Change of the displacement beyond which a state is not to be trusted.
@@ -82,8 +86,7 @@ pub fn foresee(scene: &Scene) {
     if ratio > SLOW {
         log::warn!(
             "nearly incompressible: the bulk modulus is {ratio:.1e} times the shear modulus; Newton's method \
-             may need many small steps, and elements lock; {FIRM:.0} times, poisson = 0.4995, change the \
-             volume by less than 0.1 % of what the shear strain is"
+             may need many small steps, and elements of degree 1 and 2 lock; use {FIRM_ENOUGH}"
         );
     }
 }

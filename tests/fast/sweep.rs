@@ -252,13 +252,19 @@ fn plant(dir: &Workdir, folder: &str) {
     write(".snakemake/iocache/latest.pkl".to_owned(), &pickle);
 }
 
-#[test]
-fn nothing_in_a_folder_of_others_runs() {
-    let Some(python) = python() else { return };
+/// A sweep of two pressures, and stand-ins for the programs.
+fn two_cases() -> (Workdir, PathBuf) {
     let text = "kind = \"list\"\n[parameters.p]\nfile = \"sim.toml\"\n\
                 set = \"chamber.cavity.pressure\"\nvalues = [1, 2]\n";
     let dir = body(text);
     let programs = stand_ins(&dir);
+    (dir, programs)
+}
+
+#[test]
+fn nothing_in_a_folder_of_others_runs() {
+    let Some(python) = python() else { return };
+    let (dir, programs) = two_cases();
     let run = |arguments: &str| {
         let mut command = sweep(&python, &dir, &programs, &format!("--cores 1 {arguments}"));
         command.env("SOLVED", dir.path("solved")).env("MENDED", dir.path("mended"));
@@ -281,10 +287,7 @@ fn nothing_in_a_folder_of_others_runs() {
 #[test]
 fn links_and_pipes_in_results_are_refused() {
     let Some(python) = python() else { return };
-    let text = "kind = \"list\"\n[parameters.p]\nfile = \"sim.toml\"\n\
-                set = \"chamber.cavity.pressure\"\nvalues = [1, 2]\n";
-    let dir = body(text);
-    let programs = stand_ins(&dir);
+    let (dir, programs) = two_cases();
     dir.write("victim", "mine");
     fs::create_dir(dir.path("elsewhere")).unwrap();
     let names =

@@ -3,7 +3,7 @@
 use mesh::io::write_tets;
 use mesh::{Tags, TetMesh, Vec3, topology};
 use serde_json::{Value, json};
-use tests::meshes::ball;
+use tests::meshes::{ball, prisms};
 use tests::workdir::Workdir;
 use tests::{block, shared, tag};
 
@@ -17,21 +17,7 @@ fn write_shell(dir: &Workdir, wall: f64) {
     let skin = topology::boundary(&ball).facets;
     let count = ball.vertices.len() - 1;
     let at = |radius: f64| ball.vertices[..count].iter().map(move |v| radius * v);
-    let vertices: Vec<Vec3> = at(10e-3 - wall).chain(at(10e-3)).collect();
-    let mut tets = Vec::new();
-    for facet in &skin {
-        let mut t = *facet;
-        t.sort_unstable();
-        let ([a, b, c], [x, y, z]) = (t, t.map(|v| v + count));
-        tets.extend([[a, b, c, z], [a, b, y, z], [a, x, y, z]]);
-    }
-    for tet in &mut tets {
-        let [a, b, c, d] = tet.map(|v| vertices[v]);
-        if mesh::measure::tet_volume(a, b, c, d) < 0.0 {
-            tet.swap(0, 1);
-        }
-    }
-    let mesh = TetMesh { vertices, tets };
+    let mesh = prisms(&skin, at(10e-3 - wall).chain(at(10e-3)).collect(), count);
     let mut tags = Tags::new(["chamber", "seat", "skin"].map(str::to_owned).to_vec());
     for facet in topology::boundary(&mesh).facets {
         let low = facet.iter().all(|&v| mesh.vertices[v].z < -6e-3);

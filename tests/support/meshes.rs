@@ -47,8 +47,7 @@ pub fn square(n: [usize; 2]) -> Plane {
 }
 
 /// Prisms over a plane in `layers` layers, three tetrahedra each, at the places
-/// that `place` gives to parameters and height in [0, 1]. Diagonals go up from
-/// the lower point id, so that neighbours agree.
+/// that `place` gives to parameters and height in [0, 1].
 #[must_use]
 pub fn extrude(plane: &Plane, layers: usize, place: impl Fn([f64; 2], f64) -> Vec3) -> TetMesh {
     let count = plane.points.len();
@@ -56,9 +55,16 @@ pub fn extrude(plane: &Plane, layers: usize, place: impl Fn([f64; 2], f64) -> Ve
     for k in 0..=layers {
         vertices.extend(plane.points.iter().map(|&p| place(p, k as f64 / layers as f64)));
     }
+    prisms(&plane.triangles, vertices, count)
+}
+
+/// Prisms between triangles and the same a layer of `count` vertices above, three tetrahedra each, for
+/// every layer of the vertices but the last. Diagonals go up from the lower vertex, so that neighbours agree.
+#[must_use]
+pub fn prisms(triangles: &[[usize; 3]], vertices: Vec<Vec3>, count: usize) -> TetMesh {
     let mut tets = Vec::new();
-    for k in 0..layers {
-        for &triangle in &plane.triangles {
+    for k in 0..vertices.len() / count - 1 {
+        for &triangle in triangles {
             let mut t = triangle;
             t.sort_unstable();
             let [a, b, c] = t.map(|i| i + k * count);

@@ -11,6 +11,8 @@ def fix_seed(library, seed):
         maps = [line.split() for line in open("/proc/self/maps") if line.rstrip().endswith(library)]
     except OSError:
         return False
+    if not maps:
+        return False
     base = int(maps[0][0].split("-")[0], 16)
 
     def number(kind, address):

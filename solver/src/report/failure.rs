@@ -13,7 +13,7 @@ use crate::body::Body;
 use crate::element::{FunctionSpace, at};
 use crate::energy::Iterate;
 use crate::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Workspace};
-use crate::locking::{FIRM, bulk_over_shear};
+use crate::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
 use crate::material::Kinematics;
 use crate::math::linear::Pivot;
 use crate::math::tensor::{Mat3, cofactor};
@@ -344,8 +344,7 @@ fn incompressible(bulk_over_shear: f64) -> String {
     format!(
         "a smaller bulk modulus: it is {bulk_over_shear:.1e} times the shear modulus, so nearly \
          incompressible that steps of Newton's method beyond a strain of about {:.0e} change the volume \
-         by more than they gain; 100 to {FIRM:.0} times, poisson = 0.4950 to 0.4995, changes the result \
-         by less than a mesh does",
+         by more than they gain; use {FIRM_ENOUGH}",
         bulk_over_shear.powf(-0.5)
     )
 }

@@ -19,7 +19,7 @@ use render::cut::cut;
 use render::shape::Shape;
 use render::sheet::{Panel, Sheet, draw_sheet, floor};
 
-/// Names beyond which there is no legend, as it would not be read.
+/// Names beyond which labels alone tell what is what, as nobody would read the legend.
 const LEGEND: usize = 30;
 
 /// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each
@@ -168,7 +168,8 @@ fn key(args: &Args, loaded: &[Loaded], scale: Option<Scale>) -> Key {
             }
         }
     }
-    if entries.is_empty() || entries.len() > LEGEND { Key::None } else { Key::Names(entries) }
+    let unread = args.label && entries.len() > LEGEND;
+    if entries.is_empty() || unread { Key::None } else { Key::Names(entries) }
 }
 
 /// What files of one panel are called: their captions, or else their names.
