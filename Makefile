@@ -91,7 +91,7 @@ validation: build/validation/done  ## simulate bodies that were measured by othe
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"
-	@cargo build --release --locked
+	@cargo build --release --locked --workspace --bins
 
 install: setup  ## programs, man pages and completions into PREFIX, /usr/local if not given; the checkout must stay
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/puffer

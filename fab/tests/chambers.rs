@@ -57,6 +57,7 @@ fn proud(said: &str, check: &str) -> (String, f64) {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn each_core_fits_into_its_own_socket_only() {
     let scene = two("method = \"soluble\"\n[casting]\nleak_test = 2e4\n");
     let said = verified(&scene);
@@ -81,6 +82,7 @@ fn each_core_fits_into_its_own_socket_only() {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn cores_that_can_be_mixed_up_are_told() {
     let scene = two("method = \"soluble\"\n[core]\nkeyed = false\n");
     let said = verified(&scene);

@@ -109,6 +109,7 @@ fn a_plane_with_an_offset() {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn every_top_gets_a_channel() {
     let scene = Scene::new(&TWO_TOPS, "[sprue]\nat = [0.01, 0.014, 0]");
     molded(&scene);
@@ -133,6 +134,7 @@ fn nothing_runs_over_before_the_mold_is_full() {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn two_chambers_have_two_cores() {
     for parting in ["", PLANE] {
         let report = molded(&Scene::new(&TWO_CHAMBERS, parting));

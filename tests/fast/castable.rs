@@ -48,8 +48,8 @@ fn the_history_tells_how_each_shape_can_be_cast() {
     // said once, as it does not change
     assert_eq!(run.stderr.matches("fab plan: pull-out").count(), 1, "{}", run.stderr);
     // the program itself says the same of the last shape
-    let plan =
-        dir.command_of("fab", "plan out/design.msh --config mold.toml -o plan").output().unwrap();
+    let command = "plan out/design.msh --config mold.toml -o plan --no-pictures";
+    let plan = dir.command_of("fab", command).output().unwrap();
     assert!(plan.status.success());
     assert_eq!(dir.json("plan/plan.json")["reason"], found[7]["reason"]);
 }
@@ -85,6 +85,7 @@ fn a_wrong_file_of_the_mold_is_refused() {
 
 /// The straight walls of the chamber begin to lean away from the pull.
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn draft_is_gained_by_a_design() {
     let dir = folder("", DRAFT);
     dir.solver("optimize design.toml -o out").assert_good();

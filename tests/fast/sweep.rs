@@ -177,6 +177,7 @@ fn stand_ins(dir: &Workdir) -> PathBuf {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn failures_are_kept_and_what_was_killed_continues() {
     let Some(python) = python() else { return };
     let dir = body(

@@ -55,6 +55,9 @@ pub struct Task {
     /// shape was designed since
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// Leave out the pictures, which take most of the time
+    #[arg(long)]
+    pub no_pictures: bool,
     /// What is asked for instead
     #[command(flatten)]
     pub changes: Changes,

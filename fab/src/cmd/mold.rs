@@ -35,9 +35,6 @@ pub struct Args {
     /// What is to be molded, and where to
     #[command(flatten)]
     pub task: Task,
-    /// Leave out the pictures, which take most of the time
-    #[arg(long)]
-    pub no_pictures: bool,
 }
 
 /// Runs the verb.
@@ -173,7 +170,7 @@ fn write_all(
     args: &Args,
     progress: Progress,
 ) -> Result<()> {
-    let pictures = !args.no_pictures;
+    let pictures = !args.task.no_pictures;
     for (entry, files) in molds {
         files.write(&folder(entry), pictures)?;
     }

@@ -15,6 +15,8 @@ pub fn run(task: &Task) -> Result<()> {
     let Planned { plan, report, .. } = task.plan()?;
     let _lock = FolderLock::new(&task.output)?;
     report.write(&task.output)?;
-    drawing::draw(&task.output.join(drawing::FILE), &plan)?;
+    if !task.no_pictures {
+        drawing::draw(&task.output.join(drawing::FILE), &plan)?;
+    }
     Ok(())
 }

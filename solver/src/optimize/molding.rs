@@ -67,7 +67,12 @@ impl Molding {
         let plan = folder.path().join("plan");
         let mut command = Command::new(program::beside("fab"));
         command.arg("-q").arg("plan").arg(&file).arg("--config").arg(&self.config);
-        command.arg("--output").arg(&plan).stdin(Stdio::null()).stderr(Stdio::piped());
+        command
+            .arg("--no-pictures")
+            .arg("--output")
+            .arg(&plan)
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped());
         let process = Process::spawn(&mut command)
             .context("fab, which plans molds: it should lie beside solver, or on the PATH")?;
         let mut said = String::new();
