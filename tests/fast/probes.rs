@@ -47,6 +47,13 @@ name = "held"
 kind = "reaction"
 on = "seat"
 axis = [3, 0, 0]
+
+[[probe]]
+name = "turn"
+kind = "bending"
+on = "top"
+to = "seat"
+axis = [0, 1, 0]
 "#;
 
 fn number(value: &Value) -> f64 {
@@ -85,10 +92,19 @@ fn probes_are_columns_and_agree_with_the_report() {
     let lines: Vec<Value> =
         dir.text("out/steps.jsonl").lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     assert!(lines.len() >= 4, "{}", lines.len());
-    for name in ["top", "inside", "marker", "bend", "apart", "wall", "bow", "air", "held"] {
+    for name in ["top", "inside", "marker", "bend", "apart", "wall", "bow", "air", "held", "turn"] {
         assert_eq!(&lines[lines.len() - 1]["probes"][name], last(name), "{name}");
         assert_ne!(lines[0]["probes"][name], lines[1]["probes"][name], "{name}");
     }
+    let table = dir.text("out/curve.csv");
+    let mut rows = table.lines();
+    let header = "load [1],cavity pressure [Pa],cavity volume [m^3],top [m],air [m^3],inside [m],\
+                  marker [m],bend [deg],apart [m],wall [m],bow [1/m],held [N],turn [deg]";
+    assert_eq!(rows.next(), Some(header));
+    assert_eq!(rows.clone().count(), lines.len());
+    let row: Vec<f64> = rows.last().unwrap().split(',').map(|n| n.parse().unwrap()).collect();
+    assert_eq!([row[0], row[1]], [1.0, PRESSURE]);
+    assert_eq!(row[12], number(last("turn")));
     dir.solver("plot out/steps.jsonl --x probes.air*1e6 --y probes.top*1e3 -o curve.svg")
         .assert_good();
 }

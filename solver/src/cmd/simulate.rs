@@ -20,6 +20,7 @@ use crate::locking;
 use crate::memory;
 use crate::probe::Probe;
 use crate::report::crossing::Crossing;
+use crate::report::curve::CURVE;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::leap::leap;
 use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
@@ -34,7 +35,7 @@ use crate::uncertainty;
 ///
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
 /// (exact, of the last state), result.pvd with one .vtu per load step or, in a
-/// scene with [time], per time step, steps.jsonl with one line for each, and
+/// scene with [time], per time step, steps.jsonl with one line for each, curve.csv with a row, and
 /// result.vtu. A run that was interrupted continues after its last step when the same
 /// command is given again.
 #[derive(clap::Args)]
@@ -436,7 +437,7 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
         let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", failure::STATE];
-        let unless_kept = ["result.pvd", STEPS];
+        let unless_kept = ["result.pvd", STEPS, CURVE];
         let step = name.starts_with("step_") && name.ends_with(".vtu");
         if ours.contains(&name)
             || (done == 0 && unless_kept.contains(&name))

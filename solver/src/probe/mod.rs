@@ -7,6 +7,7 @@
 
 mod angle;
 mod axis;
+mod bending;
 mod contact_force;
 mod curvature;
 mod displacement;
@@ -15,6 +16,7 @@ mod gap;
 mod kind;
 mod magnitude;
 mod means;
+mod normal;
 mod point;
 mod reaction;
 #[cfg(test)]
@@ -35,6 +37,7 @@ pub const KINDS: &[Kind] = &[
     displacement::KIND,
     magnitude::KIND,
     point::KIND,
+    bending::KIND,
     angle::KIND,
     distance::KIND,
     gap::KIND,

@@ -12,6 +12,7 @@ use crate::body::Body;
 use crate::config::{ObjectiveConfig, ProbeConfig};
 use crate::objective::Context;
 use crate::objective::tests::Case;
+use crate::testing::cube;
 
 /// The faces of the cube, across x, y and z.
 const FACES: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["bottom", "top"]];
@@ -27,6 +28,7 @@ fn probes(s: f64) -> Vec<String> {
         format!("kind = 'point'\nat = {inside}\naxis = [0, 1, 1]"),
         format!("kind = 'point'\nat = {outside:?}\non = 'top'\naxis = [1, -1, 2]"),
         "kind = 'angle'\non = 'top'\nto = 'left'".to_owned(),
+        "kind = 'bending'\non = 'top'\nto = 'left'\naxis = [0.3, 2, 0.4]".to_owned(),
         "kind = 'distance'\non = 'top'\nto = 'left'".to_owned(),
         "kind = 'gap'\non = 'top'\nto = 'bottom'".to_owned(),
         "kind = 'curvature'\non = ['left', 'top', 'right', 'bottom']".to_owned(),
@@ -39,9 +41,10 @@ fn probes(s: f64) -> Vec<String> {
 fn body(case: &Case) -> Body {
     let mesh = TetMesh { vertices: case.rest.clone(), tets: case.space.tets().to_vec() };
     let mut tags = Tags::new(FACES.concat().into_iter().map(str::to_owned).collect());
+    let far = case.rest.iter().fold(Vec3::zeros(), |far, x| far.sup(x));
     for &facet in &case.facets {
         for (axis, id) in (0..3).zip([1, 3, 5]) {
-            let x = facet.map(|v| case.rest[v][axis] / case.scale);
+            let x = facet.map(|v| case.rest[v][axis] / far[axis]);
             for (side, id) in [(0.0, id), (1.0, id + 1)] {
                 if x.iter().all(|x| (x - side).abs() < 1e-9) {
                     tags.set(facet, id);
@@ -147,6 +150,29 @@ fn a_tilted_face_has_its_closed_form() {
     }
 }
 
+/// A bar of 1 × 0.05 × 0.05 that is rolled up by an angle, both ways and beyond whole turns, and
+/// turned as a whole.
+#[test]
+fn bending_counts_whole_turns() {
+    let mut bar = cube(8, 0.0);
+    bar.vertices.iter_mut().for_each(|x| x.component_mul_assign(&Vec3::new(1.0, 0.05, 0.05)));
+    let turn = Rotation3::from_axis_angle(&Vec3::y_axis(), 2.9);
+    for (degree, angle) in [(1, 30.0), (2, -170.0), (1, 200.0), (2, 450.0), (1, -800.0)] {
+        let mut case = Case::of(&bar, degree, 1.0);
+        let rolled = |x: Vec3| {
+            let (radius, a) = (-1.0 / f64::to_radians(angle), f64::to_radians(angle) * x.x);
+            let r = radius - x.z;
+            turn * Vec3::new(-r * a.sin(), x.y, radius - r * a.cos()) - x
+        };
+        let nodes = case.space.node_positions(&case.rest);
+        case.u = nodes.into_iter().flat_map(|x| <[f64; 3]>::from(rolled(x))).collect();
+        let found = |keys: &str| build(&case, keys).expect(keys).value(&case.at());
+        near(found("kind = 'bending'\non = 'right'\nto = 'left'\naxis = [0, 2, 0]"), angle);
+        near(found("kind = 'bending'\non = 'right'\nto = 'left'\naxis = [0, -1, 0]"), -angle);
+        near(found("kind = 'bending'\non = 'left'\nto = 'right'\naxis = [0, 1, 0]"), -angle);
+    }
+}
+
 #[test]
 fn what_cannot_be_measured_is_refused() {
     let case = Case::cube(1, 1.0);
@@ -168,6 +194,11 @@ fn what_cannot_be_measured_is_refused() {
         ("kind = 'gap'\non = 'top'\nto = 'left'", "share 3 vertices"),
         ("kind = 'curvature'\non = ['top', 'left']", "found 2 tags"),
         ("kind = 'curvature'\non = ['top', 'left', 'top']", "\"top\" occurs twice"),
+        ("kind = 'bending'\non = 'top'\nto = 'left'", "missing field `axis`"),
+        (
+            "kind = 'bending'\non = 'top'\nto = 'left'\naxis = [0, 0.02, 1]",
+            "tag \"top\": its mean normal is 1° from the axis",
+        ),
         ("kind = 'reaction'\non = 'top'\naxis = [0, 0, 1]", "fixed are: bottom"),
     ] {
         let error = match build(&case, keys) {

@@ -5,6 +5,7 @@
 pub mod columns;
 pub mod compare;
 pub mod crossing;
+pub mod curve;
 pub mod failure;
 pub mod fields;
 pub mod leap;

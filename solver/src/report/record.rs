@@ -1,5 +1,5 @@
 //! What a run writes while it runs, so that nothing is lost when it is killed:
-//! a line of `steps.jsonl` and a picture per reported step, and the checkpoint.
+//! a line of `steps.jsonl`, a row of `curve.csv` and a picture per reported step, and the checkpoint.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 use crate::energy::{Iterate, Multiplier};
 use crate::forward::{LoadStep, Problem, Progress, Timings};
 use crate::probe::{Probe, measure};
-use crate::report::results;
 use crate::report::writer::Finished;
+use crate::report::{curve, results};
 use crate::scene::Scene;
 
 /// One line per reported step.
@@ -186,7 +186,7 @@ impl<'a> Recorder<'a> {
         mesh::io::write_atomic(&self.folder.join(STEPS), |out| {
             self.lines.iter().try_for_each(|line| writeln!(out, "{line}"))
         })?;
-        Ok(())
+        curve::write(&self.folder, &self.lines, self.probes)
     }
 }
 
