@@ -402,9 +402,13 @@ impl Scene {
 
     /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].
     fn negligible_force(&self) -> f64 {
-        let shears = self.laws.iter().map(|law| law.material.moduli().shear);
         let size = mesh::measure::volume(&self.body.mesh).cbrt();
-        NEGLIGIBLE_STRAIN * shears.fold(0.0, f64::max) * size * size
+        NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
+    }
+
+    /// Of all materials, at rest [Pa].
+    fn largest_shear_modulus(&self) -> f64 {
+        self.laws.iter().map(|law| law.material.moduli().shear).fold(0.0, f64::max)
     }
 }
 

@@ -47,6 +47,38 @@ fn refuse(cases: &[(&str, &str, &[&str])]) {
     }
 }
 
+/// Half of the shortest edge is 2.5 mm; the modulus is that of the material.
+#[test]
+fn what_a_contact_leaves_open_comes_from_mesh_and_material() {
+    let dir = workdir();
+    let open = scene().replace("activation = 1e-4\nstiffness = 1e5\n", "");
+    let shear = 1e5 / (2.0 * (1.0 + 0.35));
+    let given =
+        open.replace("[contact]", &format!("[contact]\nactivation = 2e-3\nstiffness = {shear:?}"));
+    dir.write("open.toml", &open.replace("translate = [0, 0, 2e-3]", "translate = [0, 0, 3e-3]"));
+    dir.write("given.toml", &given.replace("translate = [0, 0, 2e-3]", "translate = [0, 0, 3e-3]"));
+    for name in ["open", "given"] {
+        dir.solver(&format!("simulate {name}.toml -o {name}")).assert_good();
+    }
+    assert_eq!(dir.text("open/steps.jsonl"), dir.text("given/steps.jsonl"));
+    let table = dir.text("open/curve.csv");
+    assert!(table.starts_with("t [s]\n") && table.lines().count() == 11, "{table}");
+    let plain = open.replace("[contact]", "[contact]\nform = \"plain\"");
+    dir.write("plain.toml", &plain);
+    dir.solver("simulate plain.toml -o plain")
+        .assert_refused(2, &["[contact]", "needs a stiffness"]);
+}
+
+#[test]
+fn an_obstacle_in_millimetres_is_refused() {
+    let dir = workdir();
+    let mut floor = mesh::io::read_surface(&dir.path("floor.stl")).unwrap();
+    floor.vertices.iter_mut().for_each(|x| *x *= 1e3);
+    write_surface(&dir.path("floor.stl"), &floor).unwrap();
+    let run = dir.solver("simulate sim.toml -o out");
+    run.assert_refused(2, &["floor.stl", "2900.", "cad2fem import FILE --unit mm"]);
+}
+
 #[test]
 fn surfaces_that_are_not_apart_at_the_start() {
     refuse(&[

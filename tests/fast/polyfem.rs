@@ -82,7 +82,7 @@ fn the_walker_on_its_way() {
     let Some(reference) = reference("walker_dyn50") else { return };
     let file = "walker/state_walker.json";
     let Some((_dir, scene)) = scene(file, &Options::default(), as_published) else { return };
-    let activation = scene.config.contact().unwrap().activation;
+    let activation = scene.config.contact().unwrap().activation.unwrap();
     let steps = compare(scene, &reference, 50);
     agree(&steps, 5, 1e-4, 1e-2);
     let force = apart(&steps, |t| t.force.y);

@@ -160,7 +160,7 @@ pub fn compare(scene: Scene, reference: &Reference, count: usize) -> Vec<Compare
 /// Elastic energy now, and how the first body touches others.
 fn state(motion: &mut Motion) -> (f64, Touch) {
     let config = &motion.scene.config;
-    let activation = config.contact().map_or(0.0, |contact| contact.activation);
+    let activation = config.contact().and_then(|contact| contact.activation).unwrap_or(0.0);
     let slab = config.fixed.iter().any(|f| f.components == "z");
     let (low, high) = mesh::measure::bounds(&motion.scene.body.mesh.vertices);
     let depth = if slab { high.z - low.z } else { 1.0 };

@@ -238,8 +238,9 @@ impl ContactConfig {
         for (key, unit, value) in [
             ("activation", "m", c.activation),
             ("stiffness", "Pa", c.stiffness),
-            ("friction_speed", "m/s", c.friction_speed),
+            ("friction_speed", "m/s", Some(c.friction_speed)),
         ] {
+            let Some(value) = value else { continue };
             ensure!(
                 value > 0.0 && value.is_finite(),
                 "[contact]: {key} = {value} {unit}: must be positive and finite"
@@ -251,6 +252,10 @@ impl ContactConfig {
                 "[contact]: {key} = {value}{unit}: must be finite and not negative"
             );
         }
+        ensure!(
+            c.form != super::ContactForm::Plain || c.stiffness.is_some(),
+            "[contact]: form = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it"
+        );
         ensure!(c.split.is_none_or(|s| (1..=8).contains(&s)), "[contact]: split must be 1 to 8");
         Ok(())
     }

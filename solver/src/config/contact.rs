@@ -61,10 +61,12 @@ pub struct ContactConfig {
     /// Which features repel each other.
     #[serde(default)]
     pub pairs: Pairs,
-    /// Distance below which surfaces repel each other, beyond `thickness` [m].
-    pub activation: f64,
-    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴].
-    pub stiffness: f64,
+    /// Distance below which surfaces repel each other, beyond `thickness` [m]. If not given, the
+    /// largest of 1, 2 or 5 × 10ⁿ m within half of the shortest edge of the collision surface.
+    pub activation: Option<f64>,
+    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴]. If not given, the largest shear
+    /// modulus of the bodies; the plain form needs it.
+    pub stiffness: Option<f64>,
     /// Distance that surfaces never fall below [m].
     #[serde(default)]
     pub thickness: f64,

@@ -75,8 +75,7 @@ impl Scene {
         energies: &Energies,
     ) -> Vec<Multiplier> {
         let nodes = space.node_positions(&body.mesh.vertices);
-        let shears = self.laws.iter().map(|law| law.material.moduli().shear);
-        let shear = shears.fold(0.0, f64::max);
+        let shear = self.largest_shear_modulus();
         let one = |chamber: &Chamber| Multiplier {
             pressure: 0.0,
             penalty: PENALTY * shear / chamber.wall.volume(space, |n| nodes[n]),

@@ -7,12 +7,15 @@ use mesh::Vec3;
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::beside;
+use crate::config::{ContactConfig, beside};
 use crate::contact::barrier::Barrier;
 use crate::contact::rest_offset::Close;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
 use crate::energy::{Contact, Friction};
+
+/// Size of an obstacle from which it looks like one in millimetres [that of the bodies].
+const LARGEST_OBSTACLE: f64 = 100.0;
 
 /// Contact of a scene.
 pub(super) struct Collisions {
@@ -38,7 +41,10 @@ impl Scene {
         let Some(config) = self.config.contact() else { return Ok(None) };
         let mut obstacles = Vec::new();
         for obstacle in &self.config.obstacle {
-            let surface = mesh::io::read_surface_in_metres(&beside(&self.path, &obstacle.surface))?;
+            let path = beside(&self.path, &obstacle.surface);
+            let surface = mesh::io::read_surface_in_metres(&path)?;
+            check_unit(&surface.vertices, &body.mesh.vertices)
+                .with_context(|| path.display().to_string())?;
             let (surface, mirrored) = self.complete(surface, obstacle, body)?;
             let moves = obstacle.displacement.0.iter().any(|s| !s.is_zero());
             let displacement = obstacle.displacement.clone();
@@ -54,12 +60,7 @@ impl Scene {
         let facets = (body.boundary(), &parts[..]);
         let surface =
             Arc::new(Surface::symmetric(&body.planes, space, facets, obstacles, split, fixed));
-        let barrier = Barrier {
-            form: config.form,
-            activation: config.activation,
-            stiffness: config.stiffness,
-            thickness: config.thickness,
-        };
+        let barrier = self.barrier(config, &surface, space, body);
         let rest = surface.rest(space, &body.mesh.vertices);
         let context = || self.path.display().to_string();
         check_edges(&surface, &rest, &barrier).with_context(context)?;
@@ -80,6 +81,29 @@ impl Scene {
         self.check_nested(&surface, &rest).with_context(context)?;
         self.check_gaps(&contact, &rest, &barrier).with_context(context)?;
         Ok(Some(Collisions { contact, friction }))
+    }
+
+    /// The barrier, with what the scene leaves open taken from the mesh and the materials. A
+    /// design does not change them: they are those of the scene's own shape.
+    fn barrier(
+        &self,
+        config: &ContactConfig,
+        surface: &Surface,
+        space: &FunctionSpace,
+        body: &Body,
+    ) -> Barrier {
+        let &ContactConfig { form, thickness, .. } = config;
+        let own = &self.body.mesh.vertices;
+        let vertices = if own.len() == space.vertex_count() { own } else { &body.mesh.vertices };
+        let by_mesh = || {
+            let shortest = shortest_edge(surface, &surface.rest(space, vertices));
+            let size = || mesh::measure::volume(&body.mesh).cbrt();
+            round_down(0.5 * shortest.map_or_else(size, |(length, _)| length - thickness))
+        };
+        let activation = config.activation.unwrap_or_else(by_mesh);
+        let stiffness = config.stiffness.unwrap_or_else(|| self.largest_shear_modulus());
+        log::debug!("[contact]: activation = {activation:.1e} m, stiffness = {stiffness:.3e}");
+        Barrier { form, activation, stiffness, thickness }
     }
 
     /// Surfaces must be farther apart at rest than they may ever come; what is within the
@@ -134,10 +158,7 @@ impl Scene {
 /// Features of one surface that share no vertex must be farther apart than the
 /// barrier reaches, or it would push neighbours apart at rest.
 fn check_edges(surface: &Surface, rest: &[Vec3], barrier: &Barrier) -> Result<()> {
-    let movable = surface.features().edges.iter().filter(|edge| !surface.immovable(&edge[..]));
-    let length = |&[a, b]: &[usize; 2]| (rest[a] - rest[b]).norm();
-    let shortest = movable.map(|edge| (length(edge), edge[0])).min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((shortest, at)) = shortest else { return Ok(()) };
+    let Some((shortest, at)) = shortest_edge(surface, rest) else { return Ok(()) };
     let p = rest[at];
     ensure!(
         barrier.range() < shortest,
@@ -151,4 +172,31 @@ fn check_edges(surface: &Surface, rest: &[Vec3], barrier: &Barrier) -> Result<()
         if barrier.range() < 2.0 * shortest { ", or a smaller split" } else { "" }
     );
     Ok(())
+}
+
+/// An obstacle must not be as large as if its unit were another than that of the bodies.
+fn check_unit(obstacle: &[Vec3], bodies: &[Vec3]) -> Result<()> {
+    let [size, of_bodies] = [obstacle, bodies].map(mesh::measure::diagonal);
+    let unlikely = mesh::measure::unlikely_size(obstacle).is_some();
+    ensure!(
+        !unlikely || size < LARGEST_OBSTACLE * of_bodies,
+        "the obstacle is {size:.4} m from corner to corner, the bodies are {of_bodies:.4} m: lengths \
+         are read as metres\n  is its unit another? `cad2fem import FILE --unit mm -o OBSTACLE.stl` \
+         converts it"
+    );
+    Ok(())
+}
+
+/// The shortest edge of a collision surface that moves: its length [m] and one of its ends.
+fn shortest_edge(surface: &Surface, rest: &[Vec3]) -> Option<(f64, usize)> {
+    let movable = surface.features().edges.iter().filter(|edge| !surface.immovable(&edge[..]));
+    let length = |&[a, b]: &[usize; 2]| (rest[a] - rest[b]).norm();
+    movable.map(|edge| (length(edge), edge[0])).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The largest of 1, 2 or 5 × 10ⁿ that is no larger.
+fn round_down(length: f64) -> f64 {
+    let power = length.log10().floor();
+    let digit = [5.0, 2.0].into_iter().find(|digit| digit * 10_f64.powf(power) <= length);
+    digit.unwrap_or(1.0) * 10_f64.powf(power)
 }
