@@ -12,7 +12,7 @@ use crate::memory::peak_rss_mb;
 /// Inputs with fewer triangles are processed within seconds.
 const LARGE: usize = 100_000;
 /// Time between two messages of a [`Heartbeat`].
-const HEARTBEAT: Duration = Duration::from_secs(30);
+const HEARTBEAT: Duration = Duration::from_secs(10);
 
 /// Reports the steps of a program with the time since its start.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl Progress {
     }
 }
 
-/// Says what long work has come to, now and then: work of less than half a minute says nothing.
+/// Says what long work has come to, now and then: work of less than ten seconds says nothing.
 #[derive(Debug)]
 pub struct Heartbeat {
     last: Instant,
@@ -51,7 +51,7 @@ impl Heartbeat {
         Self { last: Instant::now() }
     }
 
-    /// Logs a message where the last one, or the start, is half a minute ago.
+    /// Logs a message where the last one, or the start, is ten seconds ago.
     pub fn say(&mut self, message: impl FnOnce() -> String) {
         if self.last.elapsed() >= HEARTBEAT {
             log::info!("{}", message());

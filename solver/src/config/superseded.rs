@@ -34,6 +34,14 @@ pub(super) fn refuse_in_design(settings: &Settings) -> Result<()> {
 
 fn refuse(settings: &Settings, old: &[Old]) -> Result<()> {
     let file: Table = settings.parse()?;
+    if let Some(value) = file.get("pressure").filter(|value| !value.is_table() && !value.is_array())
+    {
+        bail!(
+            "{}: pressure = {value}: a pressure is that of a chamber: [[chamber]] with on = \"TAG\" and \
+             pressure = {value}; from outside --set chamber.TAG.pressure={value}",
+            settings.file().path.display()
+        );
+    }
     let found: Vec<&Old> = old.iter().filter(|(name, _)| file.contains_key(*name)).collect();
     if found.is_empty() {
         return Ok(());
@@ -73,6 +81,15 @@ fn today(file: &Table, (name, renamed): &Old) -> Vec<String> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use crate::config::{DesignConfig, SimConfig};
+
+    #[test]
+    fn a_pressure_of_nothing_is_told_where_it_belongs() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sim.toml");
+        std::fs::write(&path, "mesh = \"a.msh\"\npressure = 3\n").unwrap();
+        let message = format!("{:#}", SimConfig::read(&path).unwrap_err());
+        assert!(message.contains("--set chamber.TAG.pressure=3"), "{message}");
+    }
 
     #[test]
     fn old_tables_are_written_anew_with_their_values() {

@@ -17,6 +17,8 @@
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapters 3 and 6.
 
+use program::Heartbeat;
+
 use super::hessian_modification::{Modification, Point, direction};
 use super::line_search::{Accepted, line_search};
 use super::{Configuration, Problem, Uncertified, Workspace};
@@ -202,11 +204,18 @@ impl Newton {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
         let mut peak = 0.0_f64;
         let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
+        let mut heartbeat = Heartbeat::start();
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
             peak = peak.max(now.scale);
             let (residual, wanted) = (now.residual, self.wanted(now.scale, peak));
             log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
+            heartbeat.say(|| {
+                let t = at.load;
+                format!(
+                    "towards t = {t:.4}: newton {iterations}  |g| {residual:.1e} of {wanted:.1e} N"
+                )
+            });
             residuals.push(residual);
             // an infinite one is within a tolerance that is infinite
             if !residual.is_finite() {

@@ -278,6 +278,8 @@ mod tests {
             ("1 + ", "it ends where a value is needed", 5),
             ("", "it ends where a value is needed", 1),
             ("2 t", "'t' where it should end", 3),
+            ("10 kPa", "numbers have no unit here, they are in pascals: times 1e3, not \"kPa\"", 4),
+            ("3 mm", "they are in metres: times 1e-3, not \"mm\"", 3),
             ("(1 + 2", "it ends where ')' is needed", 7),
             ("min(1)", "min has 1 arguments, needs 2", 1),
             ("3*if(1,2)", "if has 2 arguments, needs 3", 3),

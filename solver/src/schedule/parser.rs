@@ -50,8 +50,37 @@ pub(super) fn parse(text: &str) -> Result<Node, Malformed> {
     let root = parser.sum()?;
     match parser.peek() {
         None => Ok(root),
-        Some(c) => Err(parser.malformed(format!("'{c}' where it should end"))),
+        Some(c) => Err(parser.malformed(match unit(&characters[parser.next..]) {
+            Some((unit, [value, of])) => format!(
+                "numbers have no unit here, they are in {of}: times {value}, not \"{unit}\""
+            ),
+            None => format!("'{c}' where it should end"),
+        })),
     }
+}
+
+/// Units that people write after a number, each with what it is in that of the SI.
+const UNITS: [(&[&str], [&str; 2]); 12] = [
+    (&["Pa"], ["1", "pascals"]),
+    (&["mbar", "hPa"], ["1e2", "pascals"]),
+    (&["kPa"], ["1e3", "pascals"]),
+    (&["bar"], ["1e5", "pascals"]),
+    (&["MPa"], ["1e6", "pascals"]),
+    (&["psi"], ["6894.76", "pascals"]),
+    (&["um", "µm"], ["1e-6", "metres"]),
+    (&["mm"], ["1e-3", "metres"]),
+    (&["cm"], ["1e-2", "metres"]),
+    (&["ml", "mL"], ["1e-6", "cubic metres"]),
+    (&["ms"], ["1e-3", "seconds"]),
+    (&["mN"], ["1e-3", "newtons"]),
+];
+
+/// The unit that the rest of a text is.
+fn unit(rest: &[char]) -> Option<(String, [&'static str; 2])> {
+    let rest: String = rest.iter().collect();
+    let rest = rest.trim();
+    let (_, meaning) = UNITS.iter().find(|(names, _)| names.contains(&rest))?;
+    Some((rest.to_owned(), *meaning))
 }
 
 struct Parser<'a> {

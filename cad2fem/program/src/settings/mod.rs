@@ -27,6 +27,9 @@ use crate::InputFile;
 const DEPTH: usize = 8;
 const MOST_FILES: usize = 100;
 
+/// Endings of files that are given in place of settings by mistake.
+const SHAPES: [&str; 10] = ["msh", "stl", "obj", "ply", "off", "3mf", "vtu", "step", "stp", "geo"];
+
 /// What a format says of its keys, besides their types.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Keys {
@@ -205,6 +208,13 @@ impl Settings {
         ensure!(
             self.sources.len() < MOST_FILES,
             "{MOST_FILES} files are included, no more are read"
+        );
+        let extension = mesh::io::extension(path);
+        ensure!(
+            !SHAPES.contains(&extension.as_str()),
+            "{}: a .{extension} file is a shape or a mesh, and a file with settings is needed here, \
+             such as sim.toml",
+            path.display()
         );
         let text = read_text(path)?;
         let canonical = path.canonicalize().with_context(|| path.display().to_string())?;

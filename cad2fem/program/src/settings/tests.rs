@@ -205,7 +205,14 @@ fn includes_that_cannot_be_meant_are_refused() {
         ("there/wrong.toml", "degree = 1\nmash = ''\n"),
         ("later.toml", "degree = 1\npuffer = '7.5'\n"),
         ("gone.toml", "include = 'none.toml'\n"),
+        ("body.msh", "$MeshFormat\n4.1 0 8\n"),
     ]);
+    let message = folder.refuses("body.msh", &[]);
+    assert_eq!(
+        message,
+        "body.msh: a .msh file is a shape or a mesh, and a file with settings is needed here, such \
+         as sim.toml"
+    );
     assert!(folder.refuses("a.toml", &[]).contains("included by itself"));
     let message = folder.refuses("same.toml", &[]);
     assert!(message.starts_with("same.toml: nothing of peak.toml is used"), "{message}");
