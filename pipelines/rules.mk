@@ -145,7 +145,8 @@ endef
 # its simulation $(5), if there is one: the walls are then checked under load, too.
 define cast
 $(2)/mold/plan.json: $(4) $(call source,$(call from,$(1))/mold.toml) | setup
-	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
+	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh %/optimize/design.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
+		$(if $(filter %/optimize/design.msh,$(3)),--from $(2)/tagged.msh) \
 		--config $(call from,$(1))/mold.toml -o $$(@D)
 
 $(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup

@@ -20,7 +20,9 @@ use mesh::solid::Solid;
 fn an_undamaged_copy_passes() {
     let lines = after(|_| ());
     // Supports are needed below the ceilings of any mold.
-    let fine = |line: &&Line| line.status == Status::Ok || line.name.ends_with(": overhang");
+    // There is no CAD of cubes.
+    let known = |name: &str| name.ends_with(": overhang") || name == "surface: mold to CAD";
+    let fine = |line: &&Line| line.status == Status::Ok || known(&line.name);
     let bad: Vec<&Line> = lines.iter().filter(|line| !fine(line)).collect();
     assert!(bad.is_empty(), "{bad:#?}");
 }

@@ -240,7 +240,7 @@ fn bad_configurations() {
     for (config, message) in [
         (
             "wal = 1",
-            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `layers`, `limits`",
+            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `layers`, `surface`",
         ),
         (
             "chamber = \"hole\"",

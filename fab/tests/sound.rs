@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use std::ffi::OsStr;
+use std::process::Output;
 
 use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, fab, stderr, stdout};
 use fab::config::method::Method;
+use fab::files::report::MoldReport;
 use fab::plan::report::PlanReport;
 use mesh::Vec3;
 use mesh::io::{read_tets, write_surface, write_tets};
@@ -20,6 +22,11 @@ fn moved(body: &Cubes, config: &str, place: impl FnMut(&mut Vec3)) -> Scene {
     msh.mesh.vertices.iter_mut().for_each(place);
     write_tets(&path, &msh.mesh, &msh.tags).unwrap();
     scene
+}
+
+/// Standard output of a run with single spaces.
+fn words(output: &Output) -> String {
+    stdout(output).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The plan of a mold that is made and verified.
@@ -153,6 +160,16 @@ fn walls_are_measured_on_the_model_if_it_is_that_of_the_mesh() {
     let verified = scene.verify();
     assert!(verified.status.success(), "{}", stdout(&verified));
     assert!(stdout(&verified).contains("1.040 mm of the model at ("), "{}", stdout(&verified));
+    // The model is cast, from which the tetrahedra are 0.08 mm away.
+    for line in ["ok surface: mold to CAD ", "ok surface: mold to design 0.08"] {
+        assert!(words(&verified).contains(line), "{}", stdout(&verified));
+    }
+    scene.configure("method = \"soluble\"\nsurface = \"mesh\"\ncasting.least_wall = 5e-4");
+    let made = with_model();
+    assert!(made.status.success(), "{}", stderr(&made));
+    let of_mesh = scene.verify();
+    assert!(words(&of_mesh).contains("warn surface: mold to CAD 0.08"), "{}", stdout(&of_mesh));
+    scene.configure("method = \"soluble\"");
 
     model(0.12);
     let changed = scene.verify();
@@ -165,4 +182,49 @@ fn walls_are_measured_on_the_model_if_it_is_that_of_the_mesh() {
     let other = with_model();
     assert_eq!(other.status.code(), Some(2));
     assert!(stderr(&other).contains("up to 0.640 mm from it"), "{}", stderr(&other));
+}
+
+/// The chamber and what a design makes of it, with a model whose outside is 0.1 mm wider than the mesh.
+#[test]
+fn of_a_design_what_did_not_move_is_cast_as_in_the_model() {
+    let scene = Scene::new(&CHAMBER, "core.support = \"stub\"");
+    let file = read_tets(&scene.path("design.msh")).unwrap();
+    write_tets(&scene.path("tagged.msh"), &file.mesh, &file.tags).unwrap();
+    let mut model = boundary(&file.mesh).surface(&file.mesh).0;
+    let wide = 5.0 * CELL - 1e-9;
+    model.vertices.iter_mut().filter(|p| p.x > wide).for_each(|p| p.x += 1e-4);
+    write_surface(&scene.path("model.stl"), &model).unwrap();
+    // The ceiling of the chamber, at 20 mm, is designed 1 mm higher.
+    let mut design = file.mesh.clone();
+    let inside = |p: &&mut Vec3| {
+        p.z > 4.9 * CELL
+            && p.z < 5.1 * CELL
+            && p.x > 0.9 * CELL
+            && p.x < 4.1 * CELL
+            && p.y > 1.9 * CELL
+            && p.y < 5.1 * CELL
+    };
+    design.vertices.iter_mut().filter(inside).for_each(|p| p.z += 1e-3);
+    write_tets(&scene.path("design.msh"), &design, &file.tags).unwrap();
+    let files = ["design.msh", "tagged.msh", "model.stl", "mold.toml", "mold"];
+    let [mesh, from, model, config, out] = files.map(|name| scene.path(name));
+    let mold = |from: &[&OsStr]| {
+        let [c, o, m, n] = ["--config", "-o", "--model", "--no-pictures"].map(OsStr::new);
+        let all = [OsStr::new("mold"), mesh.as_os_str(), c, config.as_os_str(), o, out.as_os_str()];
+        fab(&[&all, &[m, model.as_os_str(), n][..], from].concat())
+    };
+    // A model is not that of a design.
+    let alone = mold(&[]);
+    assert_eq!(alone.status.code(), Some(2), "{}", stderr(&alone));
+    let made = mold(&[OsStr::new("--from"), from.as_os_str()]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    let verified = scene.verify();
+    let said = stdout(&verified);
+    assert!(verified.status.success(), "{said}");
+    assert!(said.contains("at most 0.0500 mm where nothing moved"), "{said}");
+    assert!(words(&verified).contains("ok surface: mold to design 0.1"), "{said}");
+    let report = MoldReport::read(&scene.path("mold")).unwrap();
+    // 181 cubes of 64 mm³, less 12 × 12 × 1 mm, with a layer of 28 × 24 × 0.1 mm.
+    let volume = 181.0 * 64.0 - 144.0 + 28.0 * 24.0 * 0.1;
+    assert!((report.cast.volume - volume).abs() < 0.05, "{}", report.cast.volume);
 }

@@ -224,7 +224,8 @@ pub fn farthest(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> Option<
 }
 
 /// About `count` points spread evenly by area.
-fn spread(surface: &SurfaceMesh, count: usize) -> Vec<Vec3> {
+#[must_use]
+pub fn spread(surface: &SurfaceMesh, count: usize) -> Vec<Vec3> {
     // Roberts' R2 sequence: powers of the plastic number fill the unit square evenly.
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
     let density = count as f64 / area(surface);

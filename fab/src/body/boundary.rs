@@ -15,7 +15,8 @@ use mesh::io::MshFile;
 use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
 
-use crate::config::Chambers;
+use super::air::AirPaths;
+use crate::config::{Casts, Chambers};
 use crate::geometry::cap::{self, Cap, CapError};
 use crate::geometry::walls::OFF;
 
@@ -36,23 +37,14 @@ pub struct Boundary {
     pub filled: SurfaceMesh,
     /// Boundary of the body: what is cast [m].
     pub cast: SurfaceMesh,
-    /// The surface that the body was meshed from, on which its walls are measured [m].
-    pub model: Option<SurfaceMesh>,
+    /// Which surface that is.
+    pub casts: Casts,
+    /// The other one of model and mesh, on which walls are measured, too [m].
+    pub beside: Option<SurfaceMesh>,
     /// One per connected piece of a chamber, in the order of the chambers' tags.
     pub cores: Vec<CoreBoundary>,
     /// The paths of rising air.
     pub air_paths: AirPaths,
-}
-
-/// Points in and on a body, and edges along which air rises in it.
-#[derive(Clone, Debug)]
-pub struct AirPaths {
-    /// The points [m].
-    pub points: Vec<Vec3>,
-    /// For each, those it is connected with.
-    pub neighbours: Vec<Vec<usize>>,
-    /// Points on the outer boundary.
-    pub outer: BTreeSet<usize>,
 }
 
 /// A chamber as a solid, and where it opens.
@@ -81,6 +73,8 @@ pub struct Inlet {
     pub deviation: f64,
     /// Length of the rim [m].
     pub girth: f64,
+    /// What closes it, facing out of the body; empty in a collar [m].
+    pub cap: SurfaceMesh,
 }
 
 /// Why no mold can be made of a body.
@@ -157,7 +151,8 @@ pub enum BoundaryError {
     /// The model is another body.
     #[error(
         "--model: the mesh is up to {off_mm:.3} mm from it, at {at}, at most {limit_mm:.3} mm are allowed: name \
-         the surface that was meshed, in metres, and none for a body whose shape was designed since"
+         the surface that was meshed, in metres; for a body whose shape was designed since, name the mesh that \
+         the design began with, too (--from tagged.msh)"
     )]
     Model {
         /// Largest distance [mm].
@@ -166,6 +161,18 @@ pub enum BoundaryError {
         limit_mm: f64,
         /// Where.
         at: String,
+    },
+    /// The walls of chambers are others on the model.
+    #[error(
+        "--model: it has {} chambers with {} inlets where the tetrahedra have {} with {}: tag the chamber by regions \
+         of the model, or cast the boundary of the tetrahedra (surface = \"mesh\" in mold.toml)",
+        on_model[0], on_model[1], on_mesh[0], on_mesh[1]
+    )]
+    Inlets {
+        /// Chambers and inlets of the mesh.
+        on_mesh: [usize; 2],
+        /// Those of the model.
+        on_model: [usize; 2],
     },
     /// Several bodies, or closed chambers without the tag.
     #[error(
@@ -203,37 +210,70 @@ impl Boundary {
     /// [`BoundaryError`], each case with what to do.
     pub fn new(msh: &MshFile, chambers: &Chambers) -> Result<Self, BoundaryError> {
         let mesh = &msh.mesh;
-        let boundary = topology::boundary(mesh).facets;
-        let mut outer = boundary.clone();
-        let mut walls = Vec::new();
-        for chamber in chambers.tags() {
-            let (wall, others) = split(mesh, &outer, &msh.tags, chamber)?;
-            walls.push((chamber, wall));
-            outer = others;
-        }
-        require_apart(mesh, &walls)?;
-        require_one_piece(&mesh.vertices, &outer)?;
-        let limit = PLANAR * diagonal(&mesh.vertices);
-        let outer_vertices = outer.iter().flatten().copied().collect();
+        let facets = topology::boundary(mesh).facets;
+        let chamber = chambers_of(mesh, &facets, &msh.tags, chambers)?;
+        let outer = facets.iter().zip(&chamber).filter(|(_, chamber)| chamber.is_none());
+        let air_paths = AirPaths::within(mesh, outer.flat_map(|(f, _)| *f).collect());
+        let boundary = Self::divided(&mesh.vertices, &facets, &chamber, chambers, air_paths)?;
+        boundary.check()?;
+        boundary.check_volume(mesh)?;
+        Ok(boundary)
+    }
+
+    /// The body whose boundary has these facets, each with the index of its chamber, if it is a wall of one.
+    fn divided(
+        vertices: &[Vec3],
+        facets: &[[usize; 3]],
+        chamber: &[Option<usize>],
+        chambers: &Chambers,
+        air_paths: AirPaths,
+    ) -> Result<Self, BoundaryError> {
+        let of = |i: Option<usize>| -> Facets {
+            facets.iter().zip(chamber).filter(|(_, of)| **of == i).map(|(f, _)| *f).collect()
+        };
+        let walls: Vec<(&String, Facets)> =
+            chambers.tags().iter().enumerate().map(|(i, tag)| (tag, of(Some(i)))).collect();
+        let outer = of(None);
+        require_apart(vertices, &walls)?;
+        require_one_piece(vertices, &outer)?;
+        let limit = PLANAR * diagonal(vertices);
         let mut filled = outer;
         let mut cores = Vec::new();
         for (chamber, wall) in walls {
             for piece in topology::components(&wall) {
                 let piece: Vec<[usize; 3]> = piece.into_iter().map(|t| wall[t]).collect();
-                let (core, caps) = close_core(&mesh.vertices, &piece, chamber, limit)?;
+                let (core, caps) = close_core(vertices, &piece, chamber, limit)?;
                 filled.extend(caps);
                 cores.push(core);
             }
         }
-        let boundary = Self {
-            filled: topology::submesh(&mesh.vertices, &filled).0,
-            cast: topology::submesh(&mesh.vertices, &boundary).0,
-            model: None,
+        Ok(Self {
+            filled: topology::submesh(vertices, &filled).0,
+            cast: topology::submesh(vertices, facets).0,
+            casts: Casts::Mesh,
+            beside: None,
             cores,
-            air_paths: AirPaths::within(mesh, outer_vertices),
-        };
-        boundary.check(mesh)?;
-        Ok(boundary)
+            air_paths,
+        })
+    }
+
+    /// The same body with the surface of a model in place of the boundary of its tetrahedra. `chamber` has the
+    /// index of a chamber for each triangle that is a wall of one.
+    ///
+    /// # Errors
+    /// [`BoundaryError`] if that surface is not valid, or its chambers cannot be closed.
+    pub fn on(
+        self,
+        surface: &SurfaceMesh,
+        chamber: &[Option<usize>],
+        chambers: &Chambers,
+    ) -> Result<Self, BoundaryError> {
+        let Self { air_paths, cast, cores, .. } = self;
+        let SurfaceMesh { vertices, triangles } = surface;
+        let other = Self::divided(vertices, triangles, chamber, chambers, air_paths)?;
+        other.check()?;
+        require_same_inlets(&cores, &other.cores)?;
+        Ok(Self { casts: Casts::Model, beside: Some(cast), ..other })
     }
 
     /// A body without a chamber, such as a core that is cast itself.
@@ -246,34 +286,36 @@ impl Boundary {
         Ok(Self {
             cast: surface.clone(),
             filled: surface,
-            model: None,
+            casts: Casts::Mesh,
+            beside: None,
             cores: Vec::new(),
             air_paths,
         })
     }
 
-    /// The same body, whose walls are measured on the surface that it was meshed from.
+    /// Whether the body, as modelled, is where its model is.
     ///
     /// # Errors
-    /// [`BoundaryError::Model`] if the body is not where that surface is.
-    pub fn with_model(self, model: SurfaceMesh) -> Result<Self, BoundaryError> {
+    /// [`BoundaryError::Model`] if it is not.
+    pub fn require_near(surface: &SurfaceMesh, model: &SurfaceMesh) -> Result<(), BoundaryError> {
         let limit = OFF * diagonal(&model.vertices);
-        let ways = [farthest(&self.cast, &model, SAMPLES), farthest(&model, &self.cast, SAMPLES)];
+        let ways = [farthest(surface, model, SAMPLES), farthest(model, surface, SAMPLES)];
         let off = ways.into_iter().map(|way| way.unwrap_or((f64::INFINITY, Vec3::zeros())));
         let (off, at) = off.fold((0.0, Vec3::zeros()), |a, b| if b.0 > a.0 { b } else { a });
         if off > limit {
             let (off_mm, limit_mm) = (off * 1e3, limit * 1e3);
             return Err(BoundaryError::Model { off_mm, limit_mm, at: place(&at) });
         }
-        Ok(Self { model: Some(model), ..self })
+        Ok(())
     }
 
-    fn check(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {
+    fn check(&self) -> Result<(), BoundaryError> {
         require_valid("boundary of the body", &self.cast)?;
         require_valid("outer boundary with its cap", &self.filled)?;
-        for core in &self.cores {
-            require_valid("chamber with its cap", &core.surface)?;
-        }
+        self.cores.iter().try_for_each(|core| require_valid("chamber with its cap", &core.surface))
+    }
+
+    fn check_volume(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {
         let tets: f64 = mesh
             .tets
             .iter()
@@ -291,68 +333,62 @@ impl Boundary {
     }
 }
 
-impl AirPaths {
-    /// Along the edges of a volume mesh.
-    fn within(mesh: &TetMesh, outer: BTreeSet<usize>) -> Self {
-        let points = mesh.vertices.clone();
-        let edges = topology::tet_edges(&mesh.tets);
-        let neighbours = topology::vertex_neighbours(points.len(), &edges);
-        Self { points, neighbours, outer }
-    }
-
-    /// Along the edges of a surface, where there is no volume mesh. A local maximum of the
-    /// surface need not be one of the volume: there may be a vent too many.
-    fn on(surface: &SurfaceMesh) -> Self {
-        let points = surface.vertices.clone();
-        let edges: Vec<[usize; 2]> =
-            topology::edge_facets(&surface.triangles).into_keys().collect();
-        let neighbours = topology::vertex_neighbours(points.len(), &edges);
-        let outer = (0..points.len()).collect();
-        Self { points, neighbours, outer }
-    }
-}
-
 /// Facets of a boundary.
 type Facets = Vec<[usize; 3]>;
 
-/// The boundary facets with the chamber's tag, and the others.
-fn split(
+/// For each facet of a boundary the index of the chamber whose wall it is.
+///
+/// # Errors
+/// If a chamber's tag has no facets, or some that are not on the boundary.
+pub fn chambers_of(
     mesh: &TetMesh,
     boundary: &[[usize; 3]],
     tags: &Tags,
-    chamber: &str,
-) -> Result<(Facets, Facets), BoundaryError> {
-    let tagged = tags.id(chamber).map(|id| tags.facets_of(id)).unwrap_or_default();
-    if tagged.is_empty() {
-        return Err(BoundaryError::NoChamber { tag: chamber.into(), known: known_tags(tags) });
+    chambers: &Chambers,
+) -> Result<Vec<Option<usize>>, BoundaryError> {
+    let mut of = vec![None; boundary.len()];
+    for (i, chamber) in chambers.tags().iter().enumerate() {
+        let id = tags.id(chamber);
+        let tagged = id.map(|id| tags.facets_of(id)).unwrap_or_default();
+        if tagged.is_empty() {
+            return Err(BoundaryError::NoChamber { tag: chamber.into(), known: known_tags(tags) });
+        }
+        let wall: Vec<usize> =
+            (0..boundary.len()).filter(|&f| tags.get(boundary[f]) == id).collect();
+        if wall.len() < tagged.len() {
+            let keys = wall.iter().map(|&f| mesh::facet_key(boundary[f]));
+            let on_boundary: BTreeSet<[usize; 3]> = keys.collect();
+            let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
+            return Err(BoundaryError::Inside {
+                tag: chamber.into(),
+                count: tagged.len() - wall.len(),
+                at: place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0)),
+            });
+        }
+        wall.into_iter().for_each(|f| of[f] = Some(i));
     }
-    let id = tags.id(chamber);
-    let (wall, outer): (Facets, Facets) = boundary.iter().partition(|&&f| tags.get(f) == id);
-    if wall.len() < tagged.len() {
-        let on_boundary: BTreeSet<[usize; 3]> = wall.iter().map(|&f| mesh::facet_key(f)).collect();
-        let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
-        return Err(BoundaryError::Inside {
-            tag: chamber.into(),
-            count: tagged.len() - wall.len(),
-            at: place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0)),
-        });
+    Ok(of)
+}
+
+/// A surface has the inlets of another one.
+fn require_same_inlets(mesh: &[CoreBoundary], model: &[CoreBoundary]) -> Result<(), BoundaryError> {
+    let inlets = |cores: &[CoreBoundary]| cores.iter().map(|core| core.inlets.len()).sum::<usize>();
+    let [on_mesh, on_model] = [mesh, model].map(|cores| [cores.len(), inlets(cores)]);
+    if on_mesh == on_model {
+        return Ok(());
     }
-    Ok((wall, outer))
+    Err(BoundaryError::Inlets { on_mesh, on_model })
 }
 
 /// Walls of different chambers have no vertex in common.
-fn require_apart(mesh: &TetMesh, walls: &[(&String, Facets)]) -> Result<(), BoundaryError> {
+fn require_apart(vertices: &[Vec3], walls: &[(&String, Facets)]) -> Result<(), BoundaryError> {
     let mut owner = BTreeMap::new();
     for (chamber, wall) in walls {
         for &v in wall.iter().flatten() {
             let first: &&String = owner.entry(v).or_insert(*chamber);
             if *first != *chamber {
                 let (first, second) = ((*first).clone(), (*chamber).clone());
-                return Err(BoundaryError::Touching {
-                    first,
-                    second,
-                    at: place(&mesh.vertices[v]),
-                });
+                return Err(BoundaryError::Touching { first, second, at: place(&vertices[v]) });
             }
         }
     }
@@ -396,8 +432,10 @@ fn close_core(
         let next = polygon.iter().cycle().skip(1);
         let girth = polygon.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
         let reach = polygon.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-        inlets.push(Inlet { centre, radius, reach, normal, deviation, girth });
-        caps.extend(triangles.into_iter().map(|t| t.map(|i| rim[i])));
+        let closed: Facets = triangles.into_iter().map(|t| t.map(|i| rim[i])).collect();
+        let cap = topology::submesh(vertices, &closed).0;
+        inlets.push(Inlet { centre, radius, reach, normal, deviation, girth, cap });
+        caps.extend(closed);
     }
     let reversed = wall.iter().map(|&[a, b, c]| [a, c, b]);
     let facets: Facets = reversed.chain(caps.iter().copied()).collect();

@@ -151,7 +151,8 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
     let boundary = Boundary {
         filled: filled.to_surface(),
         cast: cast.to_surface(),
-        model: boundary.model,
+        casts: boundary.casts,
+        beside: boundary.beside,
         cores,
         air_paths: boundary.air_paths,
     };
@@ -207,6 +208,7 @@ impl Collar {
             normal: -inward,
             deviation: 0.0,
             girth: 2.0 * SIDES as f64 * self.bore * half.sin(),
+            cap: SurfaceMesh::default(),
         }
     }
 

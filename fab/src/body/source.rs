@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use mesh::SurfaceMesh;
-use mesh::io::{IoError, read_surface};
+use mesh::io::IoError;
 use program::{relative, sha256_file};
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;
-use crate::config::Chambers;
+use crate::config::{Casts, Chambers};
 
 /// Where the body came from.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -22,23 +21,29 @@ pub struct Input {
     pub chamber: Chambers,
     /// Which part of it is cast.
     pub part: CastPart,
-    /// The surface that it was meshed from, on which its walls are measured.
+    /// Which surface of it is cast.
+    #[serde(default)]
+    pub surface: Casts,
+    /// The surface that it was meshed from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub model: Option<Model>,
+    pub model: Option<NamedFile>,
+    /// The mesh as modelled, if it was designed since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modelled: Option<NamedFile>,
 }
 
-/// The surface that a body was meshed from.
+/// A file that a body was made of.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Model {
+pub struct NamedFile {
     /// Its file, relative to the folder of this one.
     pub path: PathBuf,
     /// SHA-256 of its content.
     pub sha256: String,
 }
 
-impl Model {
-    /// Names and hashes the surface at `path` for a report in `folder`.
+impl NamedFile {
+    /// Names and hashes the file at `path` for a report in `folder`.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -46,16 +51,16 @@ impl Model {
         Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
     }
 
-    /// The surface [m], read from `path`.
+    /// Whether the file at `path` is this one.
     ///
     /// # Errors
     /// If it cannot be read, or has changed since.
-    pub fn read(&self, path: &Path) -> Result<SurfaceMesh, String> {
+    pub fn require(&self, path: &Path) -> Result<(), String> {
         let found = sha256_file(path).map_err(|e| e.to_string())?;
         if found != self.sha256 {
             return Err(format!("{} has changed since the mold was made", path.display()));
         }
-        read_surface(path).map_err(|e| e.to_string())
+        Ok(())
     }
 }
 
@@ -100,6 +105,14 @@ impl Input {
     ) -> Result<Self, IoError> {
         let sha256 = sha256_file(path)?;
         let path = relative(path, folder);
-        Ok(Self { path, sha256, chamber: chamber.clone(), part, model: None })
+        Ok(Self {
+            path,
+            sha256,
+            chamber: chamber.clone(),
+            part,
+            surface: Casts::Mesh,
+            model: None,
+            modelled: None,
+        })
     }
 }

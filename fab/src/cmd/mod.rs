@@ -11,15 +11,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
-use mesh::io::{IoError, read_surface, read_tets};
+use mesh::io::IoError;
 use program::schema::SchemaArguments;
 use program::{Changes, Progress};
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
+use crate::body::files::{Body, BodyFiles};
 use crate::body::layer::Layer;
-use crate::body::source::{CastPart, Input, Model};
-use crate::config::Config;
+use crate::body::source::{CastPart, Input, NamedFile};
+use crate::config::{Casts, Config};
 use crate::plan::Plan;
 use crate::plan::report::{PlanReport, entries};
 
@@ -51,13 +52,16 @@ pub struct Task {
     /// Folder for what is made
     #[arg(short, long)]
     pub output: PathBuf,
-    /// Surface that the mesh was made from (model.stl) [m]: walls are measured on it. Not for a body whose
-    /// shape was designed since
+    /// Surface that the mesh was made from (model.stl) [m]: it is cast in place of the boundary of the
+    /// tetrahedra, with the regions in the folder `patches` beside it
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Leave out the pictures, which take most of the time
     #[arg(long)]
     pub no_pictures: bool,
+    /// The mesh as modelled, if the shape of the body was designed since: what did not move is cast as in the model
+    #[arg(long, value_name = "MODELLED", requires = "model")]
+    pub from: Option<PathBuf>,
     /// What is asked for instead
     #[command(flatten)]
     pub changes: Changes,
@@ -88,12 +92,9 @@ impl Task {
     /// If the mesh or the configuration cannot be used, or the body cannot be molded.
     pub fn plan(&self) -> Result<Planned> {
         let config = Config::read(self.config.as_deref(), &self.changes.set)?;
-        let file = read_tets(&self.mesh)?;
-        let boundary = self.named(Boundary::new(&file, &config.chamber))?;
-        let boundary = match &self.model {
-            Some(model) => self.named(boundary.with_model(read_surface(model)?))?,
-            None => boundary,
-        };
+        let (model, modelled) = (self.model.as_deref(), self.from.as_deref());
+        let files = BodyFiles { mesh: &self.mesh, model, modelled };
+        let Body { boundary, file } = files.read(&config.chamber, config.surface)?;
         let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
         let layers = self.named(config.layers.iter().map(layer).collect::<Result<_>>())?;
         let triangles = boundary.cast.triangles.len();
@@ -106,7 +107,7 @@ impl Task {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
         let molds = entries(&plan, boundary.cores.len());
-        let input = self.input(&self.output, &config, CastPart::Whole)?;
+        let input = self.input(&self.output, &config, (CastPart::Whole, boundary.casts))?;
         let report = PlanReport::new(&plan, input, molds);
         Ok(Planned { config, boundary, plan, report, collars, layers, progress })
     }
@@ -118,17 +119,27 @@ impl Task {
         let set: String =
             self.changes.set.iter().map(|change| format!(" --set {change}")).collect();
         let model = self.model.as_ref().map(|path| format!(" --model {}", path.display()));
-        let asked = [config, model].map(Option::unwrap_or_default).concat();
+        let from = self.from.as_ref().map(|path| format!(" --from {}", path.display()));
+        let asked = [config, model, from].map(Option::unwrap_or_default).concat();
         format!("fab mold {}{asked}{set}", self.mesh.display())
     }
 
-    /// The mesh as a report in `folder` names it.
+    /// The mesh, of which a part and a surface are cast, as a report in `folder` names it.
     ///
     /// # Errors
     /// If the mesh cannot be read.
-    pub fn input(&self, folder: &Path, config: &Config, part: CastPart) -> Result<Input, IoError> {
-        let model = self.model.as_ref().map(|model| Model::new(model, folder)).transpose()?;
-        Ok(Input { model, ..Input::new(&self.mesh, folder, &config.chamber, part)? })
+    pub fn input(
+        &self,
+        folder: &Path,
+        config: &Config,
+        (part, surface): (CastPart, Casts),
+    ) -> Result<Input, IoError> {
+        let named = |path: &Option<PathBuf>| {
+            path.as_ref().map(|path| NamedFile::new(path, folder)).transpose()
+        };
+        let (model, modelled) = (named(&self.model)?, named(&self.from)?);
+        let input = Input::new(&self.mesh, folder, &config.chamber, part)?;
+        Ok(Input { surface, model, modelled, ..input })
     }
 
     /// A result whose error names the mesh.

@@ -78,15 +78,16 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         remove_litter(&folder(entry).join("reference"));
     }
     let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
-    let model = task.model.as_deref();
-    let against = Against { design: Some(&task.mesh), model, simulation: None };
+    let (model, from) = (task.model.as_deref(), task.from.as_deref());
+    let against = Against { design: Some(&task.mesh), model, from, simulation: None };
     let mut molds = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
         progress.step(&format!("cutting the mold of the {}", casting.name));
         let mold = task.named(Mold::new(&boundary, &casting.orientation, plan.method, &config))?;
         progress.step("rounding and checking its surfaces");
-        let input = task.input(&folder(entry), &config, CastPart::of(mold.portion))?;
+        let input =
+            task.input(&folder(entry), &config, (CastPart::of(mold.portion), boundary.casts))?;
         let mut files = MoldFiles::new(&mold, input, &config)?;
         files.report.collars = fitted_tubes(&collars, &mold, &config);
         files.report.layers = task.named(laid_in(&layers, &mold, &casting.name))?;

@@ -20,6 +20,9 @@ pub struct Args {
     /// The surface that the design was meshed from, if it is no longer where mold.json says
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// The mesh as modelled, if it is no longer where mold.json says
+    #[arg(long, value_name = "MODELLED")]
+    pub from: Option<PathBuf>,
     /// Folder that `solver simulate` wrote for the design: checks its walls under load
     #[arg(long)]
     pub simulation: Option<PathBuf>,
@@ -31,11 +34,12 @@ pub struct Args {
 /// If the folder has no readable report; [`Unusable`] if a check fails.
 pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
-    let (model, simulation) = (args.model.as_deref(), args.simulation.as_deref());
+    let [model, from, simulation] =
+        [&args.model, &args.from, &args.simulation].map(|path| path.as_deref());
     for results in [Some(args.folder.as_path()), simulation].into_iter().flatten() {
         note_results(results);
     }
-    let lines = verify(&args.folder, Against { design, model, simulation })?;
+    let lines = verify(&args.folder, Against { design, model, from, simulation })?;
     let mut out = program::stdout();
     for line in &lines {
         writeln!(out, "{line}")?;

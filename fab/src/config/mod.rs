@@ -27,7 +27,7 @@ use library::{Chemistry, printers, silicones};
 use program::schema::one_of_these;
 use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 pub use casting::CastingConfig;
 pub use chambers::Chambers;
@@ -58,6 +58,37 @@ pub enum OutsideShape {
     Box,
 }
 
+/// Which surface of a body is cast.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Casts {
+    /// That of its model, with the chambers of a design.
+    Model,
+    /// The boundary of its tetrahedra.
+    #[default]
+    Mesh,
+}
+
+impl Casts {
+    /// Its name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model",
+            Self::Mesh => "mesh",
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Model => Self::Mesh,
+            Self::Mesh => Self::Model,
+        }
+    }
+}
+
 table! {
     /// Everything that can be asked of `fab mold`.
     Config, "" {
@@ -72,6 +103,9 @@ table! {
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
         layers: Vec<String> = Vec::new() => "none", any;
+        /// Which surface is cast: `"model"`, that of the model which `--model` names, with the chambers of a design;
+        /// or `"mesh"`, the boundary of the tetrahedra, which is off the model by up to the mesher's envelope.
+        surface: Option<Casts> = None => "that of the model, if there is one and the design did not move its outside", any;
         /// What decides between methods and partings.
         limits: LimitsConfig = LimitsConfig::default() => "a table", any;
         /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by

@@ -4,6 +4,8 @@ use mesh::measure::diagonal;
 use mesh::walls;
 use mesh::{SurfaceMesh, Vec3};
 
+use crate::config::Casts;
+
 /// Thicknesses that differ by less are equal: what files of a hand-sized mold resolve [m].
 pub const ROUNDING: f64 = 1e-8;
 
@@ -22,25 +24,35 @@ pub struct Wall {
     pub on: &'static str,
 }
 
-/// The thinnest wall of a surface, of its model and of what it has beside that, such as collars.
+/// The thinnest wall of what is cast, the surface of a model or of a mesh, and of the other one with what is cast
+/// beside it, such as collars.
 ///
 /// A wall that is thin is thin on the model and on the mesh. What only one of them shows is a facet that
 /// stands askew, or an edge that was cut off: the thicker of the two measures counts.
 #[must_use]
-pub fn thinnest(surface: &SurfaceMesh, model: Option<&SurfaceMesh>) -> Option<Wall> {
-    let on = |name| move |(thickness, at)| Wall { thickness, at, on: name };
-    let mesh = walls::thinnest(surface).map(on("mesh"));
-    let Some(model) = model else { return mesh };
-    let limit = OFF * diagonal(&model.vertices);
-    let model = walls::thinnest_with(surface, model, limit).map(on("model"));
-    match (model, mesh) {
-        (Some(model), Some(mesh)) if mesh.thickness > model.thickness + ROUNDING => Some(mesh),
-        (model, mesh) => model.or(mesh),
+pub fn thinnest(
+    (surface, casts): (&SurfaceMesh, Casts),
+    other: Option<&SurfaceMesh>,
+) -> Option<Wall> {
+    let on = |casts: Casts| move |(thickness, at)| Wall { thickness, at, on: casts.name() };
+    let cast = walls::thinnest(surface).map(on(casts));
+    let Some(other) = other else { return cast };
+    let limit = OFF * diagonal(&other.vertices);
+    let other = walls::thinnest_with(surface, other, limit).map(on(casts.other()));
+    // Where both are equal, the model is named.
+    let least = if casts == Casts::Model { -ROUNDING } else { ROUNDING };
+    match (other, cast) {
+        (Some(other), Some(cast)) if cast.thickness > other.thickness + least => Some(cast),
+        (other, cast) => other.or(cast),
     }
 }
 
 /// The thinnest wall, if it is thinner than `least` [m].
 #[must_use]
-pub fn too_thin(surface: &SurfaceMesh, model: Option<&SurfaceMesh>, least: f64) -> Option<Wall> {
-    thinnest(surface, model).filter(|wall| wall.thickness < least - ROUNDING)
+pub fn too_thin(
+    surface: (&SurfaceMesh, Casts),
+    other: Option<&SurfaceMesh>,
+    least: f64,
+) -> Option<Wall> {
+    thinnest(surface, other).filter(|wall| wall.thickness < least - ROUNDING)
 }

@@ -12,7 +12,7 @@ use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{Contact, SILICONE, Stand};
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::method::Method;
-use crate::config::{Config, Support};
+use crate::config::{Casts, Config, Support};
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
 
@@ -254,7 +254,7 @@ fn placed(
 fn leaves_walls(pin: &Pin, others: &[Pin], cast: &Solid, config: &Config) -> bool {
     let all = others.iter().chain([pin]);
     let around = all.fold(cast.clone(), |cast, pin| cast.difference(&pin.frustum.solid()));
-    too_thin(&around.to_surface(), None, config.casting.least_wall).is_none()
+    too_thin((&around.to_surface(), Casts::Mesh), None, config.casting.least_wall).is_none()
 }
 
 /// Tells of the pins of a core, which moves by so much alone, with them, and at most [m].

@@ -8,7 +8,8 @@ use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 
-use crate::body::boundary::{AirPaths, Boundary};
+use crate::body::air::AirPaths;
+use crate::body::boundary::Boundary;
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::geometry::frame::Frame;

@@ -209,8 +209,9 @@ fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
 /// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
 /// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
 fn require_walls(boundary: &Boundary, config: &Config) -> Result<(), PlanError> {
-    let (least, model) = (config.casting.least_wall, boundary.model.as_ref());
-    match walls::too_thin(&boundary.cast, model, least * (1.0 - config.shrinkage())) {
+    let (least, casts) = (config.casting.least_wall, boundary.casts);
+    let beside = boundary.beside.as_ref();
+    match walls::too_thin((&boundary.cast, casts), beside, least * (1.0 - config.shrinkage())) {
         Some(walls::Wall { thickness, at, on }) => {
             Err(PlanError::Thin { thickness, at, least, on })
         }

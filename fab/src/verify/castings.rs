@@ -5,6 +5,7 @@ use std::path::Path;
 use mesh::SurfaceMesh;
 use mesh::measure::enclosed_volume;
 
+use super::origins::Origins;
 use super::{Against, Line, fit, walls};
 use crate::body::source::CastPart;
 use crate::files::report::MoldReport;
@@ -25,10 +26,10 @@ pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
     if reports.len() == 1 && first.input.part == CastPart::Whole {
         return Vec::new();
     }
-    let path = against.design.map_or_else(|| folder.join(&plan.input.path), Path::to_path_buf);
+    let origins = Origins::new(folder, &plan.input, against);
     // In the millimetres of each mold, larger by what the silicone shrinks.
     let designs: Result<Vec<SurfaceMesh>, String> =
-        reports.iter().map(|report| fit::whole(&path, report)).collect();
+        reports.iter().map(|report| origins.whole(report, report.input.surface)).collect();
     let designs = match designs {
         Ok(designs) => designs,
         Err(error) => return vec![Line::new("castings: design", false, error, "the design")],
@@ -36,11 +37,8 @@ pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
     let design = &designs[0];
     let volume = volume(&reports, &designs);
     let least = (first.casting.least_wall - ROUNDING) * MM;
-    let model = plan.input.model.as_ref().map(|named| {
-        let path = against.model.map_or_else(|| folder.join(&named.path), Path::to_path_buf);
-        Ok(fit::placed(named.read(&path)?, first))
-    });
-    vec![volume, walls::wall_line_with("castings: thinnest wall", design, model, least)]
+    let (cast, beside) = ((design, first.input.surface), origins.beside(first));
+    vec![volume, walls::wall_line_with("castings: thinnest wall", cast, beside, least)]
 }
 
 /// No two castings are the same, and their volumes add up to that of the design, which is given as it

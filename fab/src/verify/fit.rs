@@ -4,22 +4,22 @@ use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{MshFile, read_surface, read_tets};
+use mesh::io::read_surface;
 use mesh::solid::Solid;
-use mesh::{SurfaceMesh, Vec3, measure, topology};
+use mesh::{SurfaceMesh, Vec3, measure};
 use program::sha256_file;
 
 use super::closed_mold::{Body, ClosedMold};
-use super::{Line, Status};
-use crate::body::boundary::Boundary;
-use crate::body::collar::{self, Collar, FittedTube};
+use super::origins::Origins;
+use super::{Against, Line, Status, cad};
 use crate::body::source::CastPart;
+use crate::config::Casts;
 use crate::files::report::MoldReport;
 use crate::mold::Purpose;
 
-/// Largest distance between the cast and the designed surface, besides rounding: a thirtieth
+/// Largest distance between the cast and the surface that is to be cast, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].
-const SURFACE: f64 = 5e-3;
+pub const SURFACE: f64 = 5e-3;
 
 /// Error of the balance as a part of the outside's volume: in a mold of 500 mL half a cubic
 /// millimetre, a crumb.
@@ -33,14 +33,14 @@ const ROUND: f64 = 0.99;
 const SAMPLES: usize = 20_000;
 
 /// All checks of fit.
-pub fn checks(mold: &ClosedMold, folder: &Path, design: Option<&Path>) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
     let mut lines = vec![block(mold)];
     lines.extend(overlaps(mold));
     // Channels and gaps, where the body does not reach into them.
     let voids = mold.cavity.intersection(&mold.channels).difference(&mold.cast.solid);
     lines.push(balance(mold, &voids));
     lines.push(leaks(mold, &voids));
-    lines.extend(surface(mold, &voids, folder, design));
+    lines.extend(surface(mold, &voids, &Origins::new(folder, &mold.report.input, against)));
     lines
 }
 
@@ -88,9 +88,8 @@ fn leaks(mold: &ClosedMold, voids: &Solid) -> Line {
 }
 
 /// The mold cavity has the surface of the design.
-fn surface(mold: &ClosedMold, voids: &Solid, folder: &Path, design: Option<&Path>) -> Vec<Line> {
-    let path = design.map_or_else(|| folder.join(&mold.report.input.path), Path::to_path_buf);
-    let hash = match sha256_file(&path) {
+fn surface(mold: &ClosedMold, voids: &Solid, origins: &Origins) -> Vec<Line> {
+    let hash = match sha256_file(&origins.design) {
         Ok(hash) => hash,
         Err(error) => {
             let needed = "the design; give its place with --design";
@@ -107,32 +106,24 @@ fn surface(mold: &ClosedMold, voids: &Solid, folder: &Path, design: Option<&Path
     if !same {
         return lines;
     }
-    match designed(&path, &mold.report) {
-        Ok(design) => lines.extend(distances(mold, voids, &design)),
-        Err(error) => lines.push(Line::new("design: readable", false, error, "a valid mesh")),
+    match designed(origins, &mold.report, mold.report.input.surface) {
+        Ok(design) => lines.extend(distances(mold, voids, &design, origins)),
+        Err(error) => lines.push(Line::new("design: readable", false, error, "a valid body")),
     }
     lines
 }
 
-/// The whole body of a design with its collars, in the mold's millimetres.
-///
-/// # Errors
-/// If the design cannot be read, or its collars do not bound a solid with it.
-pub fn whole(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
-    let msh = read_tets(path).map_err(|e| e.to_string())?;
-    if !report.collars.is_empty() {
-        return collared(&msh, report);
-    }
-    Ok(placed(topology::boundary(&msh.mesh).surface(&msh.mesh).0, report))
-}
-
-/// The surface that is to be cast, in the mold's millimetres.
-fn designed(path: &Path, report: &MoldReport) -> Result<SurfaceMesh, String> {
+/// What is to be cast of the surface `casts`, in the mold's millimetres.
+pub fn designed(
+    origins: &Origins,
+    report: &MoldReport,
+    casts: Casts,
+) -> Result<SurfaceMesh, String> {
     if report.input.part == CastPart::Core {
-        let core = read_surface(path).map_err(|e| e.to_string())?;
+        let core = read_surface(&origins.design).map_err(|e| e.to_string())?;
         return Ok(placed(core, report));
     }
-    let whole = whole(path, report)?;
+    let whole = origins.whole(report, casts)?;
     let cut = |up: f64, height: f64| {
         let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
         Ok(solid.trim_by_plane(&(Vec3::z() * up), up * height).to_surface())
@@ -153,16 +144,6 @@ pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
     (above.area() + below.area() - whole.area()) / 2.0
 }
 
-/// The design and its collars.
-fn collared(msh: &MshFile, report: &MoldReport) -> Result<SurfaceMesh, String> {
-    let boundary = Boundary::new(msh, &report.input.chamber).map_err(|e| e.to_string())?;
-    let cores = boundary.cores.into_iter().map(|core| placed(core.surface, report));
-    let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
-    collar::cast(&placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
-        .map_err(|e| e.to_string())
-}
-
-/// The design in the mold's millimetres.
 /// A surface of the design, in the mold's millimetres.
 pub fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
     let m = report.design_to_mold;
@@ -173,8 +154,22 @@ pub fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
     surface
 }
 
-/// Distances between the largest piece of the mold cavity and the design, both ways.
-fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
+/// What is to be cast, in words.
+fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
+    match (report.input.surface, &origins.modelled) {
+        (Casts::Mesh, _) => "design",
+        (Casts::Model, None) => "CAD",
+        (Casts::Model, Some(_)) => "CAD and design",
+    }
+}
+
+/// Distances between the largest piece of the mold cavity and what is to be cast, both ways.
+fn distances(
+    mold: &ClosedMold,
+    voids: &Solid,
+    design: &SurfaceMesh,
+    origins: &Origins,
+) -> Vec<Line> {
     let mut bodies = mold.cavity.difference(voids).decompose();
     plug(mold, design, &mut bodies);
     let Some(body) = bodies.first() else {
@@ -186,12 +181,16 @@ fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line
     let back = measure::hausdorff(design, &left, SAMPLES);
     let left_area = body.area() + mold.cavity.area();
     let off = (body.volume() - measure::enclosed_volume(design)).abs();
-    vec![
-        Line::at_most("surface: mold to design", there, limit, "mm"),
-        Line::at_most("surface: design to mold", back, limit, "mm"),
-        Line::at_most("volume: mold and design", off, mold.volume_rounding(left_area), "mm³"),
+    let wanted = wanted(origins, &mold.report);
+    let rounding = mold.volume_rounding(left_area);
+    let mut lines = vec![
+        Line::at_most(format!("surface: mold to {wanted}"), there, limit, "mm"),
+        Line::at_most(format!("surface: {wanted} to mold"), back, limit, "mm"),
+        Line::at_most(format!("volume: mold and {wanted}"), off, rounding, "mm³"),
         crumbs(mold, &bodies[1..]),
-    ]
+    ];
+    lines.extend(cad::checks(mold, &left, origins));
+    lines
 }
 
 /// Fills the holes that pins leave in the largest body, as is done after casting.
@@ -213,7 +212,7 @@ fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
 /// from `to` belongs to a film if no ball of the diameter `film` fits into `from` below it.
 ///
 /// What this lets through is measured on damaged parts in `tests/films.rs`.
-fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
+pub fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
     const NEAR_CORNER: f64 = 0.9;
     let bvh = SurfaceBvh::new(to);
     let inside = WindingNumber::new(from);

@@ -25,6 +25,7 @@
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
 //! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
 
+mod cad;
 mod castings;
 mod channels;
 mod closed_mold;
@@ -36,6 +37,7 @@ mod fit;
 mod holding;
 mod keying;
 mod layers;
+mod origins;
 mod printing;
 mod release;
 mod surfaces;
@@ -130,6 +132,8 @@ pub struct Against<'a> {
     pub design: Option<&'a Path>,
     /// The surface that the design was meshed from, if it is no longer where the report says.
     pub model: Option<&'a Path>,
+    /// The mesh as modelled, if it is no longer where the report says.
+    pub from: Option<&'a Path>,
     /// A folder that `solver simulate` wrote for the design, for checks under load.
     pub simulation: Option<&'a Path>,
 }
@@ -237,7 +241,7 @@ fn shapes(
     progress: Progress,
 ) -> Vec<Line> {
     progress.step("comparing with the design");
-    let mut lines = fit::checks(mold, folder, against.design);
+    let mut lines = fit::checks(mold, folder, against);
     lines.extend(channels::checks(mold));
     lines.extend(holding::checks(mold));
     lines.extend(keying::checks(mold));
@@ -245,7 +249,7 @@ fn shapes(
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
-    lines.extend(walls::checks(mold, folder, against.model));
+    lines.extend(walls::checks(mold, folder, against));
     lines.extend(weight::check(mold));
     progress.step("pulling apart");
     lines.extend(demolding::checks(mold));

@@ -10,9 +10,10 @@ use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
-use super::{Line, Status, fit};
+use super::origins::Origins;
+use super::{Against, Line, Status};
 use crate::body::source::{CastPart, Input};
-use crate::config::CastingConfig;
+use crate::config::{CastingConfig, Casts};
 use crate::geometry::MM;
 use crate::geometry::walls::{Wall, thinnest};
 use crate::mold::Purpose;
@@ -22,15 +23,16 @@ use crate::mold::Purpose;
 const INFLATED: f64 = 0.25;
 
 /// Checks of the walls as they are cast.
-pub fn checks(mold: &ClosedMold, folder: &Path, model: Option<&Path>) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
     let surface = mold.cast.solid.to_surface();
     let least = mold.report.casting.least_wall * MM - 2.0 * mold.rounding;
-    let named = mold.report.input.model.as_ref();
-    let model = named.filter(|_| mold.report.input.part == CastPart::Whole).map(|named| {
-        let path = model.map_or_else(|| folder.join(&named.path), Path::to_path_buf);
-        Ok(fit::placed(named.read(&path)?, &mold.report))
-    });
-    let mut silicone = wall_line_with("silicone: thinnest wall", &surface, model, least);
+    let input = &mold.report.input;
+    let beside = match input.part {
+        CastPart::Whole => Origins::new(folder, input, against).beside(&mold.report),
+        _ => None,
+    };
+    let cast = (&surface, input.surface);
+    let mut silicone = wall_line_with("silicone: thinnest wall", cast, beside, least);
     // What the plan cuts in two has a sharp edge, no wall.
     if mold.report.input.part != CastPart::Whole && silicone.status == Status::Fail {
         silicone.status = Status::Warn;
@@ -60,26 +62,26 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
 
 /// A wall of the least thickness, or a thinner one, with its place in the surface's coordinates.
 pub fn wall_line(name: &str, surface: &SurfaceMesh, least: f64) -> Line {
-    wall_line_with(name, surface, None, least)
+    wall_line_with(name, (surface, Casts::Mesh), None, least)
 }
 
-/// The same, measured on the model if there is one: the surface or why it cannot be read.
+/// The same, measured on the other one of model and mesh, too, if there is one: the surface or why it cannot be read.
 pub fn wall_line_with(
     name: &str,
-    surface: &SurfaceMesh,
-    model: Option<Result<SurfaceMesh, String>>,
+    cast: (&SurfaceMesh, Casts),
+    other: Option<Result<SurfaceMesh, String>>,
     least: f64,
 ) -> Line {
-    let model = match model.transpose() {
-        Ok(model) => model,
+    let other = match other.transpose() {
+        Ok(other) => other,
         Err(error) => {
             return Line::new(name, false, error, "the model; give its place with --model");
         }
     };
-    match thinnest(surface, model.as_ref()) {
+    match thinnest(cast, other.as_ref()) {
         Some(Wall { thickness, at, on }) => {
             let mut line = Line::at_least(name, thickness, least, "mm");
-            let on = if model.is_some() { format!(" of the {on}") } else { String::new() };
+            let on = if other.is_some() { format!(" of the {on}") } else { String::new() };
             line.found += &format!("{on} at ({:.1}, {:.1}, {:.1})", at.x, at.y, at.z);
             line
         }

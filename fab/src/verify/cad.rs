@@ -1,0 +1,170 @@
+//! The mold has the surface of the CAD where the design did not move it, and that of the tetrahedra as far as those
+//! have that of the CAD.
+
+use std::collections::BTreeSet;
+
+use mesh::bvh::SurfaceBvh;
+use mesh::io::{MshFile, read_surface, read_tets};
+use mesh::{SurfaceMesh, TetMesh, Vec3, measure, place_key, topology};
+
+use super::closed_mold::ClosedMold;
+use super::origins::{Origins, boundary_of};
+use super::{Line, Status, fit};
+use crate::body::boundary::chambers_of;
+use crate::body::source::CastPart;
+use crate::config::Casts;
+use crate::files::report::MoldReport;
+
+/// Largest distance of the CAD from the mold where nothing moved: half of what filament printers resolve [mm].
+const CAD: f64 = 0.05;
+
+/// Points of a surface at which distances are measured, besides its vertices.
+const SAMPLES: usize = 20_000;
+
+/// The checks of a mold whose cavity has the surface `cavity` [mm], besides that with what was to be cast.
+pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec<Line> {
+    let report = &mold.report;
+    if report.input.part == CastPart::Core {
+        return Vec::new();
+    }
+    let name = "surface: mold to CAD";
+    let Some(model) = &origins.model else {
+        let needed = "the CAD surface; fab mold --model names it";
+        let mut line = Line::new(name, true, "not compared, no CAD is named".into(), needed);
+        line.status = Status::Warn;
+        return vec![line];
+    };
+    let compare = || {
+        origins.require_unchanged(&report.input)?;
+        let model = read_surface(model).map_err(|e| e.to_string())?;
+        let mut lines = Vec::new();
+        if report.input.surface == Casts::Mesh || origins.modelled.is_some() {
+            lines.push(to_cad(name, mold, cavity, origins, &model)?);
+        }
+        if report.input.surface == Casts::Model {
+            lines.push(to_design(mold, cavity, origins, &model)?);
+        }
+        Ok(lines)
+    };
+    let unreadable = |error: String| {
+        vec![Line::new(name, false, error, "the model; give its place with --model, --from")]
+    };
+    compare().unwrap_or_else(unreadable)
+}
+
+/// The largest distance of the CAD from the mold where the design did not move it.
+fn to_cad(
+    name: &str,
+    mold: &ClosedMold,
+    cavity: &SurfaceMesh,
+    origins: &Origins,
+    model: &SurfaceMesh,
+) -> Result<Line, String> {
+    let report = &mold.report;
+    let read = |path| read_tets(path).map_err(|e| e.to_string());
+    let unmoved = match &origins.modelled {
+        Some(path) => {
+            Some(Unmoved::new(&read(path)?, &read(&origins.design)?.mesh, report, model)?)
+        }
+        None => None,
+    };
+    let points = model.vertices.iter().copied().chain(measure::spread(model, SAMPLES));
+    let still = points.filter(|p| unmoved.as_ref().is_none_or(|unmoved| unmoved.holds(p)));
+    let vertices = still.collect();
+    let placed = fit::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
+    let bvh = SurfaceBvh::new(cavity);
+    let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
+    let off = cast.map(|p| bvh.closest(p).distance).fold(0.0, f64::max);
+    let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
+    line.needed += if unmoved.is_some() { " where nothing moved" } else { "" };
+    // The boundary of the tetrahedra was asked for.
+    if report.input.surface == Casts::Mesh && line.status == Status::Fail {
+        line.status = Status::Warn;
+        line.needed += "; surface = \"model\" casts the CAD";
+    }
+    Ok(line)
+}
+
+/// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher.
+fn to_design(
+    mold: &ClosedMold,
+    cavity: &SurfaceMesh,
+    origins: &Origins,
+    model: &SurfaceMesh,
+) -> Result<Line, String> {
+    let report = &mold.report;
+    let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
+    let ways = [(&modelled, model), (model, &modelled)];
+    let off = ways.map(|(a, b)| measure::hausdorff(a, b, SAMPLES)).into_iter().fold(0.0, f64::max);
+    let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
+    let limit = off * scale + fit::SURFACE + 2.0 * mold.rounding;
+    let design = fit::designed(origins, report, Casts::Mesh)?;
+    let film = fit::SURFACE + 2.0 * mold.rounding;
+    let there = fit::deviation(cavity, &design, film);
+    let mut line = Line::at_most("surface: mold to design", there, limit, "mm");
+    line.needed += ", as the mesh is off the CAD";
+    Ok(line)
+}
+
+/// Whether the mold casts the body at a point, away from its cut and from collars [mm].
+fn is_cast(p: &Vec3, report: &MoldReport) -> bool {
+    let beyond = match report.input.part {
+        CastPart::Above(height) => p.z - height > CAD,
+        CastPart::Below(height) => height - p.z > CAD,
+        _ => true,
+    };
+    let beside = report.collars.iter().all(|tube| {
+        let [base, axis] = [tube.base, tube.axis].map(Vec3::from);
+        let along = (p - base).dot(&axis) / axis.norm();
+        let across = (p - base - axis.normalize() * along).norm();
+        along > axis.norm() + CAD || across > tube.radius + CAD
+    });
+    beyond && beside
+}
+
+/// Walls of a mesh that a design did not move: the outside, and those of chambers.
+struct Unmoved {
+    still: Option<SurfaceBvh>,
+    moved: Option<SurfaceBvh>,
+    /// How near to walls that moved others end with their rims [m].
+    rim: f64,
+}
+
+impl Unmoved {
+    fn new(
+        modelled: &MshFile,
+        design: &TetMesh,
+        report: &MoldReport,
+        model: &SurfaceMesh,
+    ) -> Result<Self, String> {
+        let mesh = &modelled.mesh;
+        let facets = topology::boundary(mesh).facets;
+        let of = chambers_of(mesh, &facets, &modelled.tags, &report.input.chamber);
+        let of = of.map_err(|e| e.to_string())?;
+        let places: BTreeSet<[u64; 3]> = design.vertices.iter().map(place_key).collect();
+        let moves =
+            |f: &[usize; 3]| f.iter().any(|&v| !places.contains(&place_key(&mesh.vertices[v])));
+        let moved: BTreeSet<Option<usize>> =
+            facets.iter().zip(&of).filter(|(f, _)| moves(f)).map(|(_, of)| *of).collect();
+        let surface = |wanted: bool| {
+            let own = facets.iter().zip(&of).filter(|(_, of)| moved.contains(of) == wanted);
+            let triangles = own.map(|(f, _)| *f).collect();
+            let surface = SurfaceMesh { vertices: mesh.vertices.clone(), triangles };
+            (!surface.triangles.is_empty()).then(|| SurfaceBvh::new(&surface))
+        };
+        let all = topology::submesh(&mesh.vertices, &facets).0;
+        Ok(Self {
+            still: surface(false),
+            moved: surface(true),
+            rim: measure::hausdorff(&all, model, SAMPLES)
+                .max(measure::hausdorff(model, &all, SAMPLES)),
+        })
+    }
+
+    fn holds(&self, p: &Vec3) -> bool {
+        let Some(moved) = &self.moved else { return true };
+        let Some(still) = &self.still else { return false };
+        let away = moved.closest(p).distance;
+        away > 2.0 * self.rim && away > still.closest(p).distance
+    }
+}

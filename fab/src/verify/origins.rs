@@ -1,0 +1,108 @@
+//! The files that a mold was made from, read again.
+
+use std::path::{Path, PathBuf};
+
+use mesh::io::{read_surface, read_tets};
+use mesh::{SurfaceMesh, topology};
+
+use super::{Against, fit};
+use crate::body::boundary::Boundary;
+use crate::body::collar::{self, Collar, FittedTube};
+use crate::body::files::BodyFiles;
+use crate::body::source::{Input, NamedFile};
+use crate::config::Casts;
+use crate::files::report::MoldReport;
+
+/// Where the files of a body are.
+pub struct Origins {
+    /// The mesh that was molded.
+    pub design: PathBuf,
+    /// The surface that it was made from.
+    pub model: Option<PathBuf>,
+    /// The mesh as modelled, if it was designed since.
+    pub modelled: Option<PathBuf>,
+}
+
+impl Origins {
+    /// Those that a report in `folder` names, or where they are now.
+    pub fn new(folder: &Path, input: &Input, against: Against) -> Self {
+        let of = |named: &Path, given: Option<&Path>| {
+            given.map_or_else(|| folder.join(named), Path::to_path_buf)
+        };
+        let other = |named: &Option<NamedFile>, given| named.as_ref().map(|n| of(&n.path, given));
+        Self {
+            design: of(&input.path, against.design),
+            model: other(&input.model, against.model),
+            modelled: other(&input.modelled, against.from),
+        }
+    }
+
+    /// Whether model and mesh as modelled are as they were.
+    pub fn require_unchanged(&self, input: &Input) -> Result<(), String> {
+        let pairs = [(&self.model, &input.model), (&self.modelled, &input.modelled)];
+        let named = |(path, named): (&Option<PathBuf>, &Option<NamedFile>)| match (path, named) {
+            (Some(path), Some(named)) => named.require(path),
+            _ => Ok(()),
+        };
+        pairs.into_iter().try_for_each(named)
+    }
+
+    /// The whole body that is to be cast, of the surface `casts`, with its collars, in the mold's millimetres.
+    ///
+    /// # Errors
+    /// If a file cannot be read or has changed, or collars do not bound a solid with the body.
+    pub fn whole(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
+        let of_model = casts == Casts::Model;
+        if of_model {
+            self.require_unchanged(&report.input)?;
+        }
+        if !report.collars.is_empty() {
+            return collared(self.read(report, casts)?, report);
+        }
+        let surface = match &self.model {
+            Some(_) if of_model && self.modelled.is_some() => self.read(report, casts)?.cast,
+            Some(model) if of_model => read_surface(model).map_err(|e| e.to_string())?,
+            _ => boundary_of(&self.design)?,
+        };
+        Ok(fit::placed(surface, report))
+    }
+
+    fn read(&self, report: &MoldReport, casts: Casts) -> Result<Boundary, String> {
+        let of_model = casts == Casts::Model;
+        let files = BodyFiles {
+            mesh: &self.design,
+            model: self.model.as_deref().filter(|_| of_model),
+            modelled: self.modelled.as_deref().filter(|_| of_model),
+        };
+        let body = files.read(&report.input.chamber, Some(casts)).map_err(|e| format!("{e:#}"))?;
+        Ok(body.boundary)
+    }
+
+    /// The model that walls are measured on beside what is cast, in the mold's millimetres; of a cast model the mesh.
+    /// None of a designed body, nor where there is no model.
+    pub fn beside(&self, report: &MoldReport) -> Option<Result<SurfaceMesh, String>> {
+        let model = self.model.as_ref().filter(|_| self.modelled.is_none())?;
+        let read = || {
+            self.require_unchanged(&report.input)?;
+            match report.input.surface {
+                Casts::Mesh => read_surface(model).map_err(|e| e.to_string()),
+                Casts::Model => boundary_of(&self.design),
+            }
+        };
+        Some(read().map(|surface| fit::placed(surface, report)))
+    }
+}
+
+/// The boundary of a mesh [m].
+pub fn boundary_of(path: &Path) -> Result<SurfaceMesh, String> {
+    let mesh = read_tets(path).map_err(|e| e.to_string())?.mesh;
+    Ok(topology::boundary(&mesh).surface(&mesh).0)
+}
+
+/// A body and its collars, in the mold's millimetres.
+fn collared(boundary: Boundary, report: &MoldReport) -> Result<SurfaceMesh, String> {
+    let cores = boundary.cores.into_iter().map(|core| fit::placed(core.surface, report));
+    let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
+    collar::cast(&fit::placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
+        .map_err(|e| e.to_string())
+}
