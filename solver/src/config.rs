@@ -330,11 +330,27 @@ pub struct SolverConfig {
     /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absolute_tolerance: Option<f64>,
+    /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
+    pub dilatation: Dilatation,
     /// What becomes of an equilibrium in which an element is turned inside out somewhere.
     pub inside_out: InsideOut,
     /// When `solver simulate` estimates by how much the state at the end would change with elements of
     /// the next degree. That costs an assembly and a factorisation with that degree.
     pub locking: Locking,
+}
+
+/// Where the change of volume of an element counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dilatation {
+    /// At every point.
+    #[default]
+    Pointwise,
+    /// As a whole, by the mean of J over the element (mean dilatation): elements of degree 2 do not
+    /// lock, however large the bulk modulus. With degree 1 there is no difference; with degree 3, for
+    /// which a constant pressure is too little, bodies are too soft. Not for the laws
+    /// `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
+    Mean,
 }
 
 /// When it is estimated what elements hold back.
@@ -345,7 +361,7 @@ pub enum Locking {
     /// moduli.
     #[default]
     Likely,
-    /// Always, with degree 1 or 2.
+    /// Always, with degree 1, and with degree 2 unless `dilatation` is "mean".
     Always,
     /// Never.
     Never,
@@ -373,6 +389,7 @@ impl Default for SolverConfig {
             newton_iterations: None,
             relative_tolerance: 1e-10,
             absolute_tolerance: None,
+            dilatation: Dilatation::Pointwise,
             inside_out: InsideOut::Refused,
             locking: Locking::Likely,
         }

@@ -7,6 +7,10 @@
 //! no bound. Elements of degree 1 cannot bend and, nearly incompressible, hardly change their shape at
 //! all; those of degree 2 do both, unless the bulk modulus is beyond [`FIRM`] shear moduli.
 //!
+//! With mean dilatation (`crate::energy`) those of degree 2 do both at any bulk modulus. There is no estimate
+//! of them: degree 3 with mean dilatation is further off, too soft, and standard elements would take the changes
+//! of volume at points, which those are free to make, for enormous pressures.
+//!
 //! The cost is one assembly and one factorisation with the next degree.
 //!
 //! Source: p-refinement as an estimate of the error: Szabó and Babuška, "Finite Element Analysis", 1991.
@@ -17,7 +21,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 
-use crate::config::Locking;
+use crate::config::{Dilatation, Locking};
 use crate::element::{HIGHEST_DEGREE, at, elevate};
 use crate::energy::{Iterate, TimeStep};
 use crate::forward::{Problem, newton_step};
@@ -30,6 +34,8 @@ pub const FIRM: f64 = 1e3;
 /// pressure is about shear modulus times shear strain.
 pub const FIRM_ENOUGH: &str = "100 to 1000 times, poisson = 0.4950 to 0.4995, where the volume changes by about \
      1 to 0.1 % of the shear strain";
+/// What to do about elements of degree 2 that hardly change their volume at each point.
+pub const AS_A_WHOLE: &str = "[solver] dilatation = \"mean\"";
 /// The same beyond which Newton's method is slow.
 const SLOW: f64 = 1e4;
 /// Change of the displacement beyond which a state is not to be trusted.
@@ -61,11 +67,14 @@ pub struct Estimate {
 #[must_use]
 pub fn estimate(scene: &Scene, of: (&Problem, &[Probe]), state: &Iterate) -> Option<Estimate> {
     let degree = scene.config.degree;
-    let due = match scene.config.solver.locking {
-        Locking::Never => false,
-        Locking::Always => degree < HIGHEST_DEGREE,
-        Locking::Likely => degree == 1 || degree == 2 && bulk_over_shear(scene) > FIRM,
-    };
+    let pointwise = scene.config.solver.dilatation == Dilatation::Pointwise;
+    let possible = degree == 1 || pointwise && degree < HIGHEST_DEGREE;
+    let due = possible
+        && match scene.config.solver.locking {
+            Locking::Never => false,
+            Locking::Always => true,
+            Locking::Likely => degree == 1 || bulk_over_shear(scene) > FIRM,
+        };
     if !due {
         return None;
     }
@@ -82,11 +91,24 @@ pub fn estimate(scene: &Scene, of: (&Problem, &[Probe]), state: &Iterate) -> Opt
 
 /// Says before a run that it will be slow and may fail, where bodies hardly change their volume.
 pub fn foresee(scene: &Scene) {
-    let ratio = bulk_over_shear(scene);
+    let (ratio, degree) = (bulk_over_shear(scene), scene.config.degree);
+    let mean = scene.config.solver.dilatation == Dilatation::Mean;
+    if mean && degree == 1 {
+        log::warn!(
+            "{AS_A_WHOLE} changes nothing with degree = 1: the volume of its elements has no other way to \
+             change; use degree = 2"
+        );
+    }
     if ratio > SLOW {
+        let lock = match degree {
+            2 | 3 if mean => String::new(),
+            _ => format!(
+                ", and elements of degree 1 and 2 lock (degree 2 with {AS_A_WHOLE} does not)"
+            ),
+        };
         log::warn!(
             "nearly incompressible: the bulk modulus is {ratio:.1e} times the shear modulus; Newton's method \
-             may need many small steps, and elements of degree 1 and 2 lock; use {FIRM_ENOUGH}"
+             may need many small steps{lock}; use {FIRM_ENOUGH}"
         );
     }
 }
@@ -159,7 +181,11 @@ impl Estimate {
         for (name, part) in probes {
             words += &format!(", \"{name}\" {:.1} %", 100.0 * part);
         }
-        let advice = format!("; use degree = {next}, or a finer mesh");
+        let other = match degree {
+            1 => format!(" (where that locks, too, with {AS_A_WHOLE})"),
+            _ => format!(", {AS_A_WHOLE}"),
+        };
+        let advice = format!("; use degree = {next}{other}, or a finer mesh");
         let advice = if *change > LARGE { &advice } else { "" };
         words + &format!(" (one Newton step with degree {next}, {wall_s:.1} s){advice}")
     }

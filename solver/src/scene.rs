@@ -27,7 +27,7 @@ use crate::config::{
     BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
 };
 use crate::element::FunctionSpace;
-use crate::energy::{BodyEnergies, BodyForce, Elastic, Energies, Inertia, Traction};
+use crate::energy::{BodyEnergies, BodyForce, Energies, Inertia, Traction};
 use crate::forward::{Integrator, Newton, Problem, State, Stepping, Workspace};
 use crate::memory;
 use crate::schedule::Field;
@@ -154,6 +154,7 @@ impl Scene {
             certify: true,
         };
         scene.set_branches().with_context(context)?;
+        scene.check_dilatation().with_context(context)?;
         Ok(scene)
     }
 
@@ -353,7 +354,7 @@ impl Scene {
         } else {
             None
         };
-        let elastic = Elastic::part(law.material.build(), tets);
+        let elastic = self.elastic(law, tets)?;
         Ok(BodyEnergies { weight: weight.transpose()?, inertia, ..BodyEnergies::new(elastic) })
     }
 
@@ -384,6 +385,7 @@ impl Scene {
             newton_iterations: _,
             relative_tolerance,
             absolute_tolerance,
+            dilatation: _,
             inside_out: _,
             locking: _,
         } = self.config.solver;

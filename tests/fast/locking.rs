@@ -89,6 +89,32 @@ fn estimates_are_made_where_they_are_due_or_asked_for() {
     }
 }
 
+/// Of a body of 1667 shear moduli, elements of degree 2 hold back more than where their volume changes as a
+/// whole; and who asks for that where it is not, is told.
+#[test]
+fn elements_may_change_their_volume_as_a_whole() {
+    let dir = workdir();
+    let size_of = |dilatation: &str, degree: usize| {
+        let settings = format!("locking = \"always\"\ndilatation = \"{dilatation}\"");
+        let (report, size) = simulate(&dir, &scene("0.4997", "pressure = 100", &settings), degree);
+        (report["locking"].is_object(), size)
+    };
+    let ((here, pointwise), (there, as_a_whole)) = (size_of("pointwise", 2), size_of("mean", 2));
+    let (_, next) = size_of("pointwise", 3);
+    // no richer element is at hand
+    assert!(here && !there);
+    eprintln!("chamber of 1667 shear moduli: {pointwise:e}, mean {as_a_whole:e}, P3 {next:e}");
+    assert!(pointwise < 0.98 * next && as_a_whole > 0.98 * next, "{pointwise} {as_a_whole} {next}");
+    let whole = scene("0.4997", "pressure = 100", "dilatation = \"mean\"");
+    dir.write("sim.toml", &whole);
+    let run = dir.solver("simulate sim.toml --degree 1 -o out --restart");
+    assert!(run.stderr.contains("changes nothing with degree = 1"), "{}", run.stderr);
+    dir.write("sim.toml", &whole.replace("neo-hookean", "saint-venant-kirchhoff"));
+    let words =
+        ["saint-venant-kirchhoff", "no term of the change of volume alone", "mooney-rivlin"];
+    dir.solver("simulate sim.toml -o out").assert_refused(2, &words);
+}
+
 #[test]
 fn a_body_that_hardly_changes_its_volume() {
     let dir = workdir();

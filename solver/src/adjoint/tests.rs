@@ -21,6 +21,7 @@ use crate::math::random::Random;
 use crate::schedule::{Field, Schedule};
 use crate::testing::{check_gradient, cube, flat, points};
 
+mod dilatation;
 mod membrane;
 mod tangent;
 mod viscous;

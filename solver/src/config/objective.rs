@@ -74,6 +74,12 @@ impl ObjectiveConfig {
         self.kind
     }
 
+    /// Whether it is made with the stress of the law at each point.
+    #[must_use]
+    pub fn reads_stress(&self) -> bool {
+        self.own.reads_stress()
+    }
+
     /// The files that it names, from the folder of the design.
     #[must_use]
     pub fn files(&self) -> Vec<&Path> {

@@ -6,13 +6,14 @@
 //! Shape derivative along a velocity field V with nodal u fixed:
 //! δ(λ·∂E/∂u) = ∫ −[A : (∇u ∇V)] : ∇λ − P : (∇λ ∇V) + (div V) P : ∇λ dX
 //!
-//! Its parameters are those of the law.
+//! Its parameters are those of the law. Where the volume of an element shall change as a whole: [`mean`].
 //!
 //! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
 //! Analysis"; shape derivative: Haug, Choi and Komkov, "Design Sensitivity
 //! Analysis of Structural Systems".
 
 mod batch;
+mod mean;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,13 +22,15 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
-use crate::material::{Kinematics, Material};
+use crate::material::{Kinematics, Material, Split};
 use crate::math::lanes::widest;
 use crate::math::pool::Pool;
 use crate::math::sparse::{BlockMatrix, pair_count};
-use crate::math::tensor::{Mat3, vec9};
+use crate::math::tensor::{Mat3, cofactor_change, vec9};
 use crate::parallel::{fill, map_merge, map_merge_waves};
 use batch::{Gradients, Hessians, Values};
+
+pub use mean::ElementLaw;
 
 /// Elastic energy of elements with one law.
 #[derive(Clone)]
@@ -36,6 +39,8 @@ pub struct Elastic {
     pub material: Arc<dyn Material>,
     /// The elements; none means all.
     elements: Option<Range<usize>>,
+    /// The law in two parts, where the volume of an element changes as a whole.
+    mean: Option<Split>,
 }
 
 /// Geometry of one straight-sided element.
@@ -83,19 +88,39 @@ impl Elastic {
     /// All elements have one law.
     #[must_use]
     pub fn whole(material: Box<dyn Material>) -> Self {
-        Self { material: material.into(), elements: None }
+        Self { material: material.into(), elements: None, mean: None }
     }
 
     /// The law of consecutive elements.
     #[must_use]
     pub fn part(material: Box<dyn Material>, elements: Range<usize>) -> Self {
-        Self { material: material.into(), elements: Some(elements) }
+        Self { material: material.into(), elements: Some(elements), mean: None }
     }
 
     /// The elements that have this law.
     #[must_use]
     pub fn elements(&self, space: &FunctionSpace) -> Range<usize> {
         self.elements.clone().unwrap_or(0..space.tets().len())
+    }
+
+    /// The same with mean dilatation; none where the law has no term of the change of volume alone.
+    #[must_use]
+    pub fn with_mean_dilatation(self) -> Option<Self> {
+        let split = self.material.split()?;
+        Some(Self { mean: Some(split), ..self })
+    }
+
+    /// The law at the points of an element in a state.
+    #[must_use]
+    pub fn law_in(&self, at: &Iterate, element: usize) -> ElementLaw<'_> {
+        ElementLaw::new(self.parts(at.space), at, element)
+    }
+
+    /// What is evaluated at each point; and both parts of the law where what is evaluated of each
+    /// element matters, which it does not where strain is constant in elements.
+    fn parts(&self, space: &FunctionSpace) -> (&dyn Material, Option<&Split>) {
+        let split = self.mean.as_ref().filter(|_| space.degree() > 1);
+        (split.map_or(&*self.material, |split| &*split.pointwise), split)
     }
 
     fn element_mixed<const N: usize>(
@@ -109,14 +134,23 @@ impl Elastic {
             let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
             let corner = corner_gradients(&element);
+            let ElementLaw { law, dilatation } = self.law_in(iterate, e);
+            // of the mean dilatation: by λ, and by ∇V
+            let (mut along, mut by_rest) = (0.0, Mat3::zeros());
             let mut local = [Vec3::zeros(); 4];
             for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
                 let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let (grad_u, grad_l) = (field_gradient(&u, &g), field_gradient(&l, &g));
                 let k = Kinematics::new(&grad_u);
-                let stress = self.material.first_piola(&k);
-                let pushed = self.material.tangent(&k) * vec9(&grad_l);
-                let pushed = Mat3::from_column_slice(pushed.as_slice());
+                let mut stress = law.first_piola(&k);
+                let pushed = law.tangent(&k) * vec9(&grad_l);
+                let mut pushed = Mat3::from_column_slice(pushed.as_slice());
+                if let Some(mean) = &dilatation {
+                    stress += mean.pressure() * k.cofactor;
+                    pushed += mean.pressure() * cofactor_change(&k.f, &grad_l);
+                    along += weight * k.cofactor.dot(&grad_l);
+                    by_rest -= *weight * grad_u.transpose() * k.cofactor;
+                }
                 // V = ψ_j e_k has ∇V = e_k ⊗ ∇ψ_j, so M : ∇V = (M ∇ψ_j)_k
                 let m = Mat3::identity() * stress.dot(&grad_l)
                     - grad_u.transpose() * pushed
@@ -124,6 +158,10 @@ impl Elastic {
                 for (o, c) in local.iter_mut().zip(&corner) {
                     *o += (weight * element.volume) * (m * c);
                 }
+            }
+            if let Some(mean) = &dilatation {
+                let by = mean.stiffness() * along * element.volume;
+                local.iter_mut().zip(&corner).for_each(|(o, c)| *o += by * (by_rest * c));
             }
             local
         };
@@ -141,11 +179,17 @@ impl Elastic {
             let element = Element::new(iterate.space, iterate.rest, e);
             let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
+            let ElementLaw { law, dilatation } = self.law_in(iterate, e);
+            let mut along = 0.0;
             for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
                 let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let bar = field_gradient(&l, &g) * (weight * element.volume);
                 let k = Kinematics::new(&field_gradient(&u, &g));
-                self.material.add_parameter_vjp(&k, &bar, &mut sum);
+                law.add_parameter_vjp(&k, &bar, &mut sum);
+                along += k.cofactor.dot(&bar);
+            }
+            if let Some(mean) = dilatation {
+                mean.add_parameter_vjp(along, &mut sum);
             }
         }
         sum
@@ -277,3 +321,6 @@ impl Energy for Elastic {
         with_nodes!(iterate.space, self.merge_parameters(iterate, lambda))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,7 +20,7 @@ mod wall;
 pub use body_force::BodyForce;
 pub use chamber::Chamber;
 pub use contact::{Contact, GapSummary};
-pub use elastic::Elastic;
+pub use elastic::{Elastic, ElementLaw};
 pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId, Term,
 };

@@ -13,7 +13,7 @@
 //! Analysis", chapter on hyperelasticity.
 
 use super::points::Points;
-use super::{Isochoric, Kinematics, Material};
+use super::{Isochoric, Kinematics, Material, Split};
 use crate::math::lanes::Scalar;
 use crate::math::lanes::tensor::{lane, splat};
 use crate::math::tensor::{Mat3, Mat9};
@@ -93,5 +93,10 @@ impl<T: Isotropic + Clone + 'static> Material for T {
 
     fn isochoric(&self) -> Option<Isochoric> {
         Some(Isochoric::new(self.clone()))
+    }
+
+    /// J does not couple to the other invariants.
+    fn split(&self) -> Option<Split> {
+        Some(Split::new(Isochoric::new(self.clone()), self.clone()))
     }
 }

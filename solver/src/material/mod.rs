@@ -18,6 +18,7 @@ pub mod response;
 mod saint_venant_kirchhoff;
 pub mod sheet;
 mod specification;
+mod split;
 #[cfg(test)]
 mod tests;
 mod yeoh;
@@ -33,9 +34,10 @@ pub use mooney_rivlin::MooneyRivlin;
 pub use mooney_rivlin_quadratic::MooneyRivlinQuadratic;
 pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
-pub use points::Points;
+pub use points::{Points, add_j_hessian, j_minus_1};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use specification::{Softening, Specification};
+pub use split::Split;
 pub use yeoh::Yeoh;
 
 use crate::math::tensor::{Mat3, Mat9};
@@ -59,6 +61,10 @@ pub trait Material: Send + Sync {
     }
     /// ψ(J^{−1/3} F), if it is a law in Ī₁ and Ī₂.
     fn isochoric(&self) -> Option<Isochoric> {
+        None
+    }
+    /// The law in two parts, if it has a term of the change of volume alone.
+    fn split(&self) -> Option<Split> {
         None
     }
 }

@@ -8,8 +8,9 @@
 
 use super::lame::{self, Lame};
 use super::law::Law;
-use super::{Invariants, Isochoric, Isotropic, Kinematics, Material, Partials};
-use crate::math::tensor::{Mat3, Mat9, cross_matrix, vec9};
+use super::split::half_log_squared;
+use super::{Invariants, Isochoric, Isotropic, Kinematics, Material, Partials, Split};
+use crate::math::tensor::{Mat3, Mat9, add_j_hessian, vec9};
 
 /// Parameters of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +56,7 @@ impl Material for NeoHookean {
         for i in 0..9 {
             a[(i, i)] += mu;
         }
-        add_j_hessian(k, by_inverse / k.j(), &mut a);
+        add_j_hessian(&k.f, by_inverse / k.j(), &mut a);
         a
     }
 
@@ -70,6 +71,10 @@ impl Material for NeoHookean {
 
     fn isochoric(&self) -> Option<Isochoric> {
         Some(Isochoric::new(Shear(self.0)))
+    }
+
+    fn split(&self) -> Option<Split> {
+        Some(Split::by_difference(*self, Volume(self.0)))
     }
 }
 
@@ -92,20 +97,26 @@ impl Isotropic for Shear {
     }
 }
 
+/// ½λ ln²J.
+#[derive(Clone)]
+struct Volume(Lame);
+
+impl Isotropic for Volume {
+    fn partials(&self, at: &Invariants) -> Partials {
+        half_log_squared(self.0.lambda, at)
+    }
+
+    fn parameter_count(&self) -> usize {
+        LAW.parameters.len()
+    }
+
+    fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
+        self.0.add_vjp(0.0, at.log_j / at.j * bar[2], out);
+    }
+}
+
 /// ∂P/∂μ and ∂P/∂λ.
 fn by_lame(k: &Kinematics) -> [Mat3; 2] {
     let inverse_transpose = k.cofactor / k.j();
     [k.left_minus_1() * inverse_transpose, k.log_j() * inverse_transpose]
-}
-
-/// ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
-fn add_j_hessian(k: &Kinematics, scale: f64, a: &mut Mat9) {
-    for c in 0..3 {
-        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
-        let (f1, f2) = (k.f.column(c1).into_owned(), k.f.column(c2).into_owned());
-        let mut by_c1 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c1);
-        by_c1 -= scale * cross_matrix(&f2);
-        let mut by_c2 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c2);
-        by_c2 += scale * cross_matrix(&f1);
-    }
 }

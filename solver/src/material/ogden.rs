@@ -22,7 +22,8 @@
 use nalgebra::Vector3;
 
 use super::law::{Law, Moduli, PA, Parameter};
-use super::{Kinematics, Material};
+use super::split::half_log_squared;
+use super::{Invariants, Isotropic, Kinematics, Material, Partials, Split};
 use crate::math::remainder::exp_m1_minus;
 use crate::math::tensor::{Mat3, Mat9};
 
@@ -191,6 +192,33 @@ impl Material for Ogden {
             out[n + t] += along(&deviator(&p.strain.map(|e| mu * e * (alpha * e).exp())));
         }
         out[2 * n] += along(&Vector3::from_element(p.log_j));
+    }
+
+    fn split(&self) -> Option<Split> {
+        let (bulk, terms) = (self.bulk, self.terms.len());
+        Some(Split::by_difference(self.clone(), Volume { bulk, terms }))
+    }
+}
+
+/// ½ bulk ln²J.
+#[derive(Clone)]
+struct Volume {
+    bulk: f64,
+    /// Number of terms, whose parameters come before the bulk modulus.
+    terms: usize,
+}
+
+impl Isotropic for Volume {
+    fn partials(&self, at: &Invariants) -> Partials {
+        half_log_squared(self.bulk, at)
+    }
+
+    fn parameter_count(&self) -> usize {
+        2 * self.terms + 1
+    }
+
+    fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
+        out[2 * self.terms] += at.log_j / at.j * bar[2];
     }
 }
 

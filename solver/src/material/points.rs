@@ -52,8 +52,7 @@ impl<S: Simd> Points<S> {
     pub fn new(simd: S, grad_u: &Tensor<S>) -> Self {
         let (h, one) = (grad_u, Lanes::splat(simd, 1.0));
         let f = plus_identity(h, one);
-        let minors = cofactor(h);
-        let j_minus_1 = trace(h) + (trace(&minors) + determinant(h, &minors));
+        let j_minus_1 = j_minus_1(h);
         let j = j_minus_1 + 1.0;
         let remainder = j_minus_1.ln_1p_minus();
         let log_j = j_minus_1 + remainder;
@@ -213,7 +212,7 @@ impl<S: Simd> Points<S> {
             a[row][row] += p1 * 2.0;
         }
         self.add_i2_hessian(p2, &mut a);
-        self.add_j_hessian(pj, &mut a);
+        add_j_hessian(&self.f, pj, &mut a);
         a
     }
 
@@ -290,21 +289,28 @@ impl<S: Simd> Points<S> {
             }
         }
     }
+}
 
-    /// ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
-    #[inline(always)]
-    fn add_j_hessian(&self, scale: Lanes<S>, a: &mut Tangents<S>) {
-        let f = scaled(&self.f, scale);
-        // cof F in columns (1, 0), (2, 0) and (2, 1) by the third column: [±f]ₓ
-        for (row, column, third, positive) in [(1, 0, 2, true), (2, 0, 1, false), (2, 1, 0, true)] {
-            for i in 0..3 {
-                let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-                // [f]ₓ has −f_{i+2} at (i, i+1) and f_{i+1} at (i, i+2)
-                let (low, high) = (f[i2][third], f[i1][third]);
-                let (low, high) = if positive { (-low, high) } else { (low, -high) };
-                a[3 * row + i][3 * column + i1] += low;
-                a[3 * row + i][3 * column + i2] += high;
-            }
+/// J − 1 at ∇u = H, without the digits of 1.
+#[inline(always)]
+pub fn j_minus_1<S: Simd>(h: &Tensor<S>) -> Lanes<S> {
+    let minors = cofactor(h);
+    trace(h) + (trace(&minors) + determinant(h, &minors))
+}
+
+/// Adds s ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
+#[inline(always)]
+pub fn add_j_hessian<S: Simd>(f: &Tensor<S>, scale: Lanes<S>, a: &mut Tangents<S>) {
+    let f = scaled(f, scale);
+    // cof F in columns (1, 0), (2, 0) and (2, 1) by the third column: [±f]ₓ
+    for (row, column, third, positive) in [(1, 0, 2, true), (2, 0, 1, false), (2, 1, 0, true)] {
+        for i in 0..3 {
+            let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
+            // [f]ₓ has −f_{i+2} at (i, i+1) and f_{i+1} at (i, i+2)
+            let (low, high) = (f[i2][third], f[i1][third]);
+            let (low, high) = if positive { (-low, high) } else { (low, -high) };
+            a[3 * row + i][3 * column + i1] += low;
+            a[3 * row + i][3 * column + i2] += high;
         }
     }
 }

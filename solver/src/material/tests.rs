@@ -318,3 +318,37 @@ fn projected_tangents_by_principal_axes_are_the_nearest_positive_ones() {
     }
     assert!(indefinite > LAWS.len(), "{indefinite} tangents were indefinite");
 }
+
+#[test]
+fn the_parts_of_a_law_add_up_to_it() {
+    let bar = Mat3::new(0.4, -0.1, 0.2, 0.8, 0.5, -0.3, -0.6, 0.1, 0.7);
+    for law in LAWS {
+        let material = sample(law);
+        let Some(split) = material.split() else { continue };
+        for f in deformations() {
+            let k = at(&f);
+            let [u, first, second] = split.volumetric(k.j_minus_1);
+            let by_j = vec9(&k.cofactor);
+            let scale = material.tangent(&k).norm();
+            let energy = split.pointwise.energy_density(&k) + u;
+            assert!((energy - material.energy_density(&k)).abs() < 1e-13 * scale, "{}", law.key);
+            let stress = split.pointwise.first_piola(&k) + first * k.cofactor;
+            assert!((stress - material.first_piola(&k)).norm() < 1e-13 * scale, "{}", law.key);
+            let mut tangent = split.pointwise.tangent(&k) + second * by_j * by_j.transpose();
+            crate::math::tensor::add_j_hessian(&k.f, first, &mut tangent);
+            assert!((tangent - material.tangent(&k)).norm() < 1e-13 * scale, "{}", law.key);
+            let (mut whole, mut parts) = (vec![0.0; law.sample.len()], vec![0.0; law.sample.len()]);
+            material.add_parameter_vjp(&k, &bar, &mut whole);
+            split.pointwise.add_parameter_vjp(&k, &bar, &mut parts);
+            split.add_volumetric_vjp(k.j_minus_1, k.cofactor.dot(&bar), &mut parts);
+            for (i, (a, b)) in whole.iter().zip(&parts).enumerate() {
+                let size = a.abs() + scale / law.sample[i].abs();
+                assert!((a - b).abs() < 1e-12 * size, "{} {i}: {a} {b}", law.key);
+            }
+        }
+        assert_eq!(split.volumetric(-1.0)[0], f64::INFINITY);
+        // nothing of the pointwise part grows with the bulk modulus
+        let rest = split.pointwise.tangent(&Kinematics::new(&Mat3::zeros()));
+        assert!(rest.norm() < 10.0 * (law.moduli)(law.sample).shear, "{}", law.key);
+    }
+}

@@ -122,6 +122,28 @@ pub fn cross_matrix(a: &nalgebra::Vector3<f64>) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
+/// The derivative of cof F along H, ∂²J/∂F² : H: column c of cof F is f_{c+1} × f_{c+2}.
+#[must_use]
+pub fn cofactor_change(f: &Mat3, h: &Mat3) -> Mat3 {
+    let column = |c: usize| {
+        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
+        h.column(c1).cross(&f.column(c2)) + f.column(c1).cross(&h.column(c2))
+    };
+    Mat3::from_columns(&[column(0), column(1), column(2)])
+}
+
+/// Adds s ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.
+pub fn add_j_hessian(f: &Mat3, scale: f64, a: &mut Mat9) {
+    for c in 0..3 {
+        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
+        let (f1, f2) = (f.column(c1).into_owned(), f.column(c2).into_owned());
+        let mut by_c1 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c1);
+        by_c1 -= scale * cross_matrix(&f2);
+        let mut by_c2 = a.fixed_view_mut::<3, 3>(3 * c, 3 * c2);
+        by_c2 += scale * cross_matrix(&f1);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,6 +153,17 @@ mod tests {
         let a = Mat3::new(1.0, 2.0, 0.5, -0.3, 1.5, 0.2, 0.1, 0.4, 2.0);
         let expected = a.try_inverse().expect("det = 3.96").transpose() * a.determinant();
         assert!((cofactor(&a) - expected).norm() < 1e-14);
+    }
+
+    #[test]
+    fn the_change_of_a_cofactor_is_that_of_a_quadratic_function() {
+        let f = Mat3::new(1.0, 2.0, 0.5, -0.3, 1.5, 0.2, 0.1, 0.4, 2.0);
+        let h = Mat3::new(0.3, -0.2, 0.5, 0.1, 0.4, -0.6, 0.7, 0.2, -0.3);
+        let expected = cofactor(&(f + h)) - cofactor(&f) - cofactor(&h);
+        assert!((cofactor_change(&f, &h) - expected).norm() < 1e-14);
+        let mut hessian = Mat9::zeros();
+        add_j_hessian(&f, 1.0, &mut hessian);
+        assert!((hessian * vec9(&h) - vec9(&expected)).norm() < 1e-14);
     }
 
     #[test]

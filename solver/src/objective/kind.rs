@@ -85,6 +85,10 @@ pub trait Specification: Debug + Send + Sync {
     fn may_be_maximised(&self) -> bool {
         true
     }
+    /// Whether it is made with the stress of the law at each point.
+    fn reads_stress(&self) -> bool {
+        false
+    }
     /// The files that it names, from the folder of the design.
     fn files(&self) -> Vec<&Path> {
         Vec::new()

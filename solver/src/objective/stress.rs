@@ -50,6 +50,10 @@ impl Specification for Keys {
         Ok(())
     }
 
+    fn reads_stress(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, _: &Path) -> Result<Builder> {
         let Self { on, power } = self.clone();
         Ok(Box::new(move |name, bodies| {

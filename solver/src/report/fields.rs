@@ -1,6 +1,7 @@
 //! Strains and stresses of a state, for ParaView.
 //!
-//! With F = I + ∇u, J = det F and P = ∂ψ/∂F of the law at a quadrature point:
+//! With F = I + ∇u, J = det F and P = ∂ψ/∂F of the law at a quadrature point, with mean dilatation
+//! its pressure U'(J̄) of the element:
 //!
 //! | name | is | unit |
 //! |-|-|-|
@@ -19,7 +20,7 @@
 use mesh::io::vtu::Field;
 
 use crate::element::{FunctionSpace, node_indices};
-use crate::energy::{Elastic, Energies, Iterate};
+use crate::energy::{ElementLaw, Energies, Iterate};
 use crate::material::Kinematics;
 use crate::math::tensor::{Mat3, largest_eigenvalue};
 use crate::parallel::fill;
@@ -41,9 +42,9 @@ struct Point {
 }
 
 impl Point {
-    fn new(elastic: &Elastic, grad_u: &Mat3) -> Self {
+    fn new(law: &ElementLaw, grad_u: &Mat3) -> Self {
         let k = Kinematics::new(grad_u);
-        let p = elastic.material.first_piola(&k);
+        let p = law.first_piola(&k);
         let cauchy = p * k.f.transpose() / k.j();
         let pressure = -cauchy.trace() / 3.0;
         let deviator = cauchy + pressure * Mat3::identity();
@@ -52,7 +53,7 @@ impl Point {
             1.5_f64.sqrt() * deviator.norm(),
             pressure,
             largest_eigenvalue(&(p * p.transpose())).max(0.0).sqrt(),
-            elastic.material.energy_density(&k),
+            law.energy_density(&k),
         ];
         Self { scalars, cauchy }
     }
@@ -74,9 +75,10 @@ pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
         let first = elements.start;
         let own = fill(elements.len(), quadrature, Point::default(), |range, points| {
             for (e, points) in range.zip(points.chunks_exact_mut(quadrature)) {
+                let law = body.elastic.law_in(at, first + e);
                 let gradients = space.displacement_gradients(at.rest, at.u, first + e);
                 for (point, grad_u) in points.iter_mut().zip(gradients) {
-                    *point = Point::new(&body.elastic, &grad_u);
+                    *point = Point::new(&law, &grad_u);
                 }
             }
         });

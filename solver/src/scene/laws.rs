@@ -7,8 +7,8 @@ use mesh::{Tags, TetMesh, Volumes};
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::{BodyConfig, MaterialConfig, RelaxationConfig};
-use crate::energy::{Branch, Viscous};
+use crate::config::{BodyConfig, Dilatation, MaterialConfig, RelaxationConfig};
+use crate::energy::{Branch, Elastic, Viscous};
 use crate::material::{LAWS, Law, Specification};
 
 /// The law of a body or of one of its volumes.
@@ -81,6 +81,36 @@ impl Scene {
             own.iter().for_each(|&i| self.laws[i].branches.push(branch));
         }
         Ok(())
+    }
+
+    /// Whether all laws can have the dilatation of the scene.
+    ///
+    /// # Errors
+    /// When one has no term of the change of volume alone.
+    pub(super) fn check_dilatation(&self) -> Result<()> {
+        self.laws.iter().try_for_each(|law| self.elastic(law, 0..0).map(drop))
+    }
+
+    /// The elastic energy of a law on some elements.
+    ///
+    /// # Errors
+    /// When the law cannot have the dilatation of the scene.
+    pub(super) fn elastic(&self, law: &SceneLaw, elements: Range<usize>) -> Result<Elastic> {
+        let elastic = Elastic::part(law.material.build(), elements);
+        if self.config.solver.dilatation == Dilatation::Pointwise {
+            return Ok(elastic);
+        }
+        elastic.with_mean_dilatation().with_context(|| {
+            let has = |law: &&Law| (law.build)(law.sample).split().is_some();
+            let known: Vec<_> = LAWS.iter().filter(has).map(|law| law.key).collect();
+            format!(
+                "[solver] dilatation = \"mean\": the law {} of \"{}\" has no term of the change of \
+                 volume alone, of which a mean could be taken; expected one of: {}",
+                law.material.law.key,
+                self.law_name(law),
+                known.join(", ")
+            )
+        })
     }
 
     /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, anyhow, ensure};
 
 use super::Scene;
 use crate::body::Body;
-use crate::config::{ObjectiveConfig, Weight};
+use crate::config::{Dilatation, ObjectiveConfig, Weight};
 use crate::element::FunctionSpace;
 use crate::objective::{Builder, Context, Law, Objective};
 
@@ -49,6 +49,15 @@ impl<'a> ObjectiveBuilder<'a> {
                 scene.config.contact().is_some() || !config.kind().needs_contact,
                 "{}: objective \"{name}\": {}: there are no forces between surfaces without \
                  [contact] in {}",
+                design.display(),
+                config.kind().key,
+                scene.path.display()
+            );
+            ensure!(
+                scene.config.solver.dilatation == Dilatation::Pointwise || !config.reads_stress(),
+                "{}: objective \"{name}\": {}: it is made with the stress of the law at each point, which \
+                 elements with [solver] dilatation = \"mean\" do not have; expected \"pointwise\" in {}, or \
+                 another objective",
                 design.display(),
                 config.kind().key,
                 scene.path.display()

@@ -7,6 +7,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::Elastic;
+use super::mean::{Mean, add_mean_force, add_rank_one};
 use crate::element::at;
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Points};
@@ -18,12 +19,12 @@ use crate::math::tensor::{Mat3, Mat9, project_isotropic};
 use mesh::Vec3;
 
 /// Vectors of components, one for each of N nodes.
-type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
+pub(super) type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
 
 /// Consecutive straight-sided elements, as many as there are lanes.
-struct Batch<'a, S: Simd, const N: usize> {
-    simd: S,
-    iterate: &'a Iterate<'a>,
+pub(super) struct Batch<'a, S: Simd, const N: usize> {
+    pub(super) simd: S,
+    pub(super) iterate: &'a Iterate<'a>,
     /// G⁻¹, whose rows are the rest gradients of three barycentric coordinates [1/m].
     to_rest: Tensor<S>,
     /// Rest volume [m³].
@@ -76,7 +77,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
 
     /// Rest gradients ∇φ_a of all nodes at quadrature point q.
     #[inline(always)]
-    fn gradients(&self, q: usize) -> Nodal<S, N> {
+    pub(super) fn gradients(&self, q: usize) -> Nodal<S, N> {
         let table = &self.iterate.space.volume_table().gradients[q];
         let mut g = self.u;
         for (g, table) in g.iter_mut().zip(table) {
@@ -97,7 +98,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
 
     /// ∇u = Σ u_a ⊗ ∇φ_a.
     #[inline(always)]
-    fn grad_u(&self, gradients: &Nodal<S, N>) -> Tensor<S> {
+    pub(super) fn grad_u(&self, gradients: &Nodal<S, N>) -> Tensor<S> {
         let mut sum = [[Lanes::splat(self.simd, 0.0); 3]; 3];
         for (u, g) in self.u.iter().zip(gradients) {
             for i in 0..3 {
@@ -112,7 +113,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
 
 /// Quadrature points and fractions of the volume that they stand for. Where strain is constant
 /// in an element, one point stands for all.
-fn points<const N: usize>(iterate: &Iterate) -> impl Iterator<Item = (usize, f64)> {
+pub(super) fn points<const N: usize>(iterate: &Iterate) -> impl Iterator<Item = (usize, f64)> {
     let weights = &iterate.space.volume_table().weights;
     let constant = N == 4;
     let of = move |q: usize| if constant { 1.0 } else { weights[q] };
@@ -222,6 +223,7 @@ impl<const N: usize> WithSimd for Values<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (law, split) = self.elastic.parts(self.iterate.space);
         let mut sum = 0.0;
         for elements in pieces(self.elements, Lanes::<S>::COUNT) {
             let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
@@ -229,9 +231,15 @@ impl<const N: usize> WithSimd for Values<'_, N> {
             let mut values = [0.0; MOST];
             for (q, weight) in points::<N>(self.iterate) {
                 let grad_u = batch.grad_u(&batch.gradients(q));
-                let densities = energy_densities(simd, &*self.elastic.material, &grad_u);
+                let densities = energy_densities(simd, law, &grad_u);
                 for l in 0..Lanes::<S>::COUNT {
                     values[l] += weight * volume[l] * densities[l];
+                }
+            }
+            if let Some(split) = split {
+                let of_volume = Mean::new(&batch, split).values;
+                for l in 0..Lanes::<S>::COUNT {
+                    values[l] += volume[l] * of_volume[l];
                 }
             }
             // element by element, so that the sum is the same for any number of lanes
@@ -254,14 +262,20 @@ impl<const N: usize> WithSimd for Gradients<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        let (law, split) = self.elastic.parts(self.iterate.space);
         let zero = Lanes::splat(simd, 0.0);
         let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
         for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
             let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            let mean = split.map(|split| Mean::new(&batch, split));
             let mut forces = [[zero; 3]; N];
             for (q, weight) in points::<N>(self.iterate) {
                 let g = batch.gradients(q);
-                let stress = first_piola(simd, &*self.elastic.material, &batch.grad_u(&g));
+                let grad_u = batch.grad_u(&g);
+                let mut stress = first_piola(simd, law, &grad_u);
+                if let Some(mean) = &mean {
+                    mean.add_stress(&grad_u, &mut stress);
+                }
                 let stress = scaled(&stress, batch.volume * weight);
                 for (force, g) in forces.iter_mut().zip(&g) {
                     for i in 0..3 {
@@ -297,20 +311,31 @@ impl<const N: usize> WithSimd for Hessians<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        let (law, split) = self.elastic.parts(self.iterate.space);
         let pairs = pair_count(N);
         let mut local = vec![[Lanes::splat(simd, 0.0); 9]; pairs];
         let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
         for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
             let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
             local.fill([Lanes::splat(simd, 0.0); 9]);
+            let mean = split.map(|split| Mean::new(&batch, split));
+            let mut by_volume = [[Lanes::splat(simd, 0.0); 3]; N];
             for (q, weight) in points::<N>(self.iterate) {
                 let g = batch.gradients(q);
                 let grad_u = batch.grad_u(&g);
-                let mut tangents = tangents(simd, &*self.elastic.material, &grad_u);
+                let mut tangents = tangents(simd, law, &grad_u);
+                if let Some(mean) = &mean {
+                    mean.add_tangent(&grad_u, &mut tangents);
+                    add_mean_force(&grad_u, &g, weight, &mut by_volume);
+                }
                 if self.kind == Hessian::Projected {
-                    project(simd, &*self.elastic.material, &mut tangents, &grad_u);
+                    project(simd, law, &mut tangents, &grad_u);
                 }
                 add_point::<S, N>(&tangents, &g, batch.volume * weight, &mut local);
+            }
+            if let Some(mean) = &mean {
+                let stiffness = mean.stiffness(self.kind) * batch.volume;
+                add_rank_one(&by_volume, stiffness, &mut local);
             }
             for (pair, local) in local.iter().enumerate() {
                 for (entry, local) in local.iter().enumerate() {
@@ -392,7 +417,9 @@ mod tests {
         let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
         let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
         let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];
-        for elastic in laws.map(Elastic::whole) {
+        let standard = laws.map(Elastic::whole);
+        let mean = standard.clone().map(|elastic| elastic.with_mean_dilatation().expect("a part"));
+        for elastic in standard.into_iter().chain(mean) {
             let (elastic, iterate) = (&elastic, &iterate);
             let values = || Values::<10> { elastic, iterate, elements: 0..21 };
             let one = values().with_simd(Scalar);

@@ -189,6 +189,11 @@ fn what_is_missing_is_named() {
         ("", "[[objective]]\nkind = 'probe'\nprobe = 'drop'".to_owned(), "there are: lift"),
         ("", "[[objective]]\nkind = 'stress'\non = 'lower.top'".to_owned(), "lower, upper"),
         (
+            "[solver]\ndilatation = 'mean'\n",
+            "[[objective]]\nkind = 'stress'\n".to_owned(),
+            "stress: it is made with the stress of the law at each point",
+        ),
+        (
             "",
             TERMS
                 .replace("t = [0.5, 1.0]", "t = [0.6, 1.0]")
