@@ -160,3 +160,28 @@ fn a_body_without_a_chamber_is_cast() {
     let said = refused(&Scene::planned(&BLOCK, &format!("chamber = []\n{TUBE}")));
     assert!(said.contains("no chamber for a tube"), "{said}");
 }
+
+/// A core of 4 × 4 × 64 mm on a stub of 8 mm leans by millimetres in silicone of 4 mm, and no pin may hold it.
+#[test]
+fn a_core_that_would_come_near_the_mold_fails() {
+    let tall = Cubes {
+        count: [3, 3, 17],
+        solid: |_| true,
+        chamber: |[i, j, k]| i == 1 && j == 1 && k < 16,
+    };
+    let config = |least: &str| {
+        format!("method = \"soluble\"\ncore.support = \"stub\"\ncasting.least_wall = {least}")
+    };
+    let scene = Scene::new(&tall, &config("3e-3"));
+    let made = scene.mold();
+    assert_eq!(made.status.code(), Some(1), "{}", stderr(&made));
+    assert!(stderr(&made).contains("core: stays is "), "{}", stderr(&made));
+    assert!(stderr(&made).contains("mm from mold and other cores then"), "{}", stderr(&made));
+    // A longer stub leaves enough.
+    scene.configure(&format!(
+        "{}\n[core]\nlength = 40e-3",
+        config("5e-4").replace("core.support = \"stub\"\n", "")
+    ));
+    let made = scene.mold();
+    assert!(made.status.success(), "{}", stderr(&made));
+}

@@ -5,6 +5,7 @@
 //! when the pins were chosen.
 
 use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::closed_mold::{Body, ClosedMold};
@@ -30,6 +31,9 @@ const RING: f64 = 0.1;
 
 /// Depth of a pit in which pin and ring are measured, in radii of the pit: half of what pits are deep at least.
 const DEPTH: f64 = 0.4;
+
+/// Part of casting.least_wall that must be left beside a core that moves: a judgement.
+const LEFT: f64 = 0.5;
 
 /// A core moves by at most this much more than mold.json says: two digits of it [mm].
 const OFF: f64 = 0.01;
@@ -188,9 +192,42 @@ fn stays(mold: &ClosedMold, hold: &Holding, pins: &[Found]) -> Line {
         format!("at most {:.2} mm, limits.sag, and {:.2} mm of mold.json", hold.limit, hold.held);
     let mut line = Line::new(name, moves <= hold.held + OFF, found, &needed);
     if line.status == Status::Ok && moves > hold.limit {
-        line.status = Status::Warn;
+        let left = left_beside(mold, hold, moves / MM / stand.reach);
+        let least = LEFT * mold.report.casting.least_wall * MM;
+        line.status = if left < least { Status::Fail } else { Status::Warn };
+        line.found += &format!(", {:.2} mm from mold and other cores then", left.max(0.0));
+        line.needed += &format!(
+            "; beyond limits.sag {least:.2} mm left, half of casting.least_wall: widen the inlet, lengthen core.length, give \
+             core.pins, or method = \"halves\""
+        );
     }
     line
+}
+
+/// What is left between a core and the mold or another core when it turns by an angle about its inlet [mm]: each point
+/// of it moves by the angle times its distance from the inlet. Not where it stands on the piece below, nor at pins.
+fn left_beside(mold: &ClosedMold, hold: &Holding, angle: f64) -> f64 {
+    let inlet = Vec3::from(hold.inlet);
+    let apart = 2.0 * mold.report.casting.least_wall * MM;
+    let others = mold.cores.iter().filter(|core| core.name != hold.core).chain(&mold.shells);
+    let others: Vec<SurfaceBvh> =
+        others.map(|body| SurfaceBvh::new(&body.solid.to_surface())).collect();
+    let Some(core) = mold.cores.iter().find(|core| core.name == hold.core) else { return 0.0 };
+    let pins: Vec<Frustum> =
+        mold.report.features.iter().filter(|f| f.purpose == Purpose::Pin).map(frustum).collect();
+    let free = |p: &Vec3| {
+        let beside = |pin: &Frustum| {
+            let along = ((p - pin.base).dot(&pin.axis) / pin.axis.norm_squared()).clamp(0.0, 1.0);
+            (p - pin.base - pin.axis * along).norm() > apart + pin.base_radius
+        };
+        p.z > inlet.z + apart && pins.iter().all(beside)
+    };
+    let vertices = core.solid.to_surface().vertices;
+    let left = vertices.iter().filter(|p| free(p)).flat_map(|p| {
+        let moves = angle * (p - inlet).norm();
+        others.iter().map(move |other| other.closest(p).distance - moves)
+    });
+    left.fold(f64::INFINITY, f64::min)
 }
 
 fn frustum(outline: &Outline) -> Frustum {
