@@ -98,7 +98,7 @@ fn probes_are_columns_and_agree_with_the_report() {
     }
     let table = dir.text("out/curve.csv");
     let mut rows = table.lines();
-    let header = "load [1],cavity pressure [Pa],cavity volume [m^3],top [m],air [m^3],inside [m],\
+    let header = "load [1],cavity pressure [Pa],cavity volume [m³],top [m],air [m³],inside [m],\
                   marker [m],bend [deg],apart [m],wall [m],bow [1/m],held [N],turn [deg]";
     assert_eq!(rows.next(), Some(header));
     assert_eq!(rows.clone().count(), lines.len());

@@ -164,8 +164,9 @@ fn a_file_that_includes_others_may_be_a_part() {
     let kinds = kinds();
     let sim = kinds.iter().find(|kind| kind.prefix == "sim").unwrap();
     let value = |text: &str| toml::from_str::<Value>(text).unwrap();
-    assert!(problem(sim, &value("[contact]\nfriction = 0.5")).is_some());
-    let part = "include = 'sim.toml'\npuffer = '0.1'\n[contact]\nfriction = 0.5\n";
+    assert!(problem(sim, &value("[time]\nsteps = 5")).is_some());
+    let part =
+        "include = 'sim.toml'\npuffer = '0.1'\n[time]\nsteps = 5\n[contact]\nfriction = 0.5\n";
     assert_eq!(problem(sim, &value(part)), None);
     let slip = part.replace("friction", "fraction");
     assert!(problem(sim, &value(&slip)).unwrap().contains("fraction"));

@@ -50,7 +50,7 @@ fn the_report_has_what_is_documented() {
         let wall = &report["chambers"]["cavity"];
         assert_eq!(number(&wall["pressure"]), PRESSURE);
         assert!(number(&wall["volume"]) > number(&wall["volume_rest"]), "{wall}");
-        let mut expected = vec!["displacement.npy", "nodes.npy", "report.json"];
+        let mut expected = vec!["curve.csv", "displacement.npy", "nodes.npy", "report.json"];
         expected.extend(["result.pvd", "result.vtu"]);
         let steps = report["steps"].as_array().unwrap().len();
         let steps: Vec<String> = (0..steps).map(|i| format!("step_{i:03}.vtu")).collect();

@@ -42,7 +42,7 @@ fn columns(line: &Value, probes: &[Probe]) -> Vec<Column> {
         None => column("t [s]".into(), &["t"]),
     }];
     for name in line["chambers"].as_object().into_iter().flat_map(|chambers| chambers.keys()) {
-        for (key, unit) in [("pressure", "Pa"), ("volume", "m^3")] {
+        for (key, unit) in [("pressure", "Pa"), ("volume", "m³")] {
             columns.push(column(format!("{name} {key} [{unit}]"), &["chambers", name, key]));
         }
     }

@@ -15,7 +15,7 @@ use crate::element::FunctionSpace;
 use crate::energy::{Contact, Friction};
 
 /// Size of an obstacle from which it looks like one in millimetres [that of the bodies].
-const LARGEST_OBSTACLE: f64 = 100.0;
+const LARGEST_OBSTACLE: f64 = 300.0;
 
 /// Contact of a scene.
 pub(super) struct Collisions {

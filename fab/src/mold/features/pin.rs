@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::triangle_normal;
+use mesh::measure::{bounds, triangle_normal};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
@@ -30,8 +30,8 @@ const STEEP: f64 = 0.82;
 /// about 40° of the normal.
 const UNEVEN: f64 = 1.7;
 
-/// Distance of the places that are tried, in radii.
-const STEP: f64 = 1.5;
+/// Distance of the places that are tried, in radii: a core that is slender has room for pits only along its middle.
+const STEP: f64 = 0.75;
 
 /// A pin that was asked for stands within this distance of its point, in radii.
 pub const NEAR: f64 = 4.0;
@@ -42,6 +42,10 @@ const THICK: f64 = 6.0;
 /// Points of a rim that are looked at.
 const RIM: usize = 12;
 
+/// Where places and points of a rim lie in their cells: not in planes in which bodies are symmetric, in which
+/// triangles of a model meet and rays would hit two at once.
+const OBLIQUE: [f64; 2] = [0.3183, 0.3529];
+
 /// Pins of a core at most.
 const MOST: usize = 4;
 
@@ -50,6 +54,9 @@ const WORTH: f64 = 0.1;
 
 /// Places that are looked at more closely for each pin, the best first.
 const TRIES: usize = 24;
+
+/// Distance between those of them that do not fit, in radii.
+const BESIDE: f64 = 2.0;
 
 /// Least mold between a pin and a sprue or vent [m].
 pub const LAND: f64 = 1e-3;
@@ -141,10 +148,13 @@ impl Site<'_> {
         (pins, tried)
     }
 
-    /// Places on the chamber's wall that face a direction, one per cell.
+    /// Places on the chamber's wall that face a direction, one per cell: that nearest to its middle.
     fn places(&self, out: &Vec3, near: Option<&Vec3>) -> Vec<Vec3> {
         let [u, v] = across(out);
         let cell = STEP * self.radius;
+        // So that a row of cells runs along the middle of a slender core.
+        let (low, high) = bounds(&self.chamber.vertices);
+        let middle = (low + high) / 2.0;
         let mut places = BTreeMap::new();
         for t in 0..self.chamber.triangles.len() {
             let [a, b, c] = self.chamber.corners(t);
@@ -158,20 +168,28 @@ impl Site<'_> {
             }
             for i in 0..parts {
                 for j in 0..parts - i {
-                    let [s, t] = [i, j].map(|k| (k as f64 + 1.0 / 3.0) / parts as f64);
+                    let [s, t] = [i as f64 + OBLIQUE[0], j as f64 + OBLIQUE[1]];
+                    let [s, t] = [s, t].map(|k| k / parts as f64);
                     let at = a + (b - a) * s + (c - a) * t;
                     if near.is_some_and(|near| (near - at).cross(out).norm() > NEAR * self.radius) {
                         continue;
                     }
                     // Near a point all are tried.
-                    let fine = if near.is_some() { 0.25 } else { 1.0 };
-                    let key = [at.dot(&u), at.dot(&v), at.dot(out) / 3.0];
-                    let key = key.map(|x| (x / (fine * cell)).floor() as i64);
-                    places.entry(key).or_insert(at);
+                    let fine = if near.is_some() { 0.5 } else { 1.0 };
+                    let from = at - middle;
+                    let key = [from.dot(&u), from.dot(&v), from.dot(out) / 3.0];
+                    let in_cells = key.map(|x| x / (fine * cell) + 0.5);
+                    let off = in_cells.map(|x| x - x.floor() - 0.5).map(f64::abs);
+                    let off = off.into_iter().fold(0.0, f64::max);
+                    let place = places.entry(in_cells.map(|x| x.floor() as i64));
+                    let nearest: &mut (f64, Vec3) = place.or_insert((off, at));
+                    if off < nearest.0 {
+                        *nearest = (off, at);
+                    }
                 }
             }
         }
-        places.into_values().collect()
+        places.into_values().map(|(_, at)| at).collect()
     }
 
     /// The pin of a shell that stands at a place of the chamber's wall.
@@ -181,7 +199,7 @@ impl Site<'_> {
         let [u, v] = across(out);
         let ring = |radius: f64, height: f64| {
             (0..RIM).map(move |k| {
-                let angle = std::f64::consts::TAU * k as f64 / RIM as f64;
+                let angle = std::f64::consts::TAU * (k as f64 + OBLIQUE[0]) / RIM as f64;
                 at + (u * angle.cos() + v * angle.sin()) * radius + out * height
             })
         };
@@ -279,7 +297,7 @@ pub fn choose(
             false => (1.0, sag.mean, sag.most()),
         };
         ranked.sort_by(|a, b| rank(a).partial_cmp(&rank(b)).expect("numbers"));
-        let found = ranked.into_iter().take(TRIES).find(|(_, pin)| fits(pin, &chosen));
+        let found = first_that_fits(ranked, |pin| fits(pin, &chosen));
         let Some((held, pin)) = found.filter(|(held, _)| held.mean <= (1.0 - WORTH) * sag.mean)
         else {
             break;
@@ -288,6 +306,25 @@ pub fn choose(
         sag = held;
     }
     chosen
+}
+
+/// The first of ranked pins that fits. Beside one that does not, no other is tried: what is in its way is in theirs.
+fn first_that_fits<'a>(
+    ranked: Vec<(Sag, &'a Pin)>,
+    fits: impl Fn(&Pin) -> bool,
+) -> Option<(Sag, &'a Pin)> {
+    let mut failed: Vec<Vec3> = Vec::new();
+    for (sag, pin) in ranked {
+        let (at, beside) = (pin.frustum.base, BESIDE * pin.frustum.base_radius);
+        if failed.len() == TRIES || failed.iter().any(|failed| (failed - at).norm() < beside) {
+            continue;
+        }
+        if fits(pin) {
+            return Some((sag, pin));
+        }
+        failed.push(at);
+    }
+    None
 }
 
 /// Distance of the first facet along a ray.
