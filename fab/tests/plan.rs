@@ -200,9 +200,8 @@ fn a_core_that_leans_is_held_by_pins_unless_they_are_forbidden() {
 
 #[test]
 fn pins_that_have_no_place_are_refused() {
-    let wide = "at = [0.007, 0.017, 0.024]\nradius = 3e-3\ntop_radius = 7e-3";
-    let said = refused(&pinned("pins = [[0.007, 0.017, 0.024]]", wide));
-    for part in ["core.pins: no pin of 1.00 mm radius", "too near to sprue"] {
+    let said = refused(&pinned("pins = [[0.007, 0.017, 0.024]]\npin = 5.5e-3", ""));
+    for part in ["core.pins: no pin of 5.50 mm radius", "within 22.0 mm of (0.007, 0.017"] {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
     let said = refused(&pinned("support = \"pin\"\npin = 5.5e-3", ""));

@@ -164,12 +164,12 @@ fn a_file_that_includes_others_may_be_a_part() {
     let kinds = kinds();
     let sim = kinds.iter().find(|kind| kind.prefix == "sim").unwrap();
     let value = |text: &str| toml::from_str::<Value>(text).unwrap();
-    assert!(problem(sim, &value("[time]\nsteps = 5")).is_some());
-    let part =
-        "include = 'sim.toml'\npuffer = '0.1'\n[time]\nsteps = 5\n[contact]\nfriction = 0.5\n";
-    assert_eq!(problem(sim, &value(part)), None);
-    let slip = part.replace("friction", "fraction");
-    assert!(problem(sim, &value(&slip)).unwrap().contains("fraction"));
+    let design = kinds.iter().find(|kind| kind.prefix == "design").unwrap();
+    assert!(problem(design, &value("[shape]\non = 'top'")).is_some());
+    let part = "include = 'design.toml'\npuffer = '0.1'\n[shape]\non = 'top'\n";
+    assert_eq!(problem(design, &value(part)), None);
+    let slip = part.replace("on =", "onto =");
+    assert!(problem(design, &value(&slip)).unwrap().contains("onto"));
     for (text, valid) in [
         ("include = ['a.toml', 'b.toml']\nmaterial = 'ecoflex-00-30'", true),
         ("include = 'a.toml'\nmaterial = 'ecoflex-00-31'", false),
