@@ -44,7 +44,7 @@ const RIM: usize = 12;
 
 /// Where places and points of a rim lie in their cells: not in planes in which bodies are symmetric, in which
 /// triangles of a model meet and rays would hit two at once.
-const OBLIQUE: [f64; 2] = [0.3183, 0.3529];
+const OBLIQUE: [f64; 2] = [0.3171, 0.3529];
 
 /// Pins of a core at most.
 const MOST: usize = 4;
@@ -309,10 +309,7 @@ pub fn choose(
 }
 
 /// The first of ranked pins that fits. Beside one that does not, no other is tried: what is in its way is in theirs.
-fn first_that_fits<'a>(
-    ranked: Vec<(Sag, &'a Pin)>,
-    fits: impl Fn(&Pin) -> bool,
-) -> Option<(Sag, &'a Pin)> {
+fn first_that_fits(ranked: Vec<(Sag, &Pin)>, fits: impl Fn(&Pin) -> bool) -> Option<(Sag, &Pin)> {
     let mut failed: Vec<Vec3> = Vec::new();
     for (sag, pin) in ranked {
         let (at, beside) = (pin.frustum.base, BESIDE * pin.frustum.base_radius);
