@@ -171,7 +171,7 @@ pub enum BoundaryError {
     Inlets {
         /// Chambers and inlets of the mesh.
         on_mesh: [usize; 2],
-        /// Those of the model.
+        /// Chambers and inlets of the model.
         on_model: [usize; 2],
     },
     /// Several bodies, or closed chambers without the tag.
@@ -257,8 +257,8 @@ impl Boundary {
         })
     }
 
-    /// The same body with the surface of a model in place of the boundary of its tetrahedra. `chamber` has the
-    /// index of a chamber for each triangle that is a wall of one.
+    /// Replaces the boundary of the tetrahedra by the surface of a model. For each triangle of the surface `chamber`
+    /// has the index of the chamber whose wall it is, if any.
     ///
     /// # Errors
     /// [`BoundaryError`] if that surface is not valid, or its chambers cannot be closed.

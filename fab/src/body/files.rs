@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mesh::io::{MshFile, read_surface, read_tets};
-use mesh::{SurfaceMesh, place_key, topology};
+use mesh::{SurfaceMesh, topology};
 
 use super::boundary::{Boundary, chambers_of};
-use super::joined::join;
+use super::joined::{join, places};
 use super::labels;
 use crate::config::{Casts, Chambers};
 
@@ -31,9 +31,9 @@ pub struct BodyFiles<'a> {
 
 /// A body and its mesh.
 pub struct Body {
-    /// Its closed surfaces.
+    /// The closed surfaces of the body and its chambers.
     pub boundary: Boundary,
-    /// Its tetrahedra and their tags.
+    /// The tetrahedra with the tags of their facets.
     pub file: MshFile,
 }
 
@@ -112,7 +112,7 @@ impl Sources<'_> {
             let facets = topology::boundary(&file.mesh).facets;
             let of = chambers_of(&file.mesh, &facets, &file.tags, chambers)?;
             let own = facets.iter().zip(of).filter(|(_, of)| of.is_none());
-            Ok(own.flat_map(|(t, _)| t.map(|v| place_key(&file.mesh.vertices[v]))).collect())
+            Ok(places(own.flat_map(|(t, _)| t.map(|v| &file.mesh.vertices[v]))))
         };
         match &self.modelled {
             Some(modelled) => Ok(outside(modelled)? != outside(self.file)?),

@@ -63,10 +63,12 @@ fn only<'a>(cores: &'a [CoreBoundary], chamber: &str) -> Option<&'a CoreBoundary
 
 /// Whether a core has other vertices than before.
 fn moved(before: &CoreBoundary, core: &CoreBoundary) -> bool {
-    let places = |core: &CoreBoundary| -> BTreeSet<[u64; 3]> {
-        core.surface.vertices.iter().map(place_key).collect()
-    };
-    places(before) != places(core)
+    places(&before.surface.vertices) != places(&core.surface.vertices)
+}
+
+/// Where points are, whatever their order.
+pub(super) fn places<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> BTreeSet<[u64; 3]> {
+    points.into_iter().map(place_key).collect()
 }
 
 /// What a surface sweeps.

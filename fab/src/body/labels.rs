@@ -18,7 +18,8 @@ pub type Chamber = Option<usize>;
 /// Part of a region's area that may have another answer than the rest: facets cross its rim.
 const STRAY: f64 = 0.1;
 
-/// The same in mean facets: smaller regions cannot be told from their rims.
+/// The area that may have another answer in any case [mean facets]: the facets at the rim of a small region are most
+/// of it.
 const STRAY_FACETS: f64 = 4.0;
 
 /// Least cosine of the angle between triangles at an edge that is not sharp (40°).

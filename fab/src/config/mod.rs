@@ -62,7 +62,7 @@ pub enum OutsideShape {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Casts {
-    /// That of its model, with the chambers of a design.
+    /// The surface of the model; chambers that a design moved are those of the design.
     Model,
     /// The boundary of its tetrahedra.
     #[default]

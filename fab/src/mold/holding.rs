@@ -16,9 +16,6 @@ use crate::config::{Casts, Config, Support};
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
 
-/// Pins must take away this part of the motion of a core's farthest point.
-const GAIN: f64 = 0.1;
-
 /// How a core is held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
@@ -178,10 +175,8 @@ pub fn hold(
         let (offered, places) = site.pins(None);
         tried = Some((places, offered.len()));
         let chosen = pin::choose(&stand, &offered, limit, fits);
-        let contacts: Vec<Contact> = chosen.iter().map(|pin| pin.contact).collect();
         // Pins that hold nothing leave holes for nothing.
-        let gain = 1.0 - stand.sag(&contacts).most() / alone;
-        if gain >= GAIN { chosen } else { Vec::new() }
+        if pin::hold(&stand, &chosen) { chosen } else { Vec::new() }
     } else {
         Vec::new()
     };

@@ -37,12 +37,13 @@ pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec
     let compare = || {
         origins.require_unchanged(&report.input)?;
         let model = read_surface(model).map_err(|e| e.to_string())?;
+        let pair = MoldAndCad { mold, cavity, origins, model };
         let mut lines = Vec::new();
         if report.input.surface == Casts::Mesh || origins.modelled.is_some() {
-            lines.push(to_cad(name, mold, cavity, origins, &model)?);
+            lines.push(pair.to_cad(name)?);
         }
         if report.input.surface == Casts::Model {
-            lines.push(to_design(mold, cavity, origins, &model)?);
+            lines.push(pair.to_design()?);
         }
         Ok(lines)
     };
@@ -52,58 +53,64 @@ pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec
     compare().unwrap_or_else(unreadable)
 }
 
-/// The largest distance of the CAD from the mold where the design did not move it.
-fn to_cad(
-    name: &str,
-    mold: &ClosedMold,
-    cavity: &SurfaceMesh,
-    origins: &Origins,
-    model: &SurfaceMesh,
-) -> Result<Line, String> {
-    let report = &mold.report;
-    let read = |path| read_tets(path).map_err(|e| e.to_string());
-    let unmoved = match &origins.modelled {
-        Some(path) => {
-            Some(Unmoved::new(&read(path)?, &read(&origins.design)?.mesh, report, model)?)
-        }
-        None => None,
-    };
-    let points = model.vertices.iter().copied().chain(measure::spread(model, SAMPLES));
-    let still = points.filter(|p| unmoved.as_ref().is_none_or(|unmoved| unmoved.holds(p)));
-    let vertices = still.collect();
-    let placed = fit::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
-    let bvh = SurfaceBvh::new(cavity);
-    let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
-    let off = cast.map(|p| bvh.closest(p).distance).fold(0.0, f64::max);
-    let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
-    line.needed += if unmoved.is_some() { " where nothing moved" } else { "" };
-    // The boundary of the tetrahedra was asked for.
-    if report.input.surface == Casts::Mesh && line.status == Status::Fail {
-        line.status = Status::Warn;
-        line.needed += "; surface = \"model\" casts the CAD";
-    }
-    Ok(line)
+/// A mold and the CAD surface that its body was meshed from.
+struct MoldAndCad<'a> {
+    mold: &'a ClosedMold,
+    /// Surface of its cavity [mm].
+    cavity: &'a SurfaceMesh,
+    origins: &'a Origins,
+    /// The CAD surface [m].
+    model: SurfaceMesh,
 }
 
-/// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher.
-fn to_design(
-    mold: &ClosedMold,
-    cavity: &SurfaceMesh,
-    origins: &Origins,
-    model: &SurfaceMesh,
-) -> Result<Line, String> {
-    let report = &mold.report;
-    let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
-    let ways = [(&modelled, model), (model, &modelled)];
-    let off = ways.map(|(a, b)| measure::hausdorff(a, b, SAMPLES)).into_iter().fold(0.0, f64::max);
-    let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
-    let limit = off * scale + fit::SURFACE + 2.0 * mold.rounding;
-    let design = fit::designed(origins, report, Casts::Mesh)?;
-    let film = fit::SURFACE + 2.0 * mold.rounding;
-    let there = fit::deviation(cavity, &design, film);
-    let mut line = Line::at_most("surface: mold to design", there, limit, "mm");
-    line.needed += ", as the mesh is off the CAD";
-    Ok(line)
+impl MoldAndCad<'_> {
+    /// The largest distance of the CAD from the mold where the design did not move it.
+    fn to_cad(&self, name: &str) -> Result<Line, String> {
+        let Self { mold, cavity, origins, model } = self;
+        let report = &mold.report;
+        let read = |path| read_tets(path).map_err(|e| e.to_string());
+        let unmoved = match &origins.modelled {
+            Some(path) => {
+                Some(Unmoved::new(&read(path)?, &read(&origins.design)?.mesh, report, model)?)
+            }
+            None => None,
+        };
+        let points = model.vertices.iter().copied().chain(measure::spread(model, SAMPLES));
+        let still = points.filter(|p| unmoved.as_ref().is_none_or(|unmoved| unmoved.holds(p)));
+        let vertices = still.collect();
+        let placed = fit::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
+        let bvh = SurfaceBvh::new(cavity);
+        let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
+        let off = cast.map(|p| bvh.closest(p).distance).fold(0.0, f64::max);
+        let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
+        line.needed += if unmoved.is_some() { " where nothing moved" } else { "" };
+        // The boundary of the tetrahedra was asked for.
+        if report.input.surface == Casts::Mesh && line.status == Status::Fail {
+            line.status = Status::Warn;
+            line.needed += "; surface = \"model\" casts the CAD";
+        }
+        Ok(line)
+    }
+
+    /// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher.
+    fn to_design(&self) -> Result<Line, String> {
+        let Self { mold, cavity, origins, model } = self;
+        let report = &mold.report;
+        let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
+        let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
+        let film = fit::SURFACE + 2.0 * mold.rounding;
+        let design = fit::designed(origins, report, Casts::Mesh)?;
+        let there = fit::deviation(cavity, &design, film);
+        let limit = apart(&modelled, model) * scale + film;
+        let mut line = Line::at_most("surface: mold to design", there, limit, "mm");
+        line.needed += ", as the mesh is off the CAD";
+        Ok(line)
+    }
+}
+
+/// The largest distance between two surfaces, either way.
+fn apart(a: &SurfaceMesh, b: &SurfaceMesh) -> f64 {
+    measure::hausdorff(a, b, SAMPLES).max(measure::hausdorff(b, a, SAMPLES))
 }
 
 /// Whether the mold casts the body at a point, away from its cut and from collars [mm].
@@ -153,12 +160,7 @@ impl Unmoved {
             (!surface.triangles.is_empty()).then(|| SurfaceBvh::new(&surface))
         };
         let all = topology::submesh(&mesh.vertices, &facets).0;
-        Ok(Self {
-            still: surface(false),
-            moved: surface(true),
-            rim: measure::hausdorff(&all, model, SAMPLES)
-                .max(measure::hausdorff(model, &all, SAMPLES)),
-        })
+        Ok(Self { still: surface(false), moved: surface(true), rim: apart(&all, model) })
     }
 
     fn holds(&self, p: &Vec3) -> bool {

@@ -52,7 +52,7 @@ pub(super) fn parse(text: &str) -> Result<Node, Malformed> {
         None => Ok(root),
         Some(c) => Err(parser.malformed(match unit(&characters[parser.next..]) {
             Some((unit, [value, of])) => format!(
-                "numbers have no unit here, they are in {of}: times {value}, not \"{unit}\""
+                "\"{unit}\" is no part of a value: values are in {of}, so multiply by {value}"
             ),
             None => format!("'{c}' where it should end"),
         })),

@@ -49,7 +49,7 @@ const OBLIQUE: [f64; 2] = [0.3171, 0.3529];
 /// Pins of a core at most.
 const MOST: usize = 4;
 
-/// A further pin must take away this part of the motion.
+/// A further pin, and all of them together, must take away this part of the motion.
 const WORTH: f64 = 0.1;
 
 /// Places that are looked at more closely for each pin, the best first.
@@ -179,8 +179,7 @@ impl Site<'_> {
                     let from = at - middle;
                     let key = [from.dot(&u), from.dot(&v), from.dot(out) / 3.0];
                     let in_cells = key.map(|x| x / (fine * cell) + 0.5);
-                    let off = in_cells.map(|x| x - x.floor() - 0.5).map(f64::abs);
-                    let off = off.into_iter().fold(0.0, f64::max);
+                    let off = Vec3::from(in_cells.map(|x| x - x.floor() - 0.5)).norm();
                     let place = places.entry(in_cells.map(|x| x.floor() as i64));
                     let nearest: &mut (f64, Vec3) = place.or_insert((off, at));
                     if off < nearest.0 {
@@ -308,6 +307,13 @@ pub fn choose(
     chosen
 }
 
+/// Whether pins take away enough of the motion of a core's farthest point.
+#[must_use]
+pub fn hold(stand: &Stand, pins: &[Pin]) -> bool {
+    let contacts: Vec<Contact> = pins.iter().map(|pin| pin.contact).collect();
+    stand.sag(&contacts).most() <= (1.0 - WORTH) * stand.sag(&[]).most()
+}
+
 /// The first of ranked pins that fits. Beside one that does not, no other is tried: what is in its way is in theirs.
 fn first_that_fits(ranked: Vec<(Sag, &Pin)>, fits: impl Fn(&Pin) -> bool) -> Option<(Sag, &Pin)> {
     let mut failed: Vec<Vec3> = Vec::new();
@@ -348,8 +354,18 @@ mod tests {
         radius: f64,
         look: impl Fn(&Stand, Vec<Pin>, Tried) -> T,
     ) -> T {
+        with_bar(4e-3, near, radius, look)
+    }
+
+    /// The same with half of the width of the bar.
+    fn with_bar<T>(
+        half: f64,
+        near: Option<Vec3>,
+        radius: f64,
+        look: impl Fn(&Stand, Vec<Pin>, Tried) -> T,
+    ) -> T {
         let neck = Solid::cylinder(&(-Vec3::z() * 10e-3), &(Vec3::z() * 22e-3), 2e-3, 2e-3, 48);
-        let bar = Solid::cube(&Vec3::new(-4e-3, -4e-3, 10e-3), &Vec3::new(46e-3, 4e-3, 18e-3));
+        let bar = Solid::cube(&Vec3::new(-4e-3, -half, 10e-3), &Vec3::new(46e-3, half, 18e-3));
         let chamber = bar.union(&neck.trim_by_plane(&Vec3::z(), 0.0));
         let filled = Solid::cube(&Vec3::new(-9e-3, -9e-3, 0.0), &Vec3::new(51e-3, 9e-3, 23e-3));
         let around =
@@ -397,8 +413,36 @@ mod tests {
             let contacts: Vec<Contact> = held.iter().map(|pin| pin.contact).collect();
             let with = stand.sag(&contacts).most();
             assert!(alone > 2e-3 && with <= 7e-4, "{alone} {with} {held:?}");
+            assert!(hold(stand, &held) && !hold(stand, &[]));
+            // A pit that is as wide as the core can turn holds nothing.
+            let loose = |pin: &Pin| Contact { play: 2.0 * alone, ..pin.contact };
+            let loose: Vec<Pin> =
+                held.iter().map(|pin| Pin { contact: loose(pin), ..pin.clone() }).collect();
+            assert!(!hold(stand, &loose));
             // Where no place fits, there is none.
             assert!(choose(stand, &pins, 7e-4, |_, _| false).is_empty());
+        });
+    }
+
+    /// With pit and skin a pin takes 4 mm: there is room only within 0.1 mm of the middle of 4.2 mm. Some is within
+    /// the distance at which a pin that is asked for may stand.
+    #[test]
+    fn a_slender_core_has_pins_along_its_middle() {
+        with_bar(2.1e-3, None, 1e-3, |_, pins, tried| {
+            for shell in [0, 1] {
+                let mut along: Vec<f64> = pins
+                    .iter()
+                    .filter(|pin| pin.shell == shell)
+                    .map(|pin| pin.frustum.base.x)
+                    .collect();
+                along.sort_by(f64::total_cmp);
+                assert!(along.iter().any(|x| *x > 40e-3), "{tried}: {along:?}");
+                let free = along.iter().filter(|x| **x > 4e-3).collect::<Vec<_>>();
+                assert!(
+                    free.windows(2).all(|pair| pair[1] - pair[0] < NEAR * 1e-3),
+                    "{tried}: {along:?}"
+                );
+            }
         });
     }
 
