@@ -131,6 +131,7 @@ def main():
     for flag in ("--made", "--later", "--judge"):
         parser.add_argument(flag, action="store_true")
     asked = parser.parse_args()
+    asked.folder.mkdir(parents=True, exist_ok=True)
     families = [asked.family] if asked.family else FAMILIES
     wanted = [(family, seed) for seed in range(asked.seed, asked.seed + asked.count) for family in families]
     found = known(asked) if asked.judge else made(asked, wanted)
@@ -160,7 +161,6 @@ def known(asked):
 def made(asked, wanted):
     """Results as they come."""
     programs, until = asked.programs.resolve(), time.monotonic() + asked.seconds
-    asked.folder.mkdir(parents=True, exist_ok=True)
     # gmsh, which makes bodies and is asked by verdicts, works in the first thread only
     for family, seed in [] if asked.made else wanted:
         import bodies
