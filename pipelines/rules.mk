@@ -85,7 +85,7 @@ define simulate
 $(call mesh,$(1),$(2),$(3))
 
 $(2)/baseline/report.json: $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< -o $$(@D)
+	$(BIN)/solver simulate $$< --curve -o $$(@D)
 
 $(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
 	mapfile -d '' -t patches < <(printf '%s\0' $(call to,$(1))/model/patches/*.stl | sort -zV); \
@@ -107,7 +107,7 @@ $(2)/optimize/report.json: $(call source,$(addprefix $(call from,$(1))/,design$(
 	$(BIN)/solver optimize $$< -o $$(@D)
 
 $(2)/optimized/report.json: $(2)/optimize/report.json | setup
-	$(BIN)/solver simulate $(call from,$(1))/sim$(3).toml --mesh $(2)/optimize/design.msh -o $$(@D)
+	$(BIN)/solver simulate $(call from,$(1))/sim$(3).toml --mesh $(2)/optimize/design.msh --curve -o $$(@D)
 
 $(2)/pictures/optimized.png: $(2)/baseline/report.json $(2)/optimized/report.json | setup
 	$(BIN)/cad2fem picture $(2)/baseline/result.vtu $(2)/optimized/result.vtu --color displacement \
@@ -133,7 +133,7 @@ $(2)/sim.reached.toml: $(2)/optimize/report.json
 		find optimize -name parameters.toml -printf ', "%p"' -o -name pressures.toml -printf ', "%p"'; echo ']'; } > $$(@F)
 
 $(2)/reached/report.json: $(2)/sim.reached.toml $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< -o $$(@D)
+	$(BIN)/solver simulate $$< --curve -o $$(@D)
 
 $(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
 	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --log --x-title "accepted loads" -o $$@
@@ -165,7 +165,7 @@ endef
 # Scene $(1), its results in $(2): another scene of the same mesh, sim.$(3).toml, with results in a folder $(3).
 define beside
 $(2)/$(3)/report.json: $(call source,$(addprefix $(call from,$(1))/,sim.$(3).toml sim.toml)) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< -o $$(@D)
+	$(BIN)/solver simulate $$< --curve -o $$(@D)
 
 $(2)/report.html: $(2)/$(3)/report.json
 endef

@@ -19,6 +19,8 @@ mod castable;
 mod compare;
 #[path = "fast/contact_failures.rs"]
 mod contact_failures;
+#[path = "fast/design_line.rs"]
+mod design_line;
 #[path = "fast/energies.rs"]
 mod energies;
 #[path = "fast/error_bars.rs"]

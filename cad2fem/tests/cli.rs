@@ -327,7 +327,10 @@ fn a_signal_ends_the_mesher_and_removes_its_folder() {
     );
     let wait = "until [ -s mesher ]; do sleep 0.05; done";
     let run = dir.run_in_shell(&format!("{start}; {wait}; kill -s TERM $p; wait $p"));
-    run.fails(143, "interrupted by SIGTERM; to continue: the same command");
+    run.fails(
+        143,
+        "interrupted by SIGTERM; nothing unfinished is left; the same command does it again",
+    );
     assert_eq!(fs::read_dir(dir.path("tmp")).unwrap().count(), 0, "a folder is left");
     let mesher = fs::read_to_string(dir.path("mesher")).unwrap();
     assert!(!std::path::Path::new(&format!("/proc/{}", mesher.trim())).exists(), "it runs on");

@@ -315,8 +315,9 @@ pub struct SolverConfig {
     /// the full load [1]; the largest if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_load_step: Option<f64>,
-    /// Largest load increment, for smooth curves over the load [1].
-    pub largest_load_step: f64,
+    /// Largest load increment, for smooth curves over the load [1]: 1 if not given, or 0.1 with `simulate --curve`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_load_step: Option<f64>,
     /// Increment below which the load counts as unreachable [1].
     pub smallest_load_step: f64,
     /// Newton iterations allowed in one load step: 30 if not given, 200 with
@@ -384,7 +385,7 @@ impl Default for SolverConfig {
     fn default() -> Self {
         Self {
             first_load_step: None,
-            largest_load_step: 1.0,
+            largest_load_step: None,
             smallest_load_step: 1e-3,
             newton_iterations: None,
             relative_tolerance: 1e-10,

@@ -380,7 +380,7 @@ impl Scene {
     pub fn stepping(&self) -> Stepping {
         let SolverConfig {
             first_load_step: _,
-            largest_load_step,
+            largest_load_step: _,
             smallest_load_step,
             newton_iterations: _,
             relative_tolerance,
@@ -391,7 +391,7 @@ impl Scene {
         } = self.config.solver;
         Stepping {
             first: self.config.solver.first_load_step(),
-            largest: largest_load_step,
+            largest: self.config.solver.largest_load_step(),
             smallest: smallest_load_step,
             newton: Newton {
                 iterations: self.config.newton_iterations(),

@@ -22,8 +22,8 @@ const KEYS: Keys = Keys { paths: &["patch", "surface", "volume"], named: &[] };
 /// A tag file.
 #[derive(Debug)]
 pub struct Config {
-    /// Selection distance ε.
-    pub epsilon: Epsilon,
+    /// Selection distance ε, if the file gives one.
+    pub epsilon: Option<Epsilon>,
     /// File of the whole model surface, which competes with the patches.
     pub surface: Option<PathBuf>,
     /// Selections; the first that holds a facet wins.
@@ -62,15 +62,16 @@ impl Epsilon {
         }
     }
 
-    fn of(file: &File) -> Result<Self> {
+    fn of(file: &File) -> Result<Option<Self>> {
         let given = match (file.epsilon, file.relative_epsilon) {
             (Some(_), Some(_)) => bail!("both `epsilon` and `relative_epsilon`: give one of them"),
             (Some(length), None) => Self::Absolute(length),
-            (None, part) => Self::Relative(part.unwrap_or(1e-3)),
+            (None, Some(part)) => Self::Relative(part),
+            (None, None) => return Ok(None),
         };
         let size = given.length(1.0);
         ensure!(size > 0.0 && size.is_finite(), "epsilon = {size} must be positive");
-        Ok(given)
+        Ok(Some(given))
     }
 }
 
@@ -97,10 +98,10 @@ pub struct Tag {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct File {
-    /// Selection distance ε, which exceeds the envelope of the mesher [m]; instead of
-    /// `relative_epsilon`.
+    /// Selection distance ε, which exceeds the envelope of the mesher [m]. By default 4/3 of the envelope in the report
+    /// of the mesher beside the mesh, or without a report 1e-3 diagonals.
     epsilon: Option<f64>,
-    /// Selection distance, by default 1e-3 [diagonal].
+    /// The same as a part of the diagonal [1], instead of `epsilon`.
     relative_epsilon: Option<f64>,
     /// File of the whole model surface, which competes with the patches.
     surface: Option<PathBuf>,

@@ -61,6 +61,10 @@ pub(crate) fn unblock_in(_command: &mut Command) {}
 fn end(name: &str, signal: Signal) {
     let _no_new_children = crate::child::kill_all();
     let _no_new_files = mesh::io::remove_unfinished();
-    to_stderr(&format!("{name}: interrupted by {signal}; to continue: the same command"));
+    let next = match name {
+        "solver" => "the same command continues where it was",
+        _ => "nothing unfinished is left; the same command does it again",
+    };
+    to_stderr(&format!("{name}: interrupted by {signal}; {next}"));
     std::process::exit(128 + signal as i32);
 }

@@ -4,6 +4,7 @@ mod calibrate;
 mod carry;
 mod check;
 mod compare;
+mod design;
 mod fit;
 mod gradient;
 mod import;
@@ -26,6 +27,7 @@ use program::schema::SchemaArguments;
 #[allow(missing_docs)] // the arguments of each verb say what it does
 pub enum Verb {
     Simulate(simulate::Arguments),
+    Design(design::Arguments),
     Optimize(optimize::Arguments),
     Carry(carry::Arguments),
     Check(check::Arguments),
@@ -49,6 +51,7 @@ impl Verb {
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),
+            Self::Design(arguments) => design::run(arguments),
             Self::Optimize(arguments) => optimize::run(arguments),
             Self::Carry(arguments) => carry::run(arguments),
             Self::Check(arguments) => check::run(arguments),

@@ -31,6 +31,9 @@ use crate::scene::Scene;
 use crate::stretch::Stretches;
 use crate::uncertainty;
 
+/// Largest load increment with `--curve` [1].
+const CURVE_STEP: f64 = 0.1;
+
 /// Solve a scene for its equilibrium under the full load, or through time
 ///
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
@@ -57,6 +60,9 @@ pub struct Arguments {
     /// Only the first of the scene's time steps
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     steps: Option<usize>,
+    /// Ten load steps, the points of a curve, where the scene gives no largest_load_step
+    #[arg(long)]
+    curve: bool,
     /// Only the final state, no file per step
     #[arg(long)]
     final_only: bool,
@@ -75,6 +81,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
+    if arguments.curve {
+        let first = scene.config.solver.first_load_step.unwrap_or(0.0);
+        scene.config.solver.largest_load_step.get_or_insert(CURVE_STEP.max(first));
+    }
     let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
     let as_cast = as_cast.transpose()?;
     as_cast.iter().flat_map(AsCast::in_words).for_each(|line| log::info!("{line}"));
@@ -415,7 +425,8 @@ fn merge(report: &mut Value, more: &Value) {
 
 /// What the states depend on: the scene, its meshes, the changes to it and what was measured.
 fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
-    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string()];
+    let step = scene.config.solver.largest_load_step();
+    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string(), step.to_string()];
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }

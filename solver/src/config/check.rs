@@ -265,16 +265,18 @@ impl SolverConfig {
     /// First load increment: as large as it may be, if none is given.
     #[must_use]
     pub fn first_load_step(&self) -> f64 {
-        self.first_load_step.unwrap_or(self.largest_load_step.min(1.0))
+        self.first_load_step.unwrap_or(self.largest_load_step().min(1.0))
+    }
+
+    /// Largest load increment: all of it, if none is given.
+    #[must_use]
+    pub fn largest_load_step(&self) -> f64 {
+        self.largest_load_step.unwrap_or(1.0)
     }
 
     fn check(&self) -> Result<()> {
-        let (s, first) = (self, self.first_load_step());
-        ensure!(
-            s.largest_load_step > 0.0,
-            "largest_load_step = {}: must be above 0",
-            s.largest_load_step
-        );
+        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
+        ensure!(largest > 0.0, "largest_load_step = {largest}: must be above 0");
         ensure!(
             first > 0.0 && first <= 1.0,
             "first_load_step = {first}: must be above 0 and at most 1"
@@ -285,9 +287,8 @@ impl SolverConfig {
             s.smallest_load_step
         );
         ensure!(
-            s.largest_load_step >= first,
-            "largest_load_step = {}: must be at least first_load_step = {first}",
-            s.largest_load_step
+            largest >= first,
+            "largest_load_step = {largest}: must be at least first_load_step = {first}"
         );
         ensure!(
             s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,

@@ -17,9 +17,7 @@ pub fn in_words(report: &Value) -> String {
     if let Some(largest) = moved.reduce(f64::max) {
         parts.push(format!("largest displacement {}", quantity(largest, "m")));
     }
-    if let Some(largest) = number(&report["stretch_range"]["largest"]) {
-        parts.push(format!("largest stretch {largest:.2}"));
-    }
+    parts.extend(stretch(&report["stretch_range"]));
     for (name, chamber) in entries(&report["chambers"]) {
         if let (Some(volume), Some(pressure)) =
             (number(&chamber["volume"]), number(&chamber["pressure"]))
@@ -34,6 +32,20 @@ pub fn in_words(report: &Value) -> String {
         }
     }
     parts.join(", ")
+}
+
+/// The largest principal stretch, beside that at which the silicone tears, and its place at rest.
+fn stretch(range: &Value) -> Option<String> {
+    let mut text = format!("largest stretch {:.2}", range["largest"].as_f64()?);
+    if let Some(at_break) = range["at_break"].as_f64() {
+        text += &format!(" of {at_break:.1} at break");
+    }
+    let place: Option<Vec<f64>> =
+        range["largest_at"].as_array().into_iter().flatten().map(Value::as_f64).collect();
+    if let Some([x, y, z]) = place.as_deref() {
+        text += &format!(" at ({:.1}, {:.1}, {:.1}) mm", x * 1e3, y * 1e3, z * 1e3);
+    }
+    Some(text)
 }
 
 /// What a design came to, from its report: each probe before and after, with what was wanted, and the part `fall` by
@@ -99,14 +111,14 @@ mod tests {
     fn a_run_is_told_in_units_that_people_read() {
         let report = json!({
             "tags": {"seat": {"max_displacement": 0.0}, "skin": {"max_displacement": 6.1234e-3}},
-            "stretch_range": {"largest": 1.314},
+            "stretch_range": {"largest": 1.314, "at_break": 10.0, "largest_at": [1e-3, 0.0, -2.55e-2]},
             "chambers": {"cavity": {"volume": 1.45e-6, "pressure": 12e3}},
             "probes": {"bend": {"value": -0.51e-3, "unit": "m"}, "tip": {"value": 59.9, "unit": "deg"}},
         });
         assert_eq!(
             in_words(&report),
-            "largest displacement 6.123 mm, largest stretch 1.31, cavity 1.450 mL at 12.00 kPa, \
-             bend -0.5100 mm, tip 59.90°"
+            "largest displacement 6.123 mm, largest stretch 1.31 of 10.0 at break at (1.0, 0.0, -25.5) mm, \
+             cavity 1.450 mL at 12.00 kPa, bend -0.5100 mm, tip 59.90°"
         );
         assert_eq!(in_words(&json!({})), "");
         assert_eq!(quantity(2.5e-7, "N"), "2.500e-7 N");

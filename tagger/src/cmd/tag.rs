@@ -6,12 +6,19 @@ use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
 use mesh::{Tags, io, measure};
 use program::Changes;
+use serde_json::Value;
 
 use crate::assign::{self, Assignment};
 use crate::config::Config;
 use crate::facets::Facets;
 use crate::select::Sources;
 use crate::volumes;
+
+/// Selection distance where the tag file gives none [envelope of the mesher].
+const REACH: f64 = 4.0 / 3.0;
+
+/// The same where no report of the mesher is found [diagonal].
+const LEAST: f64 = 1e-3;
 
 /// Gives every boundary facet to the first selection that holds its centroid.
 #[derive(clap::Args)]
@@ -43,7 +50,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let facets = Facets::of(&mesh);
     let diagonal = measure::diagonal(&mesh.vertices);
-    let epsilon = config.epsilon.length(diagonal);
+    let epsilon = match config.epsilon {
+        Some(epsilon) => epsilon.length(diagonal),
+        None => envelope(&args.volume)?.map_or(LEAST * diagonal, |envelope| REACH * envelope),
+    };
     let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
     let mut sources = Sources::new(folder, epsilon);
     if let Some(surface) = &config.surface {
@@ -57,6 +67,22 @@ pub fn run(args: &Args) -> Result<()> {
     report(&config, &assignment, &facets);
     let tags = Tags { volumes, ..assignment.tags(&config, &facets) };
     super::write_tagged(&args.output, &mesh, &tags)
+}
+
+/// The envelope of the mesher [m], if its report lies beside the mesh.
+fn envelope(volume: &Path) -> Result<Option<f64>> {
+    let path = volume.with_extension("report.json");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let read = || -> Result<Value> { Ok(serde_json::from_str(&io::read_text(&path)?)?) };
+    let report = read().with_context(|| {
+        let path = path.display();
+        format!(
+            "{path}: no report of cad2fem tetmesh; make it again, or give epsilon in the tag file"
+        )
+    })?;
+    Ok(report["options"]["envelope"].as_f64().filter(|envelope| *envelope > 0.0))
 }
 
 fn report(config: &Config, assignment: &Assignment, facets: &Facets) {

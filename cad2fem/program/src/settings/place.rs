@@ -14,11 +14,11 @@ const AROUND: usize = 300;
 /// a table it is looked for. Without one the whole file is. There it is the word that the message
 /// calls unknown, or the address that it begins or ends with.
 pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option<Range<usize>> {
-    let table = match &span {
-        None => tree,
-        Some(span) => match node(tree, span) {
-            None => return Some(span.clone()),
-            Some(table) => table,
+    let (table, span) = match span {
+        None => (tree, None),
+        Some(span) => match node(tree, &span, message) {
+            None => return Some(span),
+            Some((table, span)) => (table, Some(span)),
         },
     };
     let unknown = || holds(table, crate::nearest::unknown(message)?.1);
@@ -34,21 +34,49 @@ pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option
         .or(span)
 }
 
-/// The table at a place.
-fn node<'t, 'a>(tree: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
-    tree.iter().find_map(|(_, value)| node_in(value, span))
+/// The table at a place, with its own place. A list of tables has the place of its first one: there it is the first
+/// that the message fits.
+fn node<'t, 'a>(
+    tree: &'t DeTable<'a>,
+    span: &Range<usize>,
+    message: &str,
+) -> Option<(&'t DeTable<'a>, Range<usize>)> {
+    tree.iter().find_map(|(_, value)| node_in(value, span, message))
 }
 
 fn node_in<'t, 'a>(
     value: &'t Spanned<DeValue<'a>>,
     span: &Range<usize>,
-) -> Option<&'t DeTable<'a>> {
+    message: &str,
+) -> Option<(&'t DeTable<'a>, Range<usize>)> {
     match value.get_ref() {
-        DeValue::Table(table) if value.span() == *span => Some(table),
-        DeValue::Table(table) => node(table, span),
-        DeValue::Array(list) => list.iter().find_map(|item| node_in(item, span)),
+        DeValue::Table(table) if value.span() == *span => Some((table, span.clone())),
+        DeValue::Table(table) => node(table, span, message),
+        DeValue::Array(list) if value.span() == *span => {
+            let mut tables = list.iter().filter_map(|i| Some((i.get_ref().as_table()?, i.span())));
+            tables.find(|(table, _)| fits(table, message))
+        }
+        DeValue::Array(list) => list.iter().find_map(|item| node_in(item, span, message)),
         _ => None,
     }
+}
+
+/// Whether a table lacks what the message misses, or has under the key that it begins with what it found.
+fn fits(table: &DeTable, message: &str) -> bool {
+    if let Some(missing) = message.strip_prefix("missing field `").and_then(|m| m.split_once('`')) {
+        return table.get(missing.0).is_none();
+    }
+    let Some((key, what)) = message.split_once(": ") else { return true };
+    let found = ["invalid type: ", "invalid value: "].iter().find_map(|m| what.strip_prefix(m));
+    let (Some(found), Some(value)) = (found, table.get(key)) else { return found.is_none() };
+    found.starts_with(match value.get_ref() {
+        DeValue::String(_) => "string",
+        DeValue::Integer(_) => "integer",
+        DeValue::Float(_) => "floating point",
+        DeValue::Boolean(_) => "boolean",
+        DeValue::Array(_) => "sequence",
+        DeValue::Table(_) | DeValue::Datetime(_) => "map",
+    })
 }
 
 /// The first key or text of a table, at any depth, that is `word`.
@@ -194,4 +222,23 @@ fn underlined(text: &str, place: Range<usize>, margin: &str) -> String {
 
 fn floor(text: &str, at: usize) -> usize {
     (0..=at.min(text.len())).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Of a list of tables `toml` has one place, that of the first.
+    #[test]
+    fn the_table_of_a_list_that_an_error_means_is_found() {
+        let text = "[[chamber]]\non = 'a'\nfill = 1\n\n[[chamber]]\non = ['b']\n";
+        let tree = DeTable::parse(text).unwrap();
+        let list = tree.get_ref()["chamber"].span();
+        let found = |message: &str| find(tree.get_ref(), Some(list.clone()), message).unwrap();
+        assert_eq!(&text[found("on: invalid type: sequence, expected a string")], "on = ['b']");
+        assert_eq!(&text[found("on: invalid type: string \"a\", expected a list")], "on = 'a'");
+        assert_eq!(found("missing field `fill`").start, text.rfind("[[").unwrap());
+        assert_eq!(found("missing field `pressure`").start, 0);
+    }
 }

@@ -1,0 +1,219 @@
+//! `solver design`: the design problem of the common case, from one line.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+
+use crate::body::Body;
+use crate::config::{ProbeConfig, beside};
+use crate::scene::Scene;
+
+/// Part of a wanted value that counts as 1 in the objective.
+const SCALE: f64 = 0.05;
+
+/// Handles and iterations of the levels.
+const LEVELS: [(usize, usize); 3] = [(1, 4), (3, 6), (6, 8)];
+
+/// Weight of walls, times the fourth power of the thinnest one allowed [1]: a wall that is twice as thick pushes
+/// by less than a tenth of what a missed target does.
+const WALL: f64 = 1e-3;
+
+/// Write a design problem from one line: values that probes of a scene shall have, and the chamber that may move
+///
+/// Writes a commented design.toml beside the scene, which `solver optimize` takes as it is and which you can edit.
+/// With --pressure, design.sim.toml is written, too: the scene with this pressure.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The scene, which has the probes
+    scene: PathBuf,
+    /// A probe of the scene and the value that it shall have, in its unit; can be given several times
+    #[arg(long, value_name = "NAME=VALUE", required = true, value_parser = target)]
+    probe: Vec<Target>,
+    /// Tag whose surface may move; the only chamber of the scene if not given
+    #[arg(long = "move", value_name = "TAG")]
+    moved: Option<String>,
+    /// The thinnest wall allowed between it and the outside [m]
+    #[arg(long, value_name = "METRES", default_value_t = 1e-3)]
+    wall: f64,
+    /// Pressure of the chamber [Pa, gauge], in place of the scene's
+    #[arg(long, value_name = "PASCALS", allow_negative_numbers = true)]
+    pressure: Option<f64>,
+    /// The design problem; design.toml beside the scene if not given
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+/// A probe by its name, and its wanted value in its unit.
+#[derive(Clone)]
+struct Target {
+    probe: String,
+    value: f64,
+}
+
+fn target(text: &str) -> Result<Target, String> {
+    let wrong = || "expected NAME=VALUE, a number in the unit of the probe, as in bending=60";
+    let (probe, value) = text.split_once('=').ok_or_else(wrong)?;
+    let value: f64 = value.trim().parse().map_err(|_| wrong())?;
+    if !value.is_finite() {
+        return Err(wrong().to_owned());
+    }
+    Ok(Target { probe: probe.trim().to_owned(), value })
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let scene = Scene::read(&arguments.scene)?;
+    let place = || arguments.scene.display().to_string();
+    ensure!(
+        arguments.wall > 0.0 && arguments.wall.is_finite(),
+        "--wall {}: must be positive, in metres",
+        arguments.wall
+    );
+    let moved = moved(arguments, &scene).with_context(place)?;
+    let path = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| beside(&arguments.scene, Path::new("design.toml")));
+    let mut name = file_name(&arguments.scene)?;
+    ensure!(
+        path.parent() == arguments.scene.parent(),
+        "{}: must lie beside the scene, {}",
+        path.display(),
+        arguments.scene.display()
+    );
+    if let Some(pressure) = arguments.pressure {
+        let under = path.with_extension("sim.toml");
+        let text = pressed(&name, &moved, pressure, &scene).with_context(place)?;
+        write(&under, &text)?;
+        name = file_name(&under)?;
+    }
+    let text = problem(arguments, &scene, &name, &moved).with_context(place)?;
+    write(&path, &text)?;
+    let folder = beside(&path, Path::new("optimize"));
+    log::info!("{}: solver optimize {} -o {}", path.display(), path.display(), folder.display());
+    Ok(())
+}
+
+fn file_name(path: &Path) -> Result<String> {
+    let name = path.file_name().and_then(|name| name.to_str());
+    Ok(name.with_context(|| format!("{}: not a name in UTF-8", path.display()))?.to_owned())
+}
+
+/// The tag that may move.
+fn moved(arguments: &Arguments, scene: &Scene) -> Result<String> {
+    let chambers: Vec<&str> = scene.config.chamber.iter().map(|c| c.on.as_str()).collect();
+    let moved = match (&arguments.moved, &chambers[..]) {
+        (Some(tag), _) => tag.clone(),
+        (None, [only]) => (*only).to_owned(),
+        (None, []) => bail!("the scene has no [[chamber]]; expected --move TAG"),
+        (None, several) => {
+            bail!("which chamber may move? Expected --move, one of {}", several.join(", "))
+        }
+    };
+    scene.body.facets(&moved)?;
+    Ok(moved)
+}
+
+/// The scene `name` with another pressure.
+fn pressed(name: &str, moved: &str, pressure: f64, scene: &Scene) -> Result<String> {
+    ensure!(
+        scene.config.chamber.iter().any(|chamber| chamber.on == moved),
+        "--pressure: \"{moved}\" is no [[chamber]] of the scene"
+    );
+    Ok(format!(
+        "# The scene of design.toml: that of {name} at another pressure.\n\ninclude = \"{name}\"\n\n\
+         [[chamber]]\non = \"{moved}\"\npressure = {pressure:?}    # gauge [Pa]\n"
+    ))
+}
+
+/// The text of the design problem.
+fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Result<String> {
+    let against = outside(&scene.body, moved)?;
+    let mut text = format!(
+        "# What `solver design` wrote; edit it as you like. SI units; paths from this folder.\n\
+         # All keys: solver schema design --markdown\n\n\
+         scene = \"{name}\"\n\n\
+         [optimizer]\n\
+         stagnation = 2e-3               # a level ends when an iteration gains less than this\n\n\
+         # What may move, with more handles in each level.\n\
+         [shape]\non = \"{moved}\"\n"
+    );
+    for (handles, iterations) in LEVELS {
+        writeln!(text, "\n[[shape.level]]\nhandles = {handles}\niterations = {iterations}")?;
+    }
+    for Target { probe, value } in &arguments.probe {
+        let unit = probe_of(scene, probe)?.kind().unit;
+        let scale = scale(*value, unit);
+        write!(
+            text,
+            "\n# The square of what is left to the wanted value, over `scale`.\n[[objective]]\nkind = \"probe\"\n\
+             name = \"{probe}\"\nweight = 1.0\nprobe = \"{probe}\"\ntarget = {value:?}    # [{unit}]\n\
+             scale = {scale:?}    # [{unit}]\n"
+        )?;
+    }
+    if against.is_empty() {
+        log::warn!("no tag lies off the rim of \"{moved}\": walls are not kept");
+    } else {
+        let (wall, weight) = (arguments.wall, WALL / arguments.wall.powi(4));
+        write!(
+            text,
+            "\n# No wall thinner than `minimum`; walls of less than minimum + activation push.\n[[objective]]\n\
+             kind = \"wall-thickness\"\nname = \"wall\"\nweight = {weight:.1e}    # [1/m^4]\n\
+             on = \"{moved}\"\nagainst = {against:?}\nminimum = {wall:?}    # [m]\nactivation = {wall:?}    # [m]\n"
+        )?;
+    }
+    write!(
+        text,
+        "\n# No crumpled walls, and none that pass through each other.\n[[objective]]\nkind = \"smoothness\"\n\
+         name = \"smooth\"\nweight = 0.02\non = \"{moved}\"\n\n[[objective]]\nkind = \"clearance\"\n\
+         name = \"clear\"\nweight = 1.0                    # [1/m^4]\nactivation = 5e-5               # [m]\n"
+    )?;
+    Ok(text)
+}
+
+fn probe_of<'a>(scene: &'a Scene, name: &str) -> Result<&'a ProbeConfig> {
+    let all = &scene.config.probe;
+    all.iter().find(|probe| probe.name() == name).ok_or_else(|| match &all[..] {
+        [] => anyhow!("the scene has no [[probe]]; add one, as solver list --probes shows"),
+        _ => {
+            let known: Vec<&str> = all.iter().map(ProbeConfig::name).collect();
+            anyhow!(
+                "--probe {name}: no [[probe]] of the scene is called that; there are: {}",
+                known.join(", ")
+            )
+        }
+    })
+}
+
+/// The difference that counts as 1: a part of the wanted value, or where that is nothing, what is seen.
+fn scale(value: f64, unit: &str) -> f64 {
+    let seen = match unit {
+        "m" => 1e-3,
+        "m³" => 1e-6,
+        "N" => 0.1,
+        _ => 1.0,
+    };
+    if value == 0.0 { seen } else { SCALE * value.abs() }
+}
+
+/// Tags of the boundary that do not touch `moved`: next to a common rim a wall is thin whatever its shape.
+fn outside(body: &Body, moved: &str) -> Result<Vec<String>> {
+    let own: BTreeSet<usize> = body.facets(moved)?.into_iter().flatten().collect();
+    let is_off = |name: &&String| {
+        let facets = body.facets(name).unwrap_or_default();
+        *name != moved && facets.iter().flatten().all(|v| !own.contains(v))
+    };
+    Ok(body.used_tags().filter(is_off).cloned().collect())
+}
+
+/// Writes a file that is not there yet.
+fn write(path: &Path, text: &str) -> Result<()> {
+    ensure!(
+        !path.exists(),
+        "{}: is there already; name another file with -o, or remove it",
+        path.display()
+    );
+    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    Ok(())
+}
