@@ -1,0 +1,118 @@
+// The body in 3-D: its faces in the colours of their tags, cut, and hit by rays.
+
+import * as THREE from 'three';
+import { Cap } from 'page/cap';
+import { around, shade } from 'page/surface';
+import { NONE } from 'pick/tags';
+
+const BARE = '#d5d9de';
+const NO_REGION = '#a9aeb5';
+const INK = '#2c3540';
+
+const bytes = (hex) => new THREE.Color(hex);
+
+export class Body {
+  constructor(nodes, triangles, faces) {
+    Object.assign(this, { nodes, triangles, faces, hidden: new Set(), plane: null });
+    this.face = new Uint16Array(triangles.length / 3);
+    faces.forEach(({ triangles: [from, to] }, i) => this.face.fill(i, from, to));
+    this.shape = new THREE.BufferGeometry();
+    const [positions, normals] = [0, 1].map(() => new Float32Array(3 * triangles.length));
+    shade(nodes, triangles, around(nodes.length / 3, triangles), positions, normals);
+    this.colors = new Float32Array(3 * triangles.length);
+    const attributes = { position: positions, normal: normals, color: this.colors };
+    for (const [name, array] of Object.entries(attributes)) this.shape.setAttribute(name, new THREE.BufferAttribute(array, 3));
+    this.shape.computeBoundingBox();
+    this.mesh = new THREE.Mesh(this.shape, new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    this.mesh.renderOrder = 100;
+    this.lines = new THREE.LineSegments(this.rims(), new THREE.LineBasicMaterial({ color: INK, transparent: true, opacity: 0.55 }));
+    this.lines.renderOrder = 101;
+    // the face under the pointer, faintly also where it is hidden
+    this.marks = [true, false].map((depthTest) => {
+      const mark = new THREE.BufferGeometry();
+      mark.setAttribute('position', this.shape.attributes.position);
+      mark.setDrawRange(0, 0);
+      const material = new THREE.MeshBasicMaterial({ color: '#ffb000', side: THREE.DoubleSide, transparent: true, opacity: depthTest ? 0.5 : 0.22, depthTest, depthWrite: false });
+      const mesh = new THREE.Mesh(mark, material);
+      mesh.renderOrder = 102;
+      return mesh;
+    });
+    // sheets inside have no inside of their own, so a cut through them has no face
+    const closed = faces.filter((face) => !face.inside).reduce((most, { triangles: [, to] }) => Math.max(most, to), 0);
+    const skin = new THREE.BufferGeometry();
+    skin.setAttribute('position', this.shape.attributes.position);
+    skin.setDrawRange(0, 3 * closed);
+    skin.boundingBox = this.shape.boundingBox;
+    this.cap = new Cap(skin, new THREE.Color('#f3ead6'), 0);
+    this.ray = new THREE.Raycaster();
+    this.objects = [this.mesh, this.lines, ...this.marks, ...this.cap.meshes];
+    this.show(null, new Set());
+  }
+
+  /** The lines at which faces meet. */
+  rims() {
+    const { triangles, nodes } = this;
+    const count = nodes.length / 3;
+    const sides = new Map();
+    const positions = [];
+    for (let i = 0; i < triangles.length; i++) {
+      const [u, v] = [triangles[i], triangles[i % 3 === 2 ? i - 2 : i + 1]];
+      const key = Math.min(u, v) * count + Math.max(u, v);
+      const own = this.face[Math.floor(i / 3)];
+      const other = sides.get(key);
+      if (other === undefined) sides.set(key, own);
+      else if (other !== own) for (const p of [u, v]) positions.push(nodes[3 * p], nodes[3 * p + 1], nodes[3 * p + 2]);
+    }
+    const rims = new THREE.BufferGeometry();
+    rims.setAttribute('position', new THREE.BufferAttribute(new Float32Array(positions), 3));
+    return rims;
+  }
+
+  /** Colours faces by their tags. */
+  paint(tags) {
+    this.faces.forEach(({ triangles: [from, to], file }, i) => {
+      const { r, g, b } = bytes(!file ? NO_REGION : tags.of[i] === NONE ? BARE : tags.color(tags.of[i]));
+      for (let k = 9 * from; k < 9 * to; k += 3) this.colors.set([r, g, b], k);
+    });
+    this.shape.attributes.color.needsUpdate = true;
+  }
+
+  /** Shows all but hidden faces, up to a plane. */
+  show(plane, hidden) {
+    this.plane = plane;
+    this.hidden = hidden;
+    const shown = [];
+    this.faces.forEach(({ triangles: [from, to] }, i) => {
+      if (!hidden.has(i)) for (let k = 3 * from; k < 3 * to; k++) shown.push(k);
+    });
+    this.shape.setIndex(shown);
+    const planes = plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
+    for (const mesh of [this.mesh, this.lines, ...this.marks]) mesh.material.clippingPlanes = planes;
+    this.cap.relook(hidden.size > 0 ? null : plane, hidden.size > 0, new THREE.Vector3());
+    for (const mesh of this.cap.meshes) mesh.visible = Boolean(plane) && hidden.size === 0;
+  }
+
+  /** Marks faces that follow each other or not. */
+  mark(faces) {
+    const index = faces.flatMap((i) => {
+      const [from, to] = this.faces[i].triangles;
+      return Array.from({ length: 3 * (to - from) }, (_, k) => 3 * from + k);
+    });
+    for (const { geometry } of this.marks) {
+      geometry.setIndex(index);
+      geometry.setDrawRange(0, index.length);
+    }
+  }
+
+  /** The face that is seen at a place of the canvas, from -1 to 1; none beside the body and on the cut. */
+  at(x, y, camera) {
+    this.ray.setFromCamera(new THREE.Vector2(x, y), camera);
+    const beyond = ({ point }) => this.plane && point.dot(new THREE.Vector3(...this.plane.normal)) > this.plane.offset;
+    const hit = this.ray.intersectObject(this.mesh).find((found) => !beyond(found));
+    if (!hit) return null;
+    const back = hit.face.normal.dot(this.ray.ray.direction) > 0;
+    // the back of a wall is behind the face of the cut
+    if (back && this.plane && this.hidden.size === 0) return null;
+    return this.face[Math.floor(hit.face.a / 3)];
+  }
+}
