@@ -108,6 +108,15 @@ impl Body {
         Ok(body)
     }
 
+    /// The faces that meet one.
+    pub fn beside(&self, face: usize) -> impl Iterator<Item = usize> {
+        self.borders.iter().filter_map(move |border| match border.faces {
+            [a, b] if a == face => Some(b),
+            [a, b] if b == face => Some(a),
+            _ => None,
+        })
+    }
+
     fn add_sheet(&mut self, name: String, kind: Option<String>, patch: &SurfaceMesh) {
         let (offset, begin) = (self.surface.vertices.len(), self.surface.triangles.len());
         self.surface.vertices.extend(&patch.vertices);
@@ -299,9 +308,14 @@ pub(crate) mod tests {
     /// A box of 40 × 20 × 10 mm with a box of air of 20 × 10 × 4 mm inside, its faces as patches `f0`
     /// to `f11`: those of the outside first.
     pub(crate) fn hollow() -> TempDir {
+        body_with_air(5.0)
+    }
+
+    /// The same with air that begins at x [mm], outside if that is below zero.
+    pub(crate) fn body_with_air(x: f64) -> TempDir {
         let cube = |low: Vec3, high: Vec3| Solid::cube(&(1e-3 * low), &(1e-3 * high));
         let outer = cube(Vec3::zeros(), Vec3::new(40.0, 20.0, 10.0));
-        let air = cube(Vec3::new(5.0, 5.0, 3.0), Vec3::new(25.0, 15.0, 7.0));
+        let air = cube(Vec3::new(x, 5.0, 3.0), Vec3::new(25.0, 15.0, 7.0));
         let surface = outer.difference(&air).to_surface();
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);

@@ -1,5 +1,5 @@
-//! What a body proposes by itself: closed chambers, flat sides to hold or to mirror at, and planes
-//! in which it is its own mirror image.
+//! What a body proposes by itself: closed chambers, chambers that open in a flat face, flat sides to
+//! hold or to mirror at, and planes in which it is its own mirror image.
 
 use std::collections::BTreeSet;
 
@@ -21,6 +21,9 @@ const MIRRORED: f64 = 2e-3;
 /// A flat side that is smaller is no proposal [area of the body].
 const LARGE: f64 = 0.01;
 
+/// A pocket that is smaller is no chamber [bounding box].
+const ROOMY: f64 = 2e-3;
+
 /// Vertices by which a mirror image is compared.
 const PROBES: usize = 2000;
 
@@ -29,6 +32,7 @@ const PROBES: usize = 2000;
 pub fn of(body: &Body) -> Value {
     json!({
         "chambers": chambers(body),
+        "pockets": pockets(body),
         "sides": sides(body),
         "mirrors": (0..3).filter_map(|axis| mirror(body, axis)).collect::<Vec<_>>(),
     })
@@ -66,6 +70,69 @@ fn chambers(body: &Body) -> Vec<Value> {
         faces.iter().all(whole).then(|| json!({ "volume": volume, "faces": faces }))
     };
     found.into_iter().filter_map(chamber).collect()
+}
+
+/// Faces that are joined with the rest of the body through one flat face alone, and hollow: the walls
+/// of chambers that open in it. The largest first.
+fn pockets(body: &Body) -> Vec<Value> {
+    let (low, high) = bounds(&body.surface.vertices);
+    let least = ROOMY * (high - low).product();
+    let mut found: Vec<(f64, usize, BTreeSet<usize>)> = Vec::new();
+    for (lid, normal) in body.faces.iter().map(|face| face.normal).enumerate() {
+        let (Some(normal), false) = (normal, body.faces[lid].inside) else { continue };
+        for faces in apart(body, lid) {
+            let volume = -volume_over(body, &faces, &body.faces[lid].middle);
+            let hollow = volume > least && faces.iter().all(|&f| body.faces[f].file.is_some());
+            if hollow && lies_below(body, &faces, &body.faces[lid].middle, &normal) {
+                found.push((volume, lid, faces));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // what lies within another pocket is a part of its wall
+    let outermost = (0..found.len())
+        .filter(|&i| found[..i].iter().all(|larger| !found[i].2.is_subset(&larger.2)));
+    let value = |i: usize| {
+        let (volume, lid, faces) = &found[i];
+        json!({ "volume": MM.powi(3) * volume, "lid": lid, "faces": faces })
+    };
+    outermost.map(value).collect()
+}
+
+/// The parts into which the faces around a face fall without it, but for the largest.
+fn apart(body: &Body, lid: usize) -> Vec<BTreeSet<usize>> {
+    let around: Vec<usize> = body.beside(lid).collect();
+    let mut parts: Vec<BTreeSet<usize>> = Vec::new();
+    for start in around {
+        if parts.iter().any(|part| part.contains(&start)) {
+            continue;
+        }
+        let (mut part, mut front) = (BTreeSet::from([start]), vec![start]);
+        while let Some(face) = front.pop() {
+            let next = body.beside(face).filter(|&next| next != lid);
+            front.extend(next.filter(|&next| part.insert(next)));
+        }
+        parts.push(part);
+    }
+    let area = |part: &BTreeSet<usize>| part.iter().map(|&f| body.faces[f].area).sum::<f64>();
+    parts.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    parts.into_iter().skip(1).collect()
+}
+
+/// What faces enclose with a flat lid through a point [m³].
+fn volume_over(body: &Body, faces: &BTreeSet<usize>, point: &Vec3) -> f64 {
+    let part = |t: usize| {
+        let [a, b, c] = body.surface.corners(t).map(|p| p - point);
+        a.dot(&b.cross(&c)) / 6.0
+    };
+    faces.iter().flat_map(|&f| body.faces[f].triangles.clone()).map(part).sum()
+}
+
+/// Whether faces lie behind a plane, where the body is.
+fn lies_below(body: &Body, faces: &BTreeSet<usize>, point: &Vec3, normal: &Vec3) -> bool {
+    let same = SAME * diagonal(&body.surface.vertices);
+    let below = |t: usize| body.surface.corners(t).iter().all(|p| normal.dot(&(p - point)) < same);
+    faces.iter().flat_map(|&f| body.faces[f].triangles.clone()).all(below)
 }
 
 /// Flat faces at the ends of the body along the axes, the largest first.
@@ -132,8 +199,24 @@ fn mirror(body: &Body, axis: usize) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::body::tests::hollow;
+    use super::super::body::tests::{body_with_air, hollow};
     use super::*;
+
+    #[test]
+    fn a_chamber_that_opens_in_a_flat_face_is_found() {
+        // the air reaches the outside at x = 0
+        let folder = body_with_air(-5.0);
+        let body = Body::read(folder.path()).unwrap();
+        let found = of(&body);
+        assert_eq!(found["chambers"], json!([]));
+        let pockets = found["pockets"].as_array().unwrap();
+        assert_eq!(pockets.len(), 1, "{pockets:?}");
+        // 25 mm long, five walls
+        assert!((pockets[0]["volume"].as_f64().unwrap() - 1000.0).abs() < 1e-3, "{pockets:?}");
+        assert_eq!(pockets[0]["faces"].as_array().unwrap().len(), 5);
+        let lid = &body.faces[pockets[0]["lid"].as_u64().unwrap() as usize];
+        assert_eq!(lid.normal, Some(-Vec3::x()));
+    }
 
     #[test]
     fn a_hollow_box_has_a_chamber_sides_and_mirrors() {

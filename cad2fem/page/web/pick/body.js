@@ -45,6 +45,7 @@ export class Body {
     skin.boundingBox = this.shape.boundingBox;
     this.cap = new Cap(skin, new THREE.Color('#f3ead6'), 0);
     this.ray = new THREE.Raycaster();
+    this.boxes = faces.map(({ triangles: [from, to] }) => new THREE.Box3().setFromArray(positions.subarray(9 * from, 9 * to)));
     this.objects = [this.mesh, this.lines, ...this.marks, ...this.cap.meshes];
     this.show(null, new Set());
   }
@@ -107,12 +108,28 @@ export class Body {
   /** The face that is seen at a place of the canvas, from -1 to 1; none beside the body and on the cut. */
   at(x, y, camera) {
     this.ray.setFromCamera(new THREE.Vector2(x, y), camera);
-    const beyond = ({ point }) => this.plane && point.dot(new THREE.Vector3(...this.plane.normal)) > this.plane.offset;
-    const hit = this.ray.intersectObject(this.mesh).find((found) => !beyond(found));
-    if (!hit) return null;
-    const back = hit.face.normal.dot(this.ray.ray.direction) > 0;
+    const { ray } = this.ray;
+    const corners = [0, 1, 2].map(() => new THREE.Vector3());
+    const point = new THREE.Vector3();
+    const normal = this.plane && new THREE.Vector3(...this.plane.normal);
+    let nearest = { distance: Infinity, face: null, triangle: 0 };
+    this.faces.forEach(({ triangles: [from, to] }, face) => {
+      if (this.hidden.has(face) || !ray.intersectsBox(this.boxes[face])) return;
+      for (let t = from; t < to; t++) {
+        corners.forEach((corner, k) => corner.fromBufferAttribute(this.shape.attributes.position, 3 * t + k));
+        if (!ray.intersectTriangle(...corners, false, point)) continue;
+        if (normal && point.dot(normal) > this.plane.offset) continue;
+        const distance = ray.origin.distanceToSquared(point);
+        if (distance < nearest.distance) nearest = { distance, face, back: this.outward(t).dot(ray.direction) > 0 };
+      }
+    });
     // the back of a wall is behind the face of the cut
-    if (back && this.plane && this.hidden.size === 0) return null;
-    return this.face[Math.floor(hit.face.a / 3)];
+    return nearest.back && this.plane && this.hidden.size === 0 ? null : nearest.face;
+  }
+
+  /** The direction in which a triangle faces, of any length. */
+  outward(t) {
+    const [a, b, c] = [0, 1, 2].map((k) => new THREE.Vector3().fromBufferAttribute(this.shape.attributes.position, 3 * t + k));
+    return b.sub(a).cross(c.sub(a));
   }
 }

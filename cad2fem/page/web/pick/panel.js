@@ -153,7 +153,7 @@ export class Panel {
 
   /** What the body proposes by itself. */
   proposals() {
-    const { chambers, sides, mirrors } = this.data.found;
+    const { chambers, pockets, sides, mirrors } = this.data.found;
     const line = (text, faces, ...buttons) => {
       const made = make('div', { className: 'proposal' }, make('span', { textContent: text }), row(...buttons));
       made.addEventListener('pointerenter', () => this.on.look(faces));
@@ -170,6 +170,15 @@ export class Panel {
     });
     for (const { volume, faces } of chambers) {
       this.found.append(line(`Closed chamber of ${number(volume / 1000)} mL: ${count(faces.length, 'face')}`, faces, take('cavity', { chamber: true }, faces)));
+    }
+    for (const { volume, faces, lid } of pockets) {
+      const opens = button('cavity, seat', () => {
+        this.on.look([]);
+        if (this.tags.of[lid] === NONE && this.tags.faces[lid].file) this.tags.add('seat', { faces: [lid] });
+        this.add('cavity', { chamber: true, faces });
+      });
+      opens.title = 'the wall as cavity, the face in which it opens as seat';
+      this.found.append(line(`Chamber of ${number(volume / 1000)} mL: ${count(faces.length, 'face')}, open in ${this.tags.faces[lid].name}`, faces, opens));
     }
     for (const { axis, at, faces } of sides) {
       const area = areaText(faces.reduce((sum, face) => sum + this.tags.faces[face].area, 0));
