@@ -30,7 +30,7 @@ pub struct Args {
     /// Folder for the model of a file, whose patches tags.toml names [default: model beside the page]
     #[arg(long, value_name = "DIR")]
     model: Option<PathBuf>,
-    /// Title of the page [default: the name of the body]
+    /// Title of the page [default: the name of the body's file]
     #[arg(long)]
     title: Option<String>,
     /// Unit of a file that states none
@@ -58,10 +58,8 @@ pub fn run(args: &Args) -> Result<()> {
         args.output.display()
     );
     let folder = if args.body.is_dir() { given(args)? } else { modelled(args)? };
-    let own = || args.body.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let title = args.title.clone().unwrap_or_else(own);
     let page::pick::Summary { faces, chambers, bytes } =
-        page::pick::write(&folder, &args.output, &title)?;
+        page::pick::write(&folder, &args.output, args.title.as_deref())?;
     log::info!(
         "{}: {faces} faces, {chambers} closed chambers; {:.1} MB, {:.1} s; open it in a browser",
         args.output.display(),

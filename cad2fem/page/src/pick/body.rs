@@ -58,6 +58,8 @@ pub struct Border {
 /// A body in faces.
 #[derive(Clone, Debug)]
 pub struct Body {
+    /// Name of the file that it was made of, or of its folder.
+    pub source: String,
     /// All triangles [m], face by face; those of surfaces inside have vertices of their own.
     pub surface: SurfaceMesh,
     /// Its faces.
@@ -101,6 +103,7 @@ impl Body {
             folder.display()
         );
         let mut body = groups.body(&model);
+        body.source = source(&report, folder);
         for (kind, (name, patch)) in sheets {
             body.add_sheet(name, kind, &patch);
         }
@@ -180,6 +183,11 @@ impl Body {
     }
 }
 
+fn source(report: &Value, folder: &Path) -> String {
+    let path = report["input"]["path"].as_str().map_or(folder, Path::new);
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 fn regions<'a>(report: &'a Value, key: &str) -> &'a [Value] {
     report[key].as_array().map_or(&[], Vec::as_slice)
 }
@@ -232,7 +240,8 @@ impl Groups {
         order.sort_by_key(|&t| self.owner[t].unwrap_or(rest));
         let triangles = order.iter().map(|&t| model.triangles[t]).collect();
         let surface = SurfaceMesh { vertices: model.vertices.clone(), triangles };
-        let mut body = Body { surface, faces: Vec::new(), borders: Vec::new() };
+        let mut body =
+            Body { source: String::new(), surface, faces: Vec::new(), borders: Vec::new() };
         let mut begin = 0;
         for (index, (name, kind)) in self.named.into_iter().enumerate() {
             let count = self.owner.iter().filter(|owner| **owner == Some(index)).count();

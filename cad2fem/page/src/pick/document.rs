@@ -10,13 +10,14 @@ use crate::store::Store;
 const CANVAS: &str = "The body. Tab goes from face to face, Enter chooses, arrow keys turn.";
 
 /// Keys and what they do.
-const KEYS: [(&[&str], &str); 9] = [
+const KEYS: [(&[&str], &str); 10] = [
     (&["Tab"], "next face; with Shift the one before"),
     (&["Enter"], "choose the face, or give it back"),
     (&["1", "…", "9"], "the tag that clicks go to"),
     (&["N"], "new tag: then type its name, Enter"),
     (&["F", "T", "A"], "a click takes a face, tangent faces, all connected"),
     (&["P"], "a drag paints, or turns again"),
+    (&["X"], "see through faces without a tag"),
     (&["H"], "hide faces that have a tag"),
     (&["←", "→", "↑", "↓", "+", "−", "0"], "turn, zoom, show all"),
     (&["Ctrl Z", "Ctrl Y"], "undo, redo"),

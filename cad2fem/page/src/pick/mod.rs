@@ -31,13 +31,14 @@ pub struct Summary {
     pub bytes: usize,
 }
 
-/// Writes the page of a folder with `model.json`, `model.stl` and `patches` to `output`; `title`
-/// stands at its top.
+/// Writes the page of a folder with `model.json`, `model.stl` and `patches` to `output`; `title`, by
+/// default the name of the file that was modelled, stands at its top.
 ///
 /// # Errors
 /// If the folder is not complete, its files do not belong together, or the page cannot be written.
-pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
+pub fn write(folder: &Path, output: &Path, title: Option<&str>) -> Result<Summary> {
     let body = Body::read(folder)?;
+    let title = title.unwrap_or(&body.source);
     let mut store = Store::default();
     let found = found::of(&body);
     let chambers = found["chambers"].as_array().map_or(0, Vec::len);

@@ -9,11 +9,9 @@ const BARE = '#d5d9de';
 const NO_REGION = '#a9aeb5';
 const INK = '#2c3540';
 
-const bytes = (hex) => new THREE.Color(hex);
-
 export class Body {
   constructor(nodes, triangles, faces) {
-    Object.assign(this, { nodes, triangles, faces, hidden: new Set(), plane: null });
+    Object.assign(this, { nodes, triangles, faces, hidden: new Set(), painted: [], plane: null });
     this.face = new Uint16Array(triangles.length / 3);
     faces.forEach(({ triangles: [from, to] }, i) => this.face.fill(i, from, to));
     this.shape = new THREE.BufferGeometry();
@@ -25,6 +23,11 @@ export class Body {
     this.shape.computeBoundingBox();
     this.mesh = new THREE.Mesh(this.shape, new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     this.mesh.renderOrder = 100;
+    // faces that are seen through
+    this.glass = new THREE.BufferGeometry();
+    for (const name of ['position', 'normal']) this.glass.setAttribute(name, this.shape.attributes[name]);
+    this.ghost = new THREE.Mesh(this.glass, new THREE.MeshLambertMaterial({ color: '#aeb8c4', side: THREE.DoubleSide, transparent: true, opacity: 0.16, depthWrite: false }));
+    this.ghost.renderOrder = 101;
     this.lines = new THREE.LineSegments(this.rims(), new THREE.LineBasicMaterial({ color: INK, transparent: true, opacity: 0.55 }));
     this.lines.renderOrder = 101;
     // the face under the pointer, faintly also where it is hidden
@@ -32,7 +35,7 @@ export class Body {
       const mark = new THREE.BufferGeometry();
       mark.setAttribute('position', this.shape.attributes.position);
       mark.setDrawRange(0, 0);
-      const material = new THREE.MeshBasicMaterial({ color: '#ffb000', side: THREE.DoubleSide, transparent: true, opacity: depthTest ? 0.5 : 0.22, depthTest, depthWrite: false });
+      const material = new THREE.MeshBasicMaterial({ color: '#0a84ff', side: THREE.DoubleSide, transparent: true, opacity: depthTest ? 0.55 : 0.25, depthTest, depthWrite: false });
       const mesh = new THREE.Mesh(mark, material);
       mesh.renderOrder = 102;
       return mesh;
@@ -46,8 +49,8 @@ export class Body {
     this.cap = new Cap(skin, new THREE.Color('#f3ead6'), 0);
     this.ray = new THREE.Raycaster();
     this.boxes = faces.map(({ triangles: [from, to] }) => new THREE.Box3().setFromArray(positions.subarray(9 * from, 9 * to)));
-    this.objects = [this.mesh, this.lines, ...this.marks, ...this.cap.meshes];
-    this.show(null, new Set());
+    this.objects = [this.mesh, this.ghost, this.lines, ...this.marks, ...this.cap.meshes];
+    this.show(null, new Set(), new Set());
   }
 
   /** The lines at which faces meet. */
@@ -72,36 +75,47 @@ export class Body {
   /** Colours faces by their tags. */
   paint(tags) {
     this.faces.forEach(({ triangles: [from, to], file }, i) => {
-      const { r, g, b } = bytes(!file ? NO_REGION : tags.of[i] === NONE ? BARE : tags.color(tags.of[i]));
+      const color = !file ? NO_REGION : tags.of[i] === NONE ? BARE : tags.color(tags.of[i]);
+      if (this.painted[i] === color) return;
+      this.painted[i] = color;
+      const { r, g, b } = new THREE.Color(color);
       for (let k = 9 * from; k < 9 * to; k += 3) this.colors.set([r, g, b], k);
     });
     this.shape.attributes.color.needsUpdate = true;
   }
 
-  /** Shows all but hidden faces, up to a plane. */
-  show(plane, hidden) {
+  /** Shows all but hidden faces, some as ghosts, up to a plane. */
+  show(plane, hidden, ghosts) {
     this.plane = plane;
     this.hidden = hidden;
-    const shown = [];
-    this.faces.forEach(({ triangles: [from, to] }, i) => {
-      if (!hidden.has(i)) for (let k = 3 * from; k < 3 * to; k++) shown.push(k);
-    });
-    this.shape.setIndex(shown);
+    const sets = [[...hidden], [...ghosts]].join(';');
+    if (sets !== this.sets) {
+      this.sets = sets;
+      const all = this.faces.map((_, i) => i).filter((i) => !hidden.has(i));
+      this.shape.setIndex(sets === ';' ? null : this.corners(all.filter((i) => !ghosts.has(i))));
+      this.glass.setIndex(this.corners(all.filter((i) => ghosts.has(i))));
+    }
     const planes = plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
-    for (const mesh of [this.mesh, this.lines, ...this.marks]) mesh.material.clippingPlanes = planes;
-    this.cap.relook(hidden.size > 0 ? null : plane, hidden.size > 0, new THREE.Vector3());
-    for (const mesh of this.cap.meshes) mesh.visible = Boolean(plane) && hidden.size === 0;
+    for (const mesh of [this.mesh, this.ghost, this.lines, ...this.marks]) mesh.material.clippingPlanes = planes;
+    this.cap.relook(plane, hidden.size + ghosts.size > 0, new THREE.Vector3());
+    this.capped = plane !== null && hidden.size + ghosts.size === 0;
   }
 
-  /** Marks faces that follow each other or not. */
+  /** The corners of some faces, for an index. */
+  corners(faces) {
+    const ranges = faces.map((i) => this.faces[i].triangles);
+    const index = new Uint32Array(ranges.reduce((sum, [from, to]) => sum + 3 * (to - from), 0));
+    let next = 0;
+    for (const [from, to] of ranges) for (let k = 3 * from; k < 3 * to; k++) index[next++] = k;
+    return new THREE.BufferAttribute(index, 1);
+  }
+
+  /** Marks faces. */
   mark(faces) {
-    const index = faces.flatMap((i) => {
-      const [from, to] = this.faces[i].triangles;
-      return Array.from({ length: 3 * (to - from) }, (_, k) => 3 * from + k);
-    });
+    const index = this.corners(faces);
     for (const { geometry } of this.marks) {
       geometry.setIndex(index);
-      geometry.setDrawRange(0, index.length);
+      geometry.setDrawRange(0, index.count);
     }
   }
 
@@ -124,7 +138,7 @@ export class Body {
       }
     });
     // the back of a wall is behind the face of the cut
-    return nearest.back && this.plane && this.hidden.size === 0 ? null : nearest.face;
+    return nearest.back && this.capped ? null : nearest.face;
   }
 
   /** The direction in which a triangle faces, of any length. */

@@ -15,7 +15,11 @@ export class Hand {
     const { root, canvas } = stage;
     const early = { capture: true };
     canvas.addEventListener('pointermove', (event) => this.move(event));
-    canvas.addEventListener('pointerleave', () => this.hover(null));
+    canvas.addEventListener('pointerleave', () => {
+      cancelAnimationFrame(this.waiting);
+      this.waiting = null;
+      this.hover(null);
+    });
     root.addEventListener('pointerdown', (event) => event.target === canvas && this.press(event), early);
     root.addEventListener('pointerup', (event) => this.release(event), early);
     root.addEventListener('pointercancel', (event) => this.release(event, true), early);

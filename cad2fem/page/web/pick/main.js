@@ -16,7 +16,7 @@ const faces = data.body.faces;
 
 /** What is seen, and what a click takes. */
 const look = {
-  axis: 'none', at: 0.5, sign: 1, hides: false, how: 'face', partners: [],
+  axis: 'none', at: 0.5, sign: 1, hides: false, through: false, how: 'face', partners: [],
   plane(box) {
     const c = ['x', 'y', 'z'].indexOf(this.axis);
     if (c < 0) return null;
@@ -53,7 +53,8 @@ function kept() {
 
 function view() {
   const hidden = new Set(look.hides ? faces.flatMap((_, i) => (tags.of[i] !== NONE ? [i] : [])) : []);
-  body.show(look.plane(body.shape.boundingBox), hidden);
+  const ghosts = new Set(look.through ? faces.flatMap((_, i) => (tags.of[i] === NONE ? [i] : [])) : []);
+  body.show(look.plane(body.shape.boundingBox), hidden, ghosts);
   stage.invalidate();
 }
 
@@ -79,7 +80,7 @@ function click(face) {
   const given = tags.give(all, back ? NONE : tag);
   if (given.length > 0) say(`${given.length} ${given.length === 1 ? 'face' : 'faces'} ${back ? 'given back by' : 'to'} ${tags.list[tag].name}`);
   if (first) panel.focus(tag);
-  mark(hand.hovered);
+  mark(hand.hovered, null, true);
 }
 
 /** A stroke gives all its faces what it gives the first. */
@@ -93,13 +94,14 @@ function painted(face, first) {
   mark(face);
 }
 
-function mark(face, pointer) {
+/** Marks what a click on a face takes, and says what the face is, beside the pointer, too. */
+function mark(face, pointer, quiet) {
   const tip = at('tip');
   const text = face === null ? '' : Panel.described(faces[face], tags.list[tags.of[face]]?.name);
   body.mark(face === null ? [] : taken(face));
   stage.invalidate();
   stage.canvas.style.cursor = face === null ? 'grab' : 'pointer';
-  if (face !== null) say(text);
+  if (face !== null && !quiet) say(text);
   tip.hidden = face === null || !pointer;
   if (tip.hidden) return;
   tip.textContent = text;
@@ -153,6 +155,7 @@ function key(event) {
   else if (how) { look.how = how; tools(); mark(hand.hovered); }
   else if (name.toLowerCase() === 'p') { hand.drag = hand.drag === 'turn' ? 'paint' : 'turn'; tools(); }
   else if (name.toLowerCase() === 'h') panel.hides.input.click();
+  else if (name.toLowerCase() === 'x') panel.through.input.click();
   else if (name.toLowerCase() === 'n') panel.named();
   else if (/^[1-9]$/.test(name)) tags.choose(Number(name) - 1);
   else if (name === '0') stage.fit([body.nodes]);
@@ -189,6 +192,7 @@ async function begin() {
   stage.fit([nodes]);
   hand = new Hand(stage, body, { hover: mark, click, stroke: painted });
   const on = {
+    turn: (face) => hand.turnTo(faces[face]),
     look: (chosen) => { body.mark(chosen); stage.invalidate(); },
     view: () => {
       const toward = stage.camera.position.clone().sub(stage.controls.target);

@@ -49,32 +49,43 @@ export class Panel {
       return made;
     });
     this.usual.replaceChildren(...usual, button('+ other', () => this.named()));
+    const proposals = [...this.found.children];
+    proposals.forEach((proposal) => proposal.refresh?.());
+    this.found.parentElement.hidden = proposals.every((proposal) => proposal.hidden);
+    this.told();
+  }
+
+  /** What is left, the file, and what is to be said of it: all that a name changes. */
+  told() {
+    const { tags } = this;
     const bare = this.bare();
     this.left.replaceChildren(bare.length === 0
       ? 'Every face has a tag.'
       : `${count(bare.length, 'face')} of ${this.tags.faces.filter((f) => f.file && !f.inside).length} without a tag. `);
-    if (bare.length > 0 && tags.active !== NONE) {
-      this.left.append(button(`give them to ${tags.list[tags.active].name || 'this tag'}`, () => {
-        tags.keep();
-        tags.give(bare, tags.active);
-      }));
-    }
-    for (const proposal of this.found.children) proposal.refresh?.();
-    this.told();
-  }
-
-  /** The file and what is to be said of it. */
-  told() {
-    const found = remarks(this.tags);
+    if (bare.length > 0 && tags.list.length > 0) this.left.append(this.rest(bare));
+    const found = remarks(tags);
     this.remarks.replaceChildren(...found.map(({ text, faces }) => {
       const line = make('li', {}, text);
       if (faces) line.append(' ', button('show', () => this.on.look(faces)));
       return line;
     }));
-    this.text.textContent = written(this.tags, this.data);
-    const ready = this.tags.list.some((_, i) => this.tags.facesOf(i).length > 0) && !found.some((remark) => remark.bad);
+    this.text.textContent = written(tags, this.data);
+    const ready = tags.list.some((_, i) => tags.facesOf(i).length > 0) && !found.some((remark) => remark.bad);
     this.download.disabled = !ready;
     this.copy.disabled = !ready;
+  }
+
+  /** Gives all faces without a tag one, which a chamber is seldom. */
+  rest(faces) {
+    const { tags } = this;
+    const active = tags.list[tags.active];
+    if (active && !active.chamber) {
+      return button(`give them to ${active.name || 'this tag'}`, () => {
+        tags.keep();
+        tags.give(faces, tags.active);
+      });
+    }
+    return button('name them skin', () => this.add('skin', { faces }));
   }
 
   bare() {
@@ -94,7 +105,7 @@ export class Panel {
       tags.choose(i);
       this.focus(i);
     });
-    name.addEventListener('beforeinput', () => { this.typing ??= tags.keep(); }, { once: true });
+    name.addEventListener('beforeinput', () => tags.keep(), { once: true });
     name.addEventListener('input', () => {
       tag.name = name.value;
       this.told();
@@ -164,27 +175,39 @@ export class Panel {
       made.refresh = () => { made.hidden = faces.length > 0 && faces.every((face) => this.tags.of[face] !== NONE); };
       return made;
     };
-    const take = (name, how, faces) => button(name, () => {
-      this.on.look([]);
-      this.add(name, { ...how, faces });
-    });
+    const take = (name, title, how, faces) => {
+      const made = button(name, () => {
+        this.on.look([]);
+        this.on.turn(faces[0]);
+        this.add(name, { ...how, faces });
+      });
+      made.title = title;
+      return made;
+    };
+    const chamber = (name, title, faces, lids) => {
+      const made = button(name, () => {
+        this.on.look([]);
+        if (lids.length > 0) this.on.turn(lids[0]);
+        this.through.input.checked || this.through.input.click();
+        const open = lids.filter((lid) => this.tags.of[lid] === NONE && this.tags.faces[lid].file);
+        if (open.length > 0) this.tags.add('seat', { faces: open });
+        this.add('cavity', { chamber: true, faces, joined: open.length > 0 });
+      });
+      made.title = title;
+      return made;
+    };
     for (const { volume, faces } of chambers) {
-      this.found.append(line(`Closed chamber of ${number(volume / 1000)} mL: ${count(faces.length, 'face')}`, faces, take('cavity', { chamber: true }, faces)));
+      this.found.append(line(`Closed chamber of ${number(volume / 1000)} mL`, faces, chamber('cavity', count(faces.length, 'face'), faces, [])));
     }
     for (const { volume, faces, lid } of pockets) {
-      const opens = button('cavity, seat', () => {
-        this.on.look([]);
-        if (this.tags.of[lid] === NONE && this.tags.faces[lid].file) this.tags.add('seat', { faces: [lid] });
-        this.add('cavity', { chamber: true, faces });
-      });
-      opens.title = 'the wall as cavity, the face in which it opens as seat';
-      this.found.append(line(`Chamber of ${number(volume / 1000)} mL: ${count(faces.length, 'face')}, open in ${this.tags.faces[lid].name}`, faces, opens));
+      const name = this.tags.faces[lid].name;
+      const title = `${count(faces.length, 'face')} as cavity, and ${name}, in which it opens, as seat`;
+      this.found.append(line(`Chamber of ${number(volume / 1000)} mL, open in ${name}`, faces, chamber('cavity + seat', title, faces, [lid])));
     }
     for (const { axis, at, faces } of sides) {
       const area = areaText(faces.reduce((sum, face) => sum + this.tags.faces[face].area, 0));
-      const plane = at === 0 ? [take('cut', {}, faces)] : [];
-      for (const made of plane) made.title = 'a plane of symmetry: only half of the body is here';
-      this.found.append(line(`Flat side ${AXES[axis]} = ${number(at)} mm: ${count(faces.length, 'face')}, ${area}`, faces, take('seat', {}, faces), ...plane));
+      const plane = at === 0 ? [take('cut', 'a plane of symmetry: only half of the body is here', {}, faces)] : [];
+      this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('seat', 'what is held', {}, faces), ...plane));
     }
     for (const { axis, at, partners } of mirrors) {
       const both = check(`a click takes the mirror image, too`, false, (on) => {
@@ -193,9 +216,7 @@ export class Panel {
       });
       this.found.append(make('div', { className: 'proposal' }, make('span', { textContent: `It mirrors itself in ${AXES[axis]} = ${number(at)} mm` }), both));
     }
-    const made = fieldset('Found in this body', this.found);
-    made.hidden = this.found.children.length === 0;
-    return made;
+    return fieldset('Found in this body', this.found);
   }
 
   /** The cut, and what is hidden. */
@@ -209,9 +230,11 @@ export class Panel {
     place.input.id = 'place';
     const axis = select('cut across', [['none', 'nothing'], ['x', 'x'], ['y', 'y'], ['z', 'z']], look.axis, change('axis'));
     axis.list.id = 'cut';
+    this.through = check('see through faces without a tag', look.through, change('through'));
+    this.through.input.id = 'through';
     this.hides = check('hide faces that have a tag', look.hides, change('hides'));
     this.hides.input.id = 'hides';
-    return fieldset('See inside', axis, place, row(button('other side', () => change('sign')(-look.sign))), this.hides);
+    return fieldset('See inside', axis, place, row(button('other side', () => change('sign')(-look.sign))), this.through, this.hides);
   }
 
   save() {

@@ -58,8 +58,8 @@ export class Tags {
   }
 
   /** A new tag, to which clicks go; a chamber is the wall of an air space. */
-  add(name, { chamber = false, faces = [] } = {}) {
-    this.keep();
+  add(name, { chamber = false, faces = [], joined = false } = {}) {
+    if (!joined) this.keep();
     const taken = new Set(this.list.map((tag) => tag.name));
     let free = name;
     for (let i = 2; taken.has(free); i++) free = `${name} ${i}`;

@@ -19,7 +19,7 @@ export function facing(normal) {
 
 /** An area [mm²] as people read it. */
 export function areaText(area) {
-  return area < 100 ? `${area.toPrecision(3)} mm²` : `${(area / 100).toPrecision(area < 1000 ? 3 : 4)} cm²`;
+  return area < 100 ? `${area.toPrecision(3)} mm²` : `${(area / 100).toPrecision(3)} cm²`;
 }
 
 export function count(number, what) {
