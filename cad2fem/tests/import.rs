@@ -298,6 +298,9 @@ fn of_two_solids_the_air_is_found_or_asked_for() {
         run(&[verb, "open.step", "-o", "never", "--subtract", "3"])
             .fails(2, "--subtract 3: there is no such file or solid; the solids of open.step are 1 'finger', 2 'air'");
     }
+    run(&["pick", "open.step", "-o", "never.html"])
+        .fails(2, "take it out of the others: cad2fem pick open.step -o never.html --subtract air");
+    run(&["pick", "inside.step", "-o", "pick.html"]).says("12 faces, closed chambers: 1");
     run(&["import", "open.step", "-o", "out", "--unite"]).succeeds();
     assert!((result(&dir).1 / 8200.0 - 1.0).abs() < 1e-6);
     write_surface(&dir.path("box.stl"), &block(40.0, 20.0, 10.0)).unwrap();

@@ -119,6 +119,8 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     assert_eq!((of(&now, 0), of(&now, 1)), (1, 5), "{now}");
 
     // by keys alone: a new tag, its name, the face at the other end
+    browser.point("mouseMoved", [30.0, 700.0], false, false);
+    browser.wait("window.puffer.state().hovered === null");
     browser.evaluate("document.querySelector('canvas').focus()");
     browser.key("f", 0);
     browser.key("n", 0);

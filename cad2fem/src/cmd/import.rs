@@ -78,6 +78,15 @@ pub struct Args {
 /// # Errors
 /// If a file cannot be read or repaired, its unit is not clear, or files cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    let files: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
+    run_as(args, &format!("cad2fem import {} -o {}", files.join(" "), args.output.display()))
+}
+
+/// Runs the verb for another one, of which `command` is what the user would write again.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     let start = Instant::now();
     let timeout = Duration::from_secs(args.timeout);
     let (files, solids): (Vec<_>, Vec<_>) =
@@ -97,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
             timeout,
             solids,
             unite: args.unite,
-            output: args.output.clone(),
+            command: command.to_owned(),
             guessed: None,
             facts: Facts::default(),
         },

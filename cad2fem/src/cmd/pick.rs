@@ -40,6 +40,9 @@ pub struct Args {
     /// number; again for each
     #[arg(long, value_name = "FILE|SOLID")]
     subtract: Vec<String>,
+    /// Several solids of a CAD file that touch or cross are one body
+    #[arg(long)]
+    unite: bool,
     /// Faces of an STL, OBJ, PLY or 3MF end at edges sharper than this [deg] [default: 40]
     #[arg(long, value_name = "DEG")]
     split: Option<f64>,
@@ -61,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     let page::pick::Summary { faces, chambers, bytes } =
         page::pick::write(&folder, &args.output, args.title.as_deref())?;
     log::info!(
-        "{}: {faces} faces, {chambers} closed chambers; {:.1} MB, {:.1} s; open it in a browser",
+        "{}: {faces} faces, closed chambers: {chambers}; {:.1} MB, {:.1} s; open it in a browser",
         args.output.display(),
         bytes as f64 * 1e-6,
         start.elapsed().as_secs_f64()
@@ -76,6 +79,7 @@ fn given(args: &Args) -> Result<PathBuf> {
         with(args.model.is_some(), "--model"),
         with(args.unit.is_some(), "--unit"),
         with(!args.subtract.is_empty(), "--subtract"),
+        with(args.unite, "--unite"),
         with(args.split.is_some(), "--split"),
     ];
     if let Some(option) = options.into_iter().flatten().next() {
@@ -108,11 +112,16 @@ fn modelled(args: &Args) -> Result<PathBuf> {
     for what in &args.subtract {
         option("--subtract", what.into());
     }
+    if args.unite {
+        words.push("--unite".into());
+    }
     log::info!("{} -> {}", args.body.display(), folder.display());
     let done = if own {
         model::run(&Alone::<model::Args>::try_parse_from(words)?.args)
     } else {
-        import::run(&Alone::<import::Args>::try_parse_from(words)?.args)
+        let (body, page) = (args.body.display(), args.output.display());
+        let command = format!("cad2fem pick {body} -o {page}");
+        import::run_as(&Alone::<import::Args>::try_parse_from(words)?.args, &command)
     };
     done.with_context(|| format!("{}: no page is written", args.output.display()))?;
     Ok(folder)

@@ -1,6 +1,6 @@
 //! One file of a body: its triangles in metres, by patches, and how its unit is known.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
@@ -33,8 +33,8 @@ pub struct Reader {
     pub solids: Vec<String>,
     /// CAD: whether solids that touch or cross are one body.
     pub unite: bool,
-    /// Folder that the user named, for the command that a message proposes.
-    pub output: PathBuf,
+    /// What the user would write again with one more option.
+    pub command: String,
     /// The unit that the first file without one was taken to have: files of one body have the same.
     pub guessed: Option<Unit>,
     /// What CAD files said about their faces.
@@ -212,9 +212,8 @@ impl Reader {
 impl Reader {
     /// Refuses solids that meet unless they are one body, and says which are chambers.
     fn look_at_solids(&self, file: &Path, solids: &Solids) -> Result<()> {
-        let command = format!("cad2fem import {} -o {}", file.display(), self.output.display());
-        if let (false, Some(complaint)) = (self.unite, solids.complaint(file, &command)) {
-            bail!("{complaint}\nif they are one body: {command} --unite");
+        if let (false, Some(complaint)) = (self.unite, solids.complaint(file, &self.command)) {
+            bail!("{complaint}\nif they are one body: {} --unite", self.command);
         }
         solids.remark_on_chambers(file);
         Ok(())

@@ -213,17 +213,20 @@ async function begin() {
   at('redo').addEventListener('click', () => tags.redo());
   document.addEventListener('keydown', key);
   tools();
-  refresh();
-  restore();
+  // before anything is kept anew
+  if (!restored()) refresh();
 }
 
-/** Takes up what this browser kept of the same body. */
-function restore() {
+/** Takes up what this browser kept of the same body; whether there was anything. */
+function restored() {
   try {
     const before = localStorage.getItem(place);
-    if (!before || JSON.parse(before).list.length === 0) return;
-    if (tags.restore(before)) say('taken up where you were');
-  } catch { /* nothing is kept, or not by this page */ }
+    if (!before || JSON.parse(before).list.length === 0 || !tags.restore(before)) return false;
+    say('taken up where you were');
+    return true;
+  } catch {
+    return false; // nothing is kept, or not by this page
+  }
 }
 
 /** Where a face is seen, for tests: a pixel of the page that shows it. */
