@@ -274,6 +274,8 @@ fn of_two_solids_the_air_is_found_or_asked_for() {
     assert!(made.status.success(), "{made:?}");
     // solids get names as a CAD program gives them
     let step = fs::read_to_string(dir.path("open.step")).unwrap();
+    // and the face in which the air opens, too
+    let step = step.replacen("ADVANCED_FACE(''", "ADVANCED_FACE('seat'", 1);
     let named = step.replacen("MANIFOLD_SOLID_BREP(''", "MANIFOLD_SOLID_BREP('finger'", 1);
     dir.write(
         "open.step",
@@ -295,6 +297,7 @@ fn of_two_solids_the_air_is_found_or_asked_for() {
         assert!((volume / 7000.0 - 1.0).abs() < 1e-6, "{volume}");
         let walls = names.iter().filter(|name| name.starts_with("air-")).count();
         assert_eq!((walls, names.len()), (5, 11), "{names:?}");
+        assert!(names.contains(&"seat".to_owned()), "{names:?}");
         run(&[verb, "open.step", "-o", "never", "--subtract", "3"])
             .fails(2, "--subtract 3: there is no such file or solid; the solids of open.step are 1 'finger', 2 'air'");
     }

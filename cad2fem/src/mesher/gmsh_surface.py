@@ -97,8 +97,26 @@ def named_solids():
 
 def place(face):
     """Where a face is, and its size: the same before and after solids were cut elsewhere."""
-    numbers = *gmsh.model.occ.getCenterOfMass(2, face), gmsh.model.occ.getMass(2, face)
-    return tuple(float(f"{x:.6g}") if abs(x) > 1e-9 else 0.0 for x in numbers)
+    return *gmsh.model.occ.getCenterOfMass(2, face), gmsh.model.occ.getMass(2, face)
+
+
+def box(face):
+    return gmsh.model.getBoundingBox(2, face)
+
+
+def is_part(face, kind, whole):
+    """Whether a face may be what is left of one with this kind and box."""
+    low_and_high = zip(box(face), whole)
+    reach = 1e-4 * max(high - low for low, high in zip(whole[:3], whole[3:]))
+    inside = [new >= old - reach if i < 3 else new <= old + reach for i, (new, old) in enumerate(low_and_high)]
+    return gmsh.model.getType(2, face) == kind and all(inside)
+
+
+def name_before(face, before):
+    """The name that a face, or what it was cut from, had before solids were cut."""
+    same = [name for there, _, _, name in before if numpy.allclose(place(face), there, 1e-6, 1e-9)]
+    cut = [name for _, kind, whole, name in before if name and is_part(face, kind, whole)]
+    return (same or cut or [""])[0] or f"face-{face}"
 
 
 def solids_called(wanted):
@@ -140,10 +158,11 @@ def cut_away(wanted):
     return wall
 
 
-walls, before = {}, {}
+walls, before = {}, []
 try:
     if settings["subtract"]:
-        before = {place(face): name for name, [face] in faces_by_mark() if name != f"face-{face}"}
+        before = [(place(face), gmsh.model.getType(2, face), box(face), "" if name == f"face-{face}" else name)
+                  for name, [face] in faces_by_mark()]
         walls = cut_away(settings["subtract"])
     gmsh.model.mesh.generate(2)
 except Exception as error:
@@ -158,7 +177,7 @@ for _, tag in gmsh.model.getPhysicalGroups(2):
     name = gmsh.model.getPhysicalName(2, tag) or f"surface-{tag}"
     groups.append((name, gmsh.model.getEntitiesForPhysicalGroup(2, tag)))
 if not groups:
-    groups = [(walls.get(face) or before.get(place(face), name) if walls else name, [face])
+    groups = [(walls.get(face) or name_before(face, before) if walls else name, [face])
               for name, [face] in faces_by_mark()]
 
 # Faces between two volumes, or embedded in one, are inside the body.
