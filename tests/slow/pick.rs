@@ -130,7 +130,7 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
         table("skin", &rest, ""),
     ];
     dir.write("hand.toml", &tables.concat());
-    cad2fem("tetmesh model/model.stl --edge-length 3e-3 -o volume.msh");
+    cad2fem("tetmesh model/model.stl --mesher gmsh -o volume.msh");
     let tagged = |config: &str, to: &str| {
         fs::create_dir(dir.path(to)).unwrap();
         let arguments =
