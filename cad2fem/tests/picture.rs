@@ -276,6 +276,10 @@ fn a_model_has_a_colour_a_label_and_a_legend_for_each_region() {
     let files = "model/patches/lid.stl model/patches/rest.stl --together --label --size 400x300";
     assert!(model.bytes == folder.draw(files).bytes);
     assert!(model.bytes != folder.draw(&files.replace(" --label", "")).bytes);
+    let apart = folder.draw("model --spread 1 --size 400x300");
+    assert!(apart.bytes == folder.draw(&format!("{files} --spread 1")).bytes);
+    fs::remove_file(folder.path("out.png")).unwrap();
+    folder.fails("model/patches/lid.stl --label", &["--label are for --together"]);
 }
 
 #[test]

@@ -41,17 +41,17 @@ pub struct Args {
     #[arg(long)]
     together: bool,
     /// Move files apart from their common centre, relative to their distance
-    #[arg(long, default_value_t = 0.0, requires = "together")]
+    #[arg(long, default_value_t = 0.0)]
     spread: f64,
     /// Stand all files on the ground in a row, from left to right
-    #[arg(long, requires = "together", conflicts_with = "spread")]
+    #[arg(long, conflicts_with = "spread")]
     row: bool,
     /// One per file, separated by commas; names in the legend with --together
     /// [default with --label: names of the files]
     #[arg(long, value_delimiter = ',')]
     captions: Vec<String>,
     /// Write its caption on each file, or the number where captions are one word with numbers
-    #[arg(long, requires = "together")]
+    #[arg(long)]
     label: bool,
 }
 
@@ -62,6 +62,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     args.looks.check()?;
     let args = &of_model(args)?;
+    ensure!(
+        args.together || (args.spread == 0.0 && !args.row && !args.label),
+        "--spread, --row and --label are for --together, or for the folder of a model"
+    );
     ensure!(
         args.captions.is_empty() || args.captions.len() == args.files.len(),
         "--captions: {} captions for {} files",
