@@ -55,6 +55,8 @@ mod newton;
 mod optimize;
 #[path = "fast/page.rs"]
 mod page;
+#[path = "fast/pick.rs"]
+mod pick;
 #[cfg(unix)]
 #[path = "fast/planted.rs"]
 mod planted;

@@ -1,5 +1,5 @@
 //! Tests that take minutes: the beam from model to molds, a design of the frog, the molds
-//! of all scenes, kept designs simulated again, and simulations beside measurements.
+//! of all scenes, a CAD finger whose faces are picked, kept designs simulated again, and simulations beside measurements.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
@@ -27,6 +27,9 @@ mod new;
 
 #[path = "slow/pages.rs"]
 mod pages;
+
+#[path = "slow/pick.rs"]
+mod pick;
 
 #[path = "slow/results.rs"]
 mod results;

@@ -8,9 +8,10 @@ use anyhow::{Context, Result, bail};
 use mesh::check::orient_by_nesting;
 use mesh::topology::submesh;
 
-use crate::labelled::LabelledSurface;
+use crate::labelled::{Facts, LabelledSurface};
 use crate::mesher::gmsh::{FaceOptions, Faces, Kind, mesh_faces};
 use crate::mesher::python::Python;
+use crate::solids::Solids;
 use crate::units::Unit;
 
 /// How a CAD file is read.
@@ -26,18 +27,21 @@ pub struct CadOptions {
     pub per_turn: Option<u32>,
     /// Whether a `.geo` script may run programs, and read and write files.
     pub trust: bool,
+    /// Solids that are taken out of the others, by their names or their numbers from 1.
+    pub subtract: Vec<String>,
     /// Longest time gmsh may take.
     pub timeout: Duration,
 }
 
 /// Meshes the faces of a CAD file; one region per physical surface, of other files than scripts
-/// one per name, colour or face. Outer shells face outward, cavities inward. Physical surfaces
+/// one per name, colour or face, and what solids it has. Outer shells face outward, cavities inward. Physical surfaces
 /// between two volumes or embedded in one are inside; of each physical volume there is the boundary.
 ///
 /// # Errors
 /// If the unit is not clear, or gmsh cannot run or mesh the file.
-pub fn read(path: &Path, options: &CadOptions) -> Result<LabelledSurface> {
-    Ok(labelled(&read_faces(path, options)?))
+pub fn read(path: &Path, options: &CadOptions) -> Result<(LabelledSurface, Solids)> {
+    let faces = read_faces(path, options)?;
+    Ok((labelled(&faces), Solids::of(&faces)))
 }
 
 /// The faces of a CAD file [m].
@@ -52,6 +56,7 @@ pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
         edge_length: options.edge_length.map(|h| h / scale),
         per_turn: options.per_turn,
         trust: options.trust,
+        subtract: options.subtract.clone(),
         timeout: options.timeout,
     };
     let mut faces = mesh_faces(&Python::find()?, path, &options)?;
@@ -98,6 +103,7 @@ fn labelled(faces: &Faces) -> LabelledSurface {
         volumes: volumes.collect(),
         thin: Vec::new(),
         import: None,
+        facts: Facts::of(faces, |name| name.to_owned()),
     }
 }
 

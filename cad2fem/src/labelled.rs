@@ -2,6 +2,7 @@
 //! `model.stl`, `patches/<region>.stl`, of surfaces inside the body as well, `volumes/<volume>.stl`
 //! and the report `model.json`, written last.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -15,6 +16,7 @@ use serde::Serialize;
 
 use crate::implicit::{Thin, draw_thin};
 use crate::import::Record;
+use crate::mesher::gmsh::Faces;
 use crate::report::{Input, findings};
 
 /// The report, written last.
@@ -36,6 +38,35 @@ pub struct LabelledSurface {
     pub thin: Vec<Thin>,
     /// What was read and changed, of a body that others made.
     pub import: Option<Record>,
+    /// What CAD says about its faces.
+    pub facts: Facts,
+}
+
+/// What CAD says about the faces of regions, by their names.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    /// What the faces of a region are: `plane`, `cylinder`, …
+    pub kinds: BTreeMap<String, String>,
+    /// Regions that meet without an edge, as a fillet and its neighbours do.
+    pub tangent: Vec<[String; 2]>,
+}
+
+impl Facts {
+    /// Those of the faces of a file, whose names become `renamed` ones.
+    pub fn of(faces: &Faces, renamed: impl Fn(&str) -> String) -> Self {
+        let kinds = faces.names.iter().zip(&faces.kinds).filter(|(_, kind)| !kind.is_empty());
+        let pair = |pair: &[usize; 2]| pair.map(|i| renamed(&faces.names[i]));
+        Self {
+            kinds: kinds.map(|(name, kind)| (renamed(name), kind.clone())).collect(),
+            tangent: faces.tangent.iter().map(pair).collect(),
+        }
+    }
+
+    /// Adds those of another file.
+    pub fn extend(&mut self, more: Self) {
+        self.kinds.extend(more.kinds);
+        self.tangent.extend(more.tangent);
+    }
 }
 
 /// Content of `model.json`.
@@ -62,12 +93,18 @@ pub struct Report {
     thin: Vec<Thin>,
     #[serde(skip_serializing_if = "Option::is_none")]
     import: Option<Record>,
+    /// Regions that meet without an edge, where CAD says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tangent: Option<Vec<[String; 2]>>,
     wall_s: f64,
 }
 
 #[derive(Debug, Serialize)]
 struct RegionReport {
     name: String,
+    /// What its faces are, such as `plane`, where CAD says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<String>,
     #[serde(flatten)]
     patch: PatchReport,
 }
@@ -136,7 +173,8 @@ impl LabelledSurface {
         let regions = self.write_patches(&patches)?;
         let write_inside = |(name, patch): &(String, SurfaceMesh)| -> Result<RegionReport> {
             write_surface(&patches.join(format!("{name}.stl")), patch)?;
-            Ok(RegionReport { name: name.clone(), patch: PatchReport::of(patch) })
+            let kind = self.facts.kinds.get(name).cloned();
+            Ok(RegionReport { name: name.clone(), kind, patch: PatchReport::of(patch) })
         };
         let inside = self.inside.iter().map(write_inside).collect::<Result<_>>()?;
         let volumes = self.write_volumes(&folder.join("volumes"))?;
@@ -160,11 +198,19 @@ impl LabelledSurface {
             unassigned: PatchReport::of(&self.patch(None)),
             thin: self.thin.clone(),
             import: self.import.clone(),
+            tangent: self.tangent(),
             wall_s: start.elapsed().as_secs_f64(),
         };
         let text = serde_json::to_string_pretty(&report)?;
         write_atomic(&folder.join(STAMP), |out| writeln!(out, "{text}"))?;
         Ok(report)
+    }
+
+    /// Regions of this surface that meet without an edge; none where nothing is known of its faces.
+    fn tangent(&self) -> Option<Vec<[String; 2]>> {
+        let here = |pair: &&[String; 2]| pair.iter().all(|name| self.names.contains(name));
+        let known = self.names.iter().any(|name| self.facts.kinds.contains_key(name));
+        known.then(|| self.facts.tangent.iter().filter(here).cloned().collect())
     }
 
     /// Checks what a reader of the file will see: STL rounds to 32 bits.
@@ -197,7 +243,8 @@ impl LabelledSurface {
                 return Err(Unusable(message).into());
             }
             write_surface(&folder.join(format!("{name}.stl")), &patch)?;
-            reports.push(RegionReport { name: name.clone(), patch: PatchReport::of(&patch) });
+            let kind = self.facts.kinds.get(name).cloned();
+            reports.push(RegionReport { name: name.clone(), kind, patch: PatchReport::of(&patch) });
         }
         Ok(reports)
     }
@@ -212,7 +259,7 @@ impl Report {
             self.area * 1e4,
             self.volume * 1e6
         );
-        for RegionReport { name, patch } in &self.regions {
+        for RegionReport { name, patch, .. } in &self.regions {
             log::info!(
                 "  {name:<12} {:>6} triangles  {:>8.2} cm2  middle at {:.1}, {:.1}, {:.1} mm  {} \
                  component(s), {} rim loop(s)",
@@ -225,7 +272,7 @@ impl Report {
                 patch.loops
             );
         }
-        for RegionReport { name, patch } in &self.inside {
+        for RegionReport { name, patch, .. } in &self.inside {
             log::info!(
                 "  {name:<12} {:>6} triangles  {:>8.2} cm2  inside: cad2fem tetmesh --inside \
                  patches/{name}.stl",

@@ -6,6 +6,7 @@
 //! - [`import`]: bodies that others made, in any unit, sound or not
 //! - [`geo`]: what a gmsh script may do
 //! - [`labelled`]: a surface in regions and its files
+//! - [`solids`]: what several solids of a CAD file are to each other
 //! - [`offset`]: open patch → closed selection volume
 //! - [`layers`]: surfaces inside a body that its mesh keeps
 //! - [`tetrahedralize`]: checks around a mesher, and its report
@@ -34,6 +35,7 @@ pub mod mesher;
 pub mod offset;
 pub mod planar;
 pub mod report;
+pub mod solids;
 pub mod template;
 pub mod tetrahedralize;
 pub mod units;

@@ -252,6 +252,65 @@ fn cad_files_keep_units_names_and_colours_of_faces() {
         .fails(2, "face 7 (from 0 0 0 to 10 10 0)");
 }
 
+/// A body of 40 by 20 by 10 mm and air in two solids: `inside.step` with the air strictly inside, and
+/// `open.step`, where it sticks out at x = 0.
+const TWO: &str = "
+import gmsh
+gmsh.initialize()
+gmsh.option.setNumber('General.Terminal', 0)
+for name, x in (('inside', 5), ('open', -5)):
+    gmsh.clear()
+    gmsh.model.occ.addBox(0, 0, 0, 40, 20, 10)
+    gmsh.model.occ.addBox(x, 5, 3, 30, 10, 4)
+    gmsh.model.occ.synchronize()
+    gmsh.write(name + '.step')
+";
+
+#[test]
+fn of_two_solids_the_air_is_found_or_asked_for() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let made = Command::new(&python).args(["-c", TWO]).current_dir(dir.path(".")).output().unwrap();
+    assert!(made.status.success(), "{made:?}");
+    // solids get names as a CAD program gives them
+    let step = fs::read_to_string(dir.path("open.step")).unwrap();
+    // and the face in which the air opens, too
+    let step = step.replacen("ADVANCED_FACE(''", "ADVANCED_FACE('seat'", 1);
+    let named = step.replacen("MANIFOLD_SOLID_BREP(''", "MANIFOLD_SOLID_BREP('finger'", 1);
+    dir.write(
+        "open.step",
+        &named.replacen("MANIFOLD_SOLID_BREP(''", "MANIFOLD_SOLID_BREP('air'", 1),
+    );
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    for verb in ["model", "import"] {
+        run(&[verb, "inside.step", "-o", "out"]).says(
+            "solid 2 of 1.200 cm3, from 5.0, 5.0, 3.0 to 35.0, 15.0, 7.0 mm lies inside solid 1",
+        );
+        assert!((result(&dir).1 / 6800.0 - 1.0).abs() < 1e-6);
+        let asked = run(&[verb, "open.step", "-o", "never"]);
+        asked
+            .fails(2, "solid 1 \"finger\" of 8.000 cm3, from 0.0, 0.0, 0.0 to 40.0, 20.0, 10.0 mm");
+        let command = format!("cad2fem {verb} open.step -o never --subtract air");
+        asked.fails(2, &format!("take it out of the others: {command}"));
+        run(&[verb, "open.step", "-o", "out", "--subtract", "air"]).succeeds();
+        let (_, volume, names) = result(&dir);
+        assert!((volume / 7000.0 - 1.0).abs() < 1e-6, "{volume}");
+        let walls = names.iter().filter(|name| name.starts_with("air-")).count();
+        assert_eq!((walls, names.len()), (5, 11), "{names:?}");
+        assert!(names.contains(&"seat".to_owned()), "{names:?}");
+        run(&[verb, "open.step", "-o", "never", "--subtract", "3"])
+            .fails(2, "--subtract 3: there is no such file or solid; the solids of open.step are 1 'finger', 2 'air'");
+    }
+    run(&["pick", "open.step", "-o", "never.html"])
+        .fails(2, "take it out of the others: cad2fem pick open.step -o never.html --subtract air");
+    run(&["pick", "inside.step", "-o", "pick.html"]).says("12 faces, closed chambers: 1");
+    run(&["import", "open.step", "-o", "out", "--unite"]).succeeds();
+    assert!((result(&dir).1 / 8200.0 - 1.0).abs() < 1e-6);
+    write_surface(&dir.path("box.stl"), &block(40.0, 20.0, 10.0)).unwrap();
+    run(&["import", "box.stl", "-o", "never", "--subtract", "air"]).fails(2, "--subtract air");
+    assert!(!dir.path("never").exists());
+}
+
 #[test]
 fn printed_files_state_their_unit() {
     let dir = Workdir::new();

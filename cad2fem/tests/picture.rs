@@ -260,6 +260,29 @@ fn files_go_side_by_side_or_together() {
 }
 
 #[test]
+fn a_model_has_a_colour_a_label_and_a_legend_for_each_region() {
+    let folder = Folder::new();
+    let body = cube();
+    fs::create_dir_all(folder.path("model/patches")).unwrap();
+    let ends = [body.triangles[..6].to_vec(), body.triangles[6..].to_vec()];
+    for (name, triangles) in ["lid", "rest"].iter().zip(ends) {
+        let patch = SurfaceMesh { triangles, ..body.clone() };
+        io::write_surface(&folder.path(&format!("model/patches/{name}.stl")), &patch).unwrap();
+    }
+    folder.fails("model", &["model.json", "cad2fem model"]);
+    let report = r#"{ "regions": [{ "name": "lid" }, { "name": "rest" }] }"#;
+    fs::write(folder.path("model/model.json"), report).unwrap();
+    let model = folder.draw("model --size 400x300");
+    let files = "model/patches/lid.stl model/patches/rest.stl --together --label --size 400x300";
+    assert!(model.bytes == folder.draw(files).bytes);
+    assert!(model.bytes != folder.draw(&files.replace(" --label", "")).bytes);
+    let apart = folder.draw("model --spread 1 --size 400x300");
+    assert!(apart.bytes == folder.draw(&format!("{files} --spread 1")).bytes);
+    fs::remove_file(folder.path("out.png")).unwrap();
+    folder.fails("model/patches/lid.stl --label", &["--label are for --together"]);
+}
+
+#[test]
 fn errors_say_what_would_work() {
     let folder = Folder::new();
     io::write_surface(&folder.path("cube.stl"), &cube()).unwrap();

@@ -181,6 +181,68 @@ impl Chromium {
         }
     }
 
+    /// Lets the page save files in a folder.
+    pub fn save_in(&mut self, folder: &Path) {
+        let to = json!({ "behavior": "allow", "downloadPath": folder.display().to_string() });
+        self.call("Page.setDownloadBehavior", &to);
+    }
+
+    /// Makes a phone of it: a small screen that is touched.
+    pub fn become_phone(&mut self) {
+        let screen = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
+        self.call("Emulation.setDeviceMetricsOverride", &screen);
+        self.call("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true }));
+    }
+
+    /// The pointer moves to a place [px], with the left button held where `pressed`.
+    pub fn point(&mut self, kind: &str, [x, y]: [f64; 2], pressed: bool, shift: bool) {
+        let button = if kind == "mouseMoved" && !pressed { "none" } else { "left" };
+        let event = json!({
+            "type": kind, "x": x, "y": y, "button": button, "buttons": u8::from(pressed),
+            "clickCount": 1, "modifiers": if shift { 8 } else { 0 },
+        });
+        self.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// A click of the left button.
+    pub fn click(&mut self, place: [f64; 2]) {
+        self.drag(&[place], false);
+    }
+
+    /// The left button is held from the first place to the last.
+    pub fn drag(&mut self, places: &[[f64; 2]], shift: bool) {
+        self.point("mouseMoved", places[0], false, shift);
+        self.point("mousePressed", places[0], true, shift);
+        for place in &places[1..] {
+            self.point("mouseMoved", *place, true, shift);
+        }
+        self.point("mouseReleased", places[places.len() - 1], false, shift);
+    }
+
+    /// A finger touches a place for a moment.
+    pub fn tap(&mut self, [x, y]: [f64; 2]) {
+        let touch = |kind: &str, points: Value| json!({ "type": kind, "touchPoints": points });
+        self.call("Input.dispatchTouchEvent", &touch("touchStart", json!([{ "x": x, "y": y }])));
+        self.call("Input.dispatchTouchEvent", &touch("touchEnd", json!([])));
+    }
+
+    /// A key goes down and up; `modifiers` are those of the protocol (2 control, 8 shift).
+    pub fn key(&mut self, key: &str, modifiers: u8) {
+        let code = match key {
+            "Tab" => 9,
+            "Enter" => 13,
+            _ => 0,
+        };
+        let text = if key.chars().count() == 1 && modifiers == 0 { key } else { "" };
+        for kind in ["keyDown", "keyUp"] {
+            let event = json!({
+                "type": kind, "key": key, "modifiers": modifiers, "windowsVirtualKeyCode": code,
+                "text": if kind == "keyDown" { text } else { "" },
+            });
+            self.call("Input.dispatchKeyEvent", &event);
+        }
+    }
+
     /// What the page looks like now.
     ///
     /// # Panics

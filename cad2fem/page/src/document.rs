@@ -9,11 +9,11 @@ use sha2::{Digest, Sha256};
 
 use crate::facts;
 use crate::prose::script_data;
-use crate::script::linked;
+use crate::script::{RESULTS, linked};
 use crate::store::Store;
 use crate::survey::Survey;
 
-const STYLE: &str = include_str!("../web/page.css");
+pub(crate) const STYLE: &str = include_str!("../web/page.css");
 pub(crate) const LICENCE: &str = include_str!("../vendor/three/LICENSE");
 
 const CANVAS: &str =
@@ -24,7 +24,34 @@ const CANVAS: &str =
 /// # Errors
 /// If a file that it shows cannot be read.
 pub fn assemble(title: &str, survey: &Survey, data: &Value, store: &Store) -> Result<String> {
-    let script = linked();
+    let content = html! {
+        header {
+            h1 { (title) }
+            (facts::headlines(survey)?)
+        }
+        main {
+            (viewer())
+            (facts::results(survey)?)
+            (facts::checks(survey)?)
+            (facts::casting(survey)?)
+            (facts::pictures(&survey.pictures)?)
+            (facts::provenance(survey)?)
+            (about())
+        }
+    };
+    Ok(page(title, STYLE, &content, data, store, RESULTS))
+}
+
+/// A page of some content with a style, data and a script, of which `main` is the main module.
+pub(crate) fn page(
+    title: &str,
+    style: &str,
+    content: &Markup,
+    data: &Value,
+    store: &Store,
+    main: &str,
+) -> String {
+    let script = linked(main);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -35,22 +62,10 @@ pub fn assemble(title: &str, survey: &Survey, data: &Value, store: &Store) -> Re
                 meta name="color-scheme" content="light dark";
                 title { (title) }
                 link rel="icon" href="data:,";
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(style)) }
             }
             body {
-                header {
-                    h1 { (title) }
-                    (facts::headlines(survey)?)
-                }
-                main {
-                    (viewer())
-                    (facts::results(survey)?)
-                    (facts::checks(survey)?)
-                    (facts::casting(survey)?)
-                    (facts::pictures(&survey.pictures)?)
-                    (facts::provenance(survey)?)
-                    (about())
-                }
+                (content)
                 script type="application/json" id="data" { (script_data(data)) }
                 @for (i, blob) in store.blobs.iter().enumerate() {
                     script type="application/octet-stream" id={ "blob-" (i) } { (blob) }
@@ -59,7 +74,7 @@ pub fn assemble(title: &str, survey: &Survey, data: &Value, store: &Store) -> Re
             }
         }
     };
-    Ok(page.into_string())
+    page.into_string()
 }
 
 /// What scripts fill: the 3-D view and the charts.

@@ -13,6 +13,7 @@
 //! - [`run`]: the states of a simulation
 //! - [`design`]: the history of an optimisation and its shapes
 //! - [`mold`]: a mold and how it comes apart
+//! - [`pick`]: the page on which faces of a body get names
 //! - [`prose`]: text that is safe to put into a page
 //! - [`facts`]: tables of what reports say
 //! - [`script`]: what runs in the browser, of several modules
@@ -22,6 +23,7 @@ pub mod design;
 pub mod document;
 pub mod facts;
 pub mod mold;
+pub mod pick;
 pub mod prose;
 pub mod run;
 pub mod script;

@@ -4,7 +4,10 @@
 //! language of modules only what ours use is known: `import` of names or of all, at the
 //! beginning of a line; `export` before `function`, `class` or `const`, or of a list at the end.
 
-const MAIN: &str = include_str!("../web/main.js");
+/// The main module of the page of results.
+pub const RESULTS: &str = include_str!("../web/main.js");
+/// The main module of the page to pick faces on.
+pub const PICK: &str = include_str!("../web/pick/main.js");
 
 /// The modules of the page by the names under which they import each other; each imports only
 /// those before it.
@@ -17,6 +20,7 @@ const MODULES: &[(&str, &str)] = &[
     ("page/controls", include_str!("../web/controls.js")),
     ("page/history", include_str!("../web/history.js")),
     ("page/section", include_str!("../web/section.js")),
+    ("page/cap", include_str!("../web/cap.js")),
     ("page/surface", include_str!("../web/surface.js")),
     ("page/solid", include_str!("../web/solid.js")),
     ("page/load", include_str!("../web/load.js")),
@@ -24,16 +28,34 @@ const MODULES: &[(&str, &str)] = &[
     ("page/response", include_str!("../web/response.js")),
     ("page/shapes", include_str!("../web/shapes.js")),
     ("page/stage", include_str!("../web/stage.js")),
+    ("pick/tags", include_str!("../web/pick/tags.js")),
+    ("pick/toml", include_str!("../web/pick/toml.js")),
+    ("pick/body", include_str!("../web/pick/body.js")),
+    ("pick/hand", include_str!("../web/pick/hand.js")),
+    ("pick/panel", include_str!("../web/pick/panel.js")),
 ];
 
-/// All modules, and the main one after them.
+/// The modules that a main one needs, and itself after them.
 #[must_use]
-pub fn linked() -> String {
+pub fn linked(main: &str) -> String {
+    let mut needed = vec![false; MODULES.len()];
+    mark(main, &mut needed);
     let module = |(name, source): &(&str, &str)| {
         let (body, exports) = parts(source);
         format!("const {} = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();\n", variable(name))
     };
-    MODULES.iter().map(module).collect::<String>() + &parts(MAIN).0
+    let used = MODULES.iter().zip(&needed).filter(|(_, needed)| **needed).map(|(m, _)| m);
+    used.map(module).collect::<String>() + &parts(main).0
+}
+
+/// Marks what a module imports, and what that imports.
+fn mark(source: &str, needed: &mut [bool]) {
+    for (i, (name, text)) in MODULES.iter().enumerate() {
+        if !needed[i] && (source.contains(&format!("from '{name}'"))) {
+            needed[i] = true;
+            mark(text, needed);
+        }
+    }
 }
 
 /// The variable that holds a module.
@@ -109,7 +131,7 @@ mod tests {
     #[test]
     fn modules_import_only_those_before_them() {
         let mut before = Vec::new();
-        for (name, source) in MODULES.iter().chain(&[("main", MAIN)]) {
+        for (name, source) in MODULES.iter().chain(&[("main", RESULTS), ("pick/main", PICK)]) {
             let from = source.lines().filter(|l| l.starts_with("import") || l.starts_with('}'));
             for found in from.filter_map(|l| l.split_once(" from ")) {
                 let module = found.1.trim_matches(['\'', '"', ';', ' ']);
@@ -117,12 +139,17 @@ mod tests {
             }
             before.push(*name);
         }
-        let script = linked();
-        assert!(!script.to_lowercase().contains("</script"), "it would end there");
-        assert!(!script.contains("<!--"), "it would be a comment");
-        let left = |l: &&str| l.starts_with("import ") || l.starts_with("export ");
-        assert_eq!(script.lines().find(left), None);
-        assert!(script.contains("WebGLRenderer: ec,"), "what three.js exports");
+        for main in [RESULTS, PICK] {
+            let script = linked(main);
+            assert!(!script.to_lowercase().contains("</script"), "it would end there");
+            assert!(!script.contains("<!--"), "it would be a comment");
+            let left = |l: &&str| l.starts_with("import ") || l.starts_with("export ");
+            assert_eq!(script.lines().find(left), None);
+            assert!(script.contains("WebGLRenderer: ec,"), "what three.js exports");
+        }
+        assert!(
+            !linked(PICK).contains("module_page_history") && !linked(RESULTS).contains("pick_")
+        );
     }
 
     /// The hashes in `vendor/three/README.md`.

@@ -23,7 +23,7 @@ const FACETS: [[usize; 6]; 4] =
     [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [0, 3, 2, 7, 9, 6], [1, 2, 3, 5, 9, 8]];
 
 /// Bits of the corners of a facet, sorted: facets of different files are the same where these are.
-type Place = [[u64; 3]; 3];
+pub(crate) type Place = [[u64; 3]; 3];
 
 /// Tags by places of facets.
 #[derive(Clone, Debug, Default)]
@@ -46,7 +46,7 @@ impl TagsByPlace {
     }
 }
 
-fn place(corners: &[Vec3; 3]) -> Place {
+pub(crate) fn place(corners: &[Vec3; 3]) -> Place {
     // adding 0 makes one zero of both
     let mut bits = corners.map(|p| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()));
     bits.sort_unstable();

@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { numbers } from 'page/arrays';
+import { Cap } from 'page/cap';
 import { CAST, PALETTE } from 'page/color';
 import { check, fieldset, select, slider } from 'page/controls';
 import { around, shade } from 'page/surface';
@@ -99,31 +100,15 @@ function geometry(nodes, triangles) {
   return made;
 }
 
-/** A closed surface whose cut is capped: where the stencil counts more back than front faces. */
+/** A closed surface whose cut is capped. */
 class Part {
   constructor({ name, apart, printed }, shape, color, order) {
     Object.assign(this, { name, apart: new THREE.Vector3(...apart), printed, color, geometry: shape });
     this.mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color, side: THREE.DoubleSide }));
     this.mesh.renderOrder = 100;
-    this.counters = [[THREE.BackSide, THREE.IncrementWrapStencilOp], [THREE.FrontSide, THREE.DecrementWrapStencilOp]].map(([side, op]) => {
-      const material = new THREE.MeshBasicMaterial({
-        side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: THREE.AlwaysStencilFunc,
-        stencilFail: op, stencilZFail: op, stencilZPass: op,
-      });
-      const mesh = new THREE.Mesh(shape, material);
-      mesh.renderOrder = order + 0.1;
-      return mesh;
-    });
-    const face = new THREE.Color(color).lerp(new THREE.Color('#fff6e6'), 0.45);
-    const material = new THREE.MeshBasicMaterial({
-      color: face, side: THREE.DoubleSide, stencilWrite: true, stencilRef: 0, stencilFunc: THREE.NotEqualStencilFunc,
-      stencilFail: THREE.ReplaceStencilOp, stencilZFail: THREE.ReplaceStencilOp, stencilZPass: THREE.ReplaceStencilOp,
-    });
-    this.cap = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), material);
-    this.cap.renderOrder = order + 0.2;
-    this.cap.onAfterRender = (renderer) => renderer.clearStencil();
+    this.cap = new Cap(shape, new THREE.Color(color).lerp(new THREE.Color('#fff6e6'), 0.45), order);
     this.group = new THREE.Group();
-    this.group.add(this.mesh, ...this.counters, this.cap);
+    this.group.add(this.mesh, ...this.cap.meshes);
   }
 
   /** Where it is when the mold is taken apart up to t. */
@@ -133,20 +118,12 @@ class Part {
 
   relook(plane, { opacity }, hidden) {
     const planes = plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
-    for (const mesh of [this.mesh, ...this.counters]) mesh.material.clippingPlanes = planes;
-    for (const mesh of [...this.counters, this.cap]) mesh.visible = Boolean(plane) && !hidden;
+    this.mesh.material.clippingPlanes = planes;
+    this.cap.relook(plane, hidden, this.group.position);
     // what is seen through the printed parts is the cast
     const alpha = this.printed ? opacity : 1;
     Object.assign(this.mesh.material, { opacity: alpha, transparent: alpha < 1, depthWrite: alpha === 1 });
     this.mesh.visible = alpha > 0;
     this.mesh.material.needsUpdate = true;
-    if (!plane) return;
-    const normal = new THREE.Vector3(...plane.normal);
-    const local = plane.offset - normal.dot(this.group.position);
-    const centre = this.geometry.boundingBox.getCenter(new THREE.Vector3());
-    centre.addScaledVector(normal, local - normal.dot(centre));
-    this.cap.position.copy(centre);
-    this.cap.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), normal);
-    this.cap.scale.setScalar(2 * this.geometry.boundingBox.getSize(new THREE.Vector3()).length());
   }
 }

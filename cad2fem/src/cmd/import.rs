@@ -1,6 +1,6 @@
 //! `cad2fem import`: meshes and CAD files of others → closed surface and patches.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -12,6 +12,7 @@ use program::FolderLock;
 use crate::import::repair::Repair;
 use crate::import::source::Reader;
 use crate::import::{Request, import};
+use crate::labelled::Facts;
 use crate::report::Input;
 use crate::units::Unit;
 
@@ -32,9 +33,13 @@ pub struct Args {
     /// Unit of files that state none; otherwise it is guessed by their size, and said
     #[arg(long)]
     unit: Option<Unit>,
-    /// File with what is taken away, such as a chamber; again for each
-    #[arg(long, value_name = "FILE")]
-    subtract: Vec<PathBuf>,
+    /// File with what is taken away, such as a chamber, or a solid of the CAD file by its name or
+    /// number; again for each
+    #[arg(long, value_name = "FILE|SOLID")]
+    subtract: Vec<String>,
+    /// CAD: several solids that touch or cross are one body
+    #[arg(long)]
+    unite: bool,
     /// Factor of all lengths
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = parse_positive)]
     scale: f64,
@@ -73,17 +78,37 @@ pub struct Args {
 /// # Errors
 /// If a file cannot be read or repaired, its unit is not clear, or files cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    let files: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
+    run_as(args, &format!("cad2fem import {} -o {}", files.join(" "), args.output.display()))
+}
+
+/// Runs the verb for another one, of which `command` is what the user would write again.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     let start = Instant::now();
     let timeout = Duration::from_secs(args.timeout);
+    let (files, solids): (Vec<_>, Vec<_>) =
+        args.subtract.iter().cloned().partition(|text| Path::new(text).exists());
+    if let (Some(solid), false) = (solids.first(), args.files.len() == 1) {
+        bail!(
+            "--subtract {solid}: there is no such file, and several files whose solid it could be"
+        );
+    }
     let mut request = Request {
         files: args.files.clone(),
-        subtract: args.subtract.clone(),
+        subtract: files.into_iter().map(PathBuf::from).collect(),
         reader: Reader {
             unit: args.unit,
             edge_length: args.edge_length,
             per_turn: args.per_turn,
             timeout,
+            solids,
+            unite: args.unite,
+            command: command.to_owned(),
             guessed: None,
+            facts: Facts::default(),
         },
         repair: Repair {
             weld: args.weld,

@@ -7,6 +7,7 @@ pub mod info;
 pub mod model;
 pub mod new;
 pub mod offset;
+pub mod pick;
 pub mod picture;
 pub mod remesh;
 pub mod report;
@@ -36,6 +37,8 @@ pub enum Verb {
     Remesh(remesh::Args),
     /// Counts, sizes, quality and validity of any surface or mesh
     Info(info::Args),
+    /// A body → a page on which you name its faces by clicking, and get tags.toml
+    Pick(pick::Args),
     /// Any surface, mesh or result → a shaded PNG, drawn without a display
     Picture(picture::Args),
     /// A run, step by step → an animated GIF, drawn without a display
@@ -61,6 +64,7 @@ impl Verb {
             Self::Tetmesh(args) => tetmesh::run(args),
             Self::Remesh(args) => remesh::run(args),
             Self::Info(args) => info::run(args),
+            Self::Pick(args) => pick::run(args),
             Self::Picture(args) => picture::run(args),
             Self::Film(args) => film::run(args),
             Self::Report(args) => report::run(args),

@@ -9,7 +9,7 @@ use program::{Change, FolderLock};
 
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::labelled::{LabelledSurface, remove_stamp};
+use crate::labelled::{Facts, LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
@@ -33,6 +33,10 @@ pub struct Args {
     /// the script declares with DefineConstant
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// STEP, .brep and .iges: a solid of the file, by name or number, that is taken out of the
+    /// others, such as the air of a chamber; again for each
+    #[arg(long, value_name = "SOLID")]
+    subtract: Vec<String>,
     /// CAD: let the script, and `FILE.opt` beside the file, run programs, read and write files
     #[arg(long)]
     trust: bool,
@@ -56,8 +60,12 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn implicit(args: &Args) -> Result<()> {
-    if args.unit.is_some() || args.edge_length.is_some() || args.trust {
-        bail!("--unit, --edge-length and --trust are for CAD files; a .toml model states its own");
+    if args.unit.is_some() || args.edge_length.is_some() || args.trust || !args.subtract.is_empty()
+    {
+        bail!(
+            "--unit, --edge-length, --subtract and --trust are for CAD files; a .toml model states \
+             its own"
+        );
     }
     let changes: Vec<Change> = all(&args.set, |text| text.parse().map_err(|e| anyhow!("{e}")))?;
     let file = ModelFile::read(&args.file, &changes)?;
@@ -80,7 +88,8 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let region = assign(model, &fields, &skin);
     let (surface, thin, names) = (skin.surface, skin.thin, model.region_names());
     let (inside, volumes) = (Vec::new(), Vec::new());
-    let labelled = LabelledSurface { surface, names, region, inside, volumes, thin, import: None };
+    let (import, facts) = (None, Facts::default());
+    let labelled = LabelledSurface { surface, names, region, inside, volumes, thin, import, facts };
     finish(args, &labelled, folder, input.clone(), start)
 }
 
@@ -92,9 +101,16 @@ fn from_cad(args: &Args) -> Result<()> {
         edge_length: args.edge_length,
         per_turn: None,
         trust: args.trust,
+        subtract: args.subtract.clone(),
         timeout: Duration::from_secs(args.timeout),
     };
-    let labelled = cad::read(&args.file, &options)?;
+    let (labelled, solids) = cad::read(&args.file, &options)?;
+    let (file, folder) = (args.file.display(), args.output.display());
+    let command = format!("cad2fem model {file} -o {folder}");
+    if let Some(complaint) = solids.complaint(&args.file, &command) {
+        bail!(complaint);
+    }
+    solids.remark_on_chambers(&args.file);
     finish(args, &labelled, &args.output, input(args)?, start)
 }
 

@@ -24,7 +24,7 @@ use nalgebra::Matrix3;
 use program::Unusable;
 use serde::Serialize;
 
-use crate::labelled::LabelledSurface;
+use crate::labelled::{Facts, LabelledSurface};
 use crate::report::findings;
 use repair::Repair;
 use source::{Reader, Source};
@@ -158,7 +158,7 @@ pub fn import(request: &mut Request) -> Result<LabelledSurface> {
         Some(angle) => split::split(body, angle, &mut patches)?,
         None => body,
     };
-    Ok(labelled(body, &patches, record))
+    Ok(labelled(body, &patches, record, std::mem::take(&mut request.reader.facts)))
 }
 
 /// The union of bodies without the cavities.
@@ -224,7 +224,7 @@ fn round(body: &Patched) -> Patched {
 }
 
 /// With the names that are in use, in the order in which they were read.
-fn labelled(body: Patched, patches: &Patches, record: Record) -> LabelledSurface {
+fn labelled(body: Patched, patches: &Patches, record: Record, facts: Facts) -> LabelledSurface {
     let mut used: Vec<u32> = body.patch.clone();
     used.sort_unstable();
     used.dedup();
@@ -240,5 +240,6 @@ fn labelled(body: Patched, patches: &Patches, record: Record) -> LabelledSurface
         volumes,
         thin: Vec::new(),
         import,
+        facts,
     }
 }

@@ -12,8 +12,10 @@ use serde::Serialize;
 
 use super::{Patched, Patches};
 use crate::cad::{CadOptions, read_faces};
+use crate::labelled::Facts;
 use crate::mesher::gmsh::{Faces, Kind};
 use crate::report::Input;
+use crate::solids::Solids;
 use crate::units::{Unit, guess};
 
 /// How files are read.
@@ -27,8 +29,16 @@ pub struct Reader {
     pub per_turn: u32,
     /// CAD: longest time gmsh may take.
     pub timeout: Duration,
+    /// CAD: solids of the file that are taken out of the others.
+    pub solids: Vec<String>,
+    /// CAD: whether solids that touch or cross are one body.
+    pub unite: bool,
+    /// What the user would write again with one more option.
+    pub command: String,
     /// The unit that the first file without one was taken to have: files of one body have the same.
     pub guessed: Option<Unit>,
+    /// What CAD files said about their faces.
+    pub facts: Facts,
 }
 
 /// How the unit of a file is known.
@@ -70,7 +80,16 @@ impl Reader {
         let input = Input::of(file)?;
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
         let stem = file_name(&file.file_stem().unwrap_or_default().to_string_lossy());
-        let (raw, unit, unit_is) = match extension.to_ascii_lowercase().as_str() {
+        let extension = extension.to_ascii_lowercase();
+        if let (Some(solid), "stl" | "obj" | "ply" | "msh" | "3mf") =
+            (self.solids.first(), extension.as_str())
+        {
+            bail!(
+                "--subtract {solid}: there is no such file, and {} has no solids with names or numbers",
+                file.display()
+            );
+        }
+        let (raw, unit, unit_is) = match extension.as_str() {
             "geo" => bail!("{}: a script: use cad2fem model", file.display()),
             "stl" | "obj" | "ply" => {
                 let mut surface = read_surface(file)?;
@@ -173,9 +192,12 @@ impl Reader {
             edge_length: self.edge_length,
             per_turn: Some(self.per_turn),
             trust: false,
+            subtract: self.solids.clone(),
             timeout: self.timeout,
         };
         let mut faces = read_faces(file, &options)?;
+        self.look_at_solids(file, &Solids::of(&faces))?;
+        self.facts.extend(Facts::of(&faces, |name| of_file(stem, name)));
         if !brep {
             return Ok((boundary_of(&faces, stem, patches), "its own", Known::Stated));
         }
@@ -184,6 +206,17 @@ impl Reader {
             faces.surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
         }
         Ok((boundary_of(&faces, stem, patches), unit.symbol(), known))
+    }
+}
+
+impl Reader {
+    /// Refuses solids that meet unless they are one body, and says which are chambers.
+    fn look_at_solids(&self, file: &Path, solids: &Solids) -> Result<()> {
+        if let (false, Some(complaint)) = (self.unite, solids.complaint(file, &self.command)) {
+            bail!("{complaint}\nif they are one body: {} --unite", self.command);
+        }
+        solids.remark_on_chambers(file);
+        Ok(())
     }
 }
 

@@ -117,6 +117,13 @@ pub struct Faces {
     pub inside: Vec<bool>,
     /// Names of physical volumes, and the triangles of their boundaries.
     pub volumes: Vec<(String, Vec<usize>)>,
+    /// The same of the solids of a file that has several and no groups; those without a name have
+    /// an empty one.
+    pub solids: Vec<(String, Vec<usize>)>,
+    /// What the faces of each patch are, such as `plane`; empty where they differ.
+    pub kinds: Vec<String>,
+    /// Patches that meet without an edge.
+    pub tangent: Vec<[usize; 2]>,
 }
 
 /// How the faces of a CAD file are meshed.
@@ -132,6 +139,8 @@ pub struct FaceOptions {
     pub per_turn: Option<u32>,
     /// Whether a script may run programs, and read and write files.
     pub trust: bool,
+    /// Solids that are taken out of the others, by their names or their numbers from 1.
+    pub subtract: Vec<String>,
     /// Longest time gmsh may take.
     pub timeout: Duration,
 }
@@ -156,6 +165,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         "per_turn": options.per_turn,
         "solids": kind != Kind::Script,
         "step": kind == Kind::Step,
+        "subtract": options.subtract,
     });
     let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
     job.run(python, script, &settings, options.timeout)?;
@@ -164,11 +174,13 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
     };
     let column =
         |file: &str| -> Result<Vec<f64>> { Ok(mesh::io::npy::read_f64(&job.file(file))?.0) };
-    let triangles_of = |(i, name): (usize, String)| {
-        let rows = column(&format!("volume-{i}.npy"))?;
-        Ok((name, rows.into_iter().map(|row| row as usize).collect()))
+    let parts = |what: &str| -> Result<Vec<(String, Vec<usize>)>> {
+        let part = |(i, name): (usize, String)| {
+            let rows = column(&format!("{what}-{i}.npy"))?;
+            Ok((name, rows.into_iter().map(|row| row as usize).collect()))
+        };
+        names(&format!("{what}s.json"))?.into_iter().enumerate().map(part).collect()
     };
-    let volumes = names("volumes.json")?.into_iter().enumerate().map(triangles_of);
     Ok(Faces {
         surface: SurfaceMesh {
             vertices: job.points("points.npy")?,
@@ -177,7 +189,10 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         names: names("patches.json")?,
         patch: column("patch.npy")?.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
         inside: column("inside.npy")?.into_iter().map(|flag| flag > 0.0).collect(),
-        volumes: volumes.collect::<Result<_>>()?,
+        volumes: parts("volume")?,
+        solids: parts("solid")?,
+        kinds: names("kinds.json")?,
+        tangent: serde_json::from_str(&read_own_text(&job.file("tangent.json"))?)?,
     })
 }
 

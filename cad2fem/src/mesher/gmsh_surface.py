@@ -47,22 +47,18 @@ try:
 except Exception as error:
     message = str(error).replace(path, settings["shown"])
     explain(f"{settings['shown']}: gmsh cannot read it: {message}")
-try:
-    gmsh.model.mesh.generate(2)
-except Exception as error:
-    message, faces = str(error).replace(path, settings["shown"]), failed_faces()
-    where = f" at {faces}" if faces else ""
-    explain(f"{settings['shown']}: gmsh cannot mesh it{where}: {message}")
-
-
 def file_name(name):
     """Names become names of files."""
     return re.sub(r"[^A-Za-z0-9_-]+", "-", name)
 
 
+def text_of_step():
+    return open(settings["file"], errors="replace").read() if settings["step"] else ""
+
+
 def names_in_step(count):
     """Names of faces as a STEP file has them, in the order of its shells; gmsh does not read them."""
-    text = open(settings["file"], errors="replace").read()
+    text = text_of_step()
     named = dict(re.findall(r"#(\d+)\s*=\s*ADVANCED_FACE\s*\(\s*'([^']*)'", text))
     shells = re.findall(r"(?:CLOSED|OPEN)_SHELL\s*\(\s*'[^']*'\s*,\s*\(([^)]*)\)", text)
     listed = [face for shell in shells for face in re.findall(r"#(\d+)", shell)]
@@ -76,11 +72,103 @@ def faces_by_mark():
     faces = [face for _, face in gmsh.model.getEntities(2)]
     colors = [gmsh.model.getColor(2, face) for face in faces]
     several = len(set(colors)) > 1
-    names = names_in_step(len(faces)) if settings["step"] else [""] * len(faces)
+    names = names_in_step(len(faces))
     for face, name, (r, g, b, is_set) in zip(faces, names, colors):
         name = gmsh.model.getEntityName(2, face).split("/")[-1] or name
         color = f"color-{r:02x}{g:02x}{b:02x}" if several and is_set else ""
         yield name or color or f"face-{face}", [face]
+
+
+def named_solids():
+    """Each solid of a file without physical groups with its name."""
+    solids = [solid for _, solid in gmsh.model.getEntities(3)]
+    if not settings["solids"] or gmsh.model.getPhysicalGroups():
+        return {}
+    text = text_of_step()
+    breps = re.findall(r"(?:MANIFOLD_SOLID_BREP|BREP_WITH_VOIDS)\s*\(\s*'([^']*)'", text)
+    # an assembly is a product as well as its parts are, the first one
+    parts = re.findall(r"\bPRODUCT\s*\(\s*'([^']*)'", text)[-len(solids):]
+    own = [gmsh.model.getEntityName(3, solid).split("/")[-1] for solid in solids]
+    lists = [own] + [names for names in (breps, parts) if len(names) == len(solids)]
+    anonymous = "Open CASCADE STEP translator"
+    best = [next((n for n in names if n and not n.startswith(anonymous)), "") for names in zip(*lists)]
+    return dict(zip(solids, best))
+
+
+def place(face):
+    """Where a face is, and its size: the same before and after solids were cut elsewhere."""
+    return *gmsh.model.occ.getCenterOfMass(2, face), gmsh.model.occ.getMass(2, face)
+
+
+def box(face):
+    return gmsh.model.getBoundingBox(2, face)
+
+
+def is_part(face, kind, whole):
+    """Whether a face may be what is left of one with this kind and box."""
+    low_and_high = zip(box(face), whole)
+    reach = 1e-4 * max(high - low for low, high in zip(whole[:3], whole[3:]))
+    inside = [new >= old - reach if i < 3 else new <= old + reach for i, (new, old) in enumerate(low_and_high)]
+    return gmsh.model.getType(2, face) == kind and all(inside)
+
+
+def name_before(face, before):
+    """The name that a face, or what it was cut from, had before solids were cut."""
+    same = [name for there, _, _, name in before if numpy.allclose(place(face), there, 1e-6, 1e-9)]
+    cut = [name for _, kind, whole, name in before if name and is_part(face, kind, whole)]
+    return (same or cut or [""])[0] or f"face-{face}"
+
+
+def solids_called(wanted):
+    """Solids by their names or numbers."""
+    solids = named_solids()
+    for text in wanted:
+        called = [solid for solid, name in solids.items() if name == text]
+        numbered = [solid for i, solid in enumerate(solids, 1) if str(i) == text]
+        found = called or numbered
+        if len(found) != 1:
+            known = ", ".join(f"{i} {name!r}" if name else str(i) for i, name in enumerate(solids.values(), 1))
+            why = "several solids are called so, say its number" if found else "there is no such file or solid"
+            explain(f"--subtract {text}: {why}; the solids of {settings['shown']} are {known or 'none'}")
+        yield found[0], solids[found[0]] or f"solid-{text}"
+
+
+def cut_away(wanted):
+    """Takes solids out of the others; gives for each face that is a wall of one its number and name."""
+    named = dict(solids_called(wanted))
+    air = list(named)
+    kept = [solid for solid in named_solids() if solid not in air]
+    if not kept:
+        explain(f"{settings['shown']}: --subtract takes all of its {len(air)} solids; one must be left")
+    occ = gmsh.model.occ
+    _, pieces = occ.fragment([(3, solid) for solid in kept], [(3, solid) for solid in air])
+    occ.synchronize()
+    holes = [{piece for _, piece in of} for of in pieces[len(kept):]]
+    taken = set().union(*holes)
+    body = {piece for of in pieces[: len(kept)] for _, piece in of} - taken
+    wall = {}
+    for name, hole in zip(named.values(), holes):
+        faces = gmsh.model.getBoundary([(3, piece) for piece in hole], combined=False, oriented=False)
+        own = sorted({f for _, f in faces if body & set(gmsh.model.getAdjacencies(2, f)[0].tolist())})
+        if not own:
+            explain(f"--subtract: the solid {name} of {settings['shown']} does not meet the body")
+        wall.update({face: f"{name}-{i}" for i, face in enumerate(own, 1)})
+    occ.remove([(3, piece) for piece in taken], recursive=True)
+    occ.synchronize()
+    return wall
+
+
+walls, before = {}, []
+try:
+    if settings["subtract"]:
+        before = [(place(face), gmsh.model.getType(2, face), box(face), "" if name == f"face-{face}" else name)
+                  for name, [face] in faces_by_mark()]
+        walls = cut_away(settings["subtract"])
+    gmsh.model.mesh.generate(2)
+except Exception as error:
+    message, faces = str(error).replace(path, settings["shown"]), failed_faces()
+    where = f" at {faces}" if faces else ""
+    explain(f"{settings['shown']}: gmsh cannot mesh it{where}: {message}")
 
 
 # Physical surfaces are the patches; without any, every named, coloured or numbered face is.
@@ -89,7 +177,8 @@ for _, tag in gmsh.model.getPhysicalGroups(2):
     name = gmsh.model.getPhysicalName(2, tag) or f"surface-{tag}"
     groups.append((name, gmsh.model.getEntitiesForPhysicalGroup(2, tag)))
 if not groups:
-    groups = list(faces_by_mark())
+    groups = [(walls.get(face) or name_before(face, before) if walls else name, [face])
+              for name, [face] in faces_by_mark()]
 
 # Faces between two volumes, or embedded in one, are inside the body.
 embedded = {face for _, volume in gmsh.model.getEntities(3)
@@ -140,6 +229,48 @@ for _, tag in gmsh.model.getPhysicalGroups(3):
     numpy.save(f"volume-{len(volumes)}.npy", numpy.array([[float(r)] for f in faces for r in rows[f]]))
     volumes.append(name)
 
+solids = named_solids()
+if len(solids) > 1 and not walls:
+    for i, solid in enumerate(solids):
+        faces = gmsh.model.getAdjacencies(3, solid)[1]
+        numpy.save(f"solid-{i}.npy", numpy.array([[float(r)] for f in faces for r in rows.get(f, [])]))
+else:
+    solids = {}
+
+
+def kind_of(faces):
+    """What faces of a patch are: plane, cylinder, ...; nothing where they differ."""
+    kinds = {gmsh.model.getType(2, face).replace(" surface", "").replace(" Surface", "").lower() for face in faces}
+    return kinds.pop() if len(kinds) == 1 else ""
+
+
+def normals(faces, point):
+    """Normals of faces at a point of both."""
+    return [numpy.array(gmsh.model.getNormal(face, gmsh.model.getParametrization(2, face, point)))
+            for face in faces]
+
+
+def is_smooth(curve, faces):
+    """Whether two faces have the same tangent plane at three points of a curve, to 8 degrees."""
+    (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+    points = [gmsh.model.getValue(1, curve, [low + part * (high - low)]) for part in (0.25, 0.5, 0.75)]
+    return all(abs(a @ b) > 0.99 for a, b in (normals(faces, point) for point in points))
+
+
+patch_of = {face: names.index(file_name(name)) for name, faces in groups for face in faces}
+tangent = set()
+for _, curve in gmsh.model.getEntities(1):
+    faces = sorted(set(gmsh.model.getAdjacencies(1, curve)[0].tolist()) & set(patch_of))
+    pair = tuple(sorted({patch_of[face] for face in faces}))
+    if len(faces) != 2 or len(pair) != 2 or pair in tangent:
+        continue
+    try:
+        smooth = is_smooth(curve, faces)
+    except Exception:  # gmsh cannot say it of a curve without length, or of a surface of its own kernel
+        continue
+    if smooth:
+        tangent.add(pair)
+
 if sum(len(c) for c in corners) == 0:
     explain(f"{settings['shown']}: no faces found")
 tags, points, _ = gmsh.model.mesh.getNodes()
@@ -153,4 +284,8 @@ numpy.save("patch.npy", numpy.array(patch, dtype=float).reshape(-1, 1))
 numpy.save("inside.npy", numpy.array(inside, dtype=float).reshape(-1, 1))
 json.dump(names, open("patches.json", "w"))
 json.dump(volumes, open("volumes.json", "w"))
+json.dump(list(solids.values()), open("solids.json", "w"))
+of_patch = [[face for face, patch in patch_of.items() if patch == i] for i in range(len(names))]
+json.dump([kind_of(faces) for faces in of_patch], open("kinds.json", "w"))
+json.dump([[int(i) for i in pair] for pair in sorted(tangent)], open("tangent.json", "w"))
 gmsh.finalize()

@@ -17,7 +17,7 @@ use super::options::{Component, Cut, Pair};
 const LARGEST: usize = 16_384;
 
 /// How things look, in pictures and films.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Looks {
     /// Where to look from: iso, front, back, left, right, top, bottom, under, or
     /// azimuth,elevation in degrees

@@ -6,9 +6,11 @@ mod options;
 
 use std::path::PathBuf;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use log::info;
 use mesh::Vec3;
+use mesh::io::read_text;
+use serde_json::Value;
 
 use load::Loaded;
 use looks::{Looks, values};
@@ -22,10 +24,12 @@ use render::sheet::{Panel, Sheet, draw_sheet, floor};
 /// Names beyond which labels alone tell what is what, as nobody would read the legend.
 const LEGEND: usize = 30;
 
-/// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each
-#[derive(Debug, clap::Args)]
+/// Draws .stl, .obj, .ply, .msh (colours per tag) and .vtu files, one panel each, or a folder of
+/// `cad2fem model` or `import`: its faces in their colours, with numbers or names and a legend
+#[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// Surfaces, volume meshes or results
+    /// Surfaces, volume meshes or results; or the folder of a model, whose patches are drawn as by
+    /// --together --label
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// PNG file to write
@@ -37,17 +41,17 @@ pub struct Args {
     #[arg(long)]
     together: bool,
     /// Move files apart from their common centre, relative to their distance
-    #[arg(long, default_value_t = 0.0, requires = "together")]
+    #[arg(long, default_value_t = 0.0)]
     spread: f64,
     /// Stand all files on the ground in a row, from left to right
-    #[arg(long, requires = "together", conflicts_with = "spread")]
+    #[arg(long, conflicts_with = "spread")]
     row: bool,
     /// One per file, separated by commas; names in the legend with --together
     /// [default with --label: names of the files]
     #[arg(long, value_delimiter = ',')]
     captions: Vec<String>,
     /// Write its caption on each file, or the number where captions are one word with numbers
-    #[arg(long, requires = "together")]
+    #[arg(long)]
     label: bool,
 }
 
@@ -57,6 +61,11 @@ pub struct Args {
 /// If a file cannot be read or written, a field is missing, or nothing is left to draw.
 pub fn run(args: &Args) -> Result<()> {
     args.looks.check()?;
+    let args = &of_model(args)?;
+    ensure!(
+        args.together || (args.spread == 0.0 && !args.row && !args.label),
+        "--spread, --row and --label are for --together, or for the folder of a model"
+    );
     ensure!(
         args.captions.is_empty() || args.captions.len() == args.files.len(),
         "--captions: {} captions for {} files",
@@ -85,6 +94,33 @@ pub fn run(args: &Args) -> Result<()> {
     let Pair(width, height) = args.looks.size;
     info!("{}: {width} x {height} pixels", args.output.display());
     Ok(())
+}
+
+/// The arguments with the patches of a folder in its place, each with its label.
+fn of_model(args: &Args) -> Result<Args> {
+    let folder = args.files.iter().find(|file| file.is_dir());
+    let Some(folder) = folder else { return Ok(args.clone()) };
+    let shown = folder.display();
+    ensure!(
+        args.files.len() == 1,
+        "{shown}: a folder is drawn alone, {} are given",
+        args.files.len()
+    );
+    let report = folder.join("model.json");
+    ensure!(
+        report.is_file(),
+        "{shown}: there is no model.json; a folder that can be drawn is one that `cad2fem model` or \
+         `import` has written"
+    );
+    let report: Value =
+        serde_json::from_str(&read_text(&report)?).with_context(|| report.display().to_string())?;
+    let file = |region: &Value| {
+        Some(folder.join("patches").join(format!("{}.stl", region["name"].as_str()?)))
+    };
+    let lists = ["regions", "inside"].map(|key| report[key].as_array());
+    let files: Vec<PathBuf> = lists.into_iter().flatten().flatten().filter_map(file).collect();
+    ensure!(!files.is_empty(), "{shown}: model.json has no regions");
+    Ok(Args { files, together: true, label: true, ..args.clone() })
 }
 
 fn load_all(args: &Args) -> Result<Vec<Loaded>> {

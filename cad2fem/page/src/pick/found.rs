@@ -1,0 +1,241 @@
+//! What a body proposes by itself: closed chambers, chambers that open in a flat face, flat sides to
+//! hold or to mirror at, and planes in which it is its own mirror image.
+
+use std::collections::BTreeSet;
+
+use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
+use mesh::measure::{bounds, diagonal, enclosed_volume};
+use mesh::topology::{components, submesh};
+use serde_json::{Value, json};
+
+use super::MM;
+use super::body::{Body, Face};
+
+/// Lengths that differ by less are the same [diagonal].
+const SAME: f64 = 1e-4;
+
+/// How far a mirror image may be from the body, which both are made of triangles [diagonal].
+const MIRRORED: f64 = 2e-3;
+
+/// A flat side that is smaller is no proposal [area of the body].
+const LARGE: f64 = 0.01;
+
+/// A pocket that is smaller is no chamber [bounding box].
+const ROOMY: f64 = 2e-3;
+
+/// Vertices by which a mirror image is compared.
+const PROBES: usize = 2000;
+
+/// All proposals.
+#[must_use]
+pub fn of(body: &Body) -> Value {
+    json!({
+        "chambers": chambers(body),
+        "pockets": pockets(body),
+        "sides": sides(body),
+        "mirrors": (0..3).filter_map(|axis| mirror(body, axis)).collect::<Vec<_>>(),
+    })
+}
+
+/// Triangles that bound the body.
+fn skin(body: &Body) -> usize {
+    let outer = body.faces.iter().filter(|face| !face.inside);
+    outer.map(|face| face.triangles.end).max().unwrap_or(0)
+}
+
+/// Closed surfaces that face inward, with all their faces, the largest first.
+fn chambers(body: &Body) -> Vec<Value> {
+    let triangles = &body.surface.triangles[..skin(body)];
+    let mut found = Vec::new();
+    let mut inner = vec![false; triangles.len()];
+    for shell in components(triangles) {
+        let own: Vec<_> = shell.iter().map(|&t| triangles[t]).collect();
+        let volume = enclosed_volume(&submesh(&body.surface.vertices, &own).0);
+        if volume < 0.0 {
+            shell.iter().for_each(|&t| inner[t] = true);
+            found.push((-volume, shell));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let face_of = |t: usize| body.faces.iter().position(|face| face.triangles.contains(&t));
+    let chamber = |(volume, shell): (f64, Vec<usize>)| {
+        let faces: BTreeSet<usize> = shell.iter().filter_map(|&t| face_of(t)).collect();
+        // a region that is also outside is no wall
+        let whole = |&f: &usize| {
+            let Face { triangles, file, .. } = &body.faces[f];
+            file.is_some() && triangles.clone().all(|t| inner[t])
+        };
+        let volume = MM.powi(3) * volume;
+        faces.iter().all(whole).then(|| json!({ "volume": volume, "faces": faces }))
+    };
+    found.into_iter().filter_map(chamber).collect()
+}
+
+/// Faces that are joined with the rest of the body through one flat face alone, and hollow: the walls
+/// of chambers that open in it. The largest first.
+fn pockets(body: &Body) -> Vec<Value> {
+    let (low, high) = bounds(&body.surface.vertices);
+    let least = ROOMY * (high - low).product();
+    let mut found: Vec<(f64, usize, BTreeSet<usize>)> = Vec::new();
+    for (lid, normal) in body.faces.iter().map(|face| face.normal).enumerate() {
+        let (Some(normal), false) = (normal, body.faces[lid].inside) else { continue };
+        for faces in apart(body, lid) {
+            let volume = -volume_over(body, &faces, &body.faces[lid].middle);
+            let hollow = volume > least && faces.iter().all(|&f| body.faces[f].file.is_some());
+            if hollow && lies_below(body, &faces, &body.faces[lid].middle, &normal) {
+                found.push((volume, lid, faces));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // what lies within another pocket is a part of its wall
+    let outermost = (0..found.len())
+        .filter(|&i| found[..i].iter().all(|larger| !found[i].2.is_subset(&larger.2)));
+    let value = |i: usize| {
+        let (volume, lid, faces) = &found[i];
+        json!({ "volume": MM.powi(3) * volume, "lid": lid, "faces": faces })
+    };
+    outermost.map(value).collect()
+}
+
+/// The parts into which the faces around a face fall without it, but for the largest.
+fn apart(body: &Body, lid: usize) -> Vec<BTreeSet<usize>> {
+    let around: Vec<usize> = body.beside(lid).collect();
+    let mut parts: Vec<BTreeSet<usize>> = Vec::new();
+    for start in around {
+        if parts.iter().any(|part| part.contains(&start)) {
+            continue;
+        }
+        let (mut part, mut front) = (BTreeSet::from([start]), vec![start]);
+        while let Some(face) = front.pop() {
+            let next = body.beside(face).filter(|&next| next != lid);
+            front.extend(next.filter(|&next| part.insert(next)));
+        }
+        parts.push(part);
+    }
+    let area = |part: &BTreeSet<usize>| part.iter().map(|&f| body.faces[f].area).sum::<f64>();
+    parts.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    parts.into_iter().skip(1).collect()
+}
+
+/// What faces enclose with a flat lid through a point [m³].
+fn volume_over(body: &Body, faces: &BTreeSet<usize>, point: &Vec3) -> f64 {
+    let part = |t: usize| {
+        let [a, b, c] = body.surface.corners(t).map(|p| p - point);
+        a.dot(&b.cross(&c)) / 6.0
+    };
+    faces.iter().flat_map(|&f| body.faces[f].triangles.clone()).map(part).sum()
+}
+
+/// Whether faces lie behind a plane, where the body is.
+fn lies_below(body: &Body, faces: &BTreeSet<usize>, point: &Vec3, normal: &Vec3) -> bool {
+    let same = SAME * diagonal(&body.surface.vertices);
+    let below = |t: usize| body.surface.corners(t).iter().all(|p| normal.dot(&(p - point)) < same);
+    faces.iter().flat_map(|&f| body.faces[f].triangles.clone()).all(below)
+}
+
+/// Flat faces at the ends of the body along the axes, the largest first.
+fn sides(body: &Body) -> Vec<Value> {
+    let (low, high) = bounds(&body.surface.vertices);
+    let same = SAME * diagonal(&body.surface.vertices);
+    let total: f64 = body.faces.iter().map(|face| face.area).sum();
+    let mut found = Vec::new();
+    for axis in 0..3 {
+        for (sign, at) in [(-1.0, low[axis]), (1.0, high[axis])] {
+            let there = |face: &Face| {
+                let facing = face.normal.is_some_and(|n| sign * n[axis] > 0.9999);
+                facing
+                    && face.file.is_some()
+                    && !face.inside
+                    && (face.middle[axis] - at).abs() < same
+            };
+            let faces: Vec<usize> =
+                (0..body.faces.len()).filter(|&f| there(&body.faces[f])).collect();
+            let area: f64 = faces.iter().map(|&f| body.faces[f].area).sum();
+            if area > LARGE * total {
+                let at = if at.abs() < same { 0.0 } else { MM * at };
+                found.push((area, json!({ "axis": axis, "sign": sign, "at": at, "faces": faces })));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, side)| side).collect()
+}
+
+/// The plane across an axis through the middle, if the body is its mirror image in it, with the
+/// image of each face; null of a face whose image is not one.
+fn mirror(body: &Body, axis: usize) -> Option<Value> {
+    let vertices = &body.surface.vertices;
+    let (low, high) = bounds(vertices);
+    let at = 0.5 * (low[axis] + high[axis]);
+    let image = |p: &Vec3| {
+        let mut q = *p;
+        q[axis] = 2.0 * at - q[axis];
+        q
+    };
+    let close = MIRRORED * diagonal(vertices);
+    let bvh = SurfaceBvh::new(&body.surface);
+    let step = vertices.len().div_ceil(PROBES);
+    let on_body = |p: &Vec3| bvh.closest(&image(p)).distance < close;
+    if !vertices.iter().step_by(step).all(on_body) {
+        return None;
+    }
+    let partner = |face: &Face| {
+        let target = image(&face.middle);
+        let alike = |other: &Face| {
+            let area = (other.area / face.area - 1.0).abs() < 0.02;
+            let distance = (other.middle - target).norm();
+            (area && other.inside == face.inside && distance < close).then_some(distance)
+        };
+        let alike = body.faces.iter().enumerate().filter_map(|(i, f)| Some((alike(f)?, i)));
+        alike.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+    };
+    let partners: Vec<Option<usize>> = body.faces.iter().map(partner).collect();
+    let at = if at.abs() < 1e-9 { 0.0 } else { MM * at };
+    Some(json!({ "axis": axis, "at": at, "partners": partners }))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::body::tests::{body_with_air, hollow};
+    use super::*;
+
+    #[test]
+    fn a_chamber_that_opens_in_a_flat_face_is_found() {
+        // the air reaches the outside at x = 0
+        let folder = body_with_air(-5.0);
+        let body = Body::read(folder.path()).unwrap();
+        let found = of(&body);
+        assert_eq!(found["chambers"], json!([]));
+        let pockets = found["pockets"].as_array().unwrap();
+        assert_eq!(pockets.len(), 1, "{pockets:?}");
+        // 25 mm long, five walls
+        assert!((pockets[0]["volume"].as_f64().unwrap() - 1000.0).abs() < 1e-3, "{pockets:?}");
+        assert_eq!(pockets[0]["faces"].as_array().unwrap().len(), 5);
+        let lid = &body.faces[pockets[0]["lid"].as_u64().unwrap() as usize];
+        assert_eq!(lid.normal, Some(-Vec3::x()));
+    }
+
+    #[test]
+    fn a_hollow_box_has_a_chamber_sides_and_mirrors() {
+        let folder = hollow();
+        let found = of(&Body::read(folder.path()).unwrap());
+        assert_eq!(found["chambers"].as_array().unwrap().len(), 1);
+        let chamber = &found["chambers"][0];
+        assert!((chamber["volume"].as_f64().unwrap() - 800.0).abs() < 1e-3, "{chamber}");
+        assert_eq!(chamber["faces"], json!([6, 7, 8, 9, 10, 11]));
+        let sides = found["sides"].as_array().unwrap();
+        assert_eq!(sides.len(), 6);
+        assert!(sides.iter().all(|side| side["faces"].as_array().unwrap().len() == 1));
+        assert_eq!(sides[0]["axis"], 2, "the largest");
+        // the air is nearer to one end: no mirror across x
+        let mirrors = found["mirrors"].as_array().unwrap();
+        let axes: Vec<_> = mirrors.iter().map(|m| m["axis"].as_u64().unwrap()).collect();
+        assert_eq!(axes, [1, 2]);
+        let partners = mirrors[0]["partners"].as_array().unwrap();
+        let own = partners.iter().enumerate().filter(|(i, p)| **p == json!(i)).count();
+        assert_eq!(own, 8, "all but those that face ±y");
+    }
+}

@@ -1,0 +1,223 @@
+//! `cad2fem pick` in a real browser: faces are chosen with mouse, keys and finger, and the file that
+//! the page saves makes `tagger` tag what a file written by hand does.
+
+use std::fs;
+
+use mesh::Vec3;
+use mesh::topology::boundary;
+use serde_json::{Value, json};
+use tests::block;
+use tests::chromium::Chromium;
+use tests::workdir::{Run, Workdir};
+
+/// Would run, if it were not text.
+const HOSTILE: &str = "\"'><img src=x onerror=alert(1)>\n[[tag]]</script>";
+
+/// What a person would write by hand for the bar.
+const BY_HAND: &str = r#"
+[[tag]]
+name = "seat"
+plane = { point = [0.0399, 0, 0], normal = [1, 0, 0] }
+
+[[tag]]
+name = "cavity"
+box = { min = [0.005, 0.001, 0.001], max = [0.0399, 0.019, 0.019] }
+pressure = true
+rim = "seat"
+
+[[tag]]
+name = "far end"
+plane = { point = [0.0001, 0, 0], normal = [-1, 0, 0] }
+
+[[tag]]
+name = "skin"
+component = 0
+"#;
+
+fn run(dir: &Workdir, program: &str, arguments: &[&str]) -> Run {
+    dir.command_of(program, "").args(arguments).output().unwrap().into()
+}
+
+/// A bar of 40 × 20 × 20 mm with a channel of 30 mm that opens at x = 40 mm: its tetrahedra in
+/// `volume.msh`, its surface in millimetres in `bar.stl`.
+fn bar() -> Workdir {
+    let dir = Workdir::new();
+    let channel = |[x, y, z]: [usize; 3]| x > 1 && y == 1 && z == 1;
+    // the channel is of one cell, 20/3 mm wide
+    let stretched = |p: Vec3| Vec3::new(p.x, p.y * 20.0 / 15.0, p.z * 20.0 / 15.0);
+    let mesh = block([8, 3, 3], 5e-3, channel, stretched);
+    mesh::io::write_tets(&dir.path("volume.msh"), &mesh, &mesh::Tags::default()).unwrap();
+    let mut surface = boundary(&mesh).surface(&mesh).0;
+    surface.vertices.iter_mut().for_each(|p| *p *= 1e3);
+    mesh::io::write_surface(&dir.path("bar.stl"), &surface).unwrap();
+    dir
+}
+
+fn state(browser: &mut Chromium) -> Value {
+    browser.evaluate("window.puffer.state()")
+}
+
+/// A pixel that shows a face, which has to be seen.
+fn seen(browser: &mut Chromium, face: usize) -> [f64; 2] {
+    let place = browser.evaluate(&format!("window.puffer.seen({face})"));
+    [0, 1].map(|i| place[i].as_f64().unwrap_or_else(|| panic!("face {face} is not seen")))
+}
+
+/// Clicks the button with a text.
+fn press(browser: &mut Chromium, text: &str) {
+    let all = "[...document.querySelectorAll('button')]";
+    let place = browser.evaluate(&format!(
+        "(() => {{ const b = {all}.find((b) => b.textContent === '{text}'); \
+         b.scrollIntoView({{ block: 'nearest' }}); const r = b.getBoundingClientRect(); \
+         return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+    ));
+    browser.click([0, 1].map(|i| place[i].as_f64().unwrap()));
+}
+
+/// The number of the face whose middle is at a place [mm].
+fn face_at(browser: &mut Chromium, middle: [f64; 3]) -> usize {
+    let faces =
+        browser.evaluate("JSON.parse(document.getElementById('data').textContent).body.faces");
+    let close = |face: &Value| {
+        (0..3).all(|i| (face["middle"][i].as_f64().unwrap() - middle[i]).abs() < 0.1)
+    };
+    faces.as_array().unwrap().iter().position(close).unwrap_or_else(|| panic!("{faces:#}"))
+}
+
+fn open(browser: &mut Chromium, dir: &Workdir, page: &str) {
+    browser.open(&dir.path(page));
+    browser.wait("window.puffer?.state().firstPicture");
+}
+
+#[test]
+fn faces_that_are_clicked_are_those_that_are_tagged() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = bar();
+    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    let mut browser = Chromium::start(program, [1200, 800]);
+    fs::create_dir(dir.path("saved")).unwrap();
+    browser.save_in(&dir.path("saved"));
+    open(&mut browser, &dir, "pick.html");
+    let whole = browser.picture();
+    assert_eq!(state(&mut browser)["faces"], json!(11), "six outside, five of the channel");
+
+    // the open end, and the channel behind it with all its walls
+    press(&mut browser, "side");
+    press(&mut browser, "+ seat");
+    let seat = face_at(&mut browser, [40.0, 10.0, 10.0]);
+    let place = seen(&mut browser, seat);
+    browser.click(place);
+    press(&mut browser, "+ cavity");
+    press(&mut browser, "all connected");
+    let bottom = face_at(&mut browser, [10.0, 10.0, 10.0]);
+    let place = seen(&mut browser, bottom);
+    browser.click(place);
+    let now = state(&mut browser);
+    let of = |now: &Value, tag: i64| {
+        now["of"].as_array().unwrap().iter().filter(|t| **t == json!(tag)).count()
+    };
+    assert_eq!((of(&now, 0), of(&now, 1)), (1, 5), "{now}");
+
+    // by keys alone: a new tag, its name, the face at the other end
+    browser.point("mouseMoved", [30.0, 700.0], false, false);
+    browser.wait("window.puffer.state().hovered === null");
+    browser.evaluate("document.querySelector('canvas').focus()");
+    browser.key("f", 0);
+    browser.key("n", 0);
+    browser.call("Input.insertText", &json!({ "text": "far end" }));
+    browser.key("Enter", 0);
+    let end = face_at(&mut browser, [0.0, 10.0, 10.0]);
+    for _ in 0..=end {
+        browser.key("Tab", 0);
+    }
+    assert_eq!(state(&mut browser)["hovered"], json!(end));
+    browser.key("Enter", 0);
+    assert_eq!(of(&state(&mut browser), 2), 1);
+
+    // two sides are painted with one stroke, which is undone as a whole, and all that is left is given
+    press(&mut browser, "iso");
+    press(&mut browser, "+ skin");
+    let sides = [[20.0, 0.0, 10.0], [20.0, 10.0, 20.0]].map(|p| face_at(&mut browser, p));
+    let places = sides.map(|face| seen(&mut browser, face));
+    browser.drag(&places, true);
+    assert_eq!(of(&state(&mut browser), 3), 2, "{}", state(&mut browser));
+    browser.key("z", 2);
+    assert_eq!(of(&state(&mut browser), 3), 0);
+    browser.key("y", 2);
+    press(&mut browser, "give them to skin");
+    assert_eq!(of(&state(&mut browser), -1), 0);
+    assert!(browser.picture().differing(&whole) > 0.05, "tags have colours");
+
+    // it is kept, where the page is opened again
+    let before = state(&mut browser)["of"].clone();
+    open(&mut browser, &dir, "pick.html");
+    assert_eq!(state(&mut browser)["of"], before);
+    press(&mut browser, "Download tags.toml");
+    let file = dir.path("saved/tags.toml");
+    for _ in 0..500 {
+        if file.is_file() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let text = fs::read_to_string(&file).unwrap();
+    assert_eq!(json!(text), browser.evaluate("window.puffer.toml()"));
+    assert!(text.contains("# 5 faces") && text.contains("rim = \"seat\""), "{text}");
+    assert_eq!(browser.complaints(), [""; 0]);
+    assert_eq!(browser.requests().iter().filter(|url| !url.starts_with("blob:")).count(), 2);
+
+    let tagged = |config: &str, output: &str| {
+        let arguments =
+            ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", output];
+        run(&dir, "tagger", &arguments).assert_good();
+        dir.text(&format!("{}/tags.txt", output.split('/').next().unwrap()))
+    };
+    dir.write("hand.toml", BY_HAND);
+    for folder in ["by-page", "by-hand"] {
+        fs::create_dir(dir.path(folder)).unwrap();
+    }
+    let by_page = tagged("saved/tags.toml", "by-page/tagged.msh");
+    assert_eq!(by_page, tagged("hand.toml", "by-hand/tagged.msh"));
+    assert!(by_page.lines().count() > 200);
+}
+
+#[test]
+fn a_finger_chooses_on_a_phone_and_titles_are_text() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = bar();
+    run(&dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
+    run(&dir, "cad2fem", &["pick", "model", "-o", "pick.html", "--title", HOSTILE]).assert_good();
+    let mut browser = Chromium::start(program, [390, 844]);
+    browser.become_phone();
+    open(&mut browser, &dir, "pick.html");
+    let wide = "document.documentElement.scrollWidth > innerWidth";
+    assert_eq!(browser.evaluate(wide), json!(false), "the page is wider than the phone");
+    let top = face_at(&mut browser, [20.0, 10.0, 20.0]);
+    let place = seen(&mut browser, top);
+    browser.tap(place);
+    browser.wait(&format!("window.puffer.state().of[{top}] === 0"));
+    let title = browser.evaluate("document.querySelector('h1').textContent");
+    assert_eq!(title, json!(HOSTILE));
+    let text = browser.evaluate("window.puffer.toml()");
+    let text = text.as_str().unwrap();
+    let tables = text.lines().filter(|line| line.starts_with("[[tag]]")).count();
+    assert_eq!(tables, 1, "{text}");
+    dir.write("tags.toml", text);
+    let arguments = ["tag", "volume.msh", "--config", "tags.toml", "--patches", "model/patches"];
+    run(&dir, "tagger", &[&arguments[..], &["-o", "tagged.msh"]].concat()).assert_good();
+    assert_eq!(browser.complaints(), [""; 0]);
+}
+
+#[test]
+fn what_is_no_body_and_what_is_no_page_is_refused() {
+    let dir = bar();
+    let refused = |arguments: &[&str], words: &[&str]| {
+        run(&dir, "cad2fem", &[&["pick"], arguments].concat()).assert_refused(2, words);
+    };
+    refused(&["bar.stl", "-o", "tags.toml"], &["tags.toml", "-o pick.html"]);
+    fs::create_dir(dir.path("empty")).unwrap();
+    refused(&["empty", "-o", "pick.html"], &["empty", "model.json", "cad2fem import"]);
+    refused(&["empty", "--split", "30", "-o", "pick.html"], &["--split is for a file"]);
+    refused(&["none.stl", "-o", "pick.html"], &["none.stl"]);
+    assert!(!dir.path("pick.html").exists());
+}

@@ -1,0 +1,144 @@
+//! A CAD finger of 179 faces is picked in a real browser, meshed and tagged, and its tags are those of a
+//! file written by hand from what OpenCASCADE says of its faces.
+
+use std::fs;
+use std::process::Command;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use tests::chromium::Chromium;
+use tests::workdir::{Workdir, python, repository};
+
+use super::run;
+
+/// Clicks on what a person sees, counted.
+struct Person {
+    browser: Chromium,
+    clicks: usize,
+}
+
+impl Person {
+    fn press(&mut self, text: &str) {
+        self.clicks += 1;
+        let place = self.browser.evaluate(&format!(
+            "(() => {{ const all = [...document.querySelectorAll('button')]; \
+             const b = all.find((b) => b.textContent === '{text}' && b.offsetParent); \
+             b.scrollIntoView({{ block: 'nearest' }}); const r = b.getBoundingClientRect(); \
+             return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+        ));
+        self.browser.click([0, 1].map(|i| place[i].as_f64().unwrap()));
+    }
+
+    /// Clicks a face by its name, which has to be seen.
+    fn face(&mut self, name: &str) {
+        self.clicks += 1;
+        let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
+        let index = format!("{faces}.findIndex((f) => f.name === '{name}')");
+        let place = self.browser.evaluate(&format!("window.puffer.seen({index})"));
+        let at = |i: usize| place[i].as_f64().unwrap_or_else(|| panic!("{name} is not seen"));
+        self.browser.click([at(0), at(1)]);
+    }
+
+    fn given(&mut self) -> Value {
+        self.browser.evaluate("window.puffer.state().of")
+    }
+}
+
+#[test]
+#[ignore = "meshes a finger with fillets, some minutes: runs in make test-all"]
+fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
+    let Some(program) = Chromium::installed() else { return };
+    let Some(python) = python("gmsh, wildmeshing") else { return };
+    let dir = Workdir::new();
+    let script = repository().join("tests/slow/finger.py");
+    run(Command::new(&python).arg(script).current_dir(dir.path("")));
+    let cad2fem = |arguments: &str| run(&mut dir.command_of("cad2fem", arguments));
+    // fewer triangles than by default, as the mesher takes minutes for all of them
+    cad2fem("import finger.step --per-turn 12 -o model");
+    cad2fem("pick model -o pick.html");
+    let mut browser = Chromium::start(program, [1440, 900]);
+    fs::create_dir(dir.path("saved")).unwrap();
+    browser.save_in(&dir.path("saved"));
+    browser.open(&dir.path("pick.html"));
+    browser.wait("window.puffer?.state().firstPicture");
+    let ends = dir.json("ends.json");
+    let name = |value: &Value| value.as_str().unwrap().to_owned();
+    let tip: Vec<String> = ends["tip"].as_array().unwrap().iter().map(name).collect();
+
+    let start = Instant::now();
+    let mut person = Person { browser, clicks: 0 };
+    person.press("cavity + seat");
+    person.press("+ tip");
+    person.press("side");
+    tip.iter().for_each(|face| person.face(face));
+    person.press("+ skin");
+    person.press("give them to skin");
+    person.press("Download tags.toml");
+    eprintln!("with proposals: {} clicks, {:.1} s", person.clicks, start.elapsed().as_secs_f64());
+    assert!(person.clicks < 10);
+    let with_proposals = person.given();
+    assert_eq!(with_proposals.as_array().unwrap().len(), 179);
+
+    // the same without proposals: all is given back, and the chamber is reached through its mouth
+    person.browser.evaluate("localStorage.clear()");
+    person.browser.open(&dir.path("pick.html"));
+    person.browser.wait("window.puffer?.state().list.length === 0");
+    person.clicks = 0;
+    person.press("+ seat");
+    let turn = "(() => { const b = document.querySelector('canvas'); b.focus(); })()";
+    person.browser.evaluate(turn);
+    person.press("side");
+    person.browser.evaluate(turn);
+    (0..31).for_each(|_| person.browser.key("ArrowRight", 0));
+    person.face(ends["seat"][0].as_str().unwrap());
+    person.press("+ cavity");
+    person.press("all connected");
+    let floor = person.browser.evaluate(
+        "(() => { const seat = window.puffer.state().of.indexOf(0); const d = JSON.parse(document.getElementById('data').textContent); \
+         const next = d.body.borders.filter(([a, b]) => a === seat || b === seat).map(([a, b]) => a + b - seat); \
+         const pocket = new Set(d.found.pockets[0].faces); \
+         return d.body.faces[next.find((f) => pocket.has(f) && window.puffer.seen(f))].name; })()",
+    );
+    person.face(floor.as_str().unwrap());
+    person.press("face");
+    person.press("+ tip");
+    person.press("side");
+    tip.iter().for_each(|face| person.face(face));
+    person.press("+ skin");
+    person.press("give them to skin");
+    eprintln!("without proposals: {} clicks", person.clicks);
+    assert_eq!(person.given(), with_proposals);
+
+    let wall = dir.json("wall.json");
+    let files = |names: &[String]| {
+        json!(names.iter().map(|name| format!("{name}.stl")).collect::<Vec<_>>()).to_string()
+    };
+    let wall: Vec<String> = wall.as_array().unwrap().iter().map(name).collect();
+    let seat = vec![name(&ends["seat"][0])];
+    let rest: Vec<String> = (1..=179).map(|i| format!("face-{i}")).collect();
+    let rest: Vec<String> =
+        rest.into_iter().filter(|f| ![&wall, &seat, &tip].iter().any(|l| l.contains(f))).collect();
+    let table = |name: &str, faces: &[String], more: &str| {
+        format!("[[tag]]\nname = \"{name}\"\npatch = {}\n{more}\n", files(faces))
+    };
+    let cavity = table("cavity", &wall, "pressure = true\nrim = \"seat\"");
+    let tables = [
+        "relative_epsilon = 8e-3\n".to_owned(),
+        table("seat", &seat, ""),
+        cavity,
+        table("tip", &tip, ""),
+        table("skin", &rest, ""),
+    ];
+    dir.write("hand.toml", &tables.concat());
+    cad2fem("tetmesh model/model.stl --mesher gmsh -o volume.msh");
+    let tagged = |config: &str, to: &str| {
+        fs::create_dir(dir.path(to)).unwrap();
+        let arguments =
+            format!("tag volume.msh --config {config} --patches model/patches -o {to}/tagged.msh");
+        run(&mut dir.command_of("tagger", &arguments));
+        dir.text(&format!("{to}/tags.txt"))
+    };
+    let by_page = tagged("saved/tags.toml", "page");
+    eprintln!("{} facets with tags", by_page.lines().count());
+    assert_eq!(by_page, tagged("hand.toml", "hand"));
+}
