@@ -4,6 +4,7 @@ import * as THREE from 'three';
 import { numbers } from 'page/arrays';
 import { CAST, PALETTE } from 'page/color';
 import { check, fieldset, select, slider } from 'page/controls';
+import { coordinates } from 'page/solid';
 import { around, shade } from 'page/surface';
 
 export class Mold {
@@ -79,6 +80,14 @@ export class Mold {
     this.stage.invalidate();
   }
 
+  /** What is at a point that a ray met; where it is in the closed mold. */
+  read({ object, point }) {
+    const { part } = object.userData;
+    if (!part) return null;
+    const closed = point.clone().sub(part.group.position);
+    return { text: part.name, where: `${coordinates(closed)} in the closed mold`, anchor: () => closed.clone().add(part.group.position) };
+  }
+
   legend() {
     return { names: this.parts.map(({ name, color }) => [name, color]) };
   }
@@ -105,6 +114,7 @@ class Part {
     Object.assign(this, { name, apart: new THREE.Vector3(...apart), printed, color, geometry: shape });
     this.mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color, side: THREE.DoubleSide }));
     this.mesh.renderOrder = 100;
+    this.mesh.userData.part = this;
     this.counters = [[THREE.BackSide, THREE.IncrementWrapStencilOp], [THREE.FrontSide, THREE.DecrementWrapStencilOp]].map(([side, op]) => {
       const material = new THREE.MeshBasicMaterial({
         side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: THREE.AlwaysStencilFunc,
@@ -112,6 +122,7 @@ class Part {
       });
       const mesh = new THREE.Mesh(shape, material);
       mesh.renderOrder = order + 0.1;
+      mesh.raycast = () => {};
       return mesh;
     });
     const face = new THREE.Color(color).lerp(new THREE.Color('#fff6e6'), 0.45);
@@ -121,6 +132,7 @@ class Part {
     });
     this.cap = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), material);
     this.cap.renderOrder = order + 0.2;
+    this.cap.raycast = () => {};
     this.cap.onAfterRender = (renderer) => renderer.clearStencil();
     this.group = new THREE.Group();
     this.group.add(this.mesh, ...this.counters, this.cap);
