@@ -28,7 +28,7 @@ use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
 use crate::plan::report::{ChosenBy, Entry, Material};
 use crate::plan::{self, Casting, Refused};
-use crate::verify::{Against, Line, Status, before_writing};
+use crate::verify::{Against, LEFT, Line, Status, before_writing};
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -331,8 +331,8 @@ impl MoldFiles {
         let refusal = format!("{name}: a mold would not be right, none is written: {refusal}");
         let moves = |line: &&Line| {
             let core = line.leaning()?;
-            let left = "where half of casting.least_wall must be left";
-            Some(format!("{core} would move by {}, {left}", line.found))
+            let left = LEFT * self.report.casting.least_wall * MM;
+            Some(format!("{core} would move by {}, where {left:.2} mm must be left", line.found))
         };
         match failed.iter().map(moves).collect::<Option<Vec<_>>>() {
             Some(moves) => Err(Leaning { moves: moves.join("; "), refusal }.into()),

@@ -33,7 +33,7 @@ const RING: f64 = 0.1;
 const DEPTH: f64 = 0.4;
 
 /// Part of casting.least_wall that must be left beside a core that moves: a judgement.
-const LEFT: f64 = 0.5;
+pub const LEFT: f64 = 0.5;
 
 /// How the check is called that a core stays in its place, after the name of the core.
 pub const STAYS: &str = ": stays";

@@ -51,6 +51,7 @@ use mesh::{SurfaceMesh, Vec3};
 use program::Progress;
 
 pub use closed_mold::ClosedMold;
+pub use holding::LEFT;
 
 use crate::files::attempt;
 use crate::files::report::MoldReport;
