@@ -89,10 +89,7 @@ fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFil
         Ok(molds) => return Ok((planned, molds)),
         Err(error) => error,
     };
-    let leaning = match error.downcast::<Leaning>() {
-        Ok(leaning) => leaning,
-        Err(error) => return Err(error),
-    };
+    let leaning = error.downcast::<Leaning>()?;
     if planned.plan.chosen_by == ChosenBy::Configuration {
         return Err(Unusable(leaning.refusal).into());
     }
