@@ -61,7 +61,7 @@ blank:  ## curl a finger of four cells, and make its mold: what cad2fem new begi
 
 # Said by all that ends in a file called done.
 tell = @for done in $(1); do [ "$$(cat $$done)" = $$PPID ] || \
-	echo "$@: nothing to do, results in $$(dirname $$done), all to be seen in $$(dirname $$done)/report.html"; done
+	echo "$@: nothing to do, results in $$(dirname $$done), all to be seen in $$(dirname $$done)/report.html, to send: $$(echo $$(dirname $$done)/*.zip)"; done
 
 $(filter-out $(FINER),$(BODIES)): %: build/%/done
 	$(call tell,$<)

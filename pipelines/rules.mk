@@ -3,7 +3,7 @@
 #   model.toml, model.geo -> model -> volume.msh -> tagged.msh -> baseline
 #                                                   tagged.msh -> optimize -> optimized
 #                         tagged.msh or optimize/design.msh -> mold -> mold.checks.txt
-#                                                   all of a scene -> report.html
+#                                                   all of a scene -> report.html -> NAME.zip
 #
 # A body is called by its name in these rules. It is a folder in pipelines, with results in build;
 # one elsewhere is called by its path, and has a folder build of its own (make body DIR=...).
@@ -48,7 +48,15 @@ build/%/report.html: | setup
 # It holds the number of the make that made it: with another one there was nothing to do.
 build/%/done: build/%/report.html
 	@echo $$PPID > $@
-	@echo "$*: results in $(@D), all to be seen in $<"
+	@echo "$*: results in $(@D), all to be seen in $<; to send: $(filter %.zip,$^)"
+
+# All of it in one file to send: sources in $(1), results in $(2), name $(3).
+define pack
+$(2)/$(3).zip: $(2)/report.html | setup
+	$(BIN)/cad2fem pack $(2) --sources $(1) -o $$@
+
+$(2)/done: $(2)/$(3).zip
+endef
 
 # The same of a body $(1) elsewhere, whose model is $(2): a file of others is imported. Without any,
 # its folder of a model was made by hand, such as by cad2fem import with files to be subtracted.
@@ -68,7 +76,7 @@ $(1)/build/report.html: | setup
 
 $(1)/build/done: $(1)/build/report.html
 	@echo $$$$PPID > $$@
-	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<"
+	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<; to send: $$(filter %.zip,$$^)"
 endef
 
 # Body $(1), its mesh in $(2), suffix of its settings $(3).
@@ -147,10 +155,10 @@ define cast
 $(2)/mold/plan.json: $(4) $(call source,$(call from,$(1))/mold.toml) | setup
 	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh %/optimize/design.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
 		$(if $(filter %/optimize/design.msh,$(3)),--from $(2)/tagged.msh) \
-		--config $(call from,$(1))/mold.toml -o $$(@D)
+		--config $(call from,$(1))/mold.toml --title "$(notdir $(1))" -o $$(@D)
 
 $(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup
-	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) | tee $$@
+	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) -o $$@
 
 # Taken apart, and closed as mold-closed.png; of a second mold mold2.png, mold2-closed.png.
 $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
@@ -558,6 +566,9 @@ section.gripper := x=-1 --view left
 section.walker = y=-1 --view front
 section.worm = y=-1 --view front
 
+$(foreach b,$(BODIES),$(eval $(call pack,pipelines/$(b),build/$(b),$(b))))
+$(foreach b,$(FINER),$(eval $(call pack,pipelines/$(b),build/$(b)/paper,$(b))))
+$(foreach d,$(ELSEWHERE),$(eval $(call pack,$(d),$(d)/build,$(notdir $(d)))))
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(foreach d,$(ELSEWHERE),\

@@ -8,4 +8,5 @@ mod film;
 mod import;
 mod meshers;
 mod new;
+mod pack;
 mod picture;

@@ -185,3 +185,33 @@ fn a_core_that_would_come_near_the_mold_fails() {
     let made = scene.mold();
     assert!(made.status.success(), "{}", stderr(&made));
 }
+
+/// Two cores of 4 × 4 × 64 mm that stubs do not hold: they are pulled out where that is asked for, and then the mold
+/// is refused; else the chambers are cast on a plate.
+#[test]
+fn another_method_is_chosen_where_cores_would_lean() {
+    let tall = Cubes {
+        count: [5, 3, 17],
+        solid: |_| true,
+        chamber: |[i, j, k]| (i == 1 || i == 3) && j == 1 && k < 16,
+    };
+    let config =
+        "chamber = [\"ch1\", \"ch2\"]\ncore.support = \"stub\"\ncasting.least_wall = 3e-3\n";
+    let open = scene(&tall, 2.5, config);
+    let made = open.mold();
+    assert!(made.status.success(), "{}", stderr(&made));
+    let moves = "core1 would move by ";
+    assert!(stderr(&made).contains("another method is tried"), "{}", stderr(&made));
+    assert!(stderr(&made).contains(moves), "{}", stderr(&made));
+    let plan = PlanReport::read(&open.path("mold")).unwrap();
+    assert_eq!(plan.method.name(), "open-top", "{}", plan.reason);
+    assert!(plan.reason.starts_with("the largest flat wall"), "{}", plan.reason);
+    assert!(plan.reason.contains(&format!("not pull-out: {moves}")), "{}", plan.reason);
+    assert!(sheet(&open).contains(moves), "{}", sheet(&open));
+    assert!(open.verify().status.success());
+    // What was asked for is not replaced.
+    open.configure(&format!("method = \"pull-out\"\n{config}"));
+    let made = open.mold();
+    assert_eq!(made.status.code(), Some(1), "{}", stderr(&made));
+    assert!(stderr(&made).contains("core1: stays is "), "{}", stderr(&made));
+}

@@ -11,4 +11,5 @@ mod hard;
 mod judges;
 mod mold;
 mod plan;
+mod sheet;
 mod sound;

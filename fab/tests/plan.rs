@@ -6,6 +6,7 @@ use crate::fixture::{CHAMBER, CLOSED, Cubes, Scene, fab, stderr, stdout};
 use fab::body::source::CastPart;
 use fab::files::report::MoldReport;
 use fab::mold::Purpose;
+use fab::plan::pull::plane;
 use fab::plan::report::{ChosenBy, Material, PlanReport};
 use mesh::Vec3;
 use mesh::solid::Solid;
@@ -146,7 +147,7 @@ const NECKED: Cubes = Cubes {
 fn a_neck_behind_the_inlet_is_judged_as_the_inlet_is() {
     let said = refused(&Scene::planned(&NECKED, "method = \"pull-out\""));
     let neck = "48.0 mm around where it passes through a neck of 16.0 mm";
-    for part in [neck, "behind its inlet: the neck must stretch by 3.00"] {
+    for part in [neck, "behind its inlet: the neck must stretch to 3.00 times its girth"] {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
     let scene = Scene::planned(
@@ -239,7 +240,9 @@ fn a_core_of_wax_has_a_mold_of_its_own() {
 #[test]
 fn a_wrong_choice_is_refused_with_what_was_measured() {
     let said = refused(&Scene::planned(&CHAMBER, "method = \"pull-out\""));
-    for part in ["the core is 48.0 mm around, its inlet 16.0 mm", "by 3.00", "possible are"] {
+    for part in
+        ["the core is 48.0 mm around, its inlet 16.0 mm", "to 3.00 times its girth", "possible are"]
+    {
         assert!(said.contains(part), "{said:?} does not say {part:?}");
     }
     let said = refused(&Scene::planned(&CLOSED, "method = \"soluble\""));
@@ -289,7 +292,10 @@ fn the_plan_alone_writes_the_plan_and_its_picture() {
     let plan = PlanReport::read(&out).unwrap();
     assert!(plan.directions.len() > 60);
     assert!(plan.directions.is_sorted_by(|a, b| a.undercut <= b.undercut));
-    assert!(plan.reason.contains("open-top"), "{}", plan.reason);
+    assert_eq!(plan.method.name(), "open-top");
+    assert!(plan.reason.starts_with("the largest flat wall"), "{}", plan.reason);
+    assert!(plan.reason.contains("; not pull-out: the core is"), "{}", plan.reason);
+    assert!(plan.reason.contains("the plane z = 20.00 mm"), "{}", plan.reason);
     let picture = std::fs::read(out.join("undercut.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"));
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 2);
@@ -367,4 +373,12 @@ fn values_are_set_from_outside() {
     assert!(stderr(&unknown).contains("girth"), "{}", stderr(&unknown));
     let nothing = fab(&["plan", &mesh, "-o", &out, "--set", "wall=4e-3"]);
     assert!(stderr(&nothing).contains("name it with --config"), "{}", stderr(&nothing));
+}
+
+#[test]
+fn planes_are_named_by_the_coordinate_that_they_hold() {
+    assert_eq!(plane(&-Vec3::z(), -4e-3), "the plane z = 4.00 mm");
+    assert_eq!(plane(&Vec3::x(), 0.0), "the plane x = 0.00 mm");
+    let tilted = plane(&Vec3::new(0.6, 0.0, 0.8), 2e-3);
+    assert_eq!(tilted, "the plane across (0.600, 0.000, 0.800) at 2.00 mm from the origin");
 }

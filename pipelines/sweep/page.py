@@ -8,6 +8,8 @@ from pathlib import Path
 
 import jinja2
 
+from units import daily
+
 HERE = Path(__file__).resolve().parent
 # What pictures may take of the page [bytes]; of more there are some, evenly chosen.
 PICTURES = 8_000_000
@@ -45,7 +47,11 @@ def script_data(value):
 
 
 def data(plan, cases, table):
-    rows = [[plain(value) for value in row] for row in table.itertuples(index=False)]
+    known = {name: unit for case in cases for name, unit in case.units.items()}
+    known |= {p["name"]: p["unit"] for p in plan["parameters"] if p.get("unit")}
+    shown_in = {name: daily(name, known) for name in table.columns}
+    factors = [shown_in[name][0] for name in table.columns]
+    rows = [[plain(value, factor) for value, factor in zip(row, factors)] for row in table.itertuples(index=False)]
     pictures = [(i, picture) for i, picture in enumerate(case.picture() for case in cases) if picture]
     curves = [(i, case.curves) for i, case in enumerate(cases) if case.curves]
     size = sum(len(picture) for _, picture in pictures) * 4 / 3
@@ -53,10 +59,12 @@ def data(plan, cases, table):
     return {
         "parameters": plan["parameters"],
         "columns": list(table.columns),
+        "units": {name: unit for name, (_, unit) in shown_in.items() if unit},
+        "curve_units": {name: daily(name, known)[1] for _, curve in curves for name in curve},
         "rows": rows,
         "pictures": [[i, base64.b64encode(picture).decode()] for i, picture in shown],
         "pictures_of": len(pictures),
-        "curves": [[i, {name: [rounded(v) for v in values] for name, values in curve.items()}]
+        "curves": [[i, {name: [rounded(v * daily(name, known)[0]) for v in values] for name, values in curve.items()}]
                    for i, curve in some(curves, CURVES)],
     }
 
@@ -66,11 +74,11 @@ def some(items, most):
     return items if len(items) <= most else [items[i * len(items) // most] for i in range(most)]
 
 
-def plain(value):
+def plain(value, factor):
     if hasattr(value, "item"):
         value = value.item()
-    if isinstance(value, float):
-        return rounded(value)
+    if isinstance(value, float) or factor != 1 and isinstance(value, int) and not isinstance(value, bool):
+        return rounded(value * factor)
     return value if isinstance(value, (bool, int, str)) else None
 
 

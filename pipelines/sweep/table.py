@@ -61,6 +61,9 @@ class Case:
         report = self.folder / "run/report.json"
         report = loaded(report.read_text()) if self.failure is None and is_file(report) else {}
         self.numbers = numbers(report)
+        probes = (report.get("probes") or {}).items()
+        units = {f"probes.{name}": probe.get("unit") for name, probe in probes if isinstance(probe, dict)}
+        self.units = {name: unit for name, unit in units.items() if isinstance(unit, str)}
         self.curves = self.read_curves(report)
 
     def row(self):

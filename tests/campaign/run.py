@@ -40,7 +40,7 @@ def chain(folder):
                    "--patches", folder / "model/patches", "-o", folder / "tagged.msh"]
     yield "mold", ["fab", "mold", folder / "tagged.msh", "--model", folder / "model/model.stl",
                    "--config", folder / "mold.toml", "--no-pictures", "-o", folder / "mold"]
-    yield "verify", ["fab", "verify", folder / "mold"]
+    yield "verify", ["fab", "verify", "--all", folder / "mold"]
 
 
 def run(command, log):

@@ -72,7 +72,7 @@ fn a_wrong_file_of_the_mold_is_refused() {
     let dir = folder("wal = 3\n", "");
     dir.solver("optimize design.toml -o out").assert_refused(2, &["mold.toml", "wal"]);
     dir.write("mold.toml", "method = \"pull-out\"\n\n[limits]\ngirth = 0.5\n");
-    dir.solver("optimize design.toml -o out").assert_refused(2, &["mold.toml", "must stretch by"]);
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["mold.toml", "must stretch to"]);
     assert!(!dir.path("out").exists());
     std::fs::remove_file(dir.path("mold.toml")).unwrap();
     dir.solver("optimize design.toml -o new").assert_refused(2, &["[mold] config", "no such file"]);

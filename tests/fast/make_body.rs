@@ -18,7 +18,6 @@ case $verb in
     model) mkdir -p "$out/patches"; touch "$out/model.json" "$out/patches/skin.stl" ;;
     simulate|optimize) mkdir -p "$out"; touch "$out/report.json" ;;
     mold) mkdir -p "$out"; touch "$out/assembled.png" "$out/exploded.png" "$out/plan.json" ;;
-    verify) ;;
     *) mkdir -p "$(dirname "$out")"; touch "$out" ;;
 esac
 "#;
@@ -90,6 +89,10 @@ fn deleted_results_are_made_again() {
     let (_, calls) = body.make();
     assert!(called(&calls, "solver simulate") && called(&calls, "fab mold"), "{calls:?}");
     assert!(!called(&calls, "cad2fem tetmesh"), "{calls:?}");
+    fs::remove_file(body.0.path("mine/build/mine.zip")).unwrap();
+    let (said, calls) = body.make();
+    assert_eq!(calls, ["cad2fem pack"]);
+    assert!(said.contains("to send: ") && said.contains("mine/build/mine.zip"), "{said}");
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn results() -> Workdir {
     dir.solver("optimize design.toml -o out/optimize").assert_good();
     let mold = ["mold", "out/optimize/design.msh", "--no-pictures", "-o", "out/mold"];
     run(&dir, "fab", &mold).assert_good();
-    let checks = run(&dir, "fab", &["verify", "out/mold"]).stdout;
+    let checks = run(&dir, "fab", &["verify", "--all", "out/mold"]).stdout;
     dir.write("out/mold.checks.txt", &format!("{checks}FAIL  {HOSTILE}  0  1\n"));
     let sheet = dir.text("out/mold/cast.md");
     dir.write("out/mold/cast.md", &format!("{sheet}\n\n{HOSTILE}\n\n[x](javascript:alert(1))\n"));
@@ -110,6 +110,9 @@ fn a_page_shows_what_the_reports_say() {
 
     step_through(&mut browser, &dir, largest);
     cut(&mut browser);
+    measured(&mut browser, &dir, largest);
+    downloads(&mut browser, &dir);
+    links(&mut browser, &dir);
     shapes_and_mold(&mut browser, &dir);
     nothing_hostile_has_run(&mut browser, &dir.path("page.html"));
     without_webgl(&mut browser, &dir.path("page.html"));
@@ -158,6 +161,141 @@ fn cut(browser: &mut Chromium) {
     browser.wait("window.puffer.state().each[0].sectionTriangles === 0");
 }
 
+/// A pointer with a button pressed, or without.
+fn pointer(browser: &mut Chromium, kind: &str, at: [f64; 2]) {
+    let button = if kind == "mouseMoved" { "none" } else { "left" };
+    let event = json!({ "type": kind, "x": at[0], "y": at[1], "button": button, "clickCount": 1 });
+    browser.call("Input.dispatchMouseEvent", &event);
+}
+
+fn click(browser: &mut Chromium, at: [f64; 2]) {
+    for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+        pointer(browser, kind, at);
+    }
+}
+
+/// Where on the screen the middle of an element is, moved by parts of its size.
+fn place(browser: &mut Chromium, of: &str, [right, down]: [f64; 2]) -> [f64; 2] {
+    let found = browser.evaluate(&format!(
+        "(() => {{ const r = document.querySelector('{of}').getBoundingClientRect(); \
+         return [r.x + (0.5 + {right}) * r.width, r.y + (0.5 + {down}) * r.height]; }})()"
+    ));
+    [number(&found[0]), number(&found[1])]
+}
+
+/// Value and coordinates under the pointer, a distance that goes with the body, and a cut that is dragged.
+fn measured(browser: &mut Chromium, dir: &Workdir, largest: f64) {
+    press(browser, "front");
+    let said = |browser: &mut Chromium, part: &str| {
+        browser.wait(&format!("document.getElementById('said').textContent.includes('{part}')"));
+        browser.evaluate("document.getElementById('said').textContent").as_str().unwrap().to_owned()
+    };
+    // two simulations are beside each other: that on the left
+    let middle = place(browser, "canvas", [-0.25, 0.0]);
+    pointer(browser, "mouseMoved", middle);
+    let text = said(browser, "displacement");
+    let value: f64 = text.split(' ').nth(1).unwrap().parse().unwrap();
+    assert!((0.0..=1.001e3 * largest).contains(&value) && text.ends_with(") mm"), "{text}");
+
+    // from left to right across the body at rest, which has a known width
+    press(browser, "ruler");
+    set(browser, "step", &json!(0));
+    browser.wait("window.puffer.state().each[0].place === 0");
+    for right in [-0.28, -0.22] {
+        let at = place(browser, "canvas", [right, 0.0]);
+        click(browser, at);
+    }
+    browser.wait("window.puffer.state().ruler > 0");
+    let pixels = 0.06 * number(&browser.evaluate("document.querySelector('canvas').clientWidth"));
+    let scale = browser.evaluate(
+        "parseFloat(document.querySelector('#scale span').textContent) / \
+         parseFloat(document.querySelector('#scale span').style.width)",
+    );
+    let rest = number(&state(browser)["ruler"]);
+    let expected = pixels * number(&scale);
+    assert!(
+        (0.98..1.5).contains(&(rest / expected)),
+        "{rest} mm, seen as {expected} from in front"
+    );
+    assert!(said(browser, "ruler").contains(" mm"));
+    set(browser, "step", &json!(4));
+    browser.wait("window.puffer.state().each[0].place === 4");
+    let loaded = number(&state(browser)["ruler"]);
+    assert!((loaded - rest).abs() > 1e-3 * rest, "it goes with the body: {rest} {loaded}");
+    browser.evaluate("document.querySelector('canvas').focus()");
+    let key = json!({ "type": "keyDown", "key": "r", "text": "r" });
+    browser.call("Input.dispatchKeyEvent", &key);
+    browser.wait("window.puffer.state().ruler === null");
+
+    let marks = state(browser)["marks"].clone();
+    let report = dir.json(&format!("out/{RUN}/report.json"));
+    let stretch = number(&report["stretch_range"]["largest"]);
+    assert!(
+        marks[0].as_str().unwrap().contains(&format!("largest stretch {stretch:.3}")),
+        "{marks}"
+    );
+
+    set(browser, "cut", &json!("x"));
+    browser.wait("!document.getElementById('grip').hidden");
+    let grip = place(browser, "#grip", [0.0, 0.0]);
+    pointer(browser, "mouseMoved", grip);
+    pointer(browser, "mousePressed", grip);
+    for step in 1..=4 {
+        let at = [grip[0] + 10.0 * f64::from(step), grip[1]];
+        let held =
+            json!({ "type": "mouseMoved", "x": at[0], "y": at[1], "button": "left", "buttons": 1 });
+        browser.call("Input.dispatchMouseEvent", &held);
+    }
+    pointer(browser, "mouseReleased", [grip[0] + 40.0, grip[1]]);
+    let there = place(browser, "#grip", [0.0, 0.0]);
+    assert!((there[0] - grip[0] - 40.0).abs() < 3.0, "{grip:?} {there:?}");
+    let slider = browser.evaluate("document.getElementById('place').valueAsNumber");
+    assert!(number(&slider) > 0.8, "{slider}, dragged from 0.8");
+    set(browser, "place", &json!(0.8));
+    set(browser, "cut", &json!("none"));
+    browser.wait("document.getElementById('grip').hidden");
+    press(browser, "iso");
+}
+
+/// The curve as a table, and the picture with its legend.
+fn downloads(browser: &mut Chromium, dir: &Workdir) {
+    let caught = "window.saved = []; window.saving = URL.createObjectURL; \
+                  URL.createObjectURL = (blob) => { saved.push(blob); return 'about:blank'; }; \
+                  HTMLAnchorElement.prototype.click = function () { window.named = this.download; }";
+    browser.evaluate(caught);
+    press(browser, "download CSV");
+    browser.wait("window.saved.length === 1");
+    let table = browser.evaluate("saved[0].text()");
+    let rows: Vec<&str> = table.as_str().unwrap().lines().collect();
+    assert_eq!(rows.len(), 5, "a head and four steps: {rows:?}");
+    assert!(rows[0].contains("chambers · cavity · pressure [kPa]"), "{}", rows[0]);
+    let report = dir.json(&format!("out/{RUN}/report.json"));
+    let pressure = number(&report["steps"][3]["chambers"]["cavity"]["pressure"]) * 1e-3;
+    assert!(rows[4].split(',').any(|cell| cell == pressure.to_string()), "{} {pressure}", rows[4]);
+    press(browser, "save picture");
+    browser.wait("window.saved.length === 2");
+    assert_eq!(browser.evaluate("saved[1].type"), json!("image/png"));
+    assert!(number(&browser.evaluate("saved[1].size")) > 5e3);
+    let named = browser.evaluate("named");
+    assert!(named.as_str().unwrap().ends_with("picture.png"), "{named}");
+    assert!(!named.as_str().unwrap().contains(['<', '/', '"']), "{named}");
+}
+
+/// All links lead to files of the folder.
+fn links(browser: &mut Chromium, dir: &Workdir) {
+    let all = browser.evaluate(
+        "[...document.querySelectorAll('#files a')].map((a) => decodeURIComponent(new URL(a.href).pathname))",
+    );
+    let all: Vec<&str> = all.as_array().unwrap().iter().map(|p| p.as_str().unwrap()).collect();
+    assert!(all.iter().all(|path| Path::new(path).is_file()), "{all:#?}");
+    for file in [&format!("out/{RUN}/curve.csv"), "out/mold/base.stl", "out/mold/cast.pdf"] {
+        let there = all.iter().any(|path| Path::new(path) == dir.path(file));
+        let none = !dir.path(file).is_file();
+        assert!(there || none, "{file} of {all:#?}");
+    }
+    assert!(all.iter().any(|path| path.ends_with(".3mf")), "{all:#?}");
+}
+
 fn shapes_and_mold(browser: &mut Chromium, dir: &Workdir) {
     press(browser, "Shapes");
     browser.wait("window.puffer.state().files?.[0] === 'design.msh'");
@@ -196,7 +334,7 @@ fn nothing_hostile_has_run(browser: &mut Chromium, page: &Path) {
         assert!(text.contains(place), "{place} is not shown");
     }
     let foreign = browser.evaluate(
-        "document.querySelectorAll('body img[src=x], body b, main script, [onerror], a[href]').length",
+        "document.querySelectorAll('body img[src=x], body b, main script, [onerror], a:not([href^=\"./\"])').length",
     );
     assert_eq!(foreign, json!(0));
     assert_eq!(browser.complaints(), [""; 0]);

@@ -148,6 +148,17 @@ fn page(dir: &Workdir) {
     assert_eq!(count(&mut browser, "#pictures img"), 2);
     assert_eq!(count(&mut browser, "#table tbody tr"), 3);
     assert_eq!(count(&mut browser, "#failures tbody tr"), 1);
+    // numbers as people read them, with their units
+    let head = browser.evaluate("document.querySelector('#table thead').textContent");
+    let head = head.as_str().unwrap();
+    for words in
+        ["chambers.cavity.pressure [kPa]", "chambers.cavity.volume [mL]", "energies.total [mJ]"]
+    {
+        assert!(head.contains(words), "{words}: {head}");
+    }
+    let pressure =
+        "data.rows.map((r) => r[data.columns.indexOf('chambers.cavity.pressure')]).slice(0, 2)";
+    assert_eq!(browser.evaluate(pressure), serde_json::json!([2, 4]));
     // the least of the pressures, on the axis that is called so
     let axis = "parallel.getOption().parallelAxis.findIndex((a) => a.name.startsWith('<script>'))";
     browser.evaluate(&format!(

@@ -77,7 +77,8 @@ fn all() -> Vec<PathBuf> {
 
 /// All checks of `fab verify` hold for the molds in a folder.
 fn verify(folder: &Path) {
-    let output = Command::new(program("fab")).arg("verify").arg(folder).output().unwrap();
+    let output =
+        Command::new(program("fab")).args(["verify", "--all"]).arg(folder).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     let failed: Vec<&str> = said.lines().filter(|line| line.starts_with("FAIL")).collect();
     assert!(output.status.success(), "{}: {failed:#?}", folder.display());

@@ -23,7 +23,7 @@ fn new_folder(name: &str) -> (Workdir, PathBuf) {
 fn make_in_empty_folder(name: &str) {
     let (dir, folder) = new_folder(name);
     crate::make(&format!("body DIR={}", folder.display()));
-    assert!(folder.join("build/report.html").exists());
+    assert!(folder.join("build/report.html").exists() && folder.join("build/mine.zip").exists());
     check_mold(&dir);
     assert_eq!(dir.json("mine/build/baseline/report.json")["usable"], true);
     assert!(!repository().join("build/mine").exists());

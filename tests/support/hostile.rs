@@ -138,7 +138,7 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
 /// When something did.
 pub fn assert_text_alone(browser: &mut Chromium) {
     assert_eq!(browser.evaluate("window.hit ?? null"), Value::Null, "a text has run");
-    let foreign = "iframe, object, embed, base, a, b, [srcdoc], [src]:not([src^=\"data:image/\"]), main script, \
+    let foreign = "iframe, object, embed, base, a:not([href^=\"./\"]), b, [srcdoc], [src]:not([src^=\"data:image/\"]), main script, \
                    header script, main style, link:not([rel=icon])";
     let all = format!(
         "[...document.querySelectorAll({foreign:?})].map((e) => e.outerHTML.slice(0, 300))"

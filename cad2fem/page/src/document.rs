@@ -1,5 +1,7 @@
 //! The page from its parts: markup, style, script and data in one file.
 
+use std::path::Path;
+
 use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -7,23 +9,28 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::facts;
 use crate::prose::script_data;
 use crate::script::{RESULTS, linked};
 use crate::store::Store;
 use crate::survey::Survey;
+use crate::{contents, facts};
 
 pub(crate) const STYLE: &str = include_str!("../web/page.css");
 pub(crate) const LICENCE: &str = include_str!("../vendor/three/LICENSE");
 
-const CANVAS: &str =
-    "3-D view. Arrow keys turn it, plus and minus zoom, 0 shows all, comma and full stop step.";
+const CANVAS: &str = "3-D view. Arrow keys turn it, plus and minus zoom, 0 shows all, comma and full stop step, r measures.";
 
-/// Puts a page together.
+/// Puts a page together, which is to lie at `output`.
 ///
 /// # Errors
 /// If a file that it shows cannot be read.
-pub fn assemble(title: &str, survey: &Survey, data: &Value, store: &Store) -> Result<String> {
+pub fn assemble(
+    title: &str,
+    survey: &Survey,
+    data: &Value,
+    store: &Store,
+    output: &Path,
+) -> Result<String> {
     let content = html! {
         header {
             h1 { (title) }
@@ -34,6 +41,7 @@ pub fn assemble(title: &str, survey: &Survey, data: &Value, store: &Store) -> Re
             (facts::results(survey)?)
             (facts::checks(survey)?)
             (facts::casting(survey)?)
+            (contents::links(survey, output)?)
             (facts::pictures(&survey.pictures)?)
             (facts::provenance(survey)?)
             (about())
@@ -87,6 +95,10 @@ fn viewer() -> Markup {
         section #viewer hidden aria-label="3-D view" {
             div #stage {
                 canvas tabindex="0" aria-label=(CANVAS) {}
+                svg #over aria-hidden="true" {}
+                button #grip type="button" hidden role="slider" aria-label="place of the cut"
+                    aria-valuemin="0" aria-valuemax="100" { "↔" }
+                output #said {}
                 div #names {}
                 div #legend {}
                 svg #axes viewBox="-50 -50 100 100" aria-hidden="true" {}
@@ -109,7 +121,7 @@ fn about() -> Markup {
                 "Made by " code { "cad2fem report" }
                 ". It is one file and asks no server for anything. Keys in the 3-D view: arrows turn, "
                 kbd { "+" } " and " kbd { "−" } " zoom, " kbd { "0" } " shows all, " kbd { "," } " and "
-                kbd { "." } " go to the step before and after. Numbers in the 3-D view have 16 bits of \
+                kbd { "." } " go to the step before and after, " kbd { "r" } " measures between two points that                 are clicked, or set in the middle by " kbd { "Enter" } ". The round handle drags the cut. Numbers in the 3-D view have 16 bits of \
                 their range."
             }
             details {

@@ -157,7 +157,8 @@ pub fn checks(survey: &Survey) -> Result<Markup> {
 }
 
 fn checks_of(file: &str, text: &str) -> Markup {
-    let all = text.lines().filter(|l| !l.trim().is_empty()).map(columns);
+    let all =
+        text.lines().map(columns).filter(|l| matches!(l.first(), Some(&("ok" | "warn" | "FAIL"))));
     let is = |status: &'static str| move |l: &Vec<&str>| l.first() == Some(&status);
     let (good, others): (Vec<_>, Vec<_>) = all.partition(is("ok"));
     let failed = others.iter().filter(|l| is("FAIL")(l)).count();
@@ -186,7 +187,7 @@ pub fn casting(survey: &Survey) -> Result<Markup> {
     let plans = plans.map(|path| read_json(path)).collect::<Result<Vec<_>>>()?;
     let content = html! {
         @for plan in plans {
-            p { "Method: " strong { (text(&plan["method"])) } ". " (text(&plan["reason"])) }
+            p { "Method: " strong { (text(&plan["method"])) } "; " (text(&plan["reason"])) "." }
         }
         @for path in &survey.sheets { article.sheet { (markdown(&read_text(path)?)) } }
     };

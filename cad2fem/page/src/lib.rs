@@ -16,9 +16,11 @@
 //! - [`pick`]: the page on which faces of a body get names
 //! - [`prose`]: text that is safe to put into a page
 //! - [`facts`]: tables of what reports say
+//! - [`contents`]: files that a reader may want
 //! - [`script`]: what runs in the browser, of several modules
 //! - [`document`]: the page from its parts
 
+pub mod contents;
 pub mod design;
 pub mod document;
 pub mod facts;
@@ -69,13 +71,14 @@ pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
     }
     let parts = [runs.len(), designs.len(), molds.len()];
     let data = json!({ "title": title, "runs": runs, "designs": designs, "molds": molds });
-    let page = document::assemble(title, &survey, &data, &store)?;
+    let page = document::assemble(title, &survey, &data, &store, output)?;
     write_atomic(output, |out| out.write_all(page.as_bytes()))?;
     Ok(Summary { parts, bytes: page.len() })
 }
 
 /// The entries of a report's inputs: there are one or several of a kind.
-pub(crate) fn inputs(of_kind: &Value) -> &[Value] {
+#[must_use]
+pub fn inputs(of_kind: &Value) -> &[Value] {
     match of_kind {
         Value::Array(several) => several,
         Value::Object(_) => std::slice::from_ref(of_kind),

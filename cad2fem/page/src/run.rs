@@ -98,6 +98,14 @@ impl Source {
         Ok(Self { folder: folder.to_owned(), report, states, meshes })
     }
 
+    /// The largest stretch and its place, as the report has them; nothing where it has none.
+    fn stretch(&self) -> Value {
+        let found = &self.report["stretch_range"];
+        let at = found["largest_at"].as_array();
+        let place = at.is_some_and(|at| at.len() == 3 && at.iter().all(Value::is_number));
+        if place && found["largest"].is_number() { found.clone() } else { Value::Null }
+    }
+
     fn packed(&self, share: usize, store: &mut Store) -> Result<Value> {
         let place = || self.folder.display().to_string();
         let mut tags = TagsByPlace::default();
@@ -148,6 +156,7 @@ impl Source {
             "steps": kept("steps"),
             "probes": kept("probes"),
             "errorBars": kept("error_bars"),
+            "stretch": self.stretch(),
         }))
     }
 }

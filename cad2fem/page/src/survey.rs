@@ -116,7 +116,10 @@ impl Survey {
 
 /// The files and folders in a folder, sorted. Links, which may lead to what nobody meant to show, and pipes
 /// are left out.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let place = || folder.display().to_string();
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(place)? {

@@ -13,6 +13,7 @@ export class Cap {
       });
       const mesh = new THREE.Mesh(shape, material);
       mesh.renderOrder = order + 0.1;
+      mesh.raycast = () => {};
       return mesh;
     });
     const material = new THREE.MeshBasicMaterial({
@@ -21,6 +22,7 @@ export class Cap {
     });
     this.face = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), material);
     this.face.renderOrder = order + 0.2;
+    this.face.raycast = () => {};
     this.face.onAfterRender = (renderer) => renderer.clearStencil();
     this.meshes = [...this.counters, this.face];
   }

@@ -3,10 +3,12 @@
 import * as THREE from 'three';
 import { numbers } from 'page/arrays';
 import { daily, digits, PALETTE } from 'page/color';
-import { button, fieldset, output, row, select, slider } from 'page/controls';
-import { Solid } from 'page/solid';
+import { button, check, fieldset, output, row, select, slider } from 'page/controls';
+import { Solid, coordinates } from 'page/solid';
 
 const AXES = ['x', 'y', 'z'];
+/** Components of a tensor, row by row; it is symmetric, so that those below its diagonal are there already. */
+const TENSOR = ['xx', 'xy', 'xz', null, 'yy', 'yz', null, null, 'zz'];
 
 export class Load {
   title = 'Under load';
@@ -14,18 +16,19 @@ export class Load {
   constructor(stage, runs, look, changed) {
     Object.assign(this, { stage, runs, look, changed, solids: new Map(), ranges: new Map() });
     const last = runs.length - 1;
-    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1 };
+    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1, mark: true };
     if (!this.fields().some(([value]) => value === this.set.field)) this.set.field = 'tags';
   }
 
-  /** What can colour a body: fields, and components of vectors. */
+  /** What can colour a body: fields, and components of vectors and tensors. Those of points come before those of cells. */
   fields() {
-    const found = [];
+    const found = new Map();
     for (const { name, values: { components } } of this.runs[0].states.at(-1).fields) {
-      found.push([name, name]);
-      if (components > 1) {
-        for (let c = 0; c < components; c++) found.push([`${name}/${c}`, `${name} ${components === 3 ? AXES[c] : c}`]);
-      }
+      if (found.has(name)) continue;
+      const words = name.replaceAll('_', ' ');
+      found.set(name, words);
+      const of = { 3: AXES, 9: TENSOR }[components] ?? [...Array(components > 1 ? components : 0).keys()];
+      of.forEach((axis, c) => axis !== null && found.set(`${name}/${c}`, `${words} ${axis}`));
     }
     return [...found, ['tags', 'tags']];
   }
@@ -54,7 +57,8 @@ export class Load {
         row(button('◂ step', () => this.go(-1)), button('step ▸', () => this.go(1)), this.playing = button('play', () => this.play())),
         this.said,
         slider('exaggerate', { min: 0, max: 5, step: 0.1, value: this.set.factor }, change('factor'))),
-      fieldset('colour', select('by', this.fields(), this.set.field, change('field'))),
+      fieldset('colour', select('by', this.fields(), this.set.field, change('field')),
+        this.runs.some((run) => run.stretch) && check('mark the largest stretch', this.set.mark, change('mark'))),
     ];
   }
 
@@ -225,13 +229,35 @@ export class Load {
   }
 
   legend() {
-    const [name, component] = this.set.field.split('/');
+    const [name] = this.set.field.split('/');
     const coloring = this.ready?.[0].coloring;
     if (!coloring) return { names: this.ready?.[0].solid.tags.map((tag, i) => [tag, PALETTE[i % PALETTE.length]]) ?? [] };
     const field = this.runs[this.set.a].states.at(-1).fields.find((f) => f.name === name);
     const [, unit] = daily(field.unit);
     const title = this.fields().find(([value]) => value === this.set.field)[1];
-    return { title: component === undefined || field.values.components === 1 ? name : title, unit, range: coloring.range };
+    return { title, unit, range: coloring.range };
+  }
+
+  /** What is at a point that a ray met. */
+  read(hit) {
+    const solid = hit.object.userData.solid;
+    if (!solid) return null;
+    const { value, tag, anchor } = solid.read(hit);
+    const { title, unit, names } = this.legend();
+    const told = names || value === null ? null : `${title} ${Number.isFinite(value) ? `${digits(value)} ${unit}` : 'unknown'}`;
+    return { text: [told, tag].filter(Boolean).join(' · '), where: coordinates(hit.point), value, anchor };
+  }
+
+  /** Where the material is stretched most in the last state of each pane: text, point and pane. */
+  marks() {
+    if (!this.set.mark || this.set.shown === 'over') return [];
+    return (this.ready ?? []).flatMap(({ run, place, solid }, pane) => {
+      if (!run.stretch || place !== run.states.length) return [];
+      const { largest, largest_at: at, at_break: most } = run.stretch;
+      solid.stretched ??= solid.nearest(at);
+      const text = `largest stretch ${digits(largest)}${most ? ` of ${digits(most)} at break` : ''}`;
+      return [{ text, point: solid.point(solid.stretched), pane }];
+    });
   }
 
   state() {
@@ -244,7 +270,8 @@ export class Load {
       sectionTriangles: solid.sectionTriangles,
       tags: solid.tags,
     }));
-    return { ...this.set, each, range: this.ready?.[0].coloring?.range };
+    const marks = this.marks().map(({ text }) => text);
+    return { ...this.set, each, marks, range: this.ready?.[0].coloring?.range };
   }
 }
 

@@ -4,8 +4,11 @@ import { RAMP, digits } from 'page/color';
 import { button, check, fieldset, make, row, select, slider } from 'page/controls';
 import { History } from 'page/history';
 import { Load } from 'page/load';
+import { Grip } from 'page/grip';
 import { Mold } from 'page/mold';
+import { Pointer, drawn as mark, label } from 'page/pointer';
 import { response } from 'page/response';
+import { download, fileName, picture } from 'page/save';
 import { Shapes, sets } from 'page/shapes';
 import { Stage, VIEWS } from 'page/stage';
 
@@ -60,8 +63,25 @@ if (stage) {
   if (data.molds.length > 0) views.push(new Mold(stage, data.molds, look));
 }
 
+const pointer = stage && new Pointer(stage, () => shown, (text) => {
+  at('said').textContent = text;
+});
+if (stage) {
+  new Grip(stage, at('grip'), look, () => shown, (to) => {
+    look.at = to;
+    const place = at('place');
+    if (place) place.value = to;
+    shown.relook();
+  });
+  stage.drawings.push(() => (shown?.marks?.() ?? []).flatMap(({ text, point, pane }) => {
+    const [x, y] = stage.project(point, pane);
+    return [mark('circle', { cx: x, cy: y, r: 6, class: 'mark' }), label(stage, x, y, text)];
+  }));
+}
+
 async function show(view) {
   shown = view;
+  pointer.clear();
   stage.owner = null;
   at('viewer').hidden = false;
   panel();
@@ -81,9 +101,19 @@ async function go(kind, then) {
   at('viewer').scrollIntoView({ behavior: 'smooth', block: 'nearest' });
 }
 
+const ruler = button('ruler', () => measure(!pointer.measuring));
+ruler.setAttribute('aria-pressed', false);
+
+function measure(on) {
+  pointer.measure(on);
+  ruler.setAttribute('aria-pressed', on);
+}
+
 at('views').append(
   ...Object.keys(VIEWS).map((name) => button(name, () => stage.view(name, shown.points()))),
   button('all', () => stage.fit(shown.points())),
+  ruler,
+  button('save picture', async () => download(fileName(data.title, shown.title, 'picture.png'), await picture(stage, data.title, shown.legend()))),
 );
 
 function panel() {
@@ -142,18 +172,20 @@ response(at('response'), data.runs, (run, step) => go(Load, async (view) => {
   await view.choose(data.runs.indexOf(run));
   if (state >= 0) view.to(state + 1);
   await view.refresh();
-}));
+}), fileName(data.title, 'curve.csv'));
 
 at('viewer').addEventListener('keydown', (event) => {
   const by = { ',': -1, '.': 1 }[event.key];
   if (by && shown instanceof Load) shown.go(by);
   if (event.key === '0') stage.fit(shown.points());
+  if (event.key === 'r' && event.target === stage.canvas) measure(!pointer.measuring);
+  if (event.key === 'Escape' && pointer.measuring) measure(false);
 });
 at('panel').addEventListener('submit', (event) => event.preventDefault());
 
 /** What the page shows, for tests. */
 window.puffer = {
-  state: () => ({ title: data.title, view: shown?.title ?? null, cut: look.axis, firstPicture, ...shown?.state() }),
+  state: () => ({ title: data.title, view: shown?.title ?? null, cut: look.axis, firstPicture, ruler: pointer?.distance() ?? null, ...shown?.state() }),
 };
 
 if (views.length > 0) await show(views[0]);

@@ -5,6 +5,7 @@ import { numbers } from 'page/arrays';
 import { Cap } from 'page/cap';
 import { CAST, PALETTE } from 'page/color';
 import { check, fieldset, select, slider } from 'page/controls';
+import { coordinates } from 'page/solid';
 import { around, shade } from 'page/surface';
 
 export class Mold {
@@ -80,6 +81,14 @@ export class Mold {
     this.stage.invalidate();
   }
 
+  /** What is at a point that a ray met; where it is in the closed mold. */
+  read({ object, point }) {
+    const { part } = object.userData;
+    if (!part) return null;
+    const closed = point.clone().sub(part.group.position);
+    return { text: part.name, where: `${coordinates(closed)} in the closed mold`, anchor: () => closed.clone().add(part.group.position) };
+  }
+
   legend() {
     return { names: this.parts.map(({ name, color }) => [name, color]) };
   }
@@ -106,6 +115,7 @@ class Part {
     Object.assign(this, { name, apart: new THREE.Vector3(...apart), printed, color, geometry: shape });
     this.mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color, side: THREE.DoubleSide }));
     this.mesh.renderOrder = 100;
+    this.mesh.userData.part = this;
     this.cap = new Cap(shape, new THREE.Color(color).lerp(new THREE.Color('#fff6e6'), 0.45), order);
     this.group = new THREE.Group();
     this.group.add(this.mesh, ...this.cap.meshes);

@@ -2,7 +2,8 @@
 
 import { chart } from 'page/chart';
 import { PALETTE, daily, digits } from 'page/color';
-import { make, select } from 'page/controls';
+import { button, make, select } from 'page/controls';
+import { csv, download } from 'page/save';
 
 const UNITS = { pressure: 'Pa', volume: 'm3', volume_rest: 'm3', energies: 'J', mean_displacement: 'm', reactions: 'N', work_of_loads: 'J', t: 's' };
 
@@ -27,8 +28,16 @@ function barOf(run, path, i) {
   return group === 'probes' && i === run.steps.length - 1 && typeof together === 'number' ? together : undefined;
 }
 
-/** Draws what the steps of simulations measured; `pick(run, step)` shows a step. */
-export function response(section, runs, pick) {
+/** All numbers of all steps, with their units in the head: a row for each step. */
+function table(runs, rows, all) {
+  const units = all.map((path) => daily(unitOf(path, runs)));
+  const head = all.map((path, c) => (units[c][1] ? `${path} [${units[c][1]}]` : path));
+  const steps = runs.flatMap((run, k) => rows[k].map((row) => [run.name, ...all.map((path, c) => units[c][0] * (row[path] ?? NaN))]));
+  return csv([['simulation', ...head], ...steps]);
+}
+
+/** Draws what the steps of simulations measured; `pick(run, step)` shows a step, `file` is the name of the download. */
+export function response(section, runs, pick, file) {
   const with_steps = runs.filter((run) => run.steps?.length > 1);
   if (with_steps.length === 0) return;
   const rows = with_steps.map((run) => run.steps.map((step) => numbersOf(step)));
@@ -65,7 +74,7 @@ export function response(section, runs, pick) {
     line.style.background = PALETTE[k % PALETTE.length];
     return make('span', { className: 'key' }, line, run.name);
   });
-  section.append(make('div', { className: 'picks' }, axis('y'), axis('x'), ...keys), holder, readout);
+  section.append(make('div', { className: 'picks' }, axis('y'), axis('x'), ...keys, button('download CSV', () => download(file, table(with_steps, rows, all)))), holder, readout);
   section.hidden = false;
   draw();
 }

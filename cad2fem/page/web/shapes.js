@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import { PALETTE } from 'page/color';
 import { check, fieldset, select } from 'page/controls';
-import { Solid } from 'page/solid';
+import { Solid, coordinates } from 'page/solid';
 
 /** Shapes by the level that began with them; with several bodies there are several of each. */
 export function sets(design) {
@@ -93,6 +93,14 @@ export class Shapes {
     const all = new THREE.Box3();
     this.ready?.forEach((solid) => all.union(solid.box()));
     return all;
+  }
+
+  /** What is at a point that a ray met. */
+  read(hit) {
+    const solid = hit.object.userData.solid;
+    if (!solid) return null;
+    const { tag, anchor } = solid.read(hit);
+    return { text: tag ?? '', where: coordinates(hit.point), anchor };
   }
 
   legend() {

@@ -14,6 +14,11 @@ const DIVIDED = { 3: [[0, 1, 2]], 6: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]
 const INLET = '#d6336c';
 const [DARK, GHOST, OTHER] = ['#10161d', '#9aa4ae', '#e8590c'];
 
+/** A point as people read it. */
+export function coordinates({ x, y, z }) {
+  return `(${[x, y, z].map((v) => (v + 0).toFixed(2)).join(', ')}) mm`;
+}
+
 export class Solid {
   /** From what `solid.rs` packed; `chambers` are the tags of their walls. */
   static async of(packed, chambers) {
@@ -75,6 +80,7 @@ export class Solid {
       const material = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide });
       const mesh = new THREE.Mesh(geometry, material);
       mesh.frustumCulled = false;
+      mesh.userData.solid = this;
       return mesh;
     };
     this.outer = part(0, this.outside);
@@ -83,11 +89,13 @@ export class Solid {
       vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2,
     }));
     this.face.frustumCulled = false;
+    this.face.userData.solid = this;
     this.outline = lines([], { color: DARK });
     const { edges, rims } = this.sides();
     this.edges = lines(edges, { color: DARK, transparent: true, opacity: 0.35 });
     this.inlets = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ color: INLET, side: THREE.DoubleSide }));
     this.inlets.frustumCulled = false;
+    this.inlets.raycast = () => {};
     this.rims = loops(rims);
     this.group = new THREE.Group();
     this.group.add(this.outer, this.chamber, this.face, this.edges.object, this.inlets, this.outline.object);
@@ -121,6 +129,8 @@ export class Solid {
     shade(this.points, this.triangles, this.around, position.array, normal.array);
     position.needsUpdate = true;
     normal.needsUpdate = true;
+    // where rays meet them
+    for (const { geometry } of [this.outer, this.chamber]) geometry.boundingSphere = null;
     const { nodes, object } = this.edges;
     const ends = object.geometry.attributes.position;
     nodes.forEach((v, i) => {
@@ -174,10 +184,47 @@ export class Solid {
     if (!this.face.visible) return;
     const source = this.field?.at === 'facets' ? null : this.field?.values;
     const { positions, values } = cut(this.points, this.cells, this.perCell, plane, source, this.field?.at === 'cells');
+    this.faceValues = source ? values : null;
     const colors = new Float32Array(positions.length);
     const plain = rgb(CAST);
     for (let i = 0; i < colors.length / 3; i++) colors.set(source ? viridis(values[i], this.field.range) : plain, 3 * i);
     replace(this.face, positions).setAttribute('color', new THREE.BufferAttribute(colors, 3));
+  }
+
+  /** What is at a point of it that a ray met: the value of the field, the tag, and where the point goes with the body. */
+  read({ object, face, point }) {
+    const corners = [face.a, face.b, face.c];
+    const { position } = object.geometry.attributes;
+    const triangle = corners.map((i) => new THREE.Vector3().fromBufferAttribute(position, i));
+    const weights = THREE.Triangle.getBarycoord(point, ...triangle, new THREE.Vector3())?.toArray() ?? [1, 0, 0];
+    const mixed = (values) => values.reduce((sum, v, i) => sum + weights[i] * v, 0);
+    if (object === this.face) {
+      return { value: this.faceValues ? mixed(corners.map((i) => this.faceValues[i])) : null, anchor: () => point };
+    }
+    const nodes = corners.map((i) => this.triangles[i]);
+    const facet = this.facetOf[Math.floor(face.a / 3)];
+    const { at, values } = this.field ?? {};
+    const own = { cells: () => values[this.cellOfFacet[facet]], facets: () => values[facet], nodes: () => mixed(nodes.map((v) => values[v])) };
+    return {
+      value: this.field ? own[at]() : null,
+      tag: this.tags[this.tagOfFacet[facet]],
+      anchor: () => new THREE.Vector3(...[0, 1, 2].map((c) => mixed(nodes.map((v) => this.points[3 * v + c])))),
+    };
+  }
+
+  /** The node that is nearest to a place at rest [m]. */
+  nearest(place) {
+    let [best, least] = [0, Infinity];
+    for (let v = 0; v < this.rest.length / 3; v++) {
+      const apart = Math.hypot(...[0, 1, 2].map((c) => this.rest[3 * v + c] - MM * place[c]));
+      if (apart < least) [best, least] = [v, apart];
+    }
+    return best;
+  }
+
+  /** Where a node is. */
+  point(v) {
+    return new THREE.Vector3(...this.points.subarray(3 * v, 3 * v + 3));
   }
 
   /** How much the outside hides, and whether the sides of facets are drawn. */
@@ -250,5 +297,6 @@ function lines(nodes, look) {
   geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * nodes.length), 3));
   const object = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial(look));
   object.frustumCulled = false;
+  object.raycast = () => {};
   return { nodes, object };
 }

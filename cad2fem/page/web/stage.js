@@ -25,6 +25,9 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener('change', () => this.invalidate());
     this.panes = [];
+    /** What draws over the canvas, after each picture: lists of elements of SVG. */
+    this.drawings = [];
+    this.ray = new THREE.Raycaster();
     this.radius = 1;
     this.extent = [1, 1];
     this.look(...VIEWS.iso.map((a) => (a * Math.PI) / 180));
@@ -109,6 +112,29 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Where a point is on the canvas in a pane [px]. */
+  project(point, pane) {
+    const { size: [width, height], at } = this.layout();
+    const { x, y } = point.clone().project(this.camera);
+    const [left, top] = at(pane);
+    return [left + 0.5 * (1 + x) * width, top + 0.5 * (1 - y) * height];
+  }
+
+  /** The nearest that is seen at a place on the canvas [px]: three's hit with the pane; null for nothing. */
+  pick(x, y) {
+    const { size: [width, height], at } = this.layout();
+    const pane = this.panes.findIndex((_, i) => {
+      const [left, top] = at(i);
+      return x >= left && x < left + width && y >= top && y < top + height;
+    });
+    if (pane < 0) return null;
+    const [left, top] = at(pane);
+    this.ray.setFromCamera(new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height), this.camera);
+    const hits = this.ray.intersectObjects(this.panes[pane].scene.children, true);
+    const hit = hits.find(({ object, point }) => isShown(object) && !isCutAway(object, point));
+    return hit ? { ...hit, pane } : null;
+  }
+
   invalidate() {
     this.waiting ??= requestAnimationFrame(() => {
       this.waiting = null;
@@ -153,12 +179,23 @@ export class Stage {
       return [line, text];
     }));
     const perPixel = (this.camera.top - this.camera.bottom) / this.camera.zoom / height;
+    this.perPixel = perPixel;
     const power = 10 ** Math.floor(Math.log10(120 * perPixel));
     const length = [5, 2, 1].map((m) => m * power).find((l) => l <= 120 * perPixel);
     const bar = this.root.querySelector('#scale span');
     bar.style.width = `${length / perPixel}px`;
     bar.textContent = `${Number(length.toPrecision(1))} mm`;
+    this.scale = { length: length / perPixel, text: bar.textContent };
+    this.root.querySelector('#over').replaceChildren(...this.drawings.flatMap((drawing) => drawing()));
   }
+}
+
+function isShown(object) {
+  return object.visible && (!object.parent || isShown(object.parent));
+}
+
+function isCutAway({ material }, point) {
+  return (material.clippingPlanes ?? []).some((plane) => plane.distanceToPoint(point) < 0);
 }
 
 /** How far points are from a centre along an axis, at most. */

@@ -7,6 +7,7 @@ pub mod info;
 pub mod model;
 pub mod new;
 pub mod offset;
+pub mod pack;
 pub mod pick;
 pub mod picture;
 pub mod remesh;
@@ -45,6 +46,8 @@ pub enum Verb {
     Film(film::Args),
     /// All results in a folder → one page to look at in a browser, without a network
     Report(report::Args),
+    /// All that printer, bench and colleagues need of a body → one file to send
+    Pack(pack::Args),
     /// The JSON Schema of a file that this program reads, for editors and other programs
     Schema(SchemaArguments),
 }
@@ -68,6 +71,7 @@ impl Verb {
             Self::Picture(args) => picture::run(args),
             Self::Film(args) => film::run(args),
             Self::Report(args) => report::run(args),
+            Self::Pack(args) => pack::run(args),
             Self::Schema(args) => args.print(schema::FORMATS),
         }
     }

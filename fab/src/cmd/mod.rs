@@ -21,8 +21,8 @@ use crate::body::files::{Body, BodyFiles};
 use crate::body::layer::Layer;
 use crate::body::source::{CastPart, Input, NamedFile};
 use crate::config::{Casts, Config};
-use crate::plan::Plan;
 use crate::plan::report::{PlanReport, entries};
+use crate::plan::{Plan, Refused};
 
 /// What `fab` can do.
 #[derive(Debug, Subcommand)]
@@ -102,14 +102,29 @@ impl Task {
         progress.step(&format!("measuring a body of {triangles} triangles"));
         let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
         let plan = self.named(Plan::new(&boundary, &config))?;
-        log::info!("{}", plan.reason);
+        log::info!("{}: {}", plan.method, plan.reason);
         if let Some(weight) = &plan.weight {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
-        let molds = entries(&plan, boundary.cores.len());
-        let input = self.input(&self.output, &config, (CastPart::Whole, boundary.casts))?;
-        let report = PlanReport::new(&plan, input, molds);
+        let report = self.report(&plan, &boundary, &config)?;
         Ok(Planned { config, boundary, plan, report, collars, layers, progress })
+    }
+
+    /// The same without methods that were tried.
+    ///
+    /// # Errors
+    /// If no other method can be used.
+    pub fn plan_without(&self, refused: &[Refused], planned: Planned) -> Result<Planned> {
+        let plan = self.named(Plan::without(refused, &planned.boundary, &planned.config))?;
+        log::info!("{}: {}", plan.method, plan.reason);
+        let report = self.report(&plan, &planned.boundary, &planned.config)?;
+        Ok(Planned { plan, report, ..planned })
+    }
+
+    fn report(&self, plan: &Plan, boundary: &Boundary, config: &Config) -> Result<PlanReport> {
+        let molds = entries(plan, boundary.cores.len());
+        let input = self.input(&self.output, config, (CastPart::Whole, boundary.casts))?;
+        Ok(PlanReport::new(plan, input, molds))
     }
 
     /// What is asked for, in words.

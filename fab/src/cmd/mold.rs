@@ -18,6 +18,7 @@ use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::config::{Config, SprueConfig};
 use crate::files::attempt;
+use crate::files::bench;
 use crate::files::export::printable;
 use crate::files::output;
 use crate::files::report::{CAST, FILE, MoldReport, OUTSIDE, Role};
@@ -25,9 +26,9 @@ use crate::files::sheet;
 use crate::geometry::MM;
 use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
-use crate::plan::report::{Entry, Material};
-use crate::plan::{self, Casting};
-use crate::verify::{Against, Status, before_writing};
+use crate::plan::report::{ChosenBy, Entry, Material};
+use crate::plan::{self, Casting, Refused};
+use crate::verify::{Against, LEFT, Line, Status, before_writing};
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -35,6 +36,9 @@ pub struct Args {
     /// What is to be molded, and where to
     #[command(flatten)]
     pub task: Task,
+    /// Name of the body on the sheet for the bench, cast.pdf [default: that of the mesh]
+    #[arg(long)]
+    pub title: Option<String>,
 }
 
 /// Runs the verb.
@@ -68,31 +72,70 @@ pub fn run(args: &Args) -> Result<()> {
     made.and(ended.map_err(Into::into))
 }
 
-/// Makes the molds and replaces older ones by them.
-fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
-    let task = &args.task;
-    let Planned { config, boundary, collars, layers, plan, report: planned, progress } = planned;
-    let folder = |entry: &Entry| task.output.join(&entry.folder);
-    for entry in &planned.molds {
-        remove_litter(&folder(entry));
-        remove_litter(&folder(entry).join("reference"));
+/// Cores that do not stay in their places, with numbers; nothing else is wrong with the mold.
+#[derive(Debug, thiserror::Error)]
+#[error("{refusal}")]
+struct Leaning {
+    /// How far they move, in words.
+    moves: String,
+    /// Why the mold is refused, and what to do.
+    refusal: String,
+}
+
+/// The molds of a plan, or of the next method that can be used where the first one was left to `fab` and does not
+/// hold the cores.
+fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFiles)>)> {
+    let error = match cut(task, &planned) {
+        Ok(molds) => return Ok((planned, molds)),
+        Err(error) => error,
+    };
+    let leaning = error.downcast::<Leaning>()?;
+    if planned.plan.chosen_by == ChosenBy::Configuration {
+        return Err(Unusable(leaning.refusal).into());
     }
-    let of = |name: &str| planned.molds.iter().find(|e| e.name == name).expect("it is planned");
+    log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.moves);
+    // A core that dissolves stands on the same stub as one that is pulled out.
+    let refused = [Method::PullOut, Method::Soluble]
+        .map(|method| Refused { method, reason: leaning.moves.clone() });
+    let none =
+        |error| Unusable(format!("{}; no other method can be used: {error:#}", leaning.refusal));
+    let planned = task.plan_without(&refused, planned).map_err(none)?;
+    let molds = cut(task, &planned)?;
+    Ok((planned, molds))
+}
+
+/// The molds of a plan, proved.
+fn cut(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
+    let Planned { config, boundary, collars, layers, plan, report, progress } = planned;
+    let of = |name: &str| report.molds.iter().find(|e| e.name == name).expect("it is planned");
     let (model, from) = (task.model.as_deref(), task.from.as_deref());
     let against = Against { design: Some(&task.mesh), model, from, simulation: None };
     let mut molds = Vec::new();
     for casting in &plan.castings {
         let entry = of(&casting.name);
         progress.step(&format!("cutting the mold of the {}", casting.name));
-        let mold = task.named(Mold::new(&boundary, &casting.orientation, plan.method, &config))?;
+        let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
         progress.step("rounding and checking its surfaces");
-        let input =
-            task.input(&folder(entry), &config, (CastPart::of(mold.portion), boundary.casts))?;
-        let mut files = MoldFiles::new(&mold, input, &config)?;
-        files.report.collars = fitted_tubes(&collars, &mold, &config);
-        files.report.layers = task.named(laid_in(&layers, &mold, &casting.name))?;
-        files.prove(&entry.name, against, &planned, progress)?;
-        molds.push((entry, files));
+        let below = task.output.join(&entry.folder);
+        let input = task.input(&below, config, (CastPart::of(mold.portion), boundary.casts))?;
+        let mut files = MoldFiles::new(&mold, input, config)?;
+        files.report.collars = fitted_tubes(collars, &mold, config);
+        files.report.layers = task.named(laid_in(layers, &mold, &casting.name))?;
+        files.prove(&entry.name, against, report, *progress)?;
+        molds.push((entry.clone(), files));
+    }
+    Ok(molds)
+}
+
+/// Makes the molds and replaces older ones by them.
+fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
+    let task = &args.task;
+    let (planned, molds) = proved(task, planned)?;
+    let Planned { config, layers, report: planned, progress, .. } = planned;
+    let folder = |entry: &Entry| task.output.join(&entry.folder);
+    for entry in &planned.molds {
+        remove_litter(&folder(entry));
+        remove_litter(&folder(entry).join("reference"));
     }
     let laid = |layer: &&Layer| {
         molds.iter().any(|(_, files)| files.report.layers.iter().any(|one| one.tag == layer.tag))
@@ -164,7 +207,7 @@ fn laid_in(layers: &[Layer], mold: &Mold, name: &str) -> Result<Vec<LaidIn>> {
 
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
 fn write_all(
-    molds: &[(&Entry, MoldFiles)],
+    molds: &[(Entry, MoldFiles)],
     folder: &impl Fn(&Entry) -> PathBuf,
     planned: &plan::report::PlanReport,
     config: &Config,
@@ -187,6 +230,8 @@ fn write_all(
     if planned.molds.len() > 1 {
         sheet::write_whole(&args.task.output, planned)?;
     }
+    let mesh = args.task.mesh.file_stem().unwrap_or_default().to_string_lossy();
+    bench::write(&args.task.output, planned, args.title.as_deref().unwrap_or(&mesh))?;
     planned.write(&args.task.output)?;
     Ok(())
 }
@@ -232,6 +277,7 @@ fn remove_molds(output: &Path, plan: &plan::report::PlanReport) -> Result<()> {
         }
     }
     remove_output(&output.join(sheet::MARKDOWN))?;
+    remove_output(&output.join(bench::FILE))?;
     Ok(remove_output(&output.join(plan::report::FILE))?)
 }
 
@@ -272,16 +318,23 @@ impl MoldFiles {
         progress: Progress,
     ) -> Result<()> {
         let lines = before_writing(&self.report, &self.surfaces, against, plan, progress);
-        let failed = lines.iter().filter(|line| line.status == Status::Fail);
-        let failed: Vec<String> = failed
-            .map(|line| format!("{} is {}, expected {}", line.name, line.found, line.needed))
-            .collect();
+        let failed: Vec<_> = lines.iter().filter(|line| line.status == Status::Fail).collect();
         if failed.is_empty() {
             return Ok(());
         }
-        let message =
-            format!("{name}: a mold would not be right, none is written: {}", failed.join("; "));
-        Err(Unusable(message).into())
+        let words =
+            |line: &&Line| format!("{} is {}, expected {}", line.name, line.found, line.needed);
+        let refusal = failed.iter().map(words).collect::<Vec<_>>().join("; ");
+        let refusal = format!("{name}: a mold would not be right, none is written: {refusal}");
+        let moves = |line: &&Line| {
+            let core = line.leaning()?;
+            let left = LEFT * self.report.casting.least_wall * MM;
+            Some(format!("{core} would move by {}, where {left:.2} mm must be left", line.found))
+        };
+        match failed.iter().map(moves).collect::<Option<Vec<_>>>() {
+            Some(moves) => Err(Leaning { moves: moves.join("; "), refusal }.into()),
+            None => Err(Unusable(refusal).into()),
+        }
     }
 
     /// The written surface of a part [mm].

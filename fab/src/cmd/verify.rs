@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use mesh::io::note_results;
+use mesh::io::{note_results, write_atomic};
 use program::Unusable;
 
 use crate::verify::{Against, Status, verify};
@@ -26,12 +26,19 @@ pub struct Args {
     /// Folder that `solver simulate` wrote for the design: checks its walls under load
     #[arg(long)]
     pub simulation: Option<PathBuf>,
+    /// List the checks that hold, too, in place of counting them
+    #[arg(long)]
+    pub all: bool,
+    /// File for the lines of all checks
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
-/// Prints one line per check on standard output.
+/// Prints a line per check that fails or warns on standard output, with `--all` of those that hold, too, and
+/// the counts last.
 ///
 /// # Errors
-/// If the folder has no readable report; [`Unusable`] if a check fails.
+/// If the folder has no readable report, or the file cannot be written; [`Unusable`] if a check fails.
 pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
     let [model, from, simulation] =
@@ -39,12 +46,20 @@ pub fn run(args: &Args) -> Result<()> {
     for results in [Some(args.folder.as_path()), simulation].into_iter().flatten() {
         note_results(results);
     }
-    let lines = verify(&args.folder, Against { design, model, from, simulation })?;
+    let mut lines = verify(&args.folder, Against { design, model, from, simulation })?;
+    // What a person has to look at comes first.
+    lines.sort_by_key(|line| std::cmp::Reverse(line.status));
+    let [held, warned, failed] = [Status::Ok, Status::Warn, Status::Fail]
+        .map(|status| lines.iter().filter(|line| line.status == status).count());
+    if let Some(path) = &args.output {
+        write_atomic(path, |out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    }
     let mut out = program::stdout();
-    for line in &lines {
+    for line in lines.iter().filter(|line| args.all || line.status != Status::Ok) {
         writeln!(out, "{line}")?;
     }
-    let failed = lines.iter().filter(|line| line.status == Status::Fail).count();
+    let more = if args.all { "" } else { "; --all lists those that hold" };
+    writeln!(out, "{held} checks hold, {warned} warn, {failed} fail{more}")?;
     if failed > 0 {
         let folder = args.folder.display();
         let message = format!("{folder}: {failed} of {} checks failed", lines.len());

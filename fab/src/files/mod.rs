@@ -3,6 +3,7 @@
 
 pub mod assembly;
 pub mod attempt;
+pub mod bench;
 pub mod export;
 pub mod output;
 pub mod picture;

@@ -12,7 +12,7 @@ use mesh::measure::{bounds, triangle_area};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
-use super::pull::direction;
+use super::pull::plane;
 use super::undercut::{PartingHeight, View};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::config::GluingConfig;
@@ -76,9 +76,8 @@ impl Cut {
     #[must_use]
     pub fn describe(&self) -> String {
         format!(
-            "the plane across {} at {:.2} mm hides {:.2} % of the outside and {:.2} % of the core, and glues {:.0} mm²",
-            direction(&self.normal),
-            self.offset * 1e3,
+            "{} hides {:.2} % of the outside and {:.2} % of the core, and glues {:.0} mm²",
+            plane(&self.normal, self.offset),
             100.0 * self.outside,
             100.0 * self.core,
             self.glued * 1e6

@@ -24,6 +24,7 @@ use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
 use undercut::Worst;
 use verdict::Judge;
+pub use verdict::Refused;
 
 /// How a body is molded, and why.
 #[derive(Clone, Debug)]
@@ -128,7 +129,19 @@ impl Plan {
     /// # Errors
     /// [`PlanError`] if it cannot be molded, or not as the configuration asks.
     pub fn new(boundary: &Boundary, config: &Config) -> Result<Self, PlanError> {
-        let mut judge = Judge::new(boundary, config);
+        Self::without(&[], boundary, config)
+    }
+
+    /// The same without methods that were tried.
+    ///
+    /// # Errors
+    /// [`PlanError`] if none of the others can be used, or not as the configuration asks.
+    pub fn without(
+        refused: &[Refused],
+        boundary: &Boundary,
+        config: &Config,
+    ) -> Result<Self, PlanError> {
+        let mut judge = Judge::new(boundary, config, refused);
         let (method, castings, chosen_by) = match config.method {
             Some(asked) => {
                 let method = judge.require(asked)?;

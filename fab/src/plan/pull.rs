@@ -231,13 +231,13 @@ fn best_plane(
     let plane = planes.into_iter().find(|plane| plane.thickness <= AS_THIN * thinnest)?;
     let worst = View::along(body, &plane.pull).worst(&plane.undercut);
     let place = match plane.parting {
-        PartingSurface::Seat => "where the body stands".into(),
-        PartingSurface::Plane(z) => format!("at {:.2} mm", z * 1e3),
-        PartingSurface::HeightField(_) | PartingSurface::Open => String::new(),
+        PartingSurface::Plane(z) => self::plane(&plane.pull, z),
+        PartingSurface::Seat | PartingSurface::HeightField(_) | PartingSurface::Open => {
+            format!("a plane across {} where the body stands", direction(&plane.pull))
+        }
     };
     let reason = format!(
-        "a plane across {} {place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
-        direction(&plane.pull),
+        "{place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
         100.0 * plane.undercut.share,
         1e3 * plane.undercut.depth
     );
@@ -261,6 +261,18 @@ fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFiel
         1e3 * undercut.depth
     );
     Choice { pull, parting: PartingSurface::HeightField(settings), undercut, worst, reason }
+}
+
+/// A plane n·p = offset [m] in words: by the coordinate that it holds, or by its normal.
+#[must_use]
+pub fn plane(normal: &Vec3, offset: f64) -> String {
+    let place = |sign: f64| sign * offset * 1e3 + 0.0;
+    for (name, along) in [("x", normal.x), ("y", normal.y), ("z", normal.z)] {
+        if along.abs() > 1.0 - 1e-9 {
+            return format!("the plane {name} = {:.2} mm", place(along.signum()));
+        }
+    }
+    format!("the plane across {} at {:.2} mm from the origin", direction(normal), place(1.0))
 }
 
 /// A direction in words.

@@ -34,16 +34,27 @@ pub struct Judge<'a> {
     pub measures: Vec<Measure>,
     /// What was decided.
     pub verdicts: Vec<Verdict>,
+    /// Methods that were tried, and why their molds are not right.
+    refused: &'a [Refused],
     halves: Option<Cut>,
     flat: Option<Flat>,
+}
+
+/// A method whose mold was made and found not to be right.
+#[derive(Clone, Debug)]
+pub struct Refused {
+    /// The method.
+    pub method: Method,
+    /// Why, with numbers.
+    pub reason: String,
 }
 
 impl<'a> Judge<'a> {
     /// Nothing is measured yet.
     #[must_use]
-    pub fn new(boundary: &'a Boundary, config: &'a Config) -> Self {
+    pub fn new(boundary: &'a Boundary, config: &'a Config, refused: &'a [Refused]) -> Self {
         let (measures, verdicts) = (Vec::new(), Vec::new());
-        Self { boundary, config, measures, verdicts, halves: None, flat: None }
+        Self { boundary, config, measures, verdicts, refused, halves: None, flat: None }
     }
 
     /// The method that is preferred of those that can be used, and its castings. Wax is as good
@@ -128,16 +139,15 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Why a method that was judged can be used or not.
+    /// Why a method that was judged is taken, and why those are not that come before it.
     #[must_use]
     pub fn reason(&self, method: Method) -> String {
-        let why: Vec<String> = self
-            .verdicts
-            .iter()
-            .filter(|v| v.method == method || !v.possible)
-            .map(|v| format!("{}: {}", v.method, v.reason))
-            .collect();
-        why.join("; ")
+        let (own, others): (Vec<&Verdict>, _) =
+            self.verdicts.iter().partition(|v| v.method == method);
+        let own = own.iter().map(|v| v.reason.clone());
+        let refused = others.into_iter().filter(|v| !v.possible);
+        let refused = refused.map(|v| format!("not {}: {}", v.method, v.reason));
+        own.chain(refused).collect::<Vec<_>>().join("; ")
     }
 
     fn judge(&mut self, method: Method) -> Verdict {
@@ -156,7 +166,13 @@ impl<'a> Judge<'a> {
             Method::Halves => self.in_halves(),
             Method::OpenTop => self.open_top(),
         };
-        let verdict = Verdict { method, possible, reason };
+        let refused = self.refused.iter().find(|refused| refused.method == method);
+        let verdict = match refused.filter(|_| possible) {
+            Some(Refused { reason, .. }) => {
+                Verdict { method, possible: false, reason: reason.clone() }
+            }
+            None => Verdict { method, possible, reason },
+        };
         self.verdicts.push(verdict.clone());
         verdict
     }
@@ -215,8 +231,9 @@ impl<'a> Judge<'a> {
             let (ratio, bottleneck) = required_stretch(core, inlet);
             if ratio > worst {
                 worst = ratio;
-                words =
-                    format!("{bottleneck} must stretch by {ratio:.2}, limits.girth is {limit:.2}");
+                words = format!(
+                    "{bottleneck} must stretch to {ratio:.2} times its girth, limits.girth is {limit:.2}"
+                );
             }
         }
         self.measures.push(Measure {

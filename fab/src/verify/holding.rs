@@ -33,7 +33,10 @@ const RING: f64 = 0.1;
 const DEPTH: f64 = 0.4;
 
 /// Part of casting.least_wall that must be left beside a core that moves: a judgement.
-const LEFT: f64 = 0.5;
+pub const LEFT: f64 = 0.5;
+
+/// How the check is called that a core stays in its place, after the name of the core.
+pub const STAYS: &str = ": stays";
 
 /// A core moves by at most this much more than mold.json says: two digits of it [mm].
 const OFF: f64 = 0.01;
@@ -160,7 +163,7 @@ impl Found {
 
 /// A core moves by at most what is allowed, or by what mold.json says where it is not held so well.
 fn stays(mold: &ClosedMold, hold: &Holding, pins: &[Found]) -> Line {
-    let name = format!("{}: stays", hold.core);
+    let name = format!("{}{STAYS}", hold.core);
     let Some(core) = mold.cores.iter().find(|core| core.name == hold.core) else {
         return Line::new(name, false, "no such core".into(), "the core of mold.json");
     };
@@ -184,8 +187,9 @@ fn stays(mold: &ClosedMold, hold: &Holding, pins: &[Found]) -> Line {
         pins.iter().filter(|pin| pin.holds(&hold.core)).map(contact).collect();
     let moves = stand.sag(&contacts).most() * MM;
     let found = format!(
-        "{moves:.2} mm on its stub and {} pins, {:.2} mm on its stub alone",
+        "{moves:.2} mm on its stub and {} pin{}, {:.2} mm on its stub alone",
         contacts.len(),
+        if contacts.len() == 1 { "" } else { "s" },
         stand.sag(&[]).most() * MM
     );
     let needed =

@@ -51,13 +51,14 @@ use mesh::{SurfaceMesh, Vec3};
 use program::Progress;
 
 pub use closed_mold::ClosedMold;
+pub use holding::LEFT;
 
 use crate::files::attempt;
 use crate::files::report::MoldReport;
 use crate::plan::report as plan;
 
 /// How a check came out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
     /// It holds.
     Ok,
@@ -86,6 +87,12 @@ impl Line {
     pub fn new(name: impl Into<String>, holds: bool, found: String, needed: &str) -> Self {
         let status = if holds { Status::Ok } else { Status::Fail };
         Self { status, name: name.into(), found, needed: needed.into() }
+    }
+
+    /// The core that does not stay in its place, if that is what fails here.
+    #[must_use]
+    pub fn leaning(&self) -> Option<&str> {
+        self.name.strip_suffix(holding::STAYS).filter(|_| self.status == Status::Fail)
     }
 
     /// A measure that must not exceed a limit.

@@ -4,8 +4,11 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const at = (id) => document.getElementById(id);
 const column = (name) => data.columns.indexOf(name);
 const value = (row, name) => data.rows[row][column(name)];
-const unit = Object.fromEntries(data.parameters.map((p) => [p.name, p.unit]));
-const title = (name) => (unit[name] ? `${name} [${unit[name]}]` : name);
+// A name may be that of anything that objects have by themselves.
+const own = (of, name) => (Object.hasOwn(of, name) ? of[name] : "");
+const withUnit = (name, unit) => (unit ? `${name} [${unit}]` : name);
+const title = (name) => withUnit(name, own(data.units, name));
+const curveTitle = (name) => withUnit(name, own(data.curve_units, name));
 const failed = (row) => value(row, "status") === "failed";
 const all = data.rows.map((_, row) => row);
 const MOST = { lines: 300, rows: 200, axes: 5 };
@@ -31,8 +34,8 @@ function element(name, text, parent) {
   if (parent) parent.append(made);
   return made;
 }
-function choices(select, names, chosen) {
-  for (const name of names) element("option", title(name), select).value = name;
+function choices(select, names, chosen, titled = title) {
+  for (const name of names) element("option", titled(name), select).value = name;
   if (names.includes(chosen)) select.value = chosen;
 }
 
@@ -105,7 +108,7 @@ function drawCurves() {
     animation: false,
     grid: { left: 80, right: 30, top: 20, bottom: 50 },
     tooltip: { renderMode: "richText", formatter: (p) => `case ${p.seriesName}\n${short(p.value[0])}, ${short(p.value[1])}` },
-    xAxis: axis(x, 30), yAxis: axis(y, 60),
+    xAxis: axis(curveTitle(x), 30), yAxis: axis(curveTitle(y), 60),
     series: drawn.map(([row, c]) => ({
       type: "line", name: String(value(row, "case")), data: c[x].map((v, i) => [v, c[y][i]]),
       symbolSize: 4, lineStyle: { color: color[row], width: 1.2 }, itemStyle: { color: color[row] },
@@ -122,7 +125,7 @@ function drawPictures() {
     figure.style.borderTopColor = color[row];
     image.loading = "lazy";
     image.src = `data:image/png;base64,${picture}`;
-    const text = parameters.map((n) => `${n} ${short(value(row, n))}`).join(", ");
+    const text = parameters.map((n) => `${n} ${short(value(row, n))} ${own(data.units, n)}`.trim()).join(", ");
     image.alt = `case ${value(row, "case")}: ${text}`;
     element("figcaption", image.alt, figure);
   }
@@ -156,8 +159,8 @@ for (const name of [...parameters, ...results]) {
 if (lines) {
   const names = [...new Set(data.curves.flatMap(([, c]) => Object.keys(c)))].sort();
   const find = (...patterns) => patterns.map((p) => names.find((n) => p.test(n))).find((n) => n);
-  choices(at("x"), names, find(/pressure$/, /^t$/, /^iteration$/, /^load$/));
-  choices(at("y"), names, find(/^probes/, /^objective$/, /volume$/));
+  choices(at("x"), names, find(/pressure$/, /^t$/, /^iteration$/, /^load$/), curveTitle);
+  choices(at("y"), names, find(/^probes/, /^objective$/, /volume$/), curveTitle);
 }
 at("pictures").hidden = !data.pictures.length;
 const bad = all.filter(failed);

@@ -235,9 +235,10 @@ impl Sheet {
 /// # Errors
 /// If a mold has no readable report, or the file cannot be written.
 pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
-    let mut text = format!("# Casting\n\n{}\n\n## Molds\n\n", plan.reason);
+    let mut text =
+        format!("# Casting\n\nMethod: {}; {}.\n\n## Molds\n\n", plan.method, plan.reason);
     let mut silicone = 0.0;
-    let mut steps = plan.steps.clone();
+    let mut casts = Vec::new();
     for entry in &plan.molds {
         let below = folder.join(&entry.folder);
         let report = MoldReport::read(&below)?;
@@ -247,11 +248,6 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
             plan::Material::Silicone => "silicone",
             plan::Material::Wax => "wax",
         };
-        // Tubes and the leak test of a body that is glued, once.
-        if steps::is_half(&report) && !report.chambers.is_empty() && steps.len() == plan.steps.len()
-        {
-            steps.extend(steps::finish(sheet.leak_test_kpa, &report));
-        }
         silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };
         text += &format!(
             "- {}: {:.1} mL of {what}, see [{below}/{MARKDOWN}]({below}/{MARKDOWN})\n",
@@ -259,7 +255,9 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
             sheet.mix_ml,
             below = entry.folder
         );
+        casts.push((report, sheet));
     }
+    let steps = steps_of_whole(plan, casts.iter().map(|(report, sheet)| (report, sheet)));
     text += &format!("\n{silicone:.1} mL of silicone in all.");
     if let Some(weight) = &plan.weight {
         text += &format!(" The finished cast weighs {}, without glue.", weight.in_words());
@@ -268,6 +266,16 @@ pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError
     text += &list(steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
     let text = text.trim_end().to_owned() + "\n";
     write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))
+}
+
+/// What to do with all castings of a plan, in order; tubes and the leak test of a body that is glued come last.
+pub fn steps_of_whole<'a>(
+    plan: &plan::PlanReport,
+    mut casts: impl Iterator<Item = (&'a MoldReport, &'a Sheet)>,
+) -> Vec<String> {
+    let opened = casts.find(|(report, _)| steps::is_half(report) && !report.chambers.is_empty());
+    let finish = opened.map(|(report, sheet)| steps::finish(sheet.leak_test_kpa, report));
+    plan.steps.iter().cloned().chain(finish.unwrap_or_default()).collect()
 }
 
 impl Pour {

@@ -105,13 +105,28 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     }
     steps.extend(sheet.weight.map(|weight| weigh(&weight)));
     if is_half(report) {
-        steps.push("Keep the cut face clean: it is glued as plan.json says.".into());
+        steps.push(keep_clean(report).into());
         return steps;
     }
     if !report.chambers.is_empty() {
         steps.extend(finish(sheet.leak_test_kpa, report));
     }
     steps
+}
+
+/// What the face is glued to where the casting is cut.
+fn keep_clean(report: &MoldReport) -> &'static str {
+    match (report.method, &report.input.part) {
+        (Method::OpenTop, CastPart::Below(_)) => {
+            "Keep the upper face of the sheet clean: the chamber is glued onto it, as `cast.md` in the folder above says."
+        }
+        (Method::OpenTop, _) => {
+            "Keep the cut face clean: the sheet is glued to it, as `cast.md` in the folder above says."
+        }
+        _ => {
+            "Keep the cut face clean: the other half is glued to it, as `cast.md` in the folder above says."
+        }
+    }
 }
 
 /// What a scale says of the walls.
