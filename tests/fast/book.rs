@@ -139,6 +139,32 @@ fn targets(text: &str) -> Vec<&str> {
 }
 
 #[test]
+fn the_linter_of_prose_finds_what_readers_read_twice() {
+    let python = repository().join(".cargo-tools/prose/bin/python");
+    if !python.is_file() {
+        return skip("proselint (make lint installs it)");
+    }
+    let dir = Workdir::new();
+    let text = "# Page\n\nAll derivatives know it, but\nfor one. Those of the rest were tried in vain.\n\n\
+                - VALUE is TOML; what is none is a text. `in vain` is code.\n";
+    fs::write(dir.path("page.md"), text).unwrap();
+    let script = repository().join(".ci/prose.py");
+    let run = Command::new(python).arg("-B").arg(script).arg(dir.path("page.md")).output().unwrap();
+    let printed = String::from_utf8_lossy(&run.stdout);
+    assert_eq!(run.status.code(), Some(1), "{run:?}");
+    for found in [
+        "3:5: 'derivatives know'",
+        "3:26: 'but for'",
+        "'. Those of'",
+        "'in vain'",
+        "6:23: 'is none'",
+    ] {
+        assert!(printed.contains(found), "{found}: {printed}");
+    }
+    assert!(printed.ends_with("prose: 5 findings in 1 files\n"), "{printed}");
+}
+
+#[test]
 fn the_book_loads_nothing_from_the_network() {
     let mdbook = repository().join(".cargo-tools/bin/mdbook");
     if !mdbook.is_file() {
