@@ -140,6 +140,10 @@ impl Chapter {
         let path = std::env::var("PATH").unwrap_or_default();
         let run = Command::new("bash")
             .args(["-c", &script])
+            // a make that runs these tests must not hand its own flags down
+            .env_remove("MAKEFLAGS")
+            .env_remove("MAKELEVEL")
+            .env_remove("MAKEOVERRIDES")
             .env("PATH", format!("{}:{path}", programs.parent().expect("a folder").display()))
             .current_dir(dir.path(""))
             .output()
