@@ -14,8 +14,8 @@ from proselint.registry.checks import Check, CheckResult, types
 from proselint.tools import LintFile
 
 TOP = Path(__file__).resolve().parent.parent
-PAGES = ["README.md", "CONTRIBUTING.md", "*/README.md", "pipelines/*/README.md", "pipelines/*/*/README.md",
-         "pipelines/book/*.md"]
+PAGES = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "solver/python.md", "*/README.md",
+         "pipelines/*/README.md", "pipelines/*/*/README.md", "pipelines/book/*.md"]
 
 # What proselint checks, less what is about typography, other fields of writing, or wrong in tables.
 KNOWN = ["archaism", "cliches", "hedging", "industrial_language", "malapropisms", "misc", "mixed_metaphors",
