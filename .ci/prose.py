@@ -44,7 +44,7 @@ STYLE = [
     (r"\bgives? way\b", "deforms, yields or moves"),
 ]
 # Words in a sentence. Longer ones hold more than one thought.
-LONGEST = 40
+LONGEST = 36
 
 
 def prose(text):
@@ -86,7 +86,8 @@ def main():
     rules()
     config = {"max_errors": 1000, "checks": dict.fromkeys([*KNOWN, "puffer"], True)}
     files = [Path(name) for name in sys.argv[1:]]
-    files = files or sorted({path for pattern in PAGES for path in TOP.glob(pattern) if not {"vendor", "SUMMARY.md"} & set(path.parts)})
+    files = files or sorted({path for pattern in PAGES for path in TOP.glob(pattern)
+                             if not {"vendor", "SUMMARY.md"} & set(path.parts)})
     count = 0
     for path in files:
         for found in LintFile(str(path), prose(path.read_text(encoding="utf-8"))).lint(config):
