@@ -14,6 +14,14 @@ pub fn triangle_area(a: Vec3, b: Vec3, c: Vec3) -> f64 {
     (b - a).cross(&(c - a)).norm() / 2.0
 }
 
+/// Whether a triangle has no area: its height is at most a 10¹²-th of its longest edge, so that 64 bits lose its
+/// normal, with a margin of 10⁴.
+#[must_use]
+pub fn is_flat(a: Vec3, b: Vec3, c: Vec3) -> bool {
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    2.0 * triangle_area(a, b, c) <= 1e-12 * longest * longest
+}
+
 /// Unit normal of a triangle, pointing to where it is counter-clockwise; zero
 /// for a triangle without area.
 #[must_use]

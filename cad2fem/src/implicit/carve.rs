@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 use anyhow::{Result, bail};
 use mesh::Vec3;
-use mesh::measure::tet_volume;
+use mesh::measure::{is_flat, tet_volume};
 use rayon::prelude::*;
 
 use super::complex::{Complex, EDGES, Edge, Stars, edge, is_positive};
@@ -68,7 +68,7 @@ pub fn carve(complex: &Complex, sides: &Sides, k: usize) -> Result<(Complex, usi
 
 /// Why an attempt failed.
 enum Fault {
-    /// Edges whose split leaves a tetrahedron without volume.
+    /// Edges whose split leaves a tetrahedron without volume or a triangle without area.
     Flat(Vec<Edge>),
     /// Corners on the surface at which sheets touch.
     Pinched(Vec<u32>),
@@ -148,12 +148,43 @@ impl<'a> Carving<'a> {
             return Err(Fault::Flat(flat));
         }
         after.tets = tets;
-        let touching = after.pinched();
+        let surface = after.boundary();
+        if let Some(fault) = self.needles(&after, &surface, &sign, &middle) {
+            return Err(fault);
+        }
+        let touching = after.pinched(&surface);
         if !touching.is_empty() {
             return Err(Fault::Pinched(self.on_surface(&after, &sign, &touching)));
         }
         after.compact();
         Ok(after)
+    }
+
+    /// What makes triangles of the surface without area: tetrahedra have a volume, by exact signs, but
+    /// where the surface just touches a corner they may be as thin as numbers are.
+    fn needles(
+        &self,
+        after: &Complex,
+        surface: &[[u32; 3]],
+        sign: &[i8],
+        middle: &HashMap<Edge, u32>,
+    ) -> Option<Fault> {
+        let has_no_area = |face: &&[u32; 3]| {
+            let [a, b, c] = face.map(|v| after.vertices[v as usize]);
+            is_flat(a, b, c)
+        };
+        let mut flat: Vec<u32> = surface.iter().filter(has_no_area).flatten().copied().collect();
+        flat.sort_unstable();
+        let at = |v: &u32| flat.binary_search(v).is_ok();
+        let split = middle.iter().filter(|(edge, v)| {
+            at(v) && self.place.get(*edge).is_none_or(|&place| place + 1 < PLACES.len())
+        });
+        let mut edges: Vec<Edge> = split.map(|(&edge, _)| edge).collect();
+        edges.sort_unstable();
+        if !edges.is_empty() {
+            return Some(Fault::Flat(edges));
+        }
+        (!flat.is_empty()).then(|| Fault::Pinched(self.on_surface(after, sign, &flat)))
     }
 
     /// Moves corners onto the surface, the nearest first.

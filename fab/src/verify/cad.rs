@@ -18,6 +18,9 @@ use crate::files::report::MoldReport;
 /// Largest distance of the CAD from the mold where nothing moved: half of what filament printers resolve [mm].
 const CAD: f64 = 0.05;
 
+/// How much more than at those points a distance may be between them [1].
+const BETWEEN: f64 = 1.05;
+
 /// Points of a surface at which distances are measured, besides its vertices.
 const SAMPLES: usize = 20_000;
 
@@ -99,10 +102,12 @@ impl MoldAndCad<'_> {
         let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
         let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
         let film = fit::SURFACE + 2.0 * mold.rounding;
-        let design = fit::designed(origins, report, Casts::Mesh)?;
-        let there = fit::deviation(cavity, &design, film);
-        let limit = apart(&modelled, model) * scale + film;
-        let mut line = Line::at_most("surface: mold to design", there, limit, "mm");
+        // Not that of a part: where a plane grazes a wall, sections of the two differ by far more than the walls.
+        let design = origins.whole(report, Casts::Mesh)?;
+        let (there, at) =
+            fit::deviation(cavity, &design, film, |p| is_off_section(p, report, film));
+        let limit = BETWEEN * apart(&modelled, model) * scale + film;
+        let mut line = Line::at_most("surface: mold to design", there, limit, "mm").placed(&at);
         line.needed += ", as the mesh is off the CAD";
         Ok(line)
     }
@@ -113,13 +118,18 @@ fn apart(a: &SurfaceMesh, b: &SurfaceMesh) -> f64 {
     measure::hausdorff(a, b, SAMPLES).max(measure::hausdorff(b, a, SAMPLES))
 }
 
+/// Whether a point is on the side that is cast of the plane at which the casting ends, `beyond` it [mm].
+fn is_off_section(p: &Vec3, report: &MoldReport, beyond: f64) -> bool {
+    match report.input.part {
+        CastPart::Above(height) => p.z - height > beyond,
+        CastPart::Below(height) => height - p.z > beyond,
+        _ => true,
+    }
+}
+
 /// Whether the mold casts the body at a point, away from its cut and from collars [mm].
 fn is_cast(p: &Vec3, report: &MoldReport) -> bool {
-    let beyond = match report.input.part {
-        CastPart::Above(height) => p.z - height > CAD,
-        CastPart::Below(height) => height - p.z > CAD,
-        _ => true,
-    };
+    let beyond = is_off_section(p, report, CAD);
     let beside = report.collars.iter().all(|tube| {
         let [base, axis] = [tube.base, tube.axis].map(Vec3::from);
         let along = (p - base).dot(&axis) / axis.norm();

@@ -177,14 +177,14 @@ fn distances(
     };
     let left = body.to_surface();
     let limit = SURFACE + 2.0 * mold.rounding;
-    let there = deviation(&left, design, limit);
+    let (there, at) = deviation(&left, design, limit, |_| true);
     let back = measure::hausdorff(design, &left, SAMPLES);
     let left_area = body.area() + mold.cavity.area();
     let off = (body.volume() - measure::enclosed_volume(design)).abs();
     let wanted = wanted(origins, &mold.report);
     let rounding = mold.volume_rounding(left_area);
     let mut lines = vec![
-        Line::at_most(format!("surface: mold to {wanted}"), there, limit, "mm"),
+        Line::at_most(format!("surface: mold to {wanted}"), there, limit, "mm").placed(&at),
         Line::at_most(format!("surface: {wanted} to mold"), back, limit, "mm"),
         Line::at_most(format!("volume: mold and {wanted}"), off, rounding, "mm³"),
         crumbs(mold, &bodies[1..]),
@@ -211,13 +211,19 @@ fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
 /// Measured at the centroid of each triangle and near its corners. A place far
 /// from `to` belongs to a film if no ball of the diameter `film` fits into `from` below it.
 ///
-/// What this lets through is measured on damaged parts in `tests/films.rs`.
-pub fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
+/// What this lets through is measured on damaged parts in `tests/films.rs`. Places that are not `counted` do not count.
+/// Also where it is.
+pub fn deviation(
+    from: &SurfaceMesh,
+    to: &SurfaceMesh,
+    film: f64,
+    counted: impl Fn(&Vec3) -> bool,
+) -> (f64, Vec3) {
     const NEAR_CORNER: f64 = 0.9;
     let bvh = SurfaceBvh::new(to);
     let inside = WindingNumber::new(from);
     let own = SurfaceBvh::new(from);
-    let mut worst: f64 = 0.0;
+    let mut worst = (0.0, Vec3::zeros());
     for t in 0..from.triangles.len() {
         let [a, b, c] = from.corners(t);
         if measure::triangle_area(a, b, c) == 0.0 {
@@ -234,8 +240,8 @@ pub fn deviation(from: &SurfaceMesh, to: &SurfaceMesh, film: f64) -> f64 {
         let near = [a, b, c].map(|corner| centre + (corner - centre) * NEAR_CORNER);
         for p in near.into_iter().chain([centre]) {
             let distance = bvh.closest(&p).distance;
-            if distance > worst && (distance <= film || is_thick(&p)) {
-                worst = distance;
+            if distance > worst.0 && counted(&p) && (distance <= film || is_thick(&p)) {
+                worst = (distance, p);
             }
         }
     }

@@ -3,7 +3,8 @@
 //! The written stubs of a core are put into the written sockets, its own and those of others: every stub on every
 //! socket, turned about its axis in steps of 15°, in the middle and pushed aside by its play. How far the
 //! core then stands proud is the least height by which it must be lifted so that it meets nothing of the
-//! piece with the sockets. The least of all these places is compared with what one sees.
+//! piece with the sockets. The least of all these places is compared with what one sees. Places in which a stub
+//! is beside that piece do not count: there one sees it at once.
 
 use std::f64::consts::TAU;
 
@@ -45,7 +46,7 @@ struct Stubs<'a> {
 /// The checks of all cores that stand in sockets.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let Some(holder) = mold.shells.last() else { return Vec::new() };
-    let seat = mold.cast.solid.bounds().0.z;
+    let seat = seat(mold);
     let below = |solid: &Solid| solid.trim_by_plane(&-Vec3::z(), -seat);
     let floor = below(&holder.solid);
     let depth = seat - mold.bounds.0.z;
@@ -75,6 +76,13 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     lines
 }
 
+/// The height of the highest inlet, below which stubs are [mm]: bodies may hang lower.
+fn seat(mold: &ClosedMold) -> f64 {
+    let sockets = mold.report.features.iter().filter(|f| f.purpose == Purpose::Socket);
+    let tops = sockets.map(|socket| socket.base[2].max(socket.base[2] + socket.axis[2]));
+    tops.fold(mold.cast.solid.bounds().0.z, f64::max)
+}
+
 /// The stubs of a core, with the sockets in which most of it stands.
 fn stubs<'a>(mold: &ClosedMold, core: &'a Body, solid: Solid) -> Stubs<'a> {
     let sockets = mold.report.features.iter().filter(|f| f.purpose == Purpose::Socket);
@@ -97,6 +105,11 @@ fn stubs<'a>(mold: &ClosedMold, core: &'a Body, solid: Solid) -> Stubs<'a> {
 impl Stubs<'_> {
     /// How far these stubs stand proud in the sockets of a core, or turned in their own [mm], at most `depth`.
     fn proud(&self, of: &Self, floor: &Solid, depth: f64) -> f64 {
+        let (low, high) = floor.bounds();
+        let is_seen = |placed: &Solid| {
+            let (from, to) = placed.bounds();
+            (from - low).xy().min() < 0.0 || (high - to).xy().min() < 0.0
+        };
         let same = std::ptr::eq(self, of);
         let mut least = depth;
         for (from, _) in &self.sockets {
@@ -108,7 +121,9 @@ impl Stubs<'_> {
                     }
                     for aside in pushed(*play) {
                         let placed = moved(&self.solid, from, &(to + aside), turn);
-                        least = lowered(&placed, floor, least);
+                        if !is_seen(&placed) {
+                            least = lowered(&placed, floor, least);
+                        }
                     }
                 }
             }
@@ -184,5 +199,20 @@ mod tests {
         let stubs = Stubs { name: "core", solid: stub, sockets };
         let proud = stubs.proud(&stubs, &around.difference(&socket), 8.0);
         assert!(proud >= SEEN, "{proud} mm with a stub of {:e} m", thinnest.stub.base_radius);
+    }
+
+    /// The thin stub would stand in the thick one's socket if the thick one could stand beside the floor.
+    #[test]
+    fn places_with_a_stub_beside_the_floor_do_not_count() {
+        let round = |x: f64, radius: f64| {
+            Solid::cylinder(&Vec3::new(x, 0.0, -8.0), &(8.0 * Vec3::z()), radius, radius, 48)
+        };
+        let sockets = vec![(Vec3::new(-8.0, 0.0, -8.0), 0.2), (Vec3::new(8.0, 0.0, -8.0), 0.2)];
+        let solid = round(-8.0, 2.5).union(&round(8.0, 3.5));
+        let stubs = Stubs { name: "core", solid, sockets };
+        let floor = Solid::cube(&Vec3::new(-13.0, -9.0, -10.0), &Vec3::new(13.0, 9.0, 0.0));
+        let floor = floor.difference(&round(-8.0, 2.7)).difference(&round(8.0, 3.7));
+        let proud = stubs.proud(&stubs, &floor, 8.0);
+        assert!(proud >= SEEN, "{proud} mm");
     }
 }

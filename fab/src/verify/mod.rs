@@ -46,8 +46,8 @@ mod weight;
 
 use std::path::Path;
 
-use mesh::SurfaceMesh;
 use mesh::io::IoError;
+use mesh::{SurfaceMesh, Vec3};
 use program::Progress;
 
 pub use closed_mold::ClosedMold;
@@ -93,6 +93,15 @@ impl Line {
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
         let found = format!("{} {unit}", number(value));
         Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
+    }
+
+    /// With the place in the mold [mm] where it does not hold.
+    #[must_use]
+    pub fn placed(mut self, at: &Vec3) -> Self {
+        if self.status != Status::Ok {
+            self.found += &format!(" at ({:.2}, {:.2}, {:.2})", at.x, at.y, at.z);
+        }
+        self
     }
 
     /// A measure that must reach a limit.
