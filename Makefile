@@ -57,7 +57,7 @@ worm:  ## design the chambers and the upper side of a worm for its way in a peri
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
-blank:  ## blow up a post, and make its mold: what cad2fem new begins with
+blank:  ## curl a finger of four cells, and make its mold: what cad2fem new begins with
 
 # Said by all that ends in a file called done.
 tell = @for done in $(1); do [ "$$(cat $$done)" = $$PPID ] || \

@@ -162,12 +162,28 @@ $(2)/pictures/mold.png: $(2)/mold/plan.json | setup
 $(2)/report.html: $(2)/mold.checks.txt $(2)/pictures/mold.png
 endef
 
+# Scene $(1), its results in $(2): another scene of the same mesh, sim.$(3).toml, with results in a folder $(3).
+define beside
+$(2)/$(3)/report.json: $(call source,$(addprefix $(call from,$(1))/,sim.$(3).toml sim.toml)) $(2)/tagged.msh | setup
+	$(BIN)/solver simulate $$< -o $$(@D)
+
+$(2)/report.html: $(2)/$(3)/report.json
+endef
+
+# A folder elsewhere has all of its scenes simulated, except those of sweeps and those that are finer.
+others = $(or $(beside.$(1)),$(if $(from.$(1)),$(filter-out paper sweep,\
+$(patsubst $(1)/sim.%.toml,%,$(wildcard $(1)/sim.*.toml)))))
+beside.blank := blocked
+
 # Scene $(1), its results in $(2), suffix of its settings $(3): what its folder has files for.
 design = $(wildcard $(call from,$(1))/design$(3).toml)
 mold = $(wildcard $(call from,$(1))/mold.toml)
 shape = $(if $(design),$(shell grep --files-with-matches '^\[shape\]' $(design)))
 define scene
 $(call simulate,$(1),$(2),$(3))
+$(if $(3),,$(foreach other,$(others),$(call beside,$(1),$(2),$(other))
+
+))
 $(if $(shape),$(call optimize,$(1),$(2),$(3)),$(if $(design),$(call loads,$(1),$(2),$(3))))
 $(if $(mold),$(if $(shape),
 $(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json,$(2)/optimized),
@@ -529,6 +545,7 @@ build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.p
 VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
+view.blank := front
 view.finger := front
 view.walker := front
 view.worm := front

@@ -28,7 +28,7 @@ macro_rules! template {
 /// All of them. A new one is a line here.
 #[rustfmt::skip]
 pub const TEMPLATES: &[Template] = &[
-    template!("blank", "the least that is simulated and cast, every line explained", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
+    template!("blank", "a finger of four cells that curls: the least that is simulated and cast, every line explained", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "sim.blocked.toml", "mold.toml"]),
     template!("beam", "a bar whose chamber is designed so that it stays straight, in a minute", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
     template!("finger", "a finger whose chamber is designed for a bend, in some minutes", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
     template!("pneunet", "a row of chambers from a gmsh script that bends over paper in its floor, in some minutes", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),

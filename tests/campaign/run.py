@@ -49,7 +49,7 @@ def run(command, log):
     log.flush()
     threads = {**os.environ, "RAYON_NUM_THREADS": "1"}
     command = [str(part) for part in command]
-    started = subprocess.Popen(command, stdout=log, stderr=log, env=threads, start_new_session=True)
+    started = subprocess.Popen(command, stdout=log, stderr=log, env=threads, process_group=0)
     timer = threading.Timer(LONGEST, os.killpg, (started.pid, signal.SIGKILL))  # with its mesher
     timer.start()
     _, status, usage = os.wait4(started.pid, 0)

@@ -9,12 +9,12 @@ use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, Settings, Unusable};
 use serde_json::{Value, json};
 
-use crate::config::{DesignConfig, LevelConfig, beside};
+use crate::config::{DesignConfig, LevelConfig, ObjectiveConfig, beside};
 use crate::optimize::{
     Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
 use crate::report::failure;
-use crate::report::results;
+use crate::report::{results, summary};
 use crate::scene::{ObjectiveBuilder, Scene};
 
 /// A smaller fall of the objective is hardly a design [1].
@@ -74,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     write(folder, &scene, &finished)?;
     let mut report = report(folder, &finished, start)?;
+    add_probes(&mut report, folder, &scene, &design)?;
     let files = [("design", &file), ("scene", &scene.file)];
     let (mut inputs, set) = results::provenance(folder, &files, &scene)?;
     for (kind, paths) in named_files(&file, &design) {
@@ -103,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             folder.join("report.json").display()
         );
     } else {
-        log::info!("the objective fell by {:.1} %", 100.0 * fall);
+        log::info!("{}", summary::of_design(&report, fall));
     }
     if let Some(crossing) = crossing {
         let design = arguments.design.display();
@@ -302,6 +303,40 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     Ok(())
 }
 
+/// Adds what the probes of the scene were and have become, in the units of their kinds, with what the design wanted.
+fn add_probes(
+    report: &mut Value,
+    folder: &Path,
+    scene: &Scene,
+    design: &DesignConfig,
+) -> Result<()> {
+    let lines = history(folder)?;
+    let [first, .., last] = &lines[..] else { return Ok(()) };
+    let wanted = |probe: &str| {
+        let of_probe = design.objective.iter().filter_map(ObjectiveConfig::probe);
+        of_probe.filter(|(name, _)| *name == probe).find_map(|(_, wanted)| wanted)
+    };
+    for probe in &scene.config.probe {
+        let name = probe.name();
+        let mut row = json!({
+            "unit": probe.kind().unit,
+            "before": first["probes"][name],
+            "after": last["probes"][name],
+        });
+        if let Some(wanted) = wanted(name) {
+            row["wanted"] = json!(wanted);
+        }
+        report["probes"][name] = row;
+    }
+    Ok(())
+}
+
+/// The lines of `history.jsonl`.
+fn history(folder: &Path) -> Result<Vec<Value>> {
+    let text = mesh::io::read_own_text(&folder.join("history.jsonl"))?;
+    Ok(text.lines().map(serde_json::from_str).collect::<Result<_, _>>()?)
+}
+
 /// What each level has gained, over its first objective.
 fn gains(lines: &[Value]) -> Vec<f64> {
     let mut gains = Vec::new();
@@ -320,8 +355,7 @@ fn weights(finished: &Finished) -> BTreeMap<String, f64> {
 }
 
 fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
-    let history = mesh::io::read_own_text(&folder.join("history.jsonl"))?;
-    let lines: Vec<Value> = history.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
+    let lines = history(folder)?;
     let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);
     let mut report = json!({

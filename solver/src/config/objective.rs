@@ -74,6 +74,15 @@ impl ObjectiveConfig {
         self.kind
     }
 
+    /// The probe that it looks at, and the number that it wants of it, in the unit of the probe, if it names one.
+    #[must_use]
+    pub fn probe(&self) -> Option<(&str, Option<f64>)> {
+        let number =
+            |value: &toml::Value| value.as_float().or(value.as_integer().map(|n| n as f64));
+        let name = self.keys.get("probe")?.as_str()?;
+        Some((name, self.keys.get("target").and_then(number)))
+    }
+
     /// Whether it is made with the stress of the law at each point.
     #[must_use]
     pub fn reads_stress(&self) -> bool {

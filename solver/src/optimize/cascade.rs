@@ -382,8 +382,12 @@ impl Cascade<'_> {
             "parameters": level.map().parameters(&step.theta),
             "mean_displacement": moved[0],
         });
+        let measured = level.measured(evaluation)?;
+        if !measured[0].is_empty() {
+            line["probes"] = json!(measured[0]);
+        }
         if !self.design.scenario.is_empty() {
-            add_scenarios(&mut line, (level, evaluation), &moved);
+            add_scenarios(&mut line, (level, evaluation), (&moved, &measured));
         }
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \

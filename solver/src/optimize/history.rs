@@ -66,23 +66,26 @@ impl History {
     }
 }
 
-/// Adds to a line what each scenario comes to, with the mean displacements of tags [m], and their
-/// spread: the largest less the smallest, over that of the first scenario [1].
+/// Adds to a line what each scenario comes to, with the mean displacements of tags [m] and what probes measure, and
+/// the spread of the displacements: the largest less the smallest, over that of the first scenario [1].
 pub(super) fn add_scenarios(
     line: &mut Value,
     (level, at): (&Level, &Evaluation),
-    moved: &[BTreeMap<String, f64>],
+    (moved, measured): (&[BTreeMap<String, f64>], &[BTreeMap<String, f64>]),
 ) {
-    let one = |((scenario, run), moved): ((&Scenario, &Run), &BTreeMap<String, f64>)| {
-        let of = json!({
+    let one = |(i, (scenario, run)): (usize, (&Scenario, &Run))| {
+        let mut of = json!({
             "objective": run.objective,
             "terms": run.terms,
             "newton_iterations": run.newton_iterations,
-            "mean_displacement": moved,
+            "mean_displacement": moved[i],
         });
+        if !measured[i].is_empty() {
+            of["probes"] = json!(measured[i]);
+        }
         (scenario.config.name.clone(), of)
     };
-    line["scenarios"] = level.scenarios().iter().zip(&at.runs).zip(moved).map(one).collect();
+    line["scenarios"] = level.scenarios().iter().zip(&at.runs).enumerate().map(one).collect();
     let spread = |(tag, first): (&String, &f64)| {
         let all = || moved.iter().map(|of_tags| of_tags[tag]);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));

@@ -378,6 +378,15 @@ impl Level {
         pairs.map(|(scenario, run)| scenario.mean_displacements(run, &self.body)).collect()
     }
 
+    /// The probes of the scene in each scenario, in the units of their kinds.
+    ///
+    /// # Errors
+    /// As [`Scene::probes`].
+    pub fn measured(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
+        let pairs = self.scenarios.iter().zip(&at.runs);
+        pairs.map(|(scenario, run)| scenario.measured(run, &self.body)).collect()
+    }
+
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
     /// does not intersect itself.
     #[must_use]

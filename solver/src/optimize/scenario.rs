@@ -24,6 +24,7 @@ use crate::forward::{
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
 use crate::objective::Equilibrium;
+use crate::probe::measure;
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::results::{displacements, grid_with_fields};
@@ -441,6 +442,17 @@ impl Scenario {
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
+    }
+
+    /// The probes of the scene at the end of a run, in the units of their kinds.
+    ///
+    /// # Errors
+    /// As [`Scene::probes`].
+    pub fn measured(&self, run: &Run, body: &Body) -> Result<BTreeMap<String, f64>> {
+        let mut body = body.clone();
+        body.mesh.vertices.clone_from(&run.rest);
+        let probes = self.scene.probes(&body, &self.problem.space)?;
+        Ok(self.at_end(run, |end| measure(&probes, &self.problem, end)))
     }
 
     /// The solution's grid for ParaView, at the end of a run.

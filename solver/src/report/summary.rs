@@ -36,6 +36,25 @@ pub fn in_words(report: &Value) -> String {
     parts.join(", ")
 }
 
+/// What a design came to, from its report: each probe before and after, with what was wanted, and the part `fall` by
+/// which the objective fell where no number was wanted.
+#[must_use]
+pub fn of_design(report: &Value, fall: f64) -> String {
+    let mut parts = Vec::new();
+    let mut is_wanted = false;
+    for (name, probe) in entries(&report["probes"]) {
+        let number = |key: &str| Some(quantity(probe[key].as_f64()?, probe["unit"].as_str()?));
+        let (Some(before), Some(after)) = (number("before"), number("after")) else { continue };
+        let wanted = number("wanted").map(|wanted| format!(" (wanted {wanted})"));
+        is_wanted |= wanted.is_some();
+        parts.push(format!("{name} {before} → {after}{}", wanted.unwrap_or_default()));
+    }
+    if !is_wanted {
+        parts.push(format!("the objective fell by {:.1} %", 100.0 * fall));
+    }
+    parts.join(", ")
+}
+
 fn entries(table: &Value) -> impl Iterator<Item = (&String, &Value)> {
     table.as_object().into_iter().flatten()
 }
@@ -57,6 +76,24 @@ fn quantity(value: f64, unit: &str) -> String {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn a_design_is_told_by_its_quantities() {
+        let mut report = json!({"probes": {
+            "bending": {"before": 37.3, "after": 59.9, "wanted": 60.0, "unit": "deg"},
+            "sag": {"before": 1e-3, "after": 2e-3, "unit": "m"},
+        }});
+        assert_eq!(
+            of_design(&report, 0.5),
+            "bending 37.30° → 59.90° (wanted 60.00°), sag 1.000 mm → 2.000 mm"
+        );
+        report["probes"]["bending"] = json!(null);
+        assert_eq!(
+            of_design(&report, 0.5),
+            "sag 1.000 mm → 2.000 mm, the objective fell by 50.0 %"
+        );
+        assert_eq!(of_design(&json!({}), 0.5), "the objective fell by 50.0 %");
+    }
 
     #[test]
     fn a_run_is_told_in_units_that_people_read() {
