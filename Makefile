@@ -138,10 +138,11 @@ bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor g
 bench-compare:  ## the same, and fail where a row is more than 10 % slower than when this machine was last measured
 	cargo bench --locked -p tests --bench speed -- --compare $(ONLY)
 
-lint:  ## what CI asks of the sources: format, clippy, documentation
+lint: .cargo-tools/prose/installed  ## what CI asks of the sources: format, clippy, documentation, prose
 	cargo fmt --check
 	cargo clippy --release --locked --workspace --all-targets -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --release --locked --workspace --no-deps --quiet
+	.cargo-tools/prose/bin/python -B .ci/prose.py
 
 audit: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
 audit:  ## licences, sources, advisories and duplicates of all crates (AUDIT="licenses bans sources": without the network)
@@ -181,6 +182,12 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	@echo "setup: downloading Python packages (meshers, readers) into .venv, 270 MB"
 	$(PYTHON) -m venv .venv
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
+	touch $@
+
+.cargo-tools/prose/installed: .ci/prose.txt
+	rm -rf $(@D)
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
 
 # In an environment of their own: pipelines/sweep/requirements.txt says why.

@@ -30,7 +30,7 @@ PARAMETER_KEYS = {
     "values": (list, "a list of numbers or texts; a Latin hypercube gives each as often"),
     "from": ((int, float), "the first of numbers between two"),
     "to": ((int, float), "the last of them"),
-    "count": (int, "how many there are, but for a Latin hypercube"),
+    "count": (int, "how many there are; not for a Latin hypercube"),
     "scale": (str, "\"log\": by equal factors (\"linear\")"),
     "unit": (str, "written beside the name"),
 }

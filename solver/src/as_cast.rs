@@ -41,7 +41,7 @@ const KEYS: Keys = Keys { paths: &[], named: &[] };
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// Tags whose walls may be off, each by a distance of its own; those of the chambers if not given.
+    /// Tags whose walls may be off, each by its own distance; by default the walls of the chambers.
     #[serde(default)]
     pub walls: Vec<String>,
     /// What a balance shows.

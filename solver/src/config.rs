@@ -217,7 +217,7 @@ pub struct BodyConfig {
     pub name: String,
     /// Tagged tetrahedral mesh.
     pub mesh: PathBuf,
-    /// Its law.
+    /// Law of its material.
     pub material: MaterialConfig,
     /// Shift of the mesh [m].
     #[serde(default)]

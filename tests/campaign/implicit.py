@@ -1,7 +1,7 @@
 """Implicit models: their text for `cad2fem model`, and their functions by numpy, from the file alone.
 
-The functions are written anew after `cad2fem/README.md`, so that a verdict does not rest on the programs that it
-judges. Lengths are millimetres.
+The functions follow `pipelines/book/models.md` and not the code, so that a verdict does not rest on the programs that
+it judges. Lengths are millimetres.
 """
 
 import numpy

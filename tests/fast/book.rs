@@ -3,9 +3,10 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::PathBuf;
 use std::process::Command;
 
-use tests::book::{Chapter, chapters};
+use tests::book::{Chapter, chapters, readmes};
 use tests::skip::skip;
 use tests::workdir::{Workdir, program, repository};
 
@@ -16,7 +17,20 @@ const END: &str = "<!-- end -->";
 #[test]
 fn commands_that_take_seconds_work() {
     let count: usize = chapters().iter().map(|chapter| chapter.run(&["test"])).sum();
-    assert!(count > 15, "{count} lines of commands");
+    assert!(count > 40, "{count} lines of commands");
+}
+
+/// A command that runs is half a proof: what the text says of it is checked as well.
+#[test]
+fn every_block_of_commands_is_checked() {
+    for chapter in chapters().iter().chain(&readmes()) {
+        let unchecked = chapter.unchecked();
+        assert!(
+            unchecked.is_empty(),
+            "{}: below {unchecked:?} there is no <!-- check: COMMAND -->",
+            chapter.path.display()
+        );
+    }
 }
 
 /// The chapter with what the programs print today, and how many commands it has.
@@ -68,8 +82,16 @@ fn chapters_pictures_and_links_are_there() {
         let name = chapter.path.file_name().unwrap().to_str().unwrap();
         assert!(name == "SUMMARY.md" || listed.contains(name), "{name} is not in SUMMARY.md");
         for target in targets(&chapter.text) {
-            let file = target.split('#').next().unwrap();
-            if file.is_empty() || target.starts_with("https:") {
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            if target.starts_with("https:") {
+                continue;
+            }
+            if !anchor.is_empty() {
+                let linked = chapters.iter().find(|c| !file.is_empty() && c.path.ends_with(file));
+                let anchors = linked.unwrap_or(chapter).anchors();
+                assert!(anchors.contains(anchor), "{name}: there is no {target}, but {anchors:?}");
+            }
+            if file.is_empty() {
                 continue;
             }
             let there = chapter.path.parent().unwrap().join(file);
@@ -81,9 +103,65 @@ fn chapters_pictures_and_links_are_there() {
     }
 }
 
+/// READMEs of the checkout, and what stands beside them, point to files and headings that are there.
+#[test]
+fn links_of_readmes_are_there() {
+    let root = repository();
+    let others = [
+        "ARCHITECTURE.md",
+        "CONTRIBUTING.md",
+        "SECURITY.md",
+        "solver/python.md",
+        "tests/README.md",
+        "pipelines/README.md",
+    ];
+    let read = |path: PathBuf| Chapter { text: fs::read_to_string(&path).unwrap(), path };
+    let others = others.map(|name| read(root.join(name)));
+    for page in readmes().iter().chain(&others) {
+        for target in targets(&page.text) {
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            if target.starts_with("https:") || file.is_empty() {
+                continue;
+            }
+            let linked = page.path.parent().unwrap().join(file);
+            assert!(linked.exists(), "{}: there is no {target}", page.path.display());
+            if !anchor.is_empty() {
+                let anchors = read(linked).anchors();
+                assert!(anchors.contains(anchor), "{}: there is no {target}", page.path.display());
+            }
+        }
+    }
+}
+
 /// What links and pictures point to.
 fn targets(text: &str) -> Vec<&str> {
     text.split("](").skip(1).filter_map(|after| after.split(')').next()).collect()
+}
+
+#[test]
+fn the_linter_of_prose_finds_what_readers_read_twice() {
+    let python = repository().join(".cargo-tools/prose/bin/python");
+    if !python.is_file() {
+        return skip("proselint (make lint installs it)");
+    }
+    let dir = Workdir::new();
+    let text = "# Page\n\nAll derivatives know it, but\nfor one. Those of the rest were tried in vain.\n\n\
+                - VALUE is TOML; what is none is a text. `in vain` is code.\n";
+    fs::write(dir.path("page.md"), text).unwrap();
+    let script = repository().join(".ci/prose.py");
+    let run = Command::new(python).arg("-B").arg(script).arg(dir.path("page.md")).output().unwrap();
+    let printed = String::from_utf8_lossy(&run.stdout);
+    assert_eq!(run.status.code(), Some(1), "{run:?}");
+    for found in [
+        "3:5: 'derivatives know'",
+        "3:26: 'but for'",
+        "'. Those of'",
+        "'in vain'",
+        "6:23: 'is none'",
+    ] {
+        assert!(printed.contains(found), "{found}: {printed}");
+    }
+    assert!(printed.ends_with("prose: 5 findings in 1 files\n"), "{printed}");
 }
 
 #[test]

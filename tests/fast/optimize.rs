@@ -16,7 +16,7 @@ fn optimized() -> (Workdir, Vec<Value>) {
     (dir, lines)
 }
 
-/// Scripts rely on these keys; they are in the README.
+/// Scripts rely on these keys; the chapter "Results" of the book lists them.
 #[test]
 fn the_history_has_one_line_per_accepted_iteration() {
     let (dir, lines) = optimized();

@@ -23,7 +23,7 @@ fn simulated(scene: &str) -> (Workdir, Value) {
     (dir, report)
 }
 
-/// Scripts rely on these keys; they are in the README.
+/// Scripts rely on these keys; the chapter "Results" of the book lists them.
 #[test]
 fn the_report_has_what_is_documented() {
     for (scene, dofs) in [("p1.toml", 438), ("sim.toml", 2457)] {

@@ -1,4 +1,4 @@
-//! `make validation`: the tolerances of pipelines/validation/README.md, which were stated before
+//! `make validation`: the tolerances of pipelines/book/trust.md, which were stated before
 //! the simulations, and the plain membrane beside membrane theory.
 
 use std::f64::consts::PI;
@@ -32,7 +32,7 @@ fn the_beam_droops_as_measured() {
 
 /// Height up to which the membrane is simulated [mm]: beyond it folds at the clamp.
 const REACHED: f64 = 55.0;
-/// Largest difference of the membrane from theory: README.md of the pipeline gives the reasons.
+/// Largest difference of the membrane from theory: pipelines/book/trust.md gives the reasons.
 const THEORY: f64 = 0.03;
 
 #[test]

@@ -2,9 +2,10 @@
 //!
 //! A block of commands is marked after its fence: ```` ```sh test ```` runs in `make test`, ```` ```sh slow ````
 //! in `make test-all`, and ```` ```sh ```` nowhere, as it needs what only a reader has. Those of a chapter run
-//! one after the other in one folder, in which `pipelines` is, as in the checkout. What a chapter says of a block is
-//! checked by a command in a comment below it, `<!-- check: COMMAND -->`, which fails where it is not so.
+//! one after the other in one folder, in which `pipelines` is, as in the checkout. Below every block that runs stand
+//! comments, `<!-- check: COMMAND -->`: commands that fail if what the chapter says of the block is not true.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -38,15 +39,23 @@ pub fn chapters() -> Vec<Chapter> {
     paths.into_iter().map(chapter).collect()
 }
 
-/// The README of the project, whose commands are marked as those of chapters.
+/// The READMEs of the project and of its programs, whose commands are marked as those of chapters.
 ///
 /// # Panics
-/// When it cannot be read.
+/// When one cannot be read.
 #[must_use]
-pub fn readme() -> Chapter {
-    let path = repository().join("README.md");
-    let text = fs::read_to_string(&path).expect("a README");
-    Chapter { path, text }
+pub fn readmes() -> Vec<Chapter> {
+    let read = |folder: &str| {
+        let path = repository().join(folder).join("README.md");
+        let text = fs::read_to_string(&path).expect("a README");
+        Chapter { path, text }
+    };
+    ["", "cad2fem", "tagger", "solver", "fab"].map(read).into()
+}
+
+/// The command of a check, if the line is one.
+fn check(line: &str) -> Option<&str> {
+    line.strip_prefix("<!-- check: ")?.strip_suffix(" -->")
 }
 
 impl Chapter {
@@ -56,8 +65,6 @@ impl Chapter {
         let mut commands = String::new();
         let (mut inside, mut wanted) = (false, false);
         for line in self.text.lines() {
-            let check =
-                line.strip_prefix("<!-- check: ").and_then(|rest| rest.strip_suffix(" -->"));
             match line.strip_prefix("```") {
                 Some(_) if inside => inside = false,
                 Some(info) => {
@@ -65,11 +72,48 @@ impl Chapter {
                     wanted = marks.iter().any(|mark| info == format!("sh {mark}"));
                 }
                 None if inside && wanted => commands += &format!("{line}\n"),
-                None if wanted => commands.extend(check.map(|check| format!("{check}\n"))),
+                // bash does not end where the first part of `a && b` fails
+                None if wanted => commands.extend(check(line).map(|check| {
+                    format!("{{ {check}; }} || {{ echo 'the check above failed' >&2; exit 1; }}\n")
+                })),
                 None => {}
             }
         }
         commands
+    }
+
+    /// First lines of the blocks that tests run without a check below them.
+    #[must_use]
+    pub fn unchecked(&self) -> Vec<&str> {
+        let (mut found, mut first, mut inside) = (Vec::new(), None, false);
+        let mut lines = self.text.lines().peekable();
+        while let Some(line) = lines.next() {
+            let Some(info) = line.strip_prefix("```") else { continue };
+            inside = !inside;
+            if inside {
+                let runs = ["sh test", "sh slow"].contains(&info);
+                first = lines.peek().copied().filter(|_| runs);
+            } else if lines.peek().and_then(|next| check(next)).is_none() {
+                found.extend(first);
+            }
+        }
+        found
+    }
+
+    /// What links to its headings end with, as GitHub and mdBook make it.
+    #[must_use]
+    pub fn anchors(&self) -> BTreeSet<String> {
+        let (mut anchors, mut inside) = (BTreeSet::new(), false);
+        for line in self.text.lines() {
+            inside ^= line.starts_with("```");
+            let heading = line.trim_start_matches('#');
+            if !inside && heading.len() < line.len() && heading.starts_with(' ') {
+                let kept = |c: &char| c.is_alphanumeric() || "-_ ".contains(*c);
+                let words: String = heading.trim().chars().filter(kept).collect();
+                anchors.insert(words.to_lowercase().replace(' ', "-"));
+            }
+        }
+        anchors
     }
 
     /// Runs its commands with these marks, if there are any; `make` is that of the checkout.
@@ -96,6 +140,10 @@ impl Chapter {
         let path = std::env::var("PATH").unwrap_or_default();
         let run = Command::new("bash")
             .args(["-c", &script])
+            // a make that runs these tests must not hand its own flags down
+            .env_remove("MAKEFLAGS")
+            .env_remove("MAKELEVEL")
+            .env_remove("MAKEOVERRIDES")
             .env("PATH", format!("{}:{path}", programs.parent().expect("a folder").display()))
             .current_dir(dir.path(""))
             .output()

@@ -67,8 +67,8 @@ pub enum Shape {
         #[serde(default)]
         rotation: Rotation,
     },
-    /// Not a body: a groove engraved in what was built so far, along the plane
-    /// n·p = offset, by adding depth · exp(−(s/width)²) · S to the distance, where
+    /// Not a body: a groove in all primitives before it, along the plane
+    /// n·p = offset. It adds depth · exp(−(s/width)²) · S to the distance, where
     /// s = n·p − offset and S rises smoothly from 0 to 1 for x in `fade`.
     Crease {
         /// n, not normalised.

@@ -8,8 +8,8 @@
 //! R  operations per second of a matrix product in single precision, measured in some
 //!    milliseconds, so that the machine and the number of threads count
 //!
-//! The numbers were fitted to the runs in README.md, section "Speed", where they stand
-//! beside what was measured. A run with few iterations takes half as long, one whose Hessians
+//! The numbers were fitted to the runs in the chapter "Speed" of the book, where predicted
+//! times stand beside measured ones. A run with few iterations takes half as long, one whose Hessians
 //! are indefinite, or that is cut into many load steps, several times.
 
 use super::{Problem, Workspace};

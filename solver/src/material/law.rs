@@ -13,7 +13,7 @@ pub(super) const PA: &str = "Pa";
 
 /// Bulk over shear modulus at rest, where nothing is known: Poisson's ratio
 /// 0.4975. Real silicone has some 10⁴, which locks elements of pure
-/// displacement; the README says what was measured.
+/// displacement; the chapter "Materials" of the book has measurements.
 pub const BULK_RATIO: f64 = 200.0;
 
 /// A parameter of a law.

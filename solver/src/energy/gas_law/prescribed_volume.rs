@@ -16,7 +16,7 @@ use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
     name: "prescribed volume",
-    formula: "V = V*, at the pressure that it needs: its multiplier",
+    formula: "V = V*, at the pressure that it needs; this is the Lagrange multiplier",
     keys: &[
         Key {
             name: "volume_change",
