@@ -299,7 +299,7 @@ mod tests {
              [[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\nrim = \"seat\"\n",
         ))
         .unwrap();
-        assert_eq!(config.epsilon, Epsilon::Absolute(2e-4));
+        assert_eq!(config.epsilon, Some(Epsilon::Absolute(2e-4)));
         let read: Vec<_> = config.tags.iter().map(|t| (t.name.as_str(), t.selector)).collect();
         assert_eq!(read, [("seat", "patch"), ("cavity", "component")]);
         assert_eq!(config.tags[1].rim, ["seat"]);
