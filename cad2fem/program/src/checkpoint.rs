@@ -11,7 +11,7 @@ use serde_json::value::RawValue;
 use crate::sha256;
 
 /// What to do with a file that cannot be used.
-const REMEDY: &str = "begin anew with --restart, or take another output folder";
+const REMEDY: &str = "start over with --restart, or take another output folder";
 
 #[derive(Serialize)]
 struct Written<'a> {

@@ -236,7 +236,7 @@ impl Checkpoint {
         let rows = npy::read_rows(&path)?;
         ensure!(
             rows.shape == shape,
-            "{}: an array of shape {:?}, expected {shape:?}; begin anew: --restart",
+            "{}: an array of shape {:?}, expected {shape:?}; start over with --restart",
             path.display(),
             rows.shape
         );
@@ -301,7 +301,7 @@ impl Checkpoint {
         ensure!(
             self.inputs == inputs,
             "{}: level {}, iteration {} of another problem (scene, design, mesh or target have \
-             changed)\n  to begin anew: --restart, or another output folder",
+             changed)\n  to start over with --restart, or another output folder",
             Self::path(folder).display(),
             self.level + 1,
             self.iteration

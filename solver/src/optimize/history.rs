@@ -50,13 +50,13 @@ impl History {
         let found = text.lines().count();
         ensure!(
             found >= lines,
-            "{}: {found} lines, but the checkpoint is at line {lines}; begin anew: --restart",
+            "{}: {found} lines, but the checkpoint is at line {lines}; start over with --restart",
             path.display()
         );
         let kept: String = text.lines().take(lines).flat_map(|l| [l, "\n"]).collect();
         ensure!(
             lines == 0 || program::sha256(kept.as_bytes()) == sha256,
-            "{}: its first {lines} lines were altered; begin anew: --restart",
+            "{}: its first {lines} lines were altered; start over with --restart",
             path.display()
         );
         if found > lines {

@@ -56,7 +56,7 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        let anew = "to begin anew: --restart, or another output folder";
+        let anew = "to start over with --restart, or another output folder";
         let found: Self = program::read_checkpoint(&path, crate::report::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
@@ -124,12 +124,12 @@ impl<'a> Recorder<'a> {
             for line in text.lines().take(done.steps) {
                 let line = serde_json::from_str(line);
                 lines.push(
-                    line.with_context(|| format!("{}: to begin anew: --restart", path.display()))?,
+                    line.with_context(|| format!("{}: to start over with --restart", path.display()))?,
                 );
             }
             ensure!(
                 lines.len() == done.steps && sha256(&lines) == done.lines,
-                "{}: not the {} lines that the checkpoint expects; to begin anew: --restart",
+                "{}: not the {} lines that the checkpoint expects; to start over with --restart",
                 path.display(),
                 done.steps
             );
