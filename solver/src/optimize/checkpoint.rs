@@ -187,7 +187,7 @@ impl Checkpoint {
         let found = [self.theta.len(), self.gradient.len()];
         ensure!(
             found == [variables, variables],
-            "{}: theta and gradient have {found:?} numbers, expected {:?}; begin anew: \
+            "{}: theta and gradient have {found:?} numbers, expected {:?}; start over with \
              --restart",
             Self::path(folder).display(),
             [variables, variables]

@@ -123,9 +123,9 @@ impl<'a> Recorder<'a> {
             let text = mesh::io::read_own_text(&path)?;
             for line in text.lines().take(done.steps) {
                 let line = serde_json::from_str(line);
-                lines.push(
-                    line.with_context(|| format!("{}: to start over with --restart", path.display()))?,
-                );
+                lines.push(line.with_context(|| {
+                    format!("{}: to start over with --restart", path.display())
+                })?);
             }
             ensure!(
                 lines.len() == done.steps && sha256(&lines) == done.lines,
