@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
-use super::{Evaluation, Level, Run, Scenario};
+use super::{Evaluation, Level};
 
 /// The file in a folder.
 pub struct History {
@@ -73,7 +73,7 @@ pub(super) fn add_scenarios(
     (level, at): (&Level, &Evaluation),
     (moved, measured): (&[BTreeMap<String, f64>], &[BTreeMap<String, f64>]),
 ) {
-    let one = |(i, (scenario, run)): (usize, (&Scenario, &Run))| {
+    for (i, (scenario, run)) in level.scenarios().iter().zip(&at.runs).enumerate() {
         let mut of = json!({
             "objective": run.objective,
             "terms": run.terms,
@@ -83,9 +83,8 @@ pub(super) fn add_scenarios(
         if !measured[i].is_empty() {
             of["probes"] = json!(measured[i]);
         }
-        (scenario.config.name.clone(), of)
-    };
-    line["scenarios"] = level.scenarios().iter().zip(&at.runs).enumerate().map(one).collect();
+        line["scenarios"][&scenario.config.name] = of;
+    }
     let spread = |(tag, first): (&String, &f64)| {
         let all = || moved.iter().map(|of_tags| of_tags[tag]);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
