@@ -123,7 +123,6 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
     };
     let cavity = table("cavity", &wall, "pressure = true\nrim = \"seat\"");
     let tables = [
-        "relative_epsilon = 8e-3\n".to_owned(),
         table("seat", &seat, ""),
         cavity,
         table("tip", &tip, ""),

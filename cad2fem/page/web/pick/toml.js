@@ -94,8 +94,5 @@ export function written(tags, data) {
 
 # The whole surface, so that no tag grows beyond its faces${left > 0 ? `: ${count(left, 'face')} ${left === 1 ? 'has' : 'have'} no tag` : ''}.
 surface = "../model.stl"
-
-# How far a facet may be from its face: more than the envelope of the mesh [diagonal of the body].
-relative_epsilon = 8e-3
 ${kept.map((tag) => `\n${table(tags, tag)}`).join('')}`;
 }
