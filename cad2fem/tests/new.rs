@@ -59,7 +59,7 @@ fn nothing_is_overwritten_and_names_are_checked() {
     assert!(!dir.path("some folders").exists());
     let run = dir.run(&["new", "mine", "--like", "fingr"]);
     run.fails(2, "there is no fingr; did you mean `finger`?");
-    run.fails(2, "blank    the least");
+    run.fails(2, "blank    a finger of four cells");
     assert!(!dir.path("mine").exists());
 }
 

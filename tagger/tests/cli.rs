@@ -255,20 +255,6 @@ fn closed_volume_selects_by_winding_number() {
     assert_eq!(facet_count(&scene.path("tagged.msh"), "seat"), 48);
 }
 
-/// One number is enough: the envelope of the mesher, which it writes beside the mesh.
-#[test]
-fn the_selection_distance_follows_the_envelope_of_the_mesher() {
-    let scene = Scene::new();
-    fs::write(scene.path("volume.report.json"), "{\"options\": {\"envelope\": 3e-5}}").unwrap();
-    let said = succeeded(&scene.tag(PATCHES));
-    assert!(said.contains("epsilon 4.000e-5 m"), "{said}");
-    let said = succeeded(&scene.tag(&format!("epsilon = 2e-5\n{PATCHES}")));
-    assert!(said.contains("epsilon 2.000e-5 m"), "{said}");
-    fs::remove_file(scene.path("tagged.msh")).unwrap();
-    fs::write(scene.path("volume.report.json"), "{").unwrap();
-    scene.fails(&scene.tag(PATCHES), 1, &["volume.report.json", "give epsilon in the tag file"]);
-}
-
 #[test]
 fn empty_selection_says_how_far_away_it_is() {
     let scene = Scene::new();

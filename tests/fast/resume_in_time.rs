@@ -106,7 +106,10 @@ fn signals_end_it_in_order() {
         let said = String::from_utf8_lossy(&ended.stderr);
         assert!(sent.success(), "over before the signal: {said}");
         assert_eq!(ended.status.code(), Some(code), "{said}");
-        assert!(said.contains(&format!("interrupted by SIG{signal}; to continue")), "{said}");
+        assert!(
+            said.contains(&format!("interrupted by SIG{signal}; the same command continues")),
+            "{said}"
+        );
         let files = dir.files("out");
         assert!(!files.iter().any(|f| f.starts_with('.')), "{files:?}");
         dir.solver(COMMAND).assert_good();

@@ -122,12 +122,8 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
         format!("[[tag]]\nname = \"{name}\"\npatch = {}\n{more}\n", files(faces))
     };
     let cavity = table("cavity", &wall, "pressure = true\nrim = \"seat\"");
-    let tables = [
-        table("seat", &seat, ""),
-        cavity,
-        table("tip", &tip, ""),
-        table("skin", &rest, ""),
-    ];
+    let tables =
+        [table("seat", &seat, ""), cavity, table("tip", &tip, ""), table("skin", &rest, "")];
     dir.write("hand.toml", &tables.concat());
     cad2fem("tetmesh model/model.stl --mesher gmsh -o volume.msh");
     let tagged = |config: &str, to: &str| {

@@ -166,9 +166,9 @@ mod tests {
             "mold/upper.stl",
             "mold/cast.pdf",
             "run/curve.csv",
-            "mold.checks.txt",
             "mold/mold.json",
             "mold/plan.json",
+            "mold.checks.txt",
             "run/report.json",
             "mold/reference/cast.stl",
         ];

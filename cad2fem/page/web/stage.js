@@ -186,7 +186,7 @@ export class Stage {
     bar.style.width = `${length / perPixel}px`;
     bar.textContent = `${Number(length.toPrecision(1))} mm`;
     this.scale = { length: length / perPixel, text: bar.textContent };
-    this.root.querySelector('#over').replaceChildren(...this.drawings.flatMap((drawing) => drawing()));
+    if (this.drawings.length) this.root.querySelector('#over').replaceChildren(...this.drawings.flatMap((drawing) => drawing()));
   }
 }
 

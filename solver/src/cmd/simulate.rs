@@ -31,9 +31,6 @@ use crate::scene::Scene;
 use crate::stretch::Stretches;
 use crate::uncertainty;
 
-/// Largest load increment with `--curve` [1].
-const CURVE_STEP: f64 = 0.1;
-
 /// Solve a scene for its equilibrium under the full load, or through time
 ///
 /// Writes to the output folder: report.json, nodes.npy and displacement.npy
@@ -82,8 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     if arguments.curve {
-        let first = scene.config.solver.first_load_step.unwrap_or(0.0);
-        scene.config.solver.largest_load_step.get_or_insert(CURVE_STEP.max(first));
+        scene.config.solver.step_for_curves();
     }
     let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
     let as_cast = as_cast.transpose()?;

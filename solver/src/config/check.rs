@@ -274,6 +274,11 @@ impl SolverConfig {
         self.largest_load_step.unwrap_or(1.0)
     }
 
+    /// Takes the load in ten steps where no largest one is given.
+    pub fn step_for_curves(&mut self) {
+        self.largest_load_step.get_or_insert(self.first_load_step.unwrap_or(0.0).max(0.1));
+    }
+
     fn check(&self) -> Result<()> {
         let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
         ensure!(largest > 0.0, "largest_load_step = {largest}: must be above 0");

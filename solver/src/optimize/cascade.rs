@@ -387,7 +387,7 @@ impl Cascade<'_> {
             line["probes"] = json!(measured[0]);
         }
         if !self.design.scenario.is_empty() {
-            add_scenarios(&mut line, (level, evaluation), (&moved, &measured));
+            add_scenarios(&mut line, (level, evaluation), &moved, &measured);
         }
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \

@@ -71,7 +71,8 @@ impl History {
 pub(super) fn add_scenarios(
     line: &mut Value,
     (level, at): (&Level, &Evaluation),
-    (moved, measured): (&[BTreeMap<String, f64>], &[BTreeMap<String, f64>]),
+    moved: &[BTreeMap<String, f64>],
+    measured: &[BTreeMap<String, f64>],
 ) {
     for (i, (scenario, run)) in level.scenarios().iter().zip(&at.runs).enumerate() {
         let mut of = json!({

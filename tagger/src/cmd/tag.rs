@@ -113,3 +113,23 @@ fn report(config: &Config, assignment: &Assignment, facets: &Facets) {
     let left_over = assignment.left_over();
     info!("{contested} contested, {left_over} of {} facets left over", facets.len());
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// One number is enough: the envelope of the mesher, which it writes beside the mesh.
+    #[test]
+    fn the_envelope_is_that_of_the_report_beside_the_mesh() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mesh, report) =
+            (folder.path().join("volume.msh"), folder.path().join("volume.report.json"));
+        assert_eq!(envelope(&mesh).unwrap(), None);
+        std::fs::write(&report, "{\"options\": {\"envelope\": 3e-5}}").unwrap();
+        assert_eq!(envelope(&mesh).unwrap(), Some(3e-5));
+        std::fs::write(&report, "{").unwrap();
+        let error = format!("{:#}", envelope(&mesh).unwrap_err());
+        assert!(error.contains("volume.report.json") && error.contains("give epsilon"), "{error}");
+    }
+}

@@ -356,7 +356,7 @@ pub(crate) mod tests {
         assert_eq!((body.faces.len(), body.surface.triangles.len()), (12, 24));
         // f0: outside, facing -x
         let face = &body.faces[0];
-        assert!((face.area - 200e-6).abs() < 1e-12, "{}", face.area);
+        assert!((face.area - 200e-6).abs() < 1e-11, "{}", face.area);
         assert_eq!((face.normal, &face.kind[..]), (Some(-Vec3::x()), "plane"));
         assert!((face.middle - Vec3::new(0.0, 0.01, 0.005)).norm() < 1e-8);
         assert_eq!(body.borders.len(), 24, "twelve edges of each box");

@@ -236,8 +236,9 @@ mod tests {
         let tree = DeTable::parse(text).unwrap();
         let list = tree.get_ref()["chamber"].span();
         let found = |message: &str| find(tree.get_ref(), Some(list.clone()), message).unwrap();
-        assert_eq!(&text[found("on: invalid type: sequence, expected a string")], "on = ['b']");
-        assert_eq!(&text[found("on: invalid type: string \"a\", expected a list")], "on = 'a'");
+        let starts = |message: &str| &text[found(message).start..];
+        assert!(starts("on: invalid type: sequence, expected a string").starts_with("on = ['b']"));
+        assert!(starts("on: invalid type: string \"a\", expected a list").starts_with("on = 'a'"));
         assert_eq!(found("missing field `fill`").start, text.rfind("[[").unwrap());
         assert_eq!(found("missing field `pressure`").start, 0);
     }
