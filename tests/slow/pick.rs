@@ -82,7 +82,9 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
     // the same without proposals: all is given back, and the chamber is reached through its mouth
     person.browser.evaluate("localStorage.clear()");
     person.browser.open(&dir.path("pick.html"));
-    person.browser.wait("window.puffer?.state().list.length === 0");
+    person
+        .browser
+        .wait("window.puffer?.state().firstPicture && window.puffer.state().list.length === 0");
     person.clicks = 0;
     person.press("+ seat");
     let turn = "(() => { const b = document.querySelector('canvas'); b.focus(); })()";
