@@ -19,7 +19,7 @@ use crate::files::report::MoldReport;
 const CAD: f64 = 0.05;
 
 /// How much more than at those points a distance may be between them [1].
-const BETWEEN: f64 = 1.05;
+const BETWEEN: f64 = 1.2;
 
 /// Points of a surface at which distances are measured, besides its vertices.
 const SAMPLES: usize = 20_000;
