@@ -52,7 +52,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Those of the faces of a file, whose names become `renamed` ones.
+    /// The kinds and the tangent pairs of the faces of a file, under the names that `renamed` gives them.
     pub fn of(faces: &Faces, renamed: impl Fn(&str) -> String) -> Self {
         let kinds = faces.names.iter().zip(&faces.kinds).filter(|(_, kind)| !kind.is_empty());
         let pair = |pair: &[usize; 2]| pair.map(|i| renamed(&faces.names[i]));

@@ -20,16 +20,16 @@ pub struct Solids {
 
 #[derive(Debug)]
 struct Solid {
-    /// Its name in the file; empty if it has none.
+    /// Name of the solid in the file; empty if the file gives none.
     name: String,
-    /// Its boundary [m].
+    /// Boundary of the solid [m].
     surface: SurfaceMesh,
     /// [m³]
     volume: f64,
 }
 
 impl Solids {
-    /// Those of a file whose faces have been meshed.
+    /// The solids of a file whose faces have been meshed.
     #[must_use]
     pub fn of(faces: &Faces) -> Self {
         let solid = |(name, triangles): &(String, Vec<usize>)| {

@@ -11,7 +11,7 @@ use pdf_writer::{Content, Str};
 
 const FONTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../cad2fem/render/fonts/Inter-");
 
-/// All streams of a PDF file that are packed, unpacked.
+/// Unpacks all packed streams of a PDF file.
 fn unpacked(pdf: &[u8]) -> Vec<u8> {
     let find = |text: &[u8], from: usize| {
         pdf[from..].windows(text.len()).position(|w| w == text).map(|at| from + at)

@@ -55,7 +55,10 @@ fn lines_that_cannot_be_are_refused_and_nothing_is_overwritten() {
     fails("design p1.toml --probe top", "expected NAME=VALUE");
     fails("design p1.toml --probe top=1e-3 --move cavty", "the mesh has");
     fails("design p1.toml --probe top=1e-3 --wall 0", "must be positive");
-    dir.solver("design p1.toml --probe top=1e-3 -o one.toml").assert_good();
+    // Of two files either both are written or none.
+    fails("design p1.toml --probe bend=1 --pressure 9e3 -o two.toml", "there are: top, air");
+    assert!(!dir.path("two.sim.toml").exists());
+    dir.solver("design ./p1.toml --probe top=1e-3 -o one.toml").assert_good();
     let before = dir.text("one.toml");
     fails("design p1.toml --probe top=2e-3 -o one.toml", "is there already");
     assert_eq!(dir.text("one.toml"), before);

@@ -26,7 +26,7 @@ pub struct Content {
     pub group: &'static str,
 }
 
-/// All of them, by group and then by path.
+/// All files that a reader may want, sorted by group and then by path.
 ///
 /// # Errors
 /// If a folder cannot be read.

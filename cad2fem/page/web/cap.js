@@ -2,6 +2,16 @@
 
 import * as THREE from 'three';
 
+/** The plane n·p = offset across an axis at a part of a box; null without an axis. */
+export function planeAcross(box, { axis, at, sign }) {
+  const c = ['x', 'y', 'z'].indexOf(axis);
+  if (c < 0) return null;
+  const [low, high] = [box.min.getComponent(c), box.max.getComponent(c)];
+  const normal = [0, 0, 0];
+  normal[c] = sign;
+  return { normal, offset: sign * (low + at * (high - low)) };
+}
+
 /** Three meshes that cap a closed surface where a plane cuts it: where the stencil counts more back than front faces. */
 export class Cap {
   constructor(shape, color, order) {

@@ -1,5 +1,6 @@
 // The page: what it holds, and who shows it.
 
+import { planeAcross } from 'page/cap';
 import { RAMP, digits } from 'page/color';
 import { button, check, fieldset, make, row, select, slider } from 'page/controls';
 import { History } from 'page/history';
@@ -21,12 +22,7 @@ const look = {
   axis: 'none', at: 0.5, sign: 1, opacity: 1, lines: false,
   /** The plane n·p = offset of the cut through a box; what is beyond it is removed. */
   plane(box) {
-    const c = ['x', 'y', 'z'].indexOf(this.axis);
-    if (c < 0) return null;
-    const [low, high] = [box.min.getComponent(c), box.max.getComponent(c)];
-    const normal = [0, 0, 0];
-    normal[c] = this.sign;
-    return { normal, offset: this.sign * (low + this.at * (high - low)) };
+    return planeAcross(box, this);
   },
 };
 

@@ -117,8 +117,8 @@ pub struct Faces {
     pub inside: Vec<bool>,
     /// Names of physical volumes, and the triangles of their boundaries.
     pub volumes: Vec<(String, Vec<usize>)>,
-    /// The same of the solids of a file that has several and no groups; those without a name have
-    /// an empty one.
+    /// Names of the solids, and the triangles of their boundaries, if the file has several solids and no groups. A
+    /// solid without a name has an empty one.
     pub solids: Vec<(String, Vec<usize>)>,
     /// What the faces of each patch are, such as `plane`; empty where they differ.
     pub kinds: Vec<String>,

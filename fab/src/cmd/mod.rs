@@ -110,7 +110,7 @@ impl Task {
         Ok(Planned { config, boundary, plan, report, collars, layers, progress })
     }
 
-    /// The same without methods that were tried.
+    /// Plans the task again, without methods that were tried.
     ///
     /// # Errors
     /// If no other method can be used.

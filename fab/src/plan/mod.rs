@@ -132,7 +132,7 @@ impl Plan {
         Self::without(&[], boundary, config)
     }
 
-    /// The same without methods that were tried.
+    /// Plans as [`Self::new`] does, without methods that were tried.
     ///
     /// # Errors
     /// [`PlanError`] if none of the others can be used, or not as the configuration asks.

@@ -212,7 +212,7 @@ fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
 /// from `to` belongs to a film if no ball of the diameter `film` fits into `from` below it.
 ///
 /// What this lets through is measured on damaged parts in `tests/films.rs`. Places that are not `counted` do not count.
-/// Also where it is.
+/// Returns the distance and its place.
 pub fn deviation(
     from: &SurfaceMesh,
     to: &SurfaceMesh,

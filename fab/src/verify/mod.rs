@@ -102,7 +102,7 @@ impl Line {
         Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
     }
 
-    /// With the place in the mold [mm] where it does not hold.
+    /// Adds the place in the mold [mm] to a check that does not hold.
     #[must_use]
     pub fn placed(mut self, at: &Vec3) -> Self {
         if self.status != Status::Ok {

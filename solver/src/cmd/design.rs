@@ -75,21 +75,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .output
         .clone()
         .unwrap_or_else(|| beside(&arguments.scene, Path::new("design.toml")));
-    let mut name = file_name(&arguments.scene)?;
+    let folder_of =
+        |path: &Path| std::path::absolute(path).map(|path| path.parent().map(Path::to_owned));
     ensure!(
-        path.parent() == arguments.scene.parent(),
+        folder_of(&path)? == folder_of(&arguments.scene)?,
         "{}: must lie beside the scene, {}",
         path.display(),
         arguments.scene.display()
     );
+    let mut name = file_name(&arguments.scene)?;
+    let mut files = Vec::new();
     if let Some(pressure) = arguments.pressure {
         let under = path.with_extension("sim.toml");
-        let text = pressed(&name, &moved, pressure, &scene).with_context(place)?;
-        write(&under, &text)?;
+        files.push((under.clone(), pressed(&name, &moved, pressure, &scene).with_context(place)?));
         name = file_name(&under)?;
     }
-    let text = problem(arguments, &scene, &name, &moved).with_context(place)?;
-    write(&path, &text)?;
+    files.push((path.clone(), problem(arguments, &scene, &name, &moved).with_context(place)?));
+    write(&files)?;
     let folder = beside(&path, Path::new("optimize"));
     log::info!("{}: solver optimize {} -o {}", path.display(), path.display(), folder.display());
     Ok(())
@@ -117,27 +119,30 @@ fn moved(arguments: &Arguments, scene: &Scene) -> Result<String> {
 
 /// The scene `name` with another pressure.
 fn pressed(name: &str, moved: &str, pressure: f64, scene: &Scene) -> Result<String> {
+    ensure!(pressure.is_finite(), "--pressure {pressure}: must be a number, in pascals");
     ensure!(
         scene.config.chamber.iter().any(|chamber| chamber.on == moved),
         "--pressure: \"{moved}\" is no [[chamber]] of the scene"
     );
+    let (name, moved) = (quoted(name), quoted(moved));
     Ok(format!(
-        "# The scene of design.toml: that of {name} at another pressure.\n\ninclude = \"{name}\"\n\n\
-         [[chamber]]\non = \"{moved}\"\npressure = {pressure:?}    # gauge [Pa]\n"
+        "# The scene of the design at another pressure.\n\ninclude = {name}\n\n\
+         [[chamber]]\non = {moved}\npressure = {pressure:?}    # gauge [Pa]\n"
     ))
 }
 
 /// The text of the design problem.
 fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Result<String> {
-    let against = outside(&scene.body, moved)?;
+    let against: Vec<_> = outside(&scene.body, moved)?.iter().map(|tag| quoted(tag)).collect();
+    let (name, moved) = (quoted(name), quoted(moved));
     let mut text = format!(
         "# What `solver design` wrote; edit it as you like. SI units; paths from this folder.\n\
          # All keys: solver schema design --markdown\n\n\
-         scene = \"{name}\"\n\n\
+         scene = {name}\n\n\
          [optimizer]\n\
          stagnation = 2e-3               # a level ends when an iteration gains less than this\n\n\
          # What may move, with more handles in each level.\n\
-         [shape]\non = \"{moved}\"\n"
+         [shape]\non = {moved}\n"
     );
     for (handles, iterations) in LEVELS {
         writeln!(text, "\n[[shape.level]]\nhandles = {handles}\niterations = {iterations}")?;
@@ -153,21 +158,21 @@ fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Res
         )?;
     }
     if against.is_empty() {
-        log::warn!("no tag lies off the rim of \"{moved}\": walls are not kept");
+        log::warn!("no tag lies off the rim of {moved}: walls are not kept");
     } else {
         let (wall, half) = (arguments.wall, arguments.wall / 2.0);
-        let weight = WALL / wall.powi(4);
+        let (weight, against) = (WALL / wall.powi(4), toml::Value::Array(against));
         write!(
             text,
             "\n# No wall thinner than `minimum`; walls of less than minimum + activation push.\n[[objective]]\n\
              kind = \"wall-thickness\"\nname = \"wall\"\nweight = {weight:.1e}    # [1/m^4]\n\
-             on = \"{moved}\"\nagainst = {against:?}\nminimum = {wall:?}    # [m]\nactivation = {half:?}    # [m]\n"
+             on = {moved}\nagainst = {against}\nminimum = {wall:?}    # [m]\nactivation = {half:?}    # [m]\n"
         )?;
     }
     write!(
         text,
         "\n# No crumpled walls, and none that pass through each other.\n[[objective]]\nkind = \"smoothness\"\n\
-         name = \"smooth\"\nweight = 0.02\non = \"{moved}\"\n\n[[objective]]\nkind = \"clearance\"\n\
+         name = \"smooth\"\nweight = 0.02\non = {moved}\n\n[[objective]]\nkind = \"clearance\"\n\
          name = \"clear\"\nweight = 1.0                    # [1/m^4]\nactivation = 5e-5               # [m]\n"
     )?;
     Ok(text)
@@ -208,13 +213,18 @@ fn outside(body: &Body, moved: &str) -> Result<Vec<String>> {
     Ok(body.used_tags().filter(is_off).cloned().collect())
 }
 
-/// Writes a file that is not there yet.
-fn write(path: &Path, text: &str) -> Result<()> {
-    ensure!(
-        !path.exists(),
-        "{}: is there already; name another file with -o, or remove it",
-        path.display()
-    );
-    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+/// Writes files of which none is there yet.
+fn write(files: &[(PathBuf, String)]) -> Result<()> {
+    if let Some((path, _)) = files.iter().find(|(path, _)| path.exists()) {
+        bail!("{}: is there already; name another file with -o, or remove it", path.display());
+    }
+    for (path, text) in files {
+        mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    }
     Ok(())
+}
+
+/// A text as TOML has it.
+fn quoted(text: &str) -> toml::Value {
+    toml::Value::String(text.to_owned())
 }

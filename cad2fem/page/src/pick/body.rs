@@ -28,13 +28,13 @@ const FLAT: f64 = 0.9999;
 pub struct Face {
     /// Name of its region.
     pub name: String,
-    /// Its file in `patches`; none of what belongs to no region.
+    /// Name of the file in `patches`. Triangles without a region have no file.
     pub file: Option<String>,
     /// What it is: `plane`, `cylinder`, … as CAD says, else `plane` or `curved`.
     pub kind: String,
     /// Whether it lies inside the body, as a sheet does.
     pub inside: bool,
-    /// Its triangles, which follow each other.
+    /// Numbers of the triangles of the face, without gaps.
     pub triangles: Range<usize>,
     /// [m²]
     pub area: f64,
@@ -49,8 +49,6 @@ pub struct Face {
 pub struct Border {
     /// Numbers of the faces.
     pub faces: [usize; 2],
-    /// [m]
-    pub length: f64,
     /// Whether they have the same tangent planes there.
     pub smooth: bool,
 }
@@ -62,7 +60,7 @@ pub struct Body {
     pub source: String,
     /// All triangles [m], face by face; those of surfaces inside have vertices of their own.
     pub surface: SurfaceMesh,
-    /// Its faces.
+    /// All faces, in the order of their triangles.
     pub faces: Vec<Face>,
     /// Where they meet, by ascending numbers.
     pub borders: Vec<Border>,
@@ -293,11 +291,7 @@ fn borders(body: &Body, count: usize, tangent: &Option<BTreeSet<[usize; 2]>>) ->
     }
     let border = |(faces, [length, turned]): ([usize; 2], [f64; 2])| {
         let flat = turned < SMOOTH * length;
-        Border {
-            faces,
-            length,
-            smooth: tangent.as_ref().map_or(flat, |known| known.contains(&faces)),
-        }
+        Border { faces, smooth: tangent.as_ref().map_or(flat, |known| known.contains(&faces)) }
     };
     sums.into_iter().map(border).collect()
 }
@@ -320,7 +314,7 @@ pub(crate) mod tests {
         body_with_air(5.0)
     }
 
-    /// The same with air that begins at x [mm], outside if that is below zero.
+    /// The same box, whose air begins at x [mm]. A negative x opens the air to the outside.
     pub(crate) fn body_with_air(x: f64) -> TempDir {
         let cube = |low: Vec3, high: Vec3| Solid::cube(&(1e-3 * low), &(1e-3 * high));
         let outer = cube(Vec3::zeros(), Vec3::new(40.0, 20.0, 10.0));

@@ -76,7 +76,7 @@ fn about() -> Markup {
                 summary { "About this page" }
                 p {
                     "Made by " code { "cad2fem pick" } ". It is one file and asks no server for \
-                     anything; what you choose stays in this browser until you choose anew."
+                     anything. The browser keeps what you choose until you choose again."
                 }
                 pre { (LICENCE) }
             }

@@ -99,7 +99,7 @@ fn pockets(body: &Body) -> Vec<Value> {
     outermost.map(value).collect()
 }
 
-/// The parts into which the faces around a face fall without it, but for the largest.
+/// The parts that the faces around a face form when the face is taken out, without the largest part.
 fn apart(body: &Body, lid: usize) -> Vec<BTreeSet<usize>> {
     let around: Vec<usize> = body.beside(lid).collect();
     let mut parts: Vec<BTreeSet<usize>> = Vec::new();

@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { numbers } from 'page/arrays';
+import { planeAcross } from 'page/cap';
 import { button, row } from 'page/controls';
 import { Stage, VIEWS } from 'page/stage';
 import { Body } from 'pick/body';
@@ -18,12 +19,7 @@ const faces = data.body.faces;
 const look = {
   axis: 'none', at: 0.5, sign: 1, hides: false, through: false, how: 'face', partners: [],
   plane(box) {
-    const c = ['x', 'y', 'z'].indexOf(this.axis);
-    if (c < 0) return null;
-    const [low, high] = [box.min.getComponent(c), box.max.getComponent(c)];
-    const normal = [0, 0, 0];
-    normal[c] = this.sign;
-    return { normal, offset: this.sign * (low + this.at * (high - low)) };
+    return planeAcross(box, this);
   },
 };
 
@@ -213,7 +209,7 @@ async function begin() {
   at('redo').addEventListener('click', () => tags.redo());
   document.addEventListener('keydown', key);
   tools();
-  // before anything is kept anew
+  // before anything new is kept
   if (!restored()) refresh();
 }
 

@@ -229,7 +229,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Of a list of tables `toml` has one place, that of the first.
+    /// `toml` gives a list of tables one place, which is the place of the first table.
     #[test]
     fn the_table_of_a_list_that_an_error_means_is_found() {
         let text = "[[chamber]]\non = 'a'\nfill = 1\n\n[[chamber]]\non = ['b']\n";

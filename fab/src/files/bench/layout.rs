@@ -9,9 +9,9 @@ use super::typeface::Typefaces;
 pub const PAGE: [f64; 2] = [595.28, 841.89];
 /// Distance of the content from the left and right edge.
 const SIDE: f64 = 45.0;
-/// Of its first line from the upper edge.
+/// Distance of the first line from the upper edge.
 const TOP: f64 = 48.0;
-/// Of its last line from the lower edge, above the footer.
+/// Distance of the last line from the lower edge, above the footer.
 const BOTTOM: f64 = 62.0;
 /// Width of the content.
 pub const WIDTH: f64 = PAGE[0] - 2.0 * SIDE;
@@ -51,16 +51,16 @@ pub enum Mark {
     Square {
         /// The corner.
         at: [f64; 2],
-        /// Its side.
+        /// Length of a side.
         side: f64,
     },
     /// A picture, by its number and its lower left corner.
     Picture {
-        /// Its number.
+        /// Number of the picture.
         number: usize,
         /// The corner.
         at: [f64; 2],
-        /// Its width and height.
+        /// Width and height of the picture.
         size: [f64; 2],
     },
 }

@@ -91,7 +91,7 @@ fn footer(plan: &PlanReport, (page, pages): (usize, usize)) -> Vec<Mark> {
     marks
 }
 
-/// All that the sheet says.
+/// The blocks of the sheet, from its title to its last step.
 fn blocks(plan: &PlanReport, casts: &[Cast], title: &str, pictures: usize) -> Vec<Block> {
     let mut blocks =
         vec![Block::Title(title.into(), format!("bench sheet, method {}", plan.method))];

@@ -9,7 +9,7 @@ use super::typeface::{Typeface, Typefaces};
 
 const IDENTITY: SystemInfo =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
-/// Of a text, its outlines and its letters.
+/// Names of the regular and the bold typeface in the resources of a page.
 const FONTS: [Name; 2] = [Name(b"R"), Name(b"B")];
 /// Grey of lines [1].
 const GREY: f32 = 0.72;

@@ -8,7 +8,7 @@ const BOLD: &[u8] = include_bytes!("../../../../cad2fem/render/fonts/Inter-Bold.
 /// One weight.
 pub struct Typeface {
     face: Face<'static>,
-    /// Its name in the file.
+    /// Name of the typeface in the PDF file.
     pub name: &'static str,
 }
 
