@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use cad2fem::implicit::{Fields, Model, ModelFile, surface};
+use mechanics::math::random::Random;
 use mesh::Vec3;
 use mesh::check::check_surface;
 use mesh::inside::WindingNumber;
 use mesh::measure::bounds;
 use rayon::prelude::*;
-use solver::math::random::Random;
 use tests::bodies::{Body, tags};
 use tests::families;
 use tests::workdir::{Run, Workdir, python, repository};

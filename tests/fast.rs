@@ -51,6 +51,8 @@ mod names;
 mod nested;
 #[path = "fast/newton.rs"]
 mod newton;
+#[path = "fast/numbers.rs"]
+mod numbers;
 #[path = "fast/optimize.rs"]
 mod optimize;
 #[path = "fast/page.rs"]

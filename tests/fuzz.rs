@@ -10,7 +10,7 @@ use std::panic::catch_unwind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 use tests::chamber;
 use tests::fuzz::{TARGETS, Target, mutate};
 use tests::fuzz::{numbers, sweeps};

@@ -41,8 +41,8 @@ pub mod workdir;
 
 use std::path::PathBuf;
 
+use mechanics::body::Body;
 use mesh::{Tags, TetMesh, Vec3};
-use solver::body::Body;
 
 /// The six tetrahedra of a cube whose corners are numbered by the bits zyx.
 const KUHN: [[usize; 4]; 6] =

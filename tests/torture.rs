@@ -28,7 +28,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use job::{JOBS, Sound};
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 use trial::{TRIALS, Tally};
 
 /// A number from 0 to 1.

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use mesh::io::{read_surface, remove_output, remove_output_folder, write_atomic, write_surface};
+use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume, triangle_area};
 use mesh::topology::{boundary_loops, components, submesh};
 use mesh::{SurfaceMesh, Vec3, check};
@@ -201,8 +201,7 @@ impl LabelledSurface {
             tangent: self.tangent(),
             wall_s: start.elapsed().as_secs_f64(),
         };
-        let text = serde_json::to_string_pretty(&report)?;
-        write_atomic(&folder.join(STAMP), |out| writeln!(out, "{text}"))?;
+        program::write_json(&folder.join(STAMP), &report)?;
         Ok(report)
     }
 

@@ -4,9 +4,9 @@
 //! Its clamped end does not turn but may contract sideways; one that is fixed along all
 //! axes is stiffer, by an amount that cubic elements give.
 
+use mechanics::energy::{BodyEnergies, Elastic, Energies, Traction};
+use mechanics::material::{Lame, NeoHookean};
 use mesh::{TetMesh, Vec3};
-use solver::energy::{BodyEnergies, Elastic, Energies, Traction};
-use solver::material::{Lame, NeoHookean};
 use tests::block;
 use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 

@@ -1,9 +1,9 @@
 //! Contact and friction against closed forms.
 
+use mechanics::body::Body;
+use mechanics::contact::barrier::{Barrier, Form};
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
-use solver::body::Body;
-use solver::contact::barrier::{Barrier, Form};
 use tests::motion::{Motion, SILICONE, begin};
 use tests::{block, tag};
 

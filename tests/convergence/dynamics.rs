@@ -4,7 +4,7 @@ use mesh::Vec3;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::{block, tag};
 
-fn cube() -> solver::body::Body {
+fn cube() -> mechanics::body::Body {
     let cube = block([2, 2, 2], 0.01, |_| false, |p| p + 1e-3 * Vec3::new(p.y, p.z, -p.x));
     tag(cube, &[("bottom", &|p| p.z < 2e-4), ("skin", &|_| true)])
 }

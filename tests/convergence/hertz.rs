@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use mechanics::element::at;
 use mesh::{SurfaceMesh, TetMesh, Vec3};
-use solver::element::at;
 use solver::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;

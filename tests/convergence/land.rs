@@ -8,13 +8,13 @@
 
 use std::sync::Arc;
 
+use mechanics::element::at;
+use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Wall};
+use mechanics::forward::Newton;
+use mechanics::material::{Kinematics, Material};
+use mechanics::math::sparse::BlockMatrix;
+use mechanics::math::tensor::{Mat3, Mat9, vec9};
 use mesh::Vec3;
-use solver::element::at;
-use solver::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Wall};
-use solver::forward::Newton;
-use solver::material::{Kinematics, Material};
-use solver::math::sparse::BlockMatrix;
-use solver::math::tensor::{Mat3, Mat9, vec9};
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where};
 

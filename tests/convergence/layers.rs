@@ -4,9 +4,9 @@
 //! EI = E₁ b h³/96 · (1 + 14 r + r²)/(1 + r), the formula of a bimetal; the end moves by
 //! δ = F L³/(3EI) + k F L/(μ₁ b h).
 
+use mechanics::energy::{BodyEnergies, Elastic, Energies, Traction};
+use mechanics::material::{Lame, NeoHookean};
 use mesh::Vec3;
-use solver::energy::{BodyEnergies, Elastic, Energies, Traction};
-use solver::material::{Lame, NeoHookean};
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where, mean};
 

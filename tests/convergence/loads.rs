@@ -1,16 +1,16 @@
 //! Body force and traction against their own derivatives, all energies with
 //! cubic elements, and resultants.
 
-use mesh::Vec3;
-use solver::body::Body;
-use solver::element::{FunctionSpace, at};
-use solver::energy::{
+use mechanics::body::Body;
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::{
     BodyForce, Chamber, Elastic, Energy, Hessian, Isobaric, Iterate, Traction, Wall,
 };
-use solver::math::random::Random;
-use solver::math::sparse::{BlockMatrix, Pattern};
-use solver::math::taylor::taylor;
-use solver::schedule::Field;
+use mechanics::math::random::Random;
+use mechanics::math::sparse::{BlockMatrix, Pattern};
+use mechanics::math::taylor::taylor;
+use mechanics::schedule::Field;
+use mesh::Vec3;
 use tests::equilibrium::SILICONE;
 use tests::{block, tag};
 

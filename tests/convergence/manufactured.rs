@@ -3,14 +3,14 @@
 
 use std::f64::consts::PI;
 
+use mechanics::element::{FunctionSpace, add_at, at, quadrature, tabulate};
+use mechanics::energy::{Energies, Energy, Hessian, Iterate};
+use mechanics::forward::{Configuration, Newton, Problem, Workspace};
+use mechanics::material::{Kinematics, Material, MooneyRivlin};
+use mechanics::math::sparse::BlockMatrix;
+use mechanics::math::taylor::log_slope;
+use mechanics::math::tensor::{Mat3, cofactor};
 use mesh::Vec3;
-use solver::element::{FunctionSpace, add_at, at, quadrature, tabulate};
-use solver::energy::{Energies, Energy, Hessian, Iterate};
-use solver::forward::{Configuration, Newton, Problem, Workspace};
-use solver::material::{Kinematics, Material, MooneyRivlin};
-use solver::math::sparse::BlockMatrix;
-use solver::math::taylor::log_slope;
-use solver::math::tensor::{Mat3, cofactor};
 use tests::block;
 use tests::equilibrium::scientific;
 

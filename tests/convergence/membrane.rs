@@ -6,12 +6,12 @@
 //! axis is n h/(2 (1 + n)) above the middle, EI = E b h³/12 (1 + 4n)/(1 + n) and
 //! δ = F L³/(3EI) + k F L/(G b h). A sheet in the middle has no part in bending.
 
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{Energies, Isobaric, Membrane, Traction};
+use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
+use mechanics::material::sheet::{self, Sheet, TensionField};
+use mechanics::material::{Lame, NeoHookean};
 use mesh::{TetMesh, Vec3, facet_key, topology};
-use solver::element::FunctionSpace;
-use solver::energy::{Energies, Isobaric, Membrane, Traction};
-use solver::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
-use solver::material::sheet::{self, Sheet, TensionField};
-use solver::material::{Lame, NeoHookean};
 use tests::block;
 use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 use tests::meshes::shell_octant;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use solver::element::FunctionSpace;
+use mechanics::element::FunctionSpace;
 use solver::report::results::grid;
 use tests::block;
 use tests::workdir::python;

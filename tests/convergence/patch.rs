@@ -1,10 +1,10 @@
 //! A homogeneous deformation prescribed at the boundary of a distorted block is
 //! found inside.
 
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::Energies;
+use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve};
 use mesh::Vec3;
-use solver::element::{FunctionSpace, at};
-use solver::energy::Energies;
-use solver::forward::{Newton, Problem, Stepping, Workspace, solve};
 use tests::block;
 use tests::equilibrium::SILICONE;
 

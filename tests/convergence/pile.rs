@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
+use mechanics::body::Body;
+use mechanics::contact::certificate::certify;
+use mechanics::math::random::Random;
 use mesh::{SurfaceMesh, TetMesh, Vec3};
-use solver::body::Body;
-use solver::contact::certificate::certify;
-use solver::math::random::Random;
 use tests::meshes::ball;
 use tests::motion::{Motion, begin};
 use tests::{block, tag};

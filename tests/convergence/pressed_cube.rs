@@ -3,12 +3,12 @@
 //! so with the mesh, while contact exerts no force there on any mesh. Nodes of these
 //! faces that are nearer to a plate than the activation do touch it, and are not free.
 
+use mechanics::body::Body;
+use mechanics::element::quadrature::{Rule, triangle};
+use mechanics::element::{at, tabulate};
+use mechanics::material::Kinematics;
+use mechanics::math::tensor::{Mat3, cofactor};
 use mesh::{SurfaceMesh, Vec3};
-use solver::body::Body;
-use solver::element::quadrature::{Rule, triangle};
-use solver::element::{at, tabulate};
-use solver::material::Kinematics;
-use solver::math::tensor::{Mat3, cofactor};
 use solver::plot::{Axes, Series, Style, draw};
 use solver::report::results::grid_with_fields;
 use tests::motion::{Motion, SILICONE, begin};

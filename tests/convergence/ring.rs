@@ -4,10 +4,10 @@
 //! References: Lamé's cylinder; for large pressure the boundary value problem of
 //! a Neo-Hookean ring, solved independently.
 
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{Energies, GasLaw, Isobaric};
+use mechanics::material::{Lame, Material, NeoHookean};
 use mesh::Vec3;
-use solver::element::FunctionSpace;
-use solver::energy::{Energies, GasLaw, Isobaric};
-use solver::material::{Lame, Material, NeoHookean};
 use tests::equilibrium::{Equilibrium, SILICONE, facets_where, mean};
 use tests::meshes::ring_quarter;
 use tests::symmetric_gas::{Planes, SymmetricGas};

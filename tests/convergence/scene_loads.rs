@@ -1,10 +1,10 @@
 //! A scene with every kind of load and support, as `solver simulate` reads it.
 
+use mechanics::forward::solve;
 use mesh::Vec3;
+use scene::Scene;
 use serde_json::Value;
-use solver::forward::solve;
 use solver::report::results;
-use solver::scene::Scene;
 use tests::{block, tag};
 
 /// A bar that is held, pulled sideways by its end, heavy, and blown up.

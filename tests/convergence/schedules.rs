@@ -1,7 +1,7 @@
 //! Loads and supports over time against static solutions at the same loads.
 
+use mechanics::element::at;
 use mesh::Vec3;
-use solver::element::at;
 use solver::report::results;
 use tests::bar::{HELD, difference, simulate};
 

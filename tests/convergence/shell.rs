@@ -4,13 +4,13 @@
 //! independently; at small pressure Lamé's sphere,
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
-use mesh::Vec3;
-use solver::energy::{
+use mechanics::energy::{
     BodyEnergies, Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
 };
-use solver::forward::{Newton, Stepping, Workspace, solve_in_time};
-use solver::material::{Lame, Material, NeoHookean};
-use solver::schedule::Schedule;
+use mechanics::forward::{Newton, Stepping, Workspace, solve_in_time};
+use mechanics::material::{Lame, Material, NeoHookean};
+use mechanics::schedule::Schedule;
+use mesh::Vec3;
 use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 use tests::meshes::shell_octant;
 use tests::symmetric_gas::{Planes, SymmetricGas};

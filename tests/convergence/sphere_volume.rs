@@ -1,8 +1,8 @@
 //! The volume behind a wall that is bent onto the unit sphere: straight facets,
 //! displacement nodes on the sphere.
 
-use solver::element::FunctionSpace;
-use solver::energy::Wall;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::Wall;
 use tests::equilibrium::{facets_where, scientific};
 use tests::meshes::ball;
 

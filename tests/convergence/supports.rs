@@ -1,10 +1,10 @@
 //! Supports that move into something within one time step: the straight path is
 //! blocked, so they are pulled (augmented Lagrangian), and what they meet is pushed along.
 
+use mechanics::body::Body;
+use mechanics::element::at;
+use mechanics::energy::Iterate;
 use mesh::{SurfaceMesh, Vec3};
-use solver::body::Body;
-use solver::element::at;
-use solver::energy::Iterate;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::{block, tag};
 

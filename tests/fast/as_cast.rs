@@ -1,10 +1,10 @@
 //! `simulate --as-cast`: walls that are off are found from mass, gauges and probes; and what is refused.
 
+use mechanics::body::Body;
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use mesh::measure::volume;
-use solver::body::Body;
-use solver::sensitivity::Walls;
+use solver::number::Walls;
 use tests::chamber;
 use tests::workdir::Workdir;
 
@@ -28,7 +28,7 @@ fn cast(dir: &Workdir, off: &[(&str, f64)]) -> f64 {
     let walls = Walls::new(&body).unwrap();
     let mut mesh = file.mesh;
     for (tag, d) in off {
-        let moves = walls.moves(Some(tag)).unwrap();
+        let moves = walls.moves(tag).unwrap();
         mesh.vertices.iter_mut().zip(moves).for_each(|(x, m): (&mut Vec3, Vec3)| *x += *d * m);
     }
     write_tets(&dir.path("cast.msh"), &mesh, &file.tags).unwrap();

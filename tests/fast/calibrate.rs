@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::Value;
-use solver::calibration::Calibration;
+use solver::study::calibration::Calibration;
 use tests::chamber;
 use tests::workdir::Workdir;
 

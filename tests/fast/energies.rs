@@ -1,14 +1,14 @@
 //! Energies against their own derivatives and against exact identities.
 
-use mesh::Vec3;
-use solver::element::FunctionSpace;
-use solver::energy::{
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{
     Chamber, Elastic, Energy, GasLaw, Hessian, IdealGas, Inertia, Isobaric, Iterate, Multiplier,
     PrescribedVolume, TimeStep, Wall,
 };
-use solver::material::MooneyRivlin;
-use solver::math::random::Random;
-use solver::math::sparse::{BlockMatrix, Pattern};
+use mechanics::material::MooneyRivlin;
+use mechanics::math::random::Random;
+use mechanics::math::sparse::{BlockMatrix, Pattern};
+use mesh::Vec3;
 use tests::{block, tag};
 
 const MULTIPLIERS: [Multiplier; 1] = [Multiplier { pressure: 20e3, penalty: 5e10 }];
@@ -17,7 +17,7 @@ const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 
 
 /// A distorted 3×2×2 block of 10 mm cells, one cell of it empty and open to the
 /// face x = 0.
-fn body() -> solver::body::Body {
+fn body() -> mechanics::body::Body {
     let distort = |p: Vec3| {
         let bend = Vec3::new((40.0 * p.y).sin(), (60.0 * p.z).cos(), (50.0 * p.x).sin());
         p + 1e-3 * bend
@@ -190,7 +190,7 @@ fn mixed_derivatives_are_those_of_the_gradient_in_the_rest_shape() {
         let mut mixed = vec![0.0; 3 * case.rest.len()];
         case.energy.add_mixed_vjp(&case.at(&case.u, &case.rest), &lambda, &mut mixed);
         let exact: f64 =
-            q.iter().enumerate().map(|(v, q)| solver::element::at(&mixed, v).dot(q)).sum();
+            q.iter().enumerate().map(|(v, q)| mechanics::element::at(&mixed, v).dot(q)).sum();
         assert!((difference / exact - 1.0).abs() < TOLERANCE, "{} {difference} {exact}", case.name);
     }
 }
@@ -226,7 +226,7 @@ fn a_homogeneous_deformation_has_no_inner_force() {
         let largest = |inner: bool| {
             (0..nodes.len())
                 .filter(|&n| on_boundary[n] != inner)
-                .map(|n| solver::element::at(&g, n).norm())
+                .map(|n| mechanics::element::at(&g, n).norm())
                 .fold(0.0, f64::max)
         };
         assert!(largest(true) < 1e-12 * largest(false), "{} {}", largest(true), largest(false));
@@ -244,7 +244,7 @@ fn a_plugged_wall_feels_no_net_force_or_torque() {
         let mut g = vec![0.0; case.u.len()];
         case.energy.add_gradient(&case.at(&case.u, &case.rest), &mut g);
         let nodes = case.space.node_positions(&case.rest);
-        let at = |of: &[f64], n: usize| solver::element::at(of, n);
+        let at = |of: &[f64], n: usize| mechanics::element::at(of, n);
         let force: Vec3 = (0..nodes.len()).map(|n| at(&g, n)).sum();
         let torque: Vec3 =
             (0..nodes.len()).map(|n| (nodes[n] + at(&case.u, n)).cross(&at(&g, n))).sum();
@@ -277,8 +277,8 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
         step: None,
     };
     pressure.add_gradient(&at, &mut g);
-    let force = |n: usize| solver::element::at(&g, n);
-    let position = |n: usize| nodes[n] + solver::element::at(&u, n);
+    let force = |n: usize| mechanics::element::at(&g, n);
+    let position = |n: usize| nodes[n] + mechanics::element::at(&u, n);
     let sum: Vec3 = (0..nodes.len()).map(force).sum();
     let torque: Vec3 = (0..nodes.len()).map(|n| position(n).cross(&force(n))).sum();
     let scale: f64 = (0..nodes.len()).map(|n| force(n).norm()).sum();

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use measure::probe::measure;
+use mechanics::forward::TimeStepper;
 use mesh::Vec3;
 use mesh::offset::shifts;
-use solver::design::Extension;
-use solver::forward::TimeStepper;
-use solver::probe::measure;
-use solver::scene::Scene;
+use scene::Scene;
+use solver::extension::Extension;
 use tests::chamber::{self, PRESSURE};
 use tests::workdir::Workdir;
 

@@ -1,10 +1,10 @@
 //! Elements that are nearly flat do not end a level: the interior is re-meshed, and the surface that
 //! moves where they lie along it.
 
+use mechanics::body::Body;
 use mesh::io::write_tets;
 use mesh::{TetMesh, Vec3};
 use serde_json::Value;
-use solver::body::Body;
 use tests::chamber::{DESIGN, SIM, workdir};
 use tests::workdir::{Run, Workdir};
 use tests::{block, tag};

@@ -5,14 +5,14 @@
 
 use std::path::{Path, PathBuf};
 
+use measure::objective::TimeIntegral;
+use mechanics::body::Body;
+use mechanics::forward::Method;
 use mesh::Vec3;
 use mesh::measure::{bounds, volume};
-use solver::body::Body;
-use solver::config::{ContactForm, DesignConfig, ObjectiveConfig, Weight};
-use solver::forward::Method;
-use solver::objective::TimeIntegral;
-use solver::polyfem::{self, Options};
-use solver::scene::Scene;
+use polyfem::{self, Options};
+use scene::Scene;
+use scene::config::{ContactForm, DesignConfig, ObjectiveConfig, Weight};
 use tests::published::FOLDER;
 use tests::workdir::Workdir;
 

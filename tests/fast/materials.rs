@@ -108,7 +108,7 @@ fn gradients_by_shape_and_both_laws_pass_their_test() {
     let dir = workdir(TWO);
     let run = dir.solver("check design.toml --handles 1 --random 1");
     run.assert_good();
-    for name in ["material of floor", "material of walls"] {
+    for name in ["material.floor", "material.walls"] {
         assert!(run.stdout.contains(name), "{}", run.stdout);
     }
 }
@@ -236,7 +236,7 @@ fn scenarios_change_volumes_one_by_one() {
     assert!(found.windows(2).all(|pair| pair[1] / pair[0] > 1.001), "{found:?}");
     let run = dir.solver("check design.toml --handles 1");
     run.assert_good();
-    for name in ["density of floor", "density of walls"] {
+    for name in ["density.floor", "density.walls"] {
         assert!(run.stdout.contains(name), "{}", run.stdout);
     }
 }

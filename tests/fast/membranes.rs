@@ -123,7 +123,7 @@ fn gradients_by_shape_and_sheet_pass_their_test() {
     let dir = workdir(PAPER);
     let run = dir.solver("check design.toml --handles 1 --random 1");
     run.assert_good();
-    assert!(run.stdout.contains("membrane 1 on top"), "{}", run.stdout);
+    assert!(run.stdout.contains("membrane.top"), "{}", run.stdout);
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Newton's method at the rounding floor, and the softest mode.
 
+use mechanics::energy::{BodyForce, Energies};
+use mechanics::forward::{Failure, Newton, SoftestMode};
+use mechanics::material::{Kinematics, Material, MooneyRivlin};
+use mechanics::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
+use mechanics::math::tensor::{Mat3, Mat9};
 use mesh::Vec3;
-use solver::energy::{BodyForce, Energies};
-use solver::forward::{Failure, Newton, SoftestMode};
-use solver::material::{Kinematics, Material, MooneyRivlin};
-use solver::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
-use solver::math::tensor::{Mat3, Mat9};
 use tests::block;
 use tests::equilibrium::{Equilibrium, SILICONE};
 
@@ -103,7 +103,7 @@ fn the_softest_motion_of_a_bar_bends_it() {
             0.1,
         );
         let end = bar.rest.iter().position(|p| p.x > 0.01 * length as f64 - 1e-9).unwrap();
-        let motion = solver::element::at(&mode.motion, end);
+        let motion = mechanics::element::at(&mode.motion, end);
         (mode, motion)
     };
     let (short, motion) = softest_mode(8, true);

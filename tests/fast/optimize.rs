@@ -87,7 +87,7 @@ fn assert_tested(stdout: &str, directions: &[&str], materials: bool) {
     let (slopes, names) = slopes(stdout);
     assert!(slopes.iter().all(|s| (s - 2.0).abs() < 0.1), "{stdout}");
     for direction in directions {
-        for test in ["\"top\" by shape", "\"wall\" by shape", "\"top\" by material of body"] {
+        for test in ["\"top\" by shape", "\"wall\" by shape", "\"top\" by material.body"] {
             let found = names.contains(&format!("{test}, {direction}").as_str());
             assert_eq!(found, materials || test.ends_with("shape"), "{test}: {stdout}");
         }

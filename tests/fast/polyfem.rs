@@ -1,8 +1,8 @@
 //! The first steps of published scenes against those of PolyFEM.
 
+use polyfem::Options;
 use serde_json::{Value, json};
 use solver::plot::{Axes, Series, Style, draw};
-use solver::polyfem::Options;
 use tests::polyfem::{Compared, Touch, compare, reference, scene};
 use tests::workdir::repository;
 

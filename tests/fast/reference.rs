@@ -1,11 +1,11 @@
 //! Against numbers of an independent solver (PolyFEM) on the gripper that was
 //! published with Gjoka et al. 2024, at 5 kPa without contact.
 
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::{Chamber, Energies, Isobaric, Wall};
+use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve};
+use mechanics::material::MooneyRivlin;
 use mesh::Vec3;
-use solver::element::{FunctionSpace, at};
-use solver::energy::{Chamber, Energies, Isobaric, Wall};
-use solver::forward::{Newton, Problem, Stepping, Workspace, solve};
-use solver::material::MooneyRivlin;
 use tests::published::gripper;
 
 fn compare(degree: usize, reference: &str) {

@@ -3,8 +3,8 @@
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use mechanics::math::random::Random;
 use serde_json::Value;
-use solver::math::random::Random;
 use tests::chamber;
 use tests::workdir::Workdir;
 

@@ -3,8 +3,8 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use mechanics::math::random::Random;
 use mesh::io::write_surface;
-use solver::math::random::Random;
 use tests::fall::{STEPS, workdir};
 use tests::workdir::Workdir;
 

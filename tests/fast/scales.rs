@@ -2,10 +2,10 @@
 //! larger it takes the same Newton iterations, and its displacements are those of the scene times the
 //! factor, bit for bit, as all factors are powers of two. Forces are then 1e-18 to 1e18 times as large.
 
+use mechanics::body::Body;
 use mesh::io::{npy, write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
-use solver::body::Body;
 use tests::chamber;
 use tests::workdir::Workdir;
 use tests::{block, tag};

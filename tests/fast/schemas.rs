@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use jsonschema::Validator;
 use program::schema::Format;
-use solver::config::{MaterialConfig, SimConfig};
+use scene::config::{MaterialConfig, SimConfig};
 use tests::workdir::repository;
 use toml::Value;
 
@@ -35,15 +35,15 @@ fn kinds() -> Vec<Kind> {
             tagger::config::Config::read(p, &[]).map(drop)
         }),
         kind(solver, "sim", "sim", read_scene),
-        kind(solver, "design", "design", |p| solver::config::DesignConfig::read(p).map(drop)),
+        kind(solver, "design", "design", |p| scene::config::DesignConfig::read(p).map(drop)),
         kind(solver, "calibrate", "calibrate", |p| {
-            program::read_toml::<solver::calibration::Config>(p).map(drop)
+            program::read_toml::<solver::study::calibration::Config>(p).map(drop)
         }),
         kind(solver, "validation", "validation", |p| {
-            program::read_toml::<solver::validation::Config>(p).map(drop)
+            program::read_toml::<solver::study::validation::Config>(p).map(drop)
         }),
         kind(solver, "measured", "measured", |p| {
-            program::read_toml::<solver::as_cast::Measured>(p).map(drop)
+            program::read_toml::<solver::study::as_cast::Measured>(p).map(drop)
         }),
         kind(fab::cmd::schema::FORMATS, "mold", "mold", |p| {
             fab::config::Config::read(Some(p), &[]).map(drop)

@@ -71,7 +71,7 @@ fn a_checkpoint_of_another_size_is_refused() {
     let mut checkpoint = dir.json("out/checkpoint.json")["content"].clone();
     checkpoint["theta"].as_array_mut().unwrap().pop();
     let path = dir.path("out/checkpoint.json");
-    program::write_checkpoint(&path, solver::report::PROGRAM, &checkpoint).unwrap();
+    program::write_checkpoint(&path, scene::PROGRAM, &checkpoint).unwrap();
     dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "theta and gradient have"]);
 }
 

@@ -1,12 +1,12 @@
 //! The number of threads changes no bit of what is assembled, and solutions only within
 //! rounding.
 
+use measure::objective::Equilibrium;
+use mechanics::energy::Hessian;
+use mechanics::math::random::Random;
 use mesh::Vec3;
-use solver::config::DesignConfig;
-use solver::energy::Hessian;
-use solver::math::random::Random;
-use solver::objective::Equilibrium;
-use solver::scene::{ObjectiveBuilder, Scene};
+use scene::config::DesignConfig;
+use scene::{ObjectiveBuilder, Scene};
 use tests::chamber;
 use tests::workdir::Workdir;
 

@@ -71,6 +71,10 @@ fn sources() -> Vec<PathBuf> {
         "cad2fem/render/src",
         "tagger/src",
         "solver/src",
+        "solver/measure/src",
+        "solver/mechanics/src",
+        "solver/polyfem/src",
+        "solver/scene/src",
         "fab/src",
     ];
     let all = folders.iter().flat_map(|folder| files(&top.join(folder), "rs"));
@@ -131,7 +135,8 @@ fn tests_stand_at_the_end_of_their_files() {
 
 #[test]
 fn modules_use_only_those_before_them() {
-    ["solver", "fab"].into_iter().for_each(uses_only_those_before);
+    let packages = ["solver/mechanics", "solver/measure", "solver/scene", "solver", "fab"];
+    packages.into_iter().for_each(uses_only_those_before);
 }
 
 fn uses_only_those_before(package: &str) {
@@ -168,18 +173,42 @@ fn uses_only_those_before(package: &str) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Formats, files and messages for users are the business of what is built on it.
+#[test]
+fn mechanics_takes_and_gives_values() {
+    let mut sources = files(&repository().join("solver/mechanics/src"), "rs");
+    sources.retain(|path| !is_test(path));
+    assert!(!naming("thiserror::Error", &sources).is_empty());
+    for word in
+        ["toml", "serde_json", "schemars", "anyhow", "Path", "log::warn", "log::info", "program::"]
+    {
+        let found = naming(word, &sources);
+        assert!(found.is_empty(), "{word}: {found:?}");
+    }
+}
+
 #[test]
 fn stages_meet_only_in_files() {
     let stages = ["cad2fem", "tagger", "solver", "fab"];
     let shared = ["library", "mesh", "program", "render"];
     let of_cad2fem = ["library", "mesh", "page", "program", "render"];
-    let of = |stage: &str| if stage == "cad2fem" { &of_cad2fem[..] } else { &shared[..] };
-    let below: [(&str, &[&str]); 5] = [
+    let of_solver = ["measure", "mechanics", "polyfem", "scene"];
+    let all_of_solver = [&shared[..], &of_solver].concat();
+    let of = |stage: &str| match stage {
+        "cad2fem" => &of_cad2fem[..],
+        "solver" => &all_of_solver,
+        _ => &shared[..],
+    };
+    let below: [(&str, &[&str]); 9] = [
         ("cad2fem/library", &[]),
         ("cad2fem/mesh", &[]),
         ("cad2fem/page", &["mesh", "program"]),
         ("cad2fem/program", &["mesh"]),
         ("cad2fem/render", &["mesh"]),
+        ("solver/mechanics", &["mesh"]),
+        ("solver/measure", &["mechanics", "mesh", "program"]),
+        ("solver/scene", &["library", "measure", "mechanics", "mesh", "program"]),
+        ("solver/polyfem", &["mechanics", "mesh", "program", "scene"]),
     ];
     for (package, allowed) in stages.iter().map(|s| (*s, of(s))).chain(below) {
         let path = repository().join(package).join("Cargo.toml");
@@ -187,7 +216,7 @@ fn stages_meet_only_in_files() {
         let names = dependencies(&manifest);
         let known = ["serde", "clap", "anyhow"].into_iter().any(|name| names.contains(name));
         assert!(known, "{package}: {names:?}");
-        for ours in stages.iter().chain(&of_cad2fem).chain(&["tests"]) {
+        for ours in stages.iter().chain(&of_cad2fem).chain(&of_solver).chain(&["tests"]) {
             let uses = names.contains(*ours);
             assert!(!uses || allowed.contains(ours), "{package} depends on {ours}");
         }
@@ -237,7 +266,7 @@ fn outside_programs_and_libraries_are_called_in_one_place() {
     let one = |path: &str| BTreeSet::from([path.to_owned()]);
     let faer = naming("faer", &sources);
     assert!(!faer.is_empty());
-    assert!(faer.iter().all(|p| p.starts_with("solver/src/math/linear/")), "{faer:?}");
+    assert!(faer.iter().all(|p| p.starts_with("solver/mechanics/src/math/linear/")), "{faer:?}");
     assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
     let programs = naming("Command::new", &sources);
     assert!(!programs.is_empty());

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use solver::validation::{Comparison, Config, Point};
+use solver::study::validation::{Comparison, Config, Point};
 use tests::workdir::repository;
 
 use crate::make;

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use mechanics::forward::{LoadStep, Problem, Solution, solve_in_time};
 use mesh::Vec3;
-use solver::forward::{LoadStep, Problem, Solution, solve_in_time};
+use scene::Scene;
 use solver::report::results::{self, ChamberReport};
-use solver::scene::Scene;
 
 use crate::{block, tag};
 

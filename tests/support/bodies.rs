@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 
 /// A random body.
 pub struct Body {

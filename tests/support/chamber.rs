@@ -1,9 +1,9 @@
 //! A block with an air chamber that is open at its fixed end: the body, scene
 //! and design problem of most tests.
 
+use mechanics::body::Body;
 use mesh::io::{write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
-use solver::body::Body;
 
 use crate::workdir::Workdir;
 use crate::{block, tag};

@@ -1,10 +1,12 @@
 //! Equilibria of small bodies without a scene file.
 
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::Energies;
+use mechanics::forward::{
+    Configuration, Converged, Failure, Newton, Problem, Workspace, certificate,
+};
+use mechanics::material::MooneyRivlin;
 use mesh::{TetMesh, Vec3};
-use solver::element::{FunctionSpace, at};
-use solver::energy::Energies;
-use solver::forward::{Configuration, Converged, Failure, Newton, Problem, Workspace, certificate};
-use solver::material::MooneyRivlin;
 
 /// The silicone of the frog, finger and gripper of Gjoka et al. 2024.
 pub const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };

@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 
 /// Adds a body at random to a model file.
 type Build = fn(&mut Family);

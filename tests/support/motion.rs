@@ -1,11 +1,11 @@
 //! Bodies that move: a scene through time, step by step.
 
+use mechanics::body::Body;
+use mechanics::forward::{LoadStep, Problem, TimeStepper, Workspace};
 use mesh::{SurfaceMesh, Vec3};
+use scene::Scene;
 use serde_json::Value;
-use solver::body::Body;
-use solver::forward::{LoadStep, Problem, TimeStepper, Workspace};
 use solver::report::results;
-use solver::scene::Scene;
 use tempfile::TempDir;
 
 /// The material of all scenes here, for a `[[body]]` or at the top.

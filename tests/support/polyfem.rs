@@ -1,11 +1,11 @@
 //! Runs of PolyFEM on scenes that were published with Gjoka et al. 2024, and the
 //! same scenes here.
 
+use mechanics::element::at;
 use mesh::Vec3;
+use polyfem::{self, Options};
+use scene::Scene;
 use serde_json::Value;
-use solver::element::at;
-use solver::polyfem::{self, Options};
-use solver::scene::Scene;
 
 use crate::motion::Motion;
 use crate::published::FOLDER;

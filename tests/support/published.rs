@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use mechanics::body::Body;
 use mesh::{Tags, TetMesh, Vec3};
-use solver::body::Body;
 
 use crate::shared;
 

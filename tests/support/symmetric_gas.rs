@@ -1,11 +1,11 @@
 //! Gas in a part of a chamber that is cut out by planes of symmetry.
 
-use mesh::Vec3;
-use solver::element::{FunctionSpace, at};
-use solver::energy::{
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::{
     Constraint, Energy, GasLaw, Hessian, Iterate, Multiplier, Potential, RankOne, Wall,
 };
-use solver::math::sparse::BlockMatrix;
+use mechanics::math::sparse::BlockMatrix;
+use mesh::Vec3;
 
 /// Where the planes are, on which the rim of the wall slides.
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub enum Planes {
     Slab,
 }
 
-/// Gas behind an open wall. `solver::energy::Chamber` closes it by caps from
+/// Gas behind an open wall. `mechanics::energy::Chamber` closes it by caps from
 /// rim to rim, which is not the chamber's share here; law, force and stiffness
 /// of the wall are the same.
 pub struct SymmetricGas {

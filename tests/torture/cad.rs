@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::sync::OnceLock;
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 use tests::fuzz::mutate;
 use tests::workdir::{Workdir, python};
 

@@ -4,7 +4,7 @@ use std::fs::{File, FileTimes};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 
 use crate::child::Running;
 use crate::job::Sound;

@@ -2,9 +2,9 @@
 
 use std::os::unix::fs::PermissionsExt;
 
+use mechanics::math::random::Random;
 use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
-use solver::math::random::Random;
 use tests::workdir::Workdir;
 
 use crate::any;

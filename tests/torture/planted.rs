@@ -4,7 +4,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 use tests::workdir::Workdir;
 
 use crate::any;

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 use tests::workdir::Workdir;
 
 use crate::child::{self, Running};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use mesh::io::{is_standard, write_atomic, write_tets};
+use mesh::io::{is_standard, write_tets};
 use mesh::measure::diagonal;
 use mesh::{SurfaceMesh, Tags};
 use program::Changes;
@@ -110,9 +110,7 @@ pub fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     let report = Report { program: crate::PROGRAM, input, outcome };
-    let text = serde_json::to_string_pretty(&report)?;
-    write_atomic(&args.output.with_extension("report.json"), |out| writeln!(out, "{text}"))?;
-    Ok(())
+    program::write_json(&args.output.with_extension("report.json"), &report)
 }
 
 /// Several surfaces as one, in which vertices at the same place are one.

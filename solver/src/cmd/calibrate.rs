@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use program::{Changes, FolderLock, Unusable};
+use scene::SceneMembrane;
+use scene::config::MembraneConfig;
+use scene::law_table;
 use serde_json::{Value, json};
 
-use crate::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
-use crate::calibration::{Calibration, Experiment, Number};
-use crate::config::MembraneConfig;
 use crate::plot::{Axes, Series, Style, draw};
-use crate::report::results;
-use crate::scene::SceneMembrane;
+use crate::study::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
+use crate::study::calibration::{Calibration, Experiment, Sought};
 
 /// Find numbers of your scenes from measurements on your own device
 ///
@@ -56,10 +56,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = table(&calibration, &found)?;
     write!(program::stdout(), "{text}")?;
     let report = report(&calibration, &found, &points);
-    results::write_json(&folder.join("calibration.json"), &report)?;
+    program::write_json(&folder.join("calibration.json"), &report)?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
     let path = folder.join("material.toml");
-    if calibration.numbers.iter().any(is_of_material) {
+    if calibration.numbers.iter().any(Sought::is_of_material) {
         let material = material(&calibration, &found, &text)?;
         mesh::io::write_atomic(&path, |out| out.write_all(material.as_bytes()))?;
     } else {
@@ -212,7 +212,7 @@ fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value
     let count = found.numbers.len();
     let row = |i: usize| (0..count).map(|j| correlation(found, i, j)).collect::<Vec<f64>>();
     json!({
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "set": calibration.set,
         "numbers": (0..count).map(one).collect::<Vec<_>>(),
         "correlations": (0..count).map(row).collect::<Vec<_>>(),
@@ -241,12 +241,7 @@ fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()
 /// The tables [material] of the scenes' bodies, and those of relaxation and sheets, with what was
 /// found.
 fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
-    let mut scene = calibration.scenes[0].clone();
-    for (number, &value) in calibration.numbers.iter().zip(&found.numbers) {
-        if is_of_material(number) || *number == Number::Density {
-            number.apply(&mut scene, None, value)?;
-        }
-    }
+    let scene = calibration.material(&found.numbers)?;
     let mut text = String::from("# From solver calibrate:\n");
     provenance.lines().try_for_each(|line| writeln!(text, "# {line}"))?;
     for experiment in &calibration.experiments {
@@ -264,7 +259,7 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
             keys.insert("on".to_owned(), volume.clone().into());
         }
         keys.insert("kind".to_owned(), material.law.key.into());
-        keys.extend(material.law.table(&material.values));
+        keys.extend(law_table::written(material.law, &material.values));
         if let Some(density) = material.density {
             keys.insert("density".to_owned(), density.into());
         }
@@ -296,12 +291,4 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         text += &toml::to_string(&BTreeMap::from([("membrane", membranes)]))?;
     }
     Ok(text)
-}
-
-/// Whether a number changes a law.
-fn is_of_material(number: &Number) -> bool {
-    matches!(
-        number,
-        Number::Modulus(_) | Number::Law { .. } | Number::Relaxation { .. } | Number::Membrane(_)
-    )
 }

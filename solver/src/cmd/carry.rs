@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use mechanics::body::Body;
 
-use crate::body::Body;
 use crate::design::carry;
 
 /// Carry a designed shape to another mesh of the same body

@@ -5,16 +5,16 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use mechanics::forward::about;
+use mechanics::math::linear::dot;
+use mechanics::math::random::Random;
+use mechanics::math::taylor::log_slope;
 use program::{Changes, Heartbeat, Unusable};
+use scene::ObjectiveBuilder;
+use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use super::optimize::{Problem, read};
-use crate::config::{HandlesConfig, LevelConfig, VerticesConfig};
-use crate::forward::about;
-use crate::math::linear::dot;
-use crate::math::random::Random;
-use crate::math::taylor::log_slope;
 use crate::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
-use crate::scene::ObjectiveBuilder;
 
 /// Slopes of the first-order remainder that an exact gradient may have.
 const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     let perturbed =
         Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };
-    let mut parameters = Parameter::of(&scene, &level);
+    let mut parameters = Parameter::of(&scene, &level, &design);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
@@ -119,9 +119,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
-            .map(|(name, swept)| (name.as_str(), parameter.gradient(&level, swept)))
+            .map(|(name, swept)| (name.as_str(), parameter.gradient(&scene, &level, swept)))
             .collect();
-        let count = parameter.count(&scene, &level);
+        let count = parameter.count(&level);
         let mut case = Case {
             perturbed: &perturbed,
             level: &mut level,
@@ -138,7 +138,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 continue;
             }
             let results = case.along(&gradients, &q, arguments)?;
-            table.add(&parameter.name(&scene), &name, results)?;
+            table.add(&parameter.name(), &name, results)?;
         }
     }
     if table.failed.is_empty() {
@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn sweeps(
     level: &mut Level,
     start: &Evaluation,
-) -> Result<BTreeMap<String, Vec<crate::adjoint::Gradient>>> {
+) -> Result<BTreeMap<String, Vec<mechanics::adjoint::Gradient>>> {
     let names: BTreeSet<String> = level.term_names().into_iter().collect();
     let sweep = |name: String| Ok((name.clone(), level.sweep(start, Some(&name))?));
     names.into_iter().map(sweep).collect()

@@ -7,7 +7,6 @@ use program::Unusable;
 use serde_json::json;
 
 use crate::report::compare::{Comparison, Run};
-use crate::report::results;
 
 /// Spacings to the diagonal of the body, unless another is asked for.
 const SPACINGS: f64 = 200.0;
@@ -69,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         rows.push(row);
     }
     let report = json!({
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "reference": {
             "run": arguments.reference,
             "degree": reference.space.degree(),
@@ -82,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "spacing": spacing,
         "runs": rows,
     });
-    results::write_json(&arguments.output, &report)
+    program::write_json(&arguments.output, &report)
 }
 
 /// Whether the boundaries of a run can be divided so finely.

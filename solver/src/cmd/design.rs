@@ -5,10 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-
-use crate::body::Body;
-use crate::config::{ProbeConfig, beside};
-use crate::scene::Scene;
+use mechanics::body::Body;
+use scene::Scene;
+use scene::config::{ProbeConfig, beside};
 
 /// Part of a wanted value that counts as 1 in the objective.
 const SCALE: f64 = 0.05;

@@ -5,13 +5,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
+use mechanics::material::BULK_RATIO;
+use mechanics::material::response::Mode;
 use program::{FolderLock, Unusable};
+use scene::law_table;
 use serde_json::{Value, json};
 
 use crate::fit::{self, CANDIDATES, Fitted, Test, Units};
-use crate::material::BULK_RATIO;
-use crate::material::response::Mode;
-use crate::report::results;
 
 /// R² below which no law describes the data.
 const USABLE: f64 = 0.95;
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     fit::draw(&folder.join("fit.svg"), &tests, &fits, chosen)?;
-    results::write_json(&folder.join("fit.json"), &report(&tests, &fits, chosen)?)?;
+    program::write_json(&folder.join("fit.json"), &report(&tests, &fits, chosen)?)?;
     let material = folder.join("material.toml");
     if chosen.quality.r2 < USABLE {
         remove(&material)?;
@@ -167,12 +167,12 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
         json!({
             "name": fit.candidate.name,
             "kind": fit.law().key,
-            "parameters": fit.law().table(&fit.values),
+            "parameters": law_table::written(fit.law(), &fit.values),
             "quality": fit.quality,
         })
     };
     Ok(json!({
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "tests": tests.iter().map(data).collect::<Result<Vec<_>>>()?,
         "fits": fits.iter().map(one).collect::<Vec<_>>(),
         "written": chosen.candidate.name,

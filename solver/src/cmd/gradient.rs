@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use mechanics::element::FunctionSpace;
+use mechanics::math::linear::sum;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
+use scene::ObjectiveBuilder;
 use serde_json::json;
 
 use super::optimize::{Problem, read};
-use crate::element::FunctionSpace;
-use crate::math::linear::sum;
 use crate::optimize::{Level, Parameter, Start};
 use crate::report::results;
-use crate::scene::ObjectiveBuilder;
 
 /// Write the gradient of a design problem for ParaView
 ///
@@ -64,16 +64,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
-    let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level)
+    let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level, &design)
         .iter()
-        .map(|p| (p.name(&scene), json!(p.gradient(&level, &swept))))
+        .map(|p| (p.name(), json!(p.gradient(&scene, &level, &swept))))
         .collect();
     let report = json!({
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "objective": at.objective,
         "terms": at.terms,
         "by": by,
         "units": "J per metre for shape and loads, per m/s for velocities, else per relative change",
     });
-    results::write_json(&folder.join("gradient.json"), &report)
+    program::write_json(&folder.join("gradient.json"), &report)
 }

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-
-use crate::config::ContactForm;
-use crate::polyfem::{self, Options};
+use polyfem::{self, Options};
+use scene::config::ContactForm;
 
 /// Translate a scene of PolyFEM (JSON) into a folder with sim.toml
 ///

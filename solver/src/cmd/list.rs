@@ -5,18 +5,19 @@ mod silicones;
 use std::io::Write;
 
 use anyhow::Result;
+use measure::objective::{self, Kind};
+use measure::probe;
+use mechanics::energy::gas_law::{GAS_LAWS, Row};
+use mechanics::material::{LAWS, Law, sheet};
+use scene::silicone;
 use serde_json::{Value, json};
 
-use crate::energy::gas_law::{GAS_LAWS, Row};
-use crate::material::{LAWS, Law, sheet};
-use crate::objective::{self, Kind};
-use crate::probe;
-use crate::silicone;
+use crate::number;
 
 /// Characters in a line.
 const WIDTH: usize = 96;
 
-/// List the material laws, silicones, sheets, gas laws or probes that a scene may name, or objectives
+/// List the material laws, silicones, sheets, gas laws or probes that a scene may name, its numbers, or objectives
 ///
 /// A law is the kind of a table [material]; a silicone is named by
 /// material = "its-name"; a sheet is the kind of the material of a [[membrane]]; a gas law is selected by a key of a [[chamber]]; a probe is
@@ -38,14 +39,19 @@ pub struct Arguments {
     /// The objectives of design problems in place of the laws
     #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes"])]
     objectives: bool,
+    /// The numbers of a scene that may be calibrated, uncertain or other in a scenario, in place of the laws
+    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes", "objectives"])]
+    numbers: bool,
     /// As JSON
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, sheets, gas_laws, probes, objectives, json } = *arguments;
-    let text = if objectives {
+    let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers, json } = *arguments;
+    let text = if numbers {
+        rows(number::KINDS, (json, number_json), |kinds| joined(kinds, number_text))?
+    } else if objectives {
         rows(objective::KINDS, (json, kind_json), |kinds| {
             joined(kinds, kind_text) + "\nall\n" + &keys_text(&objective::COMMON_KEYS)
         })?
@@ -88,6 +94,14 @@ fn kind_text(kind: &Kind) -> String {
     let mut text = format!("{} [{}{sense}]\n", kind.key, kind.unit);
     text += &wrapped("", kind.formula);
     text + &keys_text(kind.keys)
+}
+
+fn number_text(kind: &number::Kind) -> String {
+    format!("{}\n", kind.path) + &wrapped("", kind.meaning)
+}
+
+fn number_json(kind: &number::Kind) -> Value {
+    json!({ "path": kind.path, "meaning": kind.meaning })
 }
 
 fn probe_text(kind: &probe::Kind) -> String {
@@ -179,7 +193,7 @@ fn wrapped(label: &str, words: &str) -> String {
 }
 
 fn law_json<M: ?Sized>(law: &Law<M>) -> Value {
-    let parameter = |p: &crate::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
+    let parameter = |p: &mechanics::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
     json!({
         "kind": law.key,
         "formula": law.formula,

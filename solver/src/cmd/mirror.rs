@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::body::Body;
+use mechanics::symmetry::AXES;
 use mesh::io::vtu;
 use mesh::io::vtu::Grid;
 use program::FolderLock;
 use serde_json::Value;
 
-use crate::body::Body;
 use crate::report::mirror::{mirror_body, mirror_grid};
 use crate::report::results::write_arrays;
-use crate::symmetry::AXES;
 
 /// Complete a part of a symmetric body, or its results, by its mirror images
 ///

@@ -7,15 +7,15 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, Settings, Unusable};
+use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, beside};
+use scene::{ObjectiveBuilder, Scene, log_share};
 use serde_json::{Value, json};
 
-use crate::config::{DesignConfig, LevelConfig, ObjectiveConfig, beside};
 use crate::optimize::{
     Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
 use crate::report::failure;
 use crate::report::{results, summary};
-use crate::scene::{ObjectiveBuilder, Scene};
 
 /// A smaller fall of the objective is hardly a design [1].
 const LITTLE: f64 = 0.01;
@@ -43,7 +43,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let Problem { file, design, scene } = read(&arguments.design, &[], &arguments.changes)?;
-    scene.body.log_share();
+    log_share(&scene.body);
     let molding = file.checked(|_| Molding::new(&arguments.design, &design, &scene.body))?;
     let meshes = file.checked(|_| meshes(arguments, &design, &scene))?;
     let folder = &arguments.output;
@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         report["status"] = json!("surfaces_crossed");
         report["crossing"] = crossing.report();
     }
-    results::write_json(&folder.join("report.json"), &report)?;
+    program::write_json(&folder.join("report.json"), &report)?;
     let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
     let (before, after) = (objective("objective_before"), objective("objective_after"));
     let fall = (before - after) / before.abs();
@@ -272,7 +272,9 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
 
 /// The designed parameters as the table that a scene would have.
 fn write_parameters(folder: &Path, finished: &Finished) -> Result<()> {
-    let parameters = finished.last.0.map().parameters(&finished.theta);
+    let mut parameters = finished.last.0.map().parameters(&finished.theta);
+    // numbers by their paths are none of [parameters]
+    parameters.retain(|name, _| !name.contains('.'));
     if parameters.is_empty() {
         return Ok(());
     }
@@ -362,7 +364,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         "usable": true,
         "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
         "stopped": finished.stopped,
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "objective_before": first["objective"],
         "objective_after": last["objective"],
         "gains": gains(&lines),

@@ -1,9 +1,9 @@
 //! `solver schema`: the files that it reads.
 
 use program::schema::Format;
+use scene::config::{DesignConfig, SimConfig};
 
-use crate::config::{DesignConfig, SimConfig};
-use crate::{as_cast, calibration, validation};
+use crate::study::{as_cast, calibration, validation};
 
 /// What the verb can print.
 pub const FORMATS: &[Format] = &[

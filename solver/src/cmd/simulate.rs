@@ -7,29 +7,30 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
 use clap::builder::RangedU64ValueParser;
-use mesh::io::vtu;
-use program::{Changes, FolderLock, Unusable};
-use serde_json::{Value, json};
-
-use crate::as_cast::{self, AsCast};
-use crate::energy::Iterate;
-use crate::forward::{
+use measure::probe::Probe;
+use mechanics::energy::Iterate;
+use mechanics::forward::{
     LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
 };
-use crate::locking;
-use crate::memory;
-use crate::probe::Probe;
+use mechanics::stretch::Stretches;
+use mesh::io::vtu;
+use program::{Changes, FolderLock, Unusable};
+use scene::law_table;
+use scene::memory;
+use scene::{Scene, log_share};
+use serde_json::{Value, json};
+
 use crate::report::crossing::Crossing;
 use crate::report::curve::CURVE;
 use crate::report::failure::{self, Diagnosis};
 use crate::report::leap::leap;
-use crate::report::record::{Checkpoint, Recorder, STEPS, Work};
+use crate::report::locking;
+use crate::report::record::{Checkpoint, Finished, Recorder, STEPS, Work};
 use crate::report::results;
 use crate::report::summary;
-use crate::report::writer::{Finished, Writer, write_beside};
-use crate::scene::Scene;
-use crate::stretch::Stretches;
-use crate::uncertainty;
+use crate::report::writer::{Writer, write_beside};
+use crate::study::as_cast::{self, AsCast};
+use crate::study::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
 ///
@@ -88,6 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     check_loads(&scene)?;
+    uncertainty::check(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene, arguments.as_cast.as_deref())?;
@@ -107,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.config.degree,
         workspace.memory().describe(memory::available())
     );
-    scene.body.log_share();
+    log_share(&scene.body);
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
     let steps = steps_of(&scene, arguments, time_steps_done);
@@ -166,7 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let diagnosis = Diagnosis::new(&scene, &scene.body, solver, &unreached);
         diagnosis.write_state(folder)?;
         merge(&mut report, &diagnosis.report);
-        results::write_json(&folder.join("report.json"), &report)?;
+        program::write_json(&folder.join("report.json"), &report)?;
         return Err(Unusable(format!(
             "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
             arguments.scene.display(),
@@ -193,7 +195,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report["timings"]["predicted_s"] = json!(predicted_s);
     report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
     report["peak_rss_mb"] = json!(program::peak_rss_mb());
-    results::write_json(&folder.join("report.json"), &report)?;
+    program::write_json(&folder.join("report.json"), &report)?;
     log::info!("{}", summary::in_words(&report));
     match crossing {
         None => Ok(()),
@@ -427,7 +429,7 @@ fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
     for obstacle in &scene.config.obstacle {
-        let path = crate::config::beside(&scene.path, &obstacle.surface);
+        let path = scene::config::beside(&scene.path, &obstacle.surface);
         hashes.push(program::sha256_file(&path)?);
     }
     if let Some(path) = as_cast {
@@ -463,7 +465,7 @@ fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Val
         let silicone = law.config.silicone().map(|named| named.report());
         let mut report = json!({
             "kind": material.law.key,
-            "parameters": material.law.table(&material.values),
+            "parameters": law_table::written(material.law, &material.values),
             "moduli": material.moduli(),
             "silicone": silicone,
         });
@@ -475,7 +477,7 @@ fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Val
     let mut header = json!({
         "status": "ok",
         "usable": true,
-        "program": crate::report::PROGRAM,
+        "program": scene::PROGRAM,
         "inputs": inputs,
         "set": set,
         "config": scene.config,

@@ -9,8 +9,7 @@ use program::FolderLock;
 use serde_json::json;
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::report::results;
-use crate::validation::{Comparison, Config, Row};
+use crate::study::validation::{Comparison, Config, Row};
 
 /// Compare simulations with measured tables
 ///
@@ -36,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let path = arguments.output.join("errors.md");
     mesh::io::write_atomic(&path, |out| out.write_all(table.as_bytes()))?;
     let report = json!({ "program": concat!("solver ", env!("CARGO_PKG_VERSION")), "rows": found });
-    results::write_json(&arguments.output.join("errors.json"), &report)?;
+    program::write_json(&arguments.output.join("errors.json"), &report)?;
     pictures(&config, &found, &arguments.output)
 }
 

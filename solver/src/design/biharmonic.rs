@@ -24,12 +24,12 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT,
 };
+use mechanics::math::linear::{NotPositive, Precision, SparseSolver, Symmetric, one_by_one};
+use mechanics::math::ordering::nested_dissection;
 use mesh::SurfaceMesh;
 use rayon::prelude::*;
 
 use super::laplacian::{Rows, cotangent_laplacian};
-use crate::math::linear::{NotPositive, Precision, SparseSolver, Symmetric, one_by_one};
-use crate::math::ordering::nested_dissection;
 
 /// Violation of a bound that counts as rounding [1].
 const ROUNDING: f64 = 1e-9;
@@ -234,11 +234,12 @@ fn reached_from(adjacency: &Rows, sources: &[usize]) -> Vec<bool> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::*;
-    use crate::config::Spread;
-    use crate::design::sampling::{rim, spread_points};
-    use crate::testing::{cap, sphere, square};
+    use mechanics::testing::{cap, sphere, square};
     use mesh::Vec3;
+    use scene::config::Spread;
+
+    use super::*;
+    use crate::design::sampling::{rim, spread_points};
 
     #[test]
     fn weights_are_bounded_add_up_and_vanish_on_the_rim() {

@@ -11,13 +11,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Result, bail, ensure};
+use mechanics::body::Body;
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{mean_edge, triangle_area};
 use mesh::topology::boundary;
 use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
-use super::Extension;
-use crate::body::Body;
+use crate::extension::Extension;
 
 /// Steps of the motion, at most.
 const STEPS: usize = 64;
@@ -176,10 +176,10 @@ fn in_steps(
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing::cube;
     use mesh::Tags;
 
     use super::*;
-    use crate::testing::cube;
 
     /// The unit cube with n cells per side, its floor tagged, and a smooth motion of its other faces.
     fn body(n: usize) -> Body {

@@ -8,15 +8,16 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
+use mechanics::body::Body;
+use mechanics::element::at;
 use mesh::Vec3;
+use scene::Scene;
+use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
 
+use super::Patch;
 use super::held::{Flat, Held};
 use super::load_map::LoadMap;
-use super::{Extension, Patch};
-use crate::body::Body;
-use crate::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
-use crate::element::at;
-use crate::scene::Scene;
+use crate::extension::Extension;
 
 /// The map of one level.
 pub struct DesignMap {
@@ -35,7 +36,7 @@ pub struct DesignMap {
 /// The flat faces that a design keeps, of all that moves in any level.
 fn flats(shape: &ShapeConfig, body: &Body) -> Result<Vec<Flat>> {
     let facets = shape.on.all().iter().map(|on| body.facets(on));
-    let moving = facets.collect::<Result<Vec<_>>>()?.concat();
+    let moving = facets.collect::<Result<Vec<_>, _>>()?.concat();
     shape.keep.iter().map(|keep| Flat::find(keep, body, &moving)).collect()
 }
 

@@ -152,9 +152,10 @@ impl PartialOrd for Front {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::testing::{sphere, square};
+    use mechanics::testing::{sphere, square};
     use mesh::Vec3;
+
+    use super::*;
 
     #[test]
     fn planes_are_exact_whatever_the_triangles() {

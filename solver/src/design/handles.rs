@@ -34,11 +34,11 @@ use std::sync::Arc;
 
 use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3, topology};
+use scene::config::{HandleMotion, Spread};
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
 use super::held::{Held, off};
 use super::sampling::{TooManyHandles, spread_points};
-use crate::config::{HandleMotion, Spread};
 
 type Mat3 = nalgebra::Matrix3<f64>;
 
@@ -277,10 +277,11 @@ impl Motion {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use mechanics::math::random::Random;
+    use mechanics::testing::{cap, check_gradient, sphere};
+
     use super::*;
     use crate::design::sampling::rim;
-    use crate::math::random::Random;
-    use crate::testing::{cap, check_gradient, sphere};
 
     #[test]
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {

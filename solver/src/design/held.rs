@@ -1,14 +1,14 @@
 //! What of a patch may not move, or only along a plane.
 
 use anyhow::{Context, Result, ensure};
+use mechanics::body::Body;
+use mechanics::symmetry::{FLAT, Plane};
 use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3};
+use scene::config::KeepConfig;
 
 use super::Geodesics;
 use super::sampling::open_rim;
-use crate::body::Body;
-use crate::config::KeepConfig;
-use crate::symmetry::{FLAT, Plane};
 
 /// Sine of the angle up to which two planes count as parallel [1].
 const PARALLEL: f64 = 1e-9;
@@ -156,11 +156,12 @@ pub(super) fn off(directions: &[Vec3], vector: &Vec3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::math::random::Random;
+    use mechanics::testing::{check_gradient, cube};
+    use scene::config::{HandleMotion, Moves, Spread};
+
     use super::*;
-    use crate::config::{HandleMotion, Moves, Spread};
     use crate::design::Patch;
-    use crate::math::random::Random;
-    use crate::testing::{check_gradient, cube};
 
     fn flat(normal: [f64; 3], vertices: &[usize]) -> Flat {
         Flat { normal: Vec3::from(normal).normalize(), vertices: vertices.to_vec() }

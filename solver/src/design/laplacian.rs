@@ -69,8 +69,9 @@ fn corner_areas(x: &[Vec3; 3], cot: &[f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing::square;
+
     use super::*;
-    use crate::testing::square;
 
     #[test]
     fn linear_functions_are_harmonic_and_areas_add_up() {

@@ -1,25 +1,28 @@
-//! From design variables to loads: pressures over time by their slopes, and numbers
-//! that expressions of the scene have in common.
+//! From design variables to loads and other numbers: pressures over time by their slopes, numbers
+//! that expressions of the scene have in common, and numbers by their paths.
 //!
 //! Variables of the curves come first, one curve after the other, then one for each
 //! number; all are metres.
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
+use mechanics::body::Body;
+use mechanics::energy::{ChamberId, GasLaw, Isobaric};
+use mechanics::forward::Problem;
+use mechanics::schedule::Schedule;
+use scene::Scene;
+use scene::config::{ChamberConfig, ChamberDesign, ParameterDesign};
 
 use super::{PressureCurve, Scalar};
-use crate::config::{ChamberConfig, ChamberDesign, ParameterDesign};
-use crate::energy::{ChamberId, Energies, GasLaw, Isobaric, ParameterGradients};
-use crate::scene::Scene;
-use crate::schedule::Schedule;
+use crate::number::{Number, Swept};
 
 /// What a design does to the loads.
 pub struct LoadMap {
     /// t_0 = 0, t_1, …, t_N [s].
     times: Vec<f64>,
     curves: Vec<Curve>,
-    numbers: Vec<Number>,
+    numbers: Vec<Designed>,
     /// Chambers in whose schedules such numbers occur, with the scene's gas laws.
     named: Vec<(ChamberId, Box<dyn GasLaw>)>,
     /// All parameters of the scene.
@@ -37,8 +40,11 @@ struct Curve {
 }
 
 /// A number that the design sets.
-struct Number {
+struct Designed {
+    /// Its name in `[parameters]`, or its path.
     name: String,
+    /// What has the path.
+    number: Option<Number>,
     scalar: Scalar,
     /// Largest change of its variable in one iteration.
     change: f64,
@@ -71,7 +77,10 @@ impl LoadMap {
             map.add_curve(design, scene, edge)?;
         }
         for design in parameters {
-            map.add_number(design, scene, edge)?;
+            match design.name.contains('.') {
+                true => map.add_path(design, scene, edge)?,
+                false => map.add_parameter(design, scene, edge)?,
+            }
         }
         for (i, ChamberConfig { on, gas, .. }) in scene.config.chamber.iter().enumerate() {
             let (id, schedule) = (ChamberId::of(i), gas.schedule());
@@ -128,14 +137,32 @@ impl LoadMap {
         Ok(())
     }
 
-    fn add_number(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
+    /// Adds a number of the scene by its path.
+    fn add_path(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
+        let name = &design.name;
+        let number = Number::find(scene, name).context("[[parameter]]")?;
+        ensure!(
+            !["wall", "velocity"].contains(&number.word()),
+            "[[parameter]] \"{name}\": a design cannot change it; walls move by [[shape]]"
+        );
+        let designed = |c: &&Curve| name.starts_with(&format!("chamber.{}.", c.on));
+        ensure!(
+            !self.curves.iter().any(|c| designed(&c)),
+            "[[parameter]] \"{name}\": a [[chamber]] of the design changes it, too; keep one of them"
+        );
+        let start = number.value(scene);
+        self.add(design, Some(number), start, edge)
+    }
+
+    /// Adds a number within its bounds, which is `start` in the scene.
+    fn add(
+        &mut self,
+        design: &ParameterDesign,
+        number: Option<Number>,
+        start: f64,
+        edge: f64,
+    ) -> Result<()> {
         let ParameterDesign { name, bounds, change } = design;
-        let Some(&start) = self.parameters.get(name) else {
-            bail!(
-                "[[parameter]] \"{name}\": {} has none of this name in [parameters]",
-                scene.path.display()
-            );
-        };
         ensure!(
             bounds[0] <= start && start <= bounds[1],
             "[[parameter]] \"{name}\": the scene's value {start} is not within bounds = {bounds:?}"
@@ -144,6 +171,21 @@ impl LoadMap {
             self.numbers.iter().all(|n| n.name != *name),
             "[[parameter]] \"{name}\" is given twice"
         );
+        let scalar = Scalar::new(start, *bounds, edge);
+        let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
+        self.numbers.push(Designed { name: name.clone(), number, scalar, change });
+        Ok(())
+    }
+
+    /// Adds a number of `[parameters]`.
+    fn add_parameter(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
+        let name = &design.name;
+        let Some(&start) = self.parameters.get(name) else {
+            bail!(
+                "[[parameter]] \"{name}\": {} has none of this name in [parameters]",
+                scene.path.display()
+            );
+        };
         let mut config = scene.config.clone();
         let chambers = config.chamber.len();
         let (mut found, mut elsewhere) = (false, None);
@@ -160,10 +202,7 @@ impl LoadMap {
             );
         }
         ensure!(found, "[[parameter]] \"{name}\" occurs in no [[chamber]]");
-        let scalar = Scalar::new(start, *bounds, edge);
-        let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
-        self.numbers.push(Number { name: name.clone(), scalar, change });
-        Ok(())
+        self.add(design, None, start, edge)
     }
 
     /// Number of design variables.
@@ -190,7 +229,10 @@ impl LoadMap {
     }
 
     /// Each number with its variable.
-    fn each_number<'a>(&'a self, theta: &'a [f64]) -> impl Iterator<Item = (&'a Number, f64)> + 'a {
+    fn each_number<'a>(
+        &'a self,
+        theta: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Designed, f64)> + 'a {
         self.numbers.iter().zip(theta[self.curve_variables()..].iter().copied())
     }
 
@@ -219,21 +261,40 @@ impl LoadMap {
         self.named.iter().map(bind).collect()
     }
 
-    /// Gives the chambers the loads of θ.
-    pub fn apply(&self, theta: &[f64], energies: &mut Energies) {
+    /// The problem of a scene and a body with the loads and numbers of θ.
+    ///
+    /// # Errors
+    /// When the scene does not admit a number.
+    pub fn problem(&self, base: &Problem, on: (&Scene, &Body), theta: &[f64]) -> Result<Problem> {
+        let mut problem = base.clone();
+        let paths = self.each_number(theta);
+        let paths: Vec<(&Number, f64)> = paths
+            .filter_map(|(own, y)| Some((own.number.as_ref()?, own.scalar.value(y))))
+            .collect();
+        if !paths.is_empty() {
+            let (scene, body) = on;
+            let mut scene = scene.clone();
+            for (number, value) in &paths {
+                number.set(&mut scene, None, *value)?;
+            }
+            paths.iter().try_for_each(|(number, _)| number.check(&scene))?;
+            problem.energies = scene.energies_like(body, base)?;
+        }
         for (Curve { curve, chamber, .. }, own) in self.each_curve(theta) {
             let pressure = Schedule::table(&self.times, &curve.values(own))
                 .expect("times of the scene, and finite values");
-            energies.set_gas_law(*chamber, Box::new(Isobaric { pressure }));
+            problem.energies.set_gas_law(*chamber, Box::new(Isobaric { pressure }));
         }
         for (id, gas) in self.bound(theta) {
-            energies.set_gas_law(id, gas);
+            problem.energies.set_gas_law(id, gas);
         }
+        Ok(problem)
     }
 
     /// dJ/dθ from dJ/dp.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], by_parameters: &ParameterGradients) -> Vec<f64> {
+    pub fn pull_back(&self, theta: &[f64], swept: &Swept) -> Vec<f64> {
+        let by_parameters = swept.parameters();
         let mut gradient = Vec::with_capacity(self.variables());
         let steps = 0..by_parameters.steps();
         for Curve { curve, chamber, .. } in &self.curves {
@@ -241,7 +302,11 @@ impl LoadMap {
             gradient.extend(curve.pull_back(&steps.clone().map(by).collect::<Vec<_>>()));
         }
         let bound = self.bound(theta);
-        for Number { name, scalar, .. } in &self.numbers {
+        for Designed { name, number, scalar, .. } in &self.numbers {
+            if let Some(number) = number {
+                gradient.push(scalar.pull_back(number.derivative(swept)));
+                continue;
+            }
             let in_step = |(step, &t): (usize, &f64)| -> f64 {
                 let by = |(id, gas): &(ChamberId, Box<dyn GasLaw>)| {
                     by_parameters.chamber(step, *id) * gas.schedule().by_parameter(name, t)

@@ -5,7 +5,6 @@
 pub mod biharmonic;
 mod carry;
 mod design_map;
-mod extension;
 pub mod geodesic;
 mod handles;
 mod held;
@@ -18,7 +17,6 @@ mod scalar;
 
 pub use carry::{Carried, carry, check_same_body};
 pub use design_map::DesignMap;
-pub use extension::Extension;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
 pub use held::{Flat, Held};

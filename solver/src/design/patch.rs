@@ -1,10 +1,10 @@
 //! A part of the boundary that a design moves.
 
 use mesh::{Vec3, topology};
+use scene::config::{Moves, Spread};
 
 use super::handles::{HandleError, Handles, sample_handles};
 use super::held::Held;
-use crate::config::{Moves, Spread};
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -97,12 +97,13 @@ impl Patch {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use mechanics::math::random::Random;
+    use mechanics::testing::{cap, check_gradient};
+    use scene::config::HandleMotion;
+
     use super::*;
-    use crate::config::HandleMotion;
     use crate::design::Geodesics;
     use crate::design::sampling::rim;
-    use crate::math::random::Random;
-    use crate::testing::{cap, check_gradient};
 
     #[test]
     fn nothing_moves_within_the_margin() {

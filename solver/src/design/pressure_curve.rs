@@ -90,9 +90,10 @@ impl PressureCurve {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::math::random::Random;
+    use mechanics::testing::check_gradient;
+
     use super::*;
-    use crate::math::random::Random;
-    use crate::testing::check_gradient;
 
     #[test]
     fn slopes_add_up_and_pull_back() {

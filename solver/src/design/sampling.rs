@@ -16,11 +16,11 @@
 //!
 //! Sources: Gjoka et al. 2024, section 4.5; Lloyd 1982, doi:10.1109/TIT.1982.1056489.
 
+use mechanics::symmetry::Plane;
 use mesh::{SurfaceMesh, topology};
+use scene::config::Spread;
 
 use super::Geodesics;
-use crate::config::Spread;
-use crate::symmetry::Plane;
 
 /// Times that every point is placed again, at most.
 const SWEEPS: usize = 5;
@@ -252,9 +252,10 @@ impl Sampling {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::*;
-    use crate::testing::{cap, sphere, square};
+    use mechanics::testing::{cap, sphere, square};
     use mesh::Vec3;
+
+    use super::*;
 
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {

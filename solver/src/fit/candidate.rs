@@ -1,11 +1,11 @@
 //! What can be fitted: a law, its unknowns, and where to start.
 
+use mechanics::material::response::Mode;
+use mechanics::material::{LAWS, Law};
+use mechanics::math::least_squares::{Minimum, Residuals, levenberg_marquardt};
 use nalgebra::{DMatrix, DVector};
 
 use super::Test;
-use crate::material::response::Mode;
-use crate::material::{LAWS, Law};
-use crate::math::least_squares::{Minimum, Residuals, levenberg_marquardt};
 
 /// A law with a number of terms.
 ///

@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use csv::StringRecord;
-
-use crate::material::response::Mode;
+use mechanics::material::response::Mode;
 
 /// Fewest points away from rest that make a test.
 const FEWEST: usize = 5;

@@ -1,11 +1,11 @@
 //! Laws fitted to tensile tests (parameter identification).
 //!
-//! Nominal stress of the incompressible law (see [`crate::material::response`])
+//! Nominal stress of the incompressible law (see [`mechanics::material::response`])
 //! against the measured one, least squares over all points of all tests. The
 //! residuals and their derivatives come from the laws of the table themselves.
 //!
 //! A test of a soft rubber says nothing about its bulk modulus: it is set to a
-//! fixed ratio to the shear modulus, [`crate::material::BULK_RATIO`] unless another is given.
+//! fixed ratio to the shear modulus, [`mechanics::material::BULK_RATIO`] unless another is given.
 
 mod candidate;
 mod data;
@@ -15,10 +15,9 @@ pub use candidate::{CANDIDATES, Candidate};
 pub use data::{Test, Units, read};
 pub use plot::draw;
 
+use mechanics::material::response::{Mode, free_uniaxial};
+use mechanics::material::{Law, Moduli, Softening, Specification};
 use serde::Serialize;
-
-use crate::material::response::{Mode, free_uniaxial};
-use crate::material::{Law, Moduli, Softening, Specification};
 
 /// Stretch up to which stability is looked for.
 const STABILITY_LIMIT: f64 = 20.0;
@@ -145,7 +144,7 @@ fn range(tests: &[Test]) -> [f64; 2] {
     [stretches().fold(f64::INFINITY, f64::min), stretches().fold(0.0, f64::max)]
 }
 
-fn compressibility(material: &dyn crate::material::Material, [low, high]: [f64; 2]) -> f64 {
+fn compressibility(material: &dyn mechanics::material::Material, [low, high]: [f64; 2]) -> f64 {
     let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
     for i in 0..=20 {
         let stretch = low + (high - low) * f64::from(i) / 20.0;

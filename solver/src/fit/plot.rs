@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Result;
+use mechanics::material::response::Mode;
 
 use super::{Fitted, Test, range};
-use crate::material::response::Mode;
 use crate::plot::{Axes, Series, Style};
 
 /// Points drawn of one test: more only blacken the picture.

@@ -1,8 +1,11 @@
 //! Fits of data whose law is known.
 
+use mechanics::material::{
+    BULK_RATIO, Gent, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh,
+};
+use mechanics::math::random::Random;
+
 use super::*;
-use crate::material::{BULK_RATIO, Gent, Lame, Material, MooneyRivlin, NeoHookean, Ogden, Yeoh};
-use crate::math::random::Random;
 
 /// A test of a law, with noise relative to the largest stress.
 fn test(material: &dyn Material, mode: Mode, end: f64, noise: f64) -> Test {

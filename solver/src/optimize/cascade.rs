@@ -11,7 +11,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use mechanics::body::Body;
+use mechanics::math::linear::{dot, norm};
 use program::Unusable;
+use scene::config::{DesignConfig, OptimizerConfig};
+use scene::{ObjectiveBuilder, Scene};
 use serde_json::json;
 
 use self::say::{say_gain, time_left, variables};
@@ -22,11 +26,6 @@ use super::remesh::write_bodies;
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Run, Start};
-use crate::body::Body;
-use crate::config::{DesignConfig, OptimizerConfig};
-use crate::math::linear::{dot, norm};
-use crate::report::results;
-use crate::scene::{ObjectiveBuilder, Scene};
 
 /// Curvature pairs that L-BFGS remembers.
 const MEMORY: usize = 6;
@@ -189,7 +188,7 @@ impl Cascade<'_> {
             let rows = level.scenarios().len() * level.steps();
             let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
             let evaluation = level.recall(&checkpoint.theta, runs)?;
-            level.linearize(&checkpoint.theta, &evaluation);
+            level.linearize(&evaluation);
             return Ok(evaluation);
         }
         let theta = level.map().start(&checkpoint.loads);
@@ -207,7 +206,7 @@ impl Cascade<'_> {
             checkpoint.weights = level.weights();
         }
         let clock = Instant::now();
-        level.linearize(&theta, &evaluation);
+        level.linearize(&evaluation);
         evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
@@ -235,7 +234,7 @@ impl Cascade<'_> {
         report["level"] = json!(index + 1);
         let written = diagnosis
             .write_state(&self.folder)
-            .and_then(|()| results::write_json(&self.folder.join("report.json"), &report));
+            .and_then(|()| program::write_json(&self.folder.join("report.json"), &report));
         if let Err(error) = written {
             return error;
         }
@@ -453,7 +452,7 @@ fn lower(
         let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
         return Err(Rejected(reason));
     }
-    level.linearize(theta, &evaluation);
+    level.linearize(&evaluation);
     Ok(evaluation)
 }
 

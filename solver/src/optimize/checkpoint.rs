@@ -176,7 +176,7 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        program::read_checkpoint(&path, crate::report::PROGRAM).map(Some)
+        program::read_checkpoint(&path, scene::PROGRAM).map(Some)
     }
 
     /// Makes sure that its vectors have the sizes of its level.
@@ -314,7 +314,7 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        program::write_checkpoint(&Self::path(folder), crate::report::PROGRAM, self)
+        program::write_checkpoint(&Self::path(folder), scene::PROGRAM, self)
     }
 }
 

@@ -12,9 +12,8 @@
 
 use std::collections::VecDeque;
 
+use mechanics::math::linear::{dot, norm};
 use serde::{Deserialize, Serialize};
-
-use crate::math::linear::{dot, norm};
 
 /// cos of the angle between s and y below which a pair is left out: its
 /// curvature is not positive, or drowned in rounding [1].

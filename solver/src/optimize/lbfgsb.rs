@@ -17,11 +17,11 @@
 //! Source: Byrd, Lu, Nocedal and Zhu 1995, doi:10.1137/0916069, whose method is the
 //! first turn.
 
+use mechanics::math::linear::dot;
 use nalgebra::{DMatrix, DVector};
 
 use super::Lbfgs;
 use super::lbfgs::Pair;
-use crate::math::linear::dot;
 
 /// Most turns in search of the active set; two or three are usual.
 const TURNS: usize = 50;

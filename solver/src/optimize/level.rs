@@ -6,23 +6,24 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use mechanics::adjoint::Gradient;
+use mechanics::body::Body;
+use mechanics::forward::Trajectory;
+use mechanics::math::linear::sum;
+use mechanics::memory::Need;
 use mesh::Vec3;
 use rayon::prelude::*;
+use scene::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
+use scene::memory;
+use scene::{ObjectiveBuilder, Scene};
 
 use super::rest_path::RestPath;
 use super::robust::Robust;
 use super::scenario::{Near, Rejected, Run, Scenario};
 use super::{shares, validity};
-use crate::adjoint::Gradient;
-use crate::body::Body;
-use crate::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use crate::design::DesignMap;
-use crate::forward::Trajectory;
-use crate::math::linear::sum;
-use crate::memory::{self, Need};
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
-use crate::scene::{ObjectiveBuilder, Scene};
 
 /// A design with its runs and objective.
 #[derive(Clone)]
@@ -183,11 +184,11 @@ impl Level {
     ///
     /// # Errors
     /// When one of them cannot be read.
-    pub fn recall<E>(
+    pub fn recall<E: Into<anyhow::Error>>(
         &mut self,
         theta: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-    ) -> Result<Evaluation, E> {
+    ) -> Result<Evaluation> {
         let rest = self.map.shape(theta);
         let (loads, steps) = (self.map.load_variables(theta), self.steps());
         let mut runs = Vec::new();
@@ -266,10 +267,9 @@ impl Level {
     /// next to an evaluation of a scene without time. What follows depends on the
     /// evaluation alone, not on how it was reached: an interrupted search continues
     /// with the same bits.
-    pub fn linearize(&mut self, theta: &[f64], at: &Evaluation) {
-        let loads = self.map.load_variables(theta);
+    pub fn linearize(&mut self, at: &Evaluation) {
         let pairs = self.scenarios.par_iter_mut().zip(&at.runs);
-        pairs.for_each(|(scenario, run)| scenario.linearize(loads, run));
+        pairs.for_each(|(scenario, run)| scenario.linearize(run));
     }
 
     /// First-order change of the equilibria from `at`, where the level is
@@ -305,12 +305,12 @@ impl Level {
     ///
     /// # Errors
     /// When a displacement cannot be read.
-    pub fn carried<E>(
+    pub fn carried<E: Into<anyhow::Error>>(
         &mut self,
         theta: &[f64],
         times: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-    ) -> Result<Vec<Arc<Trajectory>>, E> {
+    ) -> Result<Vec<Arc<Trajectory>>> {
         let rest = self.map.shape(theta);
         let loads = self.map.load_variables(theta);
         let each = times.len() / self.scenarios.len();
@@ -360,13 +360,6 @@ impl Level {
         let by_loads = by_loads.map(|(scenario, by)| scenario.by_loads(loads, by));
         gradient.extend(sum(by_loads));
         gradient
-    }
-
-    /// dJ by the velocity of a body at t = 0.
-    #[must_use]
-    pub fn by_velocity(&self, part: usize, swept: &[Gradient]) -> Vec<f64> {
-        let pairs = self.scenarios.iter().zip(swept);
-        sum(pairs.map(|(scenario, by)| scenario.by_velocity(&self.body, part, &by.start.v)))
     }
 
     /// Mean displacement of each tag over its rest area in each scenario [m].

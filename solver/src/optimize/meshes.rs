@@ -6,9 +6,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use mechanics::body::Body;
+use scene::config::{DesignConfig, LevelConfig};
 
-use crate::body::Body;
-use crate::config::{DesignConfig, LevelConfig};
 use crate::design::{carry, check_same_body};
 
 /// The meshes that levels have in place of the scene's.
@@ -88,17 +88,17 @@ impl Meshes {
         );
         body.mesh.vertices = carried.vertices;
         // planes of symmetry belong to the vertices as they were
-        Body::join(body.separate()).cut_by(&body.cuts())
+        Ok(Body::join(body.separate()).cut_by(&body.cuts())?)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing::cube;
     use mesh::Tags;
     use mesh::topology::boundary;
 
     use super::*;
-    use crate::testing::cube;
 
     /// The unit cube with n cells per side: its floor is a plane of symmetry.
     fn half(n: usize) -> Body {

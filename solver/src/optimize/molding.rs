@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::body::Body;
 use mesh::{Tags, TetMesh};
 use program::Process;
+use scene::config::{DesignConfig, beside};
 use serde_json::{Map, Value, json};
 
-use crate::body::Body;
-use crate::config::{DesignConfig, beside};
 use crate::report::mirror::mirror_body;
 
 /// Exit code of a plan whose file is wrong, or asks for what the body does not have.

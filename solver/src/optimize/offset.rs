@@ -7,13 +7,13 @@
 //! 𝓔        extension into the interior, of the body at the beginning of a level
 
 use anyhow::{Result, anyhow};
+use mechanics::body::Body;
+use mechanics::element::at;
 use mesh::Vec3;
 use mesh::offset::{add_shifts_vjp, shifts};
+use scene::config::ScenarioConfig;
 
-use crate::body::Body;
-use crate::config::ScenarioConfig;
-use crate::design::Extension;
-use crate::element::at;
+use crate::extension::Extension;
 
 /// The map of one scenario.
 pub struct Offset {

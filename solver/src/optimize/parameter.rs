@@ -2,123 +2,107 @@
 //! the user's own scene.
 
 use anyhow::Result;
+use mechanics::adjoint::Gradient;
+use mechanics::math::linear::sum;
+use scene::config::{DesignConfig, LevelConfig, VerticesConfig};
+use scene::{ObjectiveBuilder, Scene};
 
 use super::{Evaluation, Level, Rejected, Scenario};
-use crate::adjoint::Gradient;
-use crate::config::{DesignConfig, LevelConfig, VerticesConfig};
-use crate::energy::ParameterId;
-use crate::math::linear::sum;
-use crate::scene::{ObjectiveBuilder, Scene};
+use crate::number::{KINDS, Number, Swept};
 
 /// A group of numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub enum Parameter {
     /// Design variables of the shape [m].
     Shape,
     /// Design variables of the loads [m].
     Loads,
-    /// Parameters of the law of a body or volume, each relative to itself.
-    Material(usize),
-    /// Its density, relative to itself.
-    Density(usize),
-    /// Thickness of a sheet and parameters of its law, each relative to itself.
-    Membrane(usize),
-    /// Coefficient of friction, relative to itself.
-    Friction,
-    /// Velocity of a body at t = 0 [m/s].
-    Velocity(usize),
+    /// Numbers of the scene that belong together, each relative to itself or to what is large of
+    /// its kind.
+    Numbers(Vec<Number>),
 }
 
 impl Parameter {
-    /// All that the runs of a level depend on.
+    /// All that the runs of a level depend on. Walls move with the shape, and pressures that are
+    /// designed are among the loads.
     #[must_use]
-    pub fn of(scene: &Scene, level: &Level) -> Vec<Self> {
+    pub fn of(scene: &Scene, level: &Level, design: &DesignConfig) -> Vec<Self> {
         let mut all = Vec::new();
         let shape = level.map().shape_variables();
         all.extend((shape > 0).then_some(Self::Shape));
         all.extend((level.variables() > shape).then_some(Self::Loads));
-        for law in 0..scene.laws.len() {
-            all.push(Self::Material(law));
-            if scene.weighs(law) {
-                all.push(Self::Density(law));
-            }
+        let designed = |number: &Number| {
+            let of = |on: &String| number.path.starts_with(&format!("chamber.{on}."));
+            design.chamber.iter().any(|chamber| of(&chamber.on))
+        };
+        let counts = |number: &Number| match number.word() {
+            "density" => scene.weighs(number.owner()),
+            "chamber" => !designed(number),
+            word => word != "wall",
+        };
+        for kind in KINDS {
+            let numbers: Vec<Number> = kind.numbers(scene).into_iter().filter(counts).collect();
+            let owners = numbers.chunk_by(|a, b| a.owner() == b.owner());
+            all.extend(owners.map(|own| Self::Numbers(own.to_vec())));
         }
-        if scene.config.method().has_inertia() {
-            all.extend((0..scene.parts.len()).map(Self::Velocity));
-        }
-        all.extend((0..scene.membranes.len()).map(Self::Membrane));
-        let has_friction = scene.config.contact().is_some_and(|c| c.friction > 0.0);
-        all.extend(has_friction.then_some(Self::Friction));
         all
     }
 
     /// Its name in reports.
     #[must_use]
-    pub fn name(&self, scene: &Scene) -> String {
-        let law = |i: usize| scene.law_name(&scene.laws[i]);
+    pub fn name(&self) -> String {
         match self {
             Self::Shape => "shape".to_owned(),
             Self::Loads => "loads".to_owned(),
-            Self::Material(i) => format!("material of {}", law(*i)),
-            Self::Density(i) => format!("density of {}", law(*i)),
-            Self::Membrane(i) => format!("membrane {} on {}", i + 1, scene.membranes[*i].config.on),
-            Self::Friction => "friction".to_owned(),
-            Self::Velocity(part) => format!("velocity of {}", scene.parts[*part].config.name),
+            Self::Numbers(numbers) => {
+                let words = |number: &Number| -> Vec<String> {
+                    number.path.split('.').map(str::to_owned).collect()
+                };
+                let shared = numbers.iter().map(words).reduce(|a, b| {
+                    a.into_iter().zip(b).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
+                });
+                shared.unwrap_or_default().join(".")
+            }
         }
     }
 
     /// Number of its numbers.
     #[must_use]
-    pub fn count(&self, scene: &Scene, level: &Level) -> usize {
+    pub fn count(&self, level: &Level) -> usize {
         let shape = level.map().shape_variables();
         match self {
             Self::Shape => shape,
             Self::Loads => level.variables() - shape,
-            Self::Material(law) => scene.laws[*law].material.values.len(),
-            Self::Membrane(i) => scene.membranes[*i].numbers().len(),
-            Self::Density(_) | Self::Friction => 1,
-            Self::Velocity(_) => 3,
+            Self::Numbers(numbers) => numbers.len(),
         }
     }
 
     /// dJ by its numbers, from the sweeps of all scenarios at θ = 0.
     #[must_use]
-    pub fn gradient(&self, level: &Level, swept: &[Gradient]) -> Vec<f64> {
+    pub fn gradient(&self, scene: &Scene, level: &Level, swept: &[Gradient]) -> Vec<f64> {
         let shape = level.map().shape_variables();
         let by_variables = || level.pull_back(&vec![0.0; level.variables()], swept);
-        let relative = |of: fn(&Scenario, usize) -> Vec<f64>, place: usize, id: ParameterId| {
-            let one = |(scenario, by): (&Scenario, &Gradient)| -> Vec<f64> {
-                let by = by.parameters.total(id);
-                by.iter().zip(of(scenario, place)).map(|(by, value)| by * value).collect()
-            };
-            sum(level.scenarios().iter().zip(swept).map(one))
-        };
         match self {
             Self::Shape => by_variables()[..shape].to_vec(),
             Self::Loads => by_variables()[shape..].to_vec(),
-            Self::Material(law) => {
-                let values = |s: &Scenario, law: usize| s.scene.laws[law].material.values.clone();
-                relative(values, *law, ParameterId::Material(*law))
-            }
-            Self::Density(law) => {
-                let density = |s: &Scenario, law: usize| {
-                    vec![s.scene.laws[law].material.density.unwrap_or(0.0)]
+            Self::Numbers(numbers) => {
+                let one = |(scenario, by): (&Scenario, &Gradient)| -> Vec<f64> {
+                    let swept = scenario.swept(by);
+                    numbers.iter().map(|number| by_part(number, scene, scenario, &swept)).collect()
                 };
-                relative(density, *law, ParameterId::Density(*law))
+                sum(level.scenarios().iter().zip(swept).map(one))
             }
-            Self::Membrane(i) => {
-                let numbers = |s: &Scenario, i: usize| s.scene.membranes[i].numbers();
-                relative(numbers, *i, ParameterId::Membrane(*i))
-            }
-            Self::Friction => {
-                let friction = |s: &Scenario, _: usize| {
-                    vec![s.scene.config.contact().map_or(0.0, |c| c.friction)]
-                };
-                relative(friction, 0, ParameterId::Friction)
-            }
-            Self::Velocity(part) => level.by_velocity(*part, swept),
         }
     }
+}
+
+/// dJ of a scenario by the part of a number that it is changed by in the scene of the design.
+fn by_part(number: &Number, scene: &Scene, scenario: &Scenario, swept: &Swept) -> f64 {
+    if scenario.config.numbers.contains_key(&number.path) {
+        return 0.0; // it has a value of its own there
+    }
+    let part = number.scale(scene).unwrap_or_else(|| number.value(&scenario.scene));
+    part * number.derivative(swept)
 }
 
 /// Evaluates a design problem with changed parameters.
@@ -160,37 +144,7 @@ impl Perturbed<'_> {
                 theta[shape..].copy_from_slice(by);
                 return Ok(level.evaluate(&theta, near)?);
             }
-            Parameter::Material(law) => {
-                let mut scene = self.scene.clone();
-                let values = &mut scene.laws[*law].material.values;
-                values.iter_mut().zip(by).for_each(|(p, by)| *p *= 1.0 + by);
-                scene
-            }
-            Parameter::Density(law) => {
-                let mut scene = self.scene.clone();
-                let density = &mut scene.laws[*law].material.density;
-                *density = density.map(|d| d * (1.0 + by[0]));
-                scene
-            }
-            Parameter::Membrane(i) => {
-                let mut scene = self.scene.clone();
-                let membrane = &mut scene.membranes[*i];
-                let numbers = [&mut membrane.thickness].into_iter();
-                let numbers = numbers.chain(&mut membrane.material.values);
-                numbers.zip(by).for_each(|(p, by)| *p *= 1.0 + by);
-                scene
-            }
-            Parameter::Friction => {
-                let mut scene = self.scene.clone();
-                scene.config.contact_mut().into_iter().for_each(|c| c.friction *= 1.0 + by[0]);
-                scene
-            }
-            Parameter::Velocity(part) => {
-                let mut scene = self.scene.clone();
-                let velocity = &mut scene.parts[*part].config.velocity;
-                velocity.iter_mut().zip(by).for_each(|(v, by)| *v += by);
-                scene
-            }
+            Parameter::Numbers(numbers) => self.changed(numbers, by)?,
         };
         // free vertices take no time to set up, and none is moved
         let settings = LevelConfig {
@@ -203,5 +157,20 @@ impl Perturbed<'_> {
         other.set_weights(&level.weights());
         let theta = vec![0.0; other.variables()];
         other.evaluate(&theta, near).map_err(|Rejected(why)| anyhow::anyhow!(why))
+    }
+
+    /// The scene with numbers changed by parts of themselves, or of what is large of their kind.
+    fn changed(&self, numbers: &[Number], by: &[f64]) -> Result<Scene> {
+        let mut scene = self.scene.clone();
+        for (number, by) in numbers.iter().zip(by) {
+            let value = number.value(self.scene);
+            let value = match number.scale(self.scene) {
+                Some(scale) => value + scale * by,
+                None => value * (1.0 + by),
+            };
+            number.set(&mut scene, None, value)?;
+        }
+        numbers.iter().try_for_each(|number| number.check(&scene))?;
+        Ok(scene)
     }
 }

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use anyhow::Result;
+use mechanics::body::Body;
 use mesh::improve::{SurfaceReport, improve_tagged, improve_with_surface, usual_tolerance};
-
-use crate::body::Body;
-use crate::scene::Scene;
+use scene::Scene;
 
 /// Passes of the interior re-meshing.
 const REMESH_PASSES: usize = 10;
@@ -66,5 +65,5 @@ pub(super) fn remesh(body: &Body, moving: &[[usize; 3]], tolerance: Option<f64>)
             );
         }
     }
-    Body::join(bodies).cut_by(&body.cuts())
+    Ok(Body::join(bodies).cut_by(&body.cuts())?)
 }

@@ -5,11 +5,10 @@
 //! detection. What is left between chord and curve is small beside an edge, and the
 //! end of a trial is checked exactly by [`validity`](super::validity).
 
+use mechanics::contact::candidates;
+use mechanics::contact::ccd;
+use mechanics::contact::pairs::Features;
 use mesh::Vec3;
-
-use crate::contact::candidates;
-use crate::contact::ccd;
-use crate::contact::pairs::Features;
 
 /// Distance of a middle from its chord, in mean edges, up to which a piece counts as
 /// straight [1].
@@ -74,8 +73,9 @@ impl RestPath {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing::square;
+
     use super::*;
-    use crate::testing::square;
 
     /// A plate that swings through another, and back to where it was: only the path
     /// shows it.

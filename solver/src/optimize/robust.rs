@@ -11,7 +11,7 @@
 //!
 //! Each is J where all J_s are J. Smoothed maximum: Kreisselmeier and Steinhauser 1979.
 
-use crate::config::{RobustConfig, ScenarioConfig};
+use scene::config::{RobustConfig, ScenarioConfig};
 
 /// How the objectives of scenarios become one.
 #[derive(Clone, Debug)]
@@ -114,8 +114,9 @@ impl Robust {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing::check_gradient;
+
     use super::*;
-    use crate::testing::check_gradient;
 
     fn robust(config: RobustConfig) -> Robust {
         let weighs = |weight| ScenarioConfig { weight, ..Default::default() };

@@ -1,34 +1,38 @@
 //! One scenario of a level: rest shape and loads → run through time → objective, and the
 //! derivatives of that by all that the run depends on.
 
+mod changes;
+mod run;
 mod terms;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::Result;
-use mesh::Vec3;
-use program::Heartbeat;
-
-use self::terms::Forces;
-use super::offset::Offset;
-use super::validity;
-use crate::adjoint::{self, Gradient};
-use crate::body::Body;
-use crate::config::{DesignConfig, LevelConfig, ScenarioConfig};
-use crate::design::LoadMap;
-use crate::element::{FunctionSpace, interpolate};
-use crate::energy::Iterate;
-use crate::forward::{
+use measure::objective::Equilibrium;
+use measure::probe::measure;
+use mechanics::adjoint::{self, Gradient};
+use mechanics::body::Body;
+use mechanics::element::{FunctionSpace, interpolate};
+use mechanics::energy::Iterate;
+use mechanics::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
-use crate::objective::Equilibrium;
-use crate::probe::measure;
+use mesh::Vec3;
+use program::Heartbeat;
+use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
+use scene::{ObjectiveBuilder, Scene, Weighted};
+
+pub use self::run::Run;
+use self::terms::Forces;
+use super::offset::Offset;
+use super::validity;
+use crate::design::LoadMap;
+use crate::number::Swept;
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::results::{displacements, grid_with_fields};
-use crate::scene::{ObjectiveBuilder, Scene, Weighted, nodes_of};
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
@@ -43,21 +47,6 @@ const NEARBY_INCREMENT: f64 = 0.25;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Rejected(pub String);
-
-/// A run and its objective.
-#[derive(Clone)]
-pub struct Run {
-    /// Rest vertex positions, with walls that are off [m].
-    pub rest: Vec<Vec3>,
-    /// All states.
-    pub states: Arc<Trajectory>,
-    /// Σ of the terms.
-    pub objective: f64,
-    /// Weighted value of each term, by the user's name.
-    pub terms: BTreeMap<String, f64>,
-    /// Newton iterations.
-    pub newton_iterations: usize,
-}
 
 /// Where a run is looked for.
 #[derive(Clone, Copy)]
@@ -82,10 +71,13 @@ pub struct Scenario {
     pub scene: Scene,
     offset: Option<Offset>,
     loads: LoadMap,
+    /// Topology and tags of the body that it is on.
+    body: Body,
+    /// With the scene's own loads.
     problem: Problem,
     workspace: Workspace,
-    /// Where it was linearised last.
-    linearization: Option<Linearization>,
+    /// Where it was linearised last: at the end of these states.
+    linearization: Option<(Arc<Trajectory>, Linearization)>,
     stepping: Stepping,
     /// The state at t = 0 and the time integration.
     start: Integrator,
@@ -96,8 +88,8 @@ pub struct Scenario {
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
-    /// Why the last solve from rest failed, if it did.
-    unreached: Option<Unreached>,
+    /// What the last solve from rest did not reach, if it failed, and why.
+    unreached: Option<(Arc<Problem>, Unreached)>,
 }
 
 impl Scenario {
@@ -113,7 +105,7 @@ impl Scenario {
         design: &DesignConfig,
         level: &LevelConfig,
     ) -> Result<Self> {
-        let scene = scene.under(config)?;
+        let scene = changes::under(scene, config)?;
         let (problem, workspace) = scene.problem(body)?;
         let mut terms = objectives.build(&scene, body, &problem.space)?;
         for term in &mut terms {
@@ -135,6 +127,7 @@ impl Scenario {
             unreached: None,
             linearization: None,
             config: config.clone(),
+            body: body.clone(),
             scene,
             problem,
             workspace,
@@ -214,49 +207,49 @@ impl Scenario {
     /// # Errors
     /// [`Rejected`] when there is no equilibrium.
     pub fn run(&mut self, loads: &[f64], designed: &[Vec3], near: Near) -> Result<Run, Rejected> {
-        let rest = self.rest(designed);
-        self.loads.apply(loads, &mut self.problem.energies);
+        let (rest, problem) = (self.rest(designed), self.under(loads)?);
+        let guided = |guide: &Arc<Trajectory>| Some(Arc::clone(guide));
         let (states, newton_iterations) = match near {
-            Near::Displacement(u) => self.solve_next_to(&rest, u)?,
-            Near::Carried(guide) if !self.transient => self.solve_next_to(&rest, &guide.last())?,
-            Near::Run(guide) => self.solve(&rest, Some(Arc::clone(guide)), self.nearby())?,
-            Near::Carried(guide) => self.solve(&rest, Some(Arc::clone(guide)), self.stepping)?,
-            Near::Rest => self.solve(&rest, None, self.stepping)?,
+            Near::Displacement(u) => self.solve_next_to(&problem, &rest, u)?,
+            Near::Carried(guide) if !self.transient => {
+                self.solve_next_to(&problem, &rest, &guide.last())?
+            }
+            Near::Run(guide) => self.solve(&problem, &rest, guided(guide), self.nearby())?,
+            Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.stepping)?,
+            Near::Rest => self.solve(&problem, &rest, None, self.stepping)?,
         };
-        Ok(self.evaluated(rest, states, newton_iterations))
+        Ok(self.evaluated(problem, rest, states, newton_iterations))
     }
 
     /// A run as it was, from its displacements at the ends of time steps [m].
     ///
     /// # Errors
-    /// When one of them cannot be read.
-    pub fn recall<E>(
+    /// When one of them cannot be read, or the scene does not admit the loads.
+    pub fn recall<E: Into<anyhow::Error>>(
         &mut self,
         loads: &[f64],
         designed: &[Vec3],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-    ) -> Result<Run, E> {
-        let rest = self.rest(designed);
+    ) -> Result<Run> {
         let times = self.times.clone().into_iter();
         let states = self.states(loads, designed, times.zip(displacements))?;
-        Ok(self.evaluated(rest, states, 0))
+        Ok(self.evaluated(self.under(loads)?, self.rest(designed), states, 0))
     }
 
     /// States with displacements at times [s, m], as those of a run.
     ///
     /// # Errors
-    /// When one of them cannot be read.
-    pub fn states<E>(
-        &mut self,
+    /// When one of them cannot be read, or the scene does not admit the loads.
+    pub fn states<E: Into<anyhow::Error>>(
+        &self,
         loads: &[f64],
         designed: &[Vec3],
         displacements: impl Iterator<Item = (f64, Result<Vec<f64>, E>)>,
-    ) -> Result<Trajectory, E> {
-        self.loads.apply(loads, &mut self.problem.energies);
-        let rest = self.rest(designed);
+    ) -> Result<Trajectory> {
+        let (rest, problem) = (self.rest(designed), self.under(loads)?);
         let mut states = Trajectory::begin(&self.start, self.state_memory);
         for (end, u) in displacements {
-            states.push_displacement(&self.problem, &rest, end, &u?);
+            states.push_displacement(&problem, &rest, end, &u.map_err(Into::into)?);
         }
         Ok(states)
     }
@@ -269,95 +262,105 @@ impl Scenario {
         stepping
     }
 
-    fn evaluated(&mut self, rest: Vec<Vec3>, states: Trajectory, newton_iterations: usize) -> Run {
-        let (terms, states) = (self.terms_of(&rest, &states), Arc::new(states));
-        let objective = terms.values().sum();
-        Run { rest, states, objective, terms, newton_iterations }
+    /// The problem with these variables of the loads.
+    fn under(&self, loads: &[f64]) -> Result<Arc<Problem>, Rejected> {
+        let problem = self.loads.problem(&self.problem, (&self.scene, &self.body), loads);
+        problem.map(Arc::new).map_err(|why| self.reject(format!("{why:#}")))
+    }
+
+    fn evaluated(
+        &mut self,
+        problem: Arc<Problem>,
+        rest: Vec<Vec3>,
+        states: Trajectory,
+        newton_iterations: usize,
+    ) -> Run {
+        let (states, terms) = (Arc::new(states), BTreeMap::new());
+        let run = Run { problem, rest, states, objective: 0.0, terms, newton_iterations };
+        self.rated(&run)
     }
 
     /// All states from rest.
     fn solve(
         &mut self,
+        problem: &Arc<Problem>,
         rest: &[Vec3],
         guide: Option<Arc<Trajectory>>,
         stepping: Stepping,
     ) -> Result<(Trajectory, usize), Rejected> {
         let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
-        let mut states = Trajectory::begin(&self.start, self.state_memory);
         let mut heartbeat = Heartbeat::start();
-        for &end in &self.times {
-            let (scene, workspace) = (&self.scene, &mut self.workspace);
-            let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
-            let outcome = stepper.advance(&self.problem, workspace, rest, end, |step| {
-                heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.load)));
-            });
-            if let Err(unreached) = outcome {
+        let (scene, workspace, times) = (&self.scene, &mut self.workspace, &self.times);
+        let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
+        let run = stepper.run(problem, workspace, rest, times, self.state_memory, |step| {
+            heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.load)));
+        });
+        match run {
+            Ok(states) => Ok((states, stepper.progress.newton_iterations)),
+            Err(unreached) => {
                 let rejected = self.reject(&unreached);
-                self.unreached = Some(unreached);
-                return Err(rejected);
+                self.unreached = Some((Arc::clone(problem), unreached));
+                Err(rejected)
             }
-            states.push(end, stepper.progress.integrator.last().clone());
         }
-        Ok((states, stepper.progress.newton_iterations))
     }
 
     /// The one equilibrium next to a displacement.
-    fn solve_next_to(&mut self, rest: &[Vec3], u: &[f64]) -> Result<(Trajectory, usize), Rejected> {
+    fn solve_next_to(
+        &mut self,
+        problem: &Problem,
+        rest: &[Vec3],
+        u: &[f64],
+    ) -> Result<(Trajectory, usize), Rejected> {
         let load = self.times[0];
-        let step = Arc::new(self.one_step(rest, u).step(&self.problem, rest, 1));
-        let at = Iterate { step: Some(&step), ..self.problem.iterate(rest, u, load) };
-        let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+        let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, load) };
+        let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
         let start = Configuration { rest, load, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
-        let solution = solve_from(&self.problem, &mut self.workspace, &start, &newton)
+        let solution = solve_from(problem, &mut self.workspace, &start, &newton)
             .map_err(|e| self.reject(e))?;
-        Ok((self.one_step(rest, &solution.u), solution.newton_iterations))
+        Ok((self.one_step(problem, rest, &solution.u), solution.newton_iterations))
     }
 
     /// The run to a displacement in one step.
-    fn one_step(&self, rest: &[Vec3], u: &[f64]) -> Trajectory {
+    fn one_step(&self, problem: &Problem, rest: &[Vec3], u: &[f64]) -> Trajectory {
         let mut run = Trajectory::begin(&self.start, self.state_memory);
-        run.push_displacement(&self.problem, rest, self.times[0], u);
+        run.push_displacement(problem, rest, self.times[0], u);
         run
     }
 
-    /// dJ by the velocity of a body at t = 0, from that by all nodes' velocities.
+    /// The derivatives of a sweep, to be asked by the numbers of the scene.
     #[must_use]
-    pub fn by_velocity(&self, body: &Body, part: usize, by_nodes: &[f64]) -> [f64; 3] {
-        let mut sum = Vec3::zeros();
-        for node in nodes_of(body, part, &self.problem.space) {
-            for k in (0..3).filter(|k| !self.problem.dirichlet.fixed()[3 * node + k]) {
-                sum[k] += by_nodes[3 * node + k];
-            }
-        }
-        sum.into()
+    pub fn swept<'a>(&'a self, by: &'a Gradient) -> Swept<'a> {
+        Swept::new(&self.scene, &self.problem, None, by)
     }
 
     /// Explains why a body has no equilibrium, after [`Self::run`] has sought it from rest in
     /// vain.
     pub fn diagnose(&mut self, body: &Body) -> Option<Diagnosis> {
-        let unreached = self.unreached.take()?;
+        let (problem, unreached) = self.unreached.take()?;
         let mut body = body.clone();
         body.mesh.vertices = self.rest(&body.mesh.vertices);
-        let solver = (&self.problem, &mut self.workspace);
+        let solver = (&*problem, &mut self.workspace);
         Some(Diagnosis::new(&self.scene, &body, solver, &unreached))
     }
 
     /// Makes ready for [`Self::sweep`], [`Self::predict`] and runs at or next to a run of a
     /// scene without time. What follows depends on that run alone, not on how it was reached:
     /// an interrupted search continues with the same bits.
-    pub fn linearize(&mut self, loads: &[f64], run: &Run) {
-        self.loads.apply(loads, &mut self.problem.energies);
+    pub fn linearize(&mut self, run: &Run) {
         self.linearization = None;
         if self.transient {
             return;
         }
-        let (rest, states) = (&run.rest, &run.states);
-        let (step, u) = (states.step(&self.problem, rest, 1), states.last());
-        let here = Iterate { step: Some(&step), ..self.problem.iterate(rest, &u, 1.0) };
-        let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &here);
+        let Run { problem, rest, states, .. } = run;
+        let (step, u) = (states.step(problem, rest, 1), states.last());
+        let here = Iterate { step: Some(&step), ..problem.iterate(rest, &u, 1.0) };
+        let multipliers = solve_multipliers(problem, &mut self.workspace, &here);
         let here = Iterate { multipliers: &multipliers, ..here };
-        self.linearization = Some(self.workspace.linearize(&self.problem, &here));
+        let linearization = self.workspace.linearize(problem, &here);
+        self.linearization = Some((Arc::clone(states), linearization));
     }
 
     /// First-order change of the equilibrium of a run, where it is linearised, to another
@@ -365,15 +368,15 @@ impl Scenario {
     pub fn predict(&mut self, run: &Run, designed: &[Vec3]) -> Option<Vec<f64>> {
         let rest = self.rest(designed);
         let motion: Vec<Vec3> = rest.iter().zip(&run.rest).map(|(a, b)| a - b).collect();
-        let linearization = self.linearization.as_ref()?;
-        follow(&self.problem, &mut self.workspace, linearization, &run.rest, &motion)
+        let linearization = run.linearized(self.linearization.as_ref())?;
+        follow(&run.problem, &mut self.workspace, linearization, &run.rest, &motion)
     }
 
     /// The displacements of a run at the ends of time steps on another mesh of the same designed
     /// shape, by elements of another degree [m].
     #[must_use]
     pub fn carry(&self, run: &Run, designed: &[Vec3], body: &Body, degree: usize) -> Vec<Vec<f64>> {
-        let space = &*self.problem.space;
+        let space = &*run.problem.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
         interpolate((space, designed), (&other, vertices), run.states.displacements())
@@ -390,8 +393,7 @@ impl Scenario {
         (of, factor): (Option<&str>, f64),
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
-        let forces: Vec<Forces> =
-            (0..=states.steps()).map(|n| self.forces(rest, states, n)).collect();
+        let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
         let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.objective.name());
         let mut by_rest = vec![0.0; 3 * rest.len()];
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
@@ -408,8 +410,8 @@ impl Scenario {
                 }
             }
         };
-        let (problem, workspace) = (&self.problem, &mut self.workspace);
-        let linearization = self.linearization.as_ref();
+        let (problem, workspace) = (&*run.problem, &mut self.workspace);
+        let linearization = run.linearized(self.linearization.as_ref());
         let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
@@ -426,7 +428,7 @@ impl Scenario {
     /// dJ by the variables of the loads, which have these values.
     #[must_use]
     pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
-        self.loads.pull_back(loads, &gradient.parameters)
+        self.loads.pull_back(loads, &self.swept(gradient))
     }
 
     /// Mean displacement of each tag over its rest area [m].
@@ -438,7 +440,7 @@ impl Scenario {
         body.mesh.vertices.clone_from(&run.rest);
         let one = |name: &String| {
             let facets = body.facets(name)?;
-            let report = displacements(&body, &self.problem.space, &facets, &run.states.last());
+            let report = displacements(&body, &run.problem.space, &facets, &run.states.last());
             Ok((name.clone(), report.mean_displacement))
         };
         body.used_tags().map(one).collect()
@@ -451,27 +453,19 @@ impl Scenario {
     pub fn measured(&self, run: &Run, body: &Body) -> Result<BTreeMap<String, f64>> {
         let mut body = body.clone();
         body.mesh.vertices.clone_from(&run.rest);
-        let probes = self.scene.probes(&body, &self.problem.space)?;
-        Ok(self.at_end(run, |end| measure(&probes, &self.problem, end)))
+        let probes = self.scene.probes(&body, &run.problem.space)?;
+        Ok(run.at_end(|end| measure(&probes, &run.problem, end)))
     }
 
     /// The solution's grid for ParaView, at the end of a run.
     #[must_use]
     pub fn grid(&self, run: &Run) -> mesh::io::vtu::Grid {
-        self.at_end(run, |end| grid_with_fields(&self.problem.energies, end))
+        run.at_end(|end| grid_with_fields(&run.problem.energies, end))
     }
 
     /// Surfaces of the body that have passed through each other at the end of a run.
     #[must_use]
     pub fn crossing(&self, run: &Run, body: &Body) -> Option<Crossing> {
-        self.at_end(run, |end| Crossing::find((&self.scene, body), &self.problem, end))
-    }
-
-    /// Looks at the end of a run.
-    fn at_end<T>(&self, run: &Run, look: impl FnOnce(&Iterate) -> T) -> T {
-        let (states, rest) = (&run.states, &run.rest);
-        let (u, load) = (states.last(), states.times[states.steps()]);
-        let step = states.step(&self.problem, rest, states.steps());
-        look(&Iterate { step: Some(&step), ..self.problem.iterate(rest, &u, load) })
+        run.at_end(|end| Crossing::find((&self.scene, body), &run.problem, end))
     }
 }

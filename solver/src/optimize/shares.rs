@@ -12,8 +12,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
-
-use crate::config::Weight;
+use scene::config::Weight;
 
 /// A term that has more than this share of the objective ...
 const LARGE: f64 = 0.8;

@@ -1,9 +1,10 @@
 //! The first trial step of an iteration: its direction and its length.
 
+use mechanics::math::linear::norm;
+use scene::config::OptimizerConfig;
+
 use super::Level;
 use super::checkpoint::Checkpoint;
-use crate::config::OptimizerConfig;
-use crate::math::linear::norm;
 
 /// Length of the first trial relative to the free fraction of a step.
 const NEARLY: f64 = 0.9;

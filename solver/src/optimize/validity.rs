@@ -6,11 +6,10 @@
 
 use std::collections::BTreeSet;
 
+use mechanics::body::Body;
 use mesh::crossings::self_intersecting_pairs;
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3, facet_key};
-
-use crate::body::Body;
 
 /// Smallest volume of a tetrahedron in units of the mean volume [1].
 const SMALLEST: f64 = 1e-5;
@@ -126,9 +125,10 @@ fn check_intersections(
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::*;
-    use crate::testing::cube;
+    use mechanics::testing::cube;
     use mesh::{Tags, TetMesh, topology};
+
+    use super::*;
 
     fn run(mesh: &TetMesh, moving: &[[usize; 3]]) -> Result<(), Invalid> {
         check(&mesh.vertices, &Body::new(mesh.clone(), Tags::default()), moving)

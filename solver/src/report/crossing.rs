@@ -1,14 +1,13 @@
 //! Surfaces that have passed through each other in a scene without contact.
 
+use mechanics::body::Body;
+use mechanics::contact::certificate::crossing_pairs;
+use mechanics::contact::surface::Surface;
+use mechanics::energy::Iterate;
+use mechanics::forward::Problem;
 use mesh::Vec3;
+use scene::Scene;
 use serde_json::{Value, json};
-
-use crate::body::Body;
-use crate::contact::certificate::crossing_pairs;
-use crate::contact::surface::Surface;
-use crate::energy::Iterate;
-use crate::forward::Problem;
-use crate::scene::Scene;
 
 /// Pairs of triangles of the boundary, each facet cut as for contact, that intersect.
 pub struct Crossing {

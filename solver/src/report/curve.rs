@@ -6,9 +6,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use measure::probe::Probe;
 use serde_json::Value;
-
-use crate::probe::Probe;
 
 /// Name of the table.
 pub const CURVE: &str = "curve.csv";

@@ -4,22 +4,22 @@
 use std::path::Path;
 
 use anyhow::Result;
+use mechanics::body::Body;
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::Iterate;
+use mechanics::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Workspace};
+use mechanics::material::Kinematics;
+use mechanics::math::linear::Pivot;
+use mechanics::math::tensor::{Mat3, cofactor};
+use mechanics::stretch::Stretches;
 use mesh::Vec3;
 use mesh::io::vtu;
+use scene::Scene;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::body::Body;
-use crate::element::{FunctionSpace, at};
-use crate::energy::Iterate;
-use crate::forward::{Failure, Problem, SoftestMode, Uncertified, Unreached, Workspace};
-use crate::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
-use crate::material::Kinematics;
-use crate::math::linear::Pivot;
-use crate::math::tensor::{Mat3, cofactor};
+use crate::report::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
 use crate::report::results;
-use crate::scene::Scene;
-use crate::stretch::Stretches;
 
 /// File of the last equilibrium before a failure.
 pub const STATE: &str = "not_full_load.vtu";

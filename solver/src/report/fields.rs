@@ -17,13 +17,12 @@
 //! node lies outside those at quadrature points; the basis functions, which are negative in
 //! places, would overshoot.
 
+use mechanics::element::{FunctionSpace, node_indices};
+use mechanics::energy::{ElementLaw, Energies, Iterate};
+use mechanics::material::Kinematics;
+use mechanics::math::tensor::{Mat3, largest_eigenvalue};
+use mechanics::parallel::fill;
 use mesh::io::vtu::Field;
-
-use crate::element::{FunctionSpace, node_indices};
-use crate::energy::{ElementLaw, Energies, Iterate};
-use crate::material::Kinematics;
-use crate::math::tensor::{Mat3, largest_eigenvalue};
-use crate::parallel::fill;
 
 /// Names and units of the scalars, in the order of [`Point::scalars`].
 const SCALARS: [(&str, &str); 5] = [
@@ -151,11 +150,12 @@ fn scalars(points: &[Point]) -> impl Iterator<Item = Field> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::element::FunctionSpace;
-    use crate::material::{Lame, NeoHookean};
-    use crate::testing::cube;
+    use mechanics::element::FunctionSpace;
+    use mechanics::material::{Lame, NeoHookean};
+    use mechanics::testing::cube;
     use mesh::Vec3;
+
+    use super::*;
 
     /// Fields of a cube of neo-Hookean material that is displaced as a function says.
     fn fields_of(degree: usize, u: impl Fn(Vec3) -> Vec3) -> [Vec<Field>; 2] {

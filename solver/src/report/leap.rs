@@ -1,10 +1,9 @@
 //! Time steps in which a body moves farther than it is long.
 
+use mechanics::body::Body;
+use mechanics::element::at;
 use mesh::Vec3;
 use mesh::measure::diagonal;
-
-use crate::body::Body;
-use crate::element::at;
 
 /// What to say of the first body whose mean displacement grows, from the displacement `before` to
 /// `after` [m], by more than its own length: it may pass others that it should have met.
@@ -27,9 +26,10 @@ pub fn leap(body: &Body, before: &[f64], after: &[f64]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::testing;
+    use mechanics::testing;
     use mesh::Tags;
+
+    use super::*;
 
     #[test]
     fn a_body_may_move_by_its_own_length_and_no_farther() {

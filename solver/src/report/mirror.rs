@@ -6,10 +6,9 @@
 
 use std::collections::BTreeMap;
 
+use mechanics::symmetry::Plane;
 use mesh::io::vtu::{CellType, Field, Grid};
 use mesh::{Tags, TetMesh, Vec3, facet_key};
-
-use crate::symmetry::Plane;
 
 /// Distance from the plane at which a point of a grid counts as in it, in diagonals of
 /// the grid [1].
@@ -123,11 +122,12 @@ fn exchanged(cell_type: CellType) -> Vec<usize> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use mechanics::body::Body;
+    use mechanics::element::FunctionSpace;
+    use mechanics::testing::cube;
+
     use super::super::results;
     use super::*;
-    use crate::body::Body;
-    use crate::element::FunctionSpace;
-    use crate::testing::cube;
 
     /// A cube with a tag on x = 0 and one on z = 0.
     fn body() -> Body {

@@ -9,11 +9,9 @@ pub mod curve;
 pub mod failure;
 pub mod fields;
 pub mod leap;
+pub mod locking;
 pub mod mirror;
 pub mod record;
 pub mod results;
 pub mod summary;
 pub mod writer;
-
-/// Name and version of the program, in reports and checkpoints.
-pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));

@@ -2,20 +2,20 @@
 //! a line of `steps.jsonl`, a row of `curve.csv` and a picture per reported step, and the checkpoint.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use measure::probe::{Probe, measure};
+use mechanics::energy::{Iterate, Multiplier};
+use mechanics::forward::{LoadStep, Problem, Progress, Timings};
 use mesh::Vec3;
 use mesh::io::vtu;
+use scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::energy::{Iterate, Multiplier};
-use crate::forward::{LoadStep, Problem, Progress, Timings};
-use crate::probe::{Probe, measure};
-use crate::report::writer::Finished;
 use crate::report::{curve, results};
-use crate::scene::Scene;
 
 /// One line per reported step.
 pub const STEPS: &str = "steps.jsonl";
@@ -57,7 +57,7 @@ impl Checkpoint {
             return Ok(None);
         }
         let anew = "to start over with --restart, or another output folder";
-        let found: Self = program::read_checkpoint(&path, crate::report::PROGRAM)?;
+        let found: Self = program::read_checkpoint(&path, scene::PROGRAM)?;
         ensure!(
             found.inputs == inputs,
             "{}: a run of another scene or mesh was interrupted here after {} steps\n  {anew}",
@@ -72,7 +72,7 @@ impl Checkpoint {
     /// # Errors
     /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        program::write_checkpoint(&folder.join(CHECKPOINT), crate::report::PROGRAM, self)
+        program::write_checkpoint(&folder.join(CHECKPOINT), scene::PROGRAM, self)
     }
 
     /// Takes it away from a folder.
@@ -82,6 +82,19 @@ impl Checkpoint {
     pub fn remove(folder: &Path) -> Result<()> {
         Ok(mesh::io::remove_output(&folder.join(CHECKPOINT))?)
     }
+}
+
+/// A time step that was computed, or a load step of a static scene.
+pub struct Finished {
+    /// Its load steps, in order.
+    pub steps: Vec<LoadStep>,
+    /// Which of them are reported.
+    pub reported: Range<usize>,
+    /// Velocity at its end [m/s].
+    pub velocity: Option<Vec<f64>>,
+    /// From which the run continues if it is interrupted now, but for `work`, `lines` and
+    /// `pictures`, which the recorder knows.
+    pub checkpoint: Option<Checkpoint>,
 }
 
 /// Writes the reported steps of a run.

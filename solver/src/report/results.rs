@@ -4,22 +4,22 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
+use measure::probe::{Kind, Probe, measure};
+use mechanics::body::Body;
+use mechanics::contact::surface::BodyForce;
+use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::{Chamber, Energies, Iterate, Membrane, Term};
+use mechanics::forward::{LoadStep, Problem};
+use mechanics::material::Kinematics;
+use mechanics::symmetry::{AXES, Plane};
 use mesh::Vec3;
 use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
+use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::body::Body;
-use crate::contact::surface::BodyForce;
-use crate::element::{FunctionSpace, at};
-use crate::energy::{Chamber, Energies, Iterate, Membrane, Term};
-use crate::forward::{LoadStep, Problem};
-use crate::material::Kinematics;
-use crate::probe::{Kind, Probe, measure};
 use crate::report::fields::fields;
-use crate::scene::{Scene, SceneMembrane};
-use crate::symmetry::{AXES, Plane};
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize)]
@@ -378,14 +378,4 @@ pub fn symmetry(body: &Body) -> Value {
     let one =
         |plane: &Plane| json!({ "on": plane.tags, "axis": AXES[plane.axis], "level": plane.level });
     body.planes.iter().map(one).collect()
-}
-
-/// Writes JSON with indentation.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value)?;
-    mesh::io::write_atomic(path, |out| writeln!(out, "{text}"))?;
-    Ok(())
 }

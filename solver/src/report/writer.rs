@@ -1,28 +1,14 @@
 //! Writes the results of a run on a thread of its own, while the next step is computed.
 
-use std::ops::Range;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
 use anyhow::{Context, Result};
+use mechanics::forward::{Clock, Time};
 
-use super::record::{Checkpoint, Recorder};
-use crate::forward::{Clock, LoadStep, Time};
+use super::record::{Finished, Recorder};
 
 /// Time steps that wait to be written, at most: each holds its states in memory.
 const WAITING: usize = 1;
-
-/// A time step that was computed, or a load step of a static scene.
-pub struct Finished {
-    /// Its load steps, in order.
-    pub steps: Vec<LoadStep>,
-    /// Which of them are reported.
-    pub reported: Range<usize>,
-    /// Velocity at its end [m/s].
-    pub velocity: Option<Vec<f64>>,
-    /// From which the run continues if it is interrupted now, but for `work`, `lines` and
-    /// `pictures`, which the recorder knows.
-    pub checkpoint: Option<Checkpoint>,
-}
 
 /// Takes what is to be written.
 pub struct Writer {

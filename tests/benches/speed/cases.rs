@@ -1,10 +1,10 @@
 //! What is timed: a bar of ours at a series of sizes, and published bodies.
 
 use anyhow::{Result, bail};
+use mechanics::body::Body;
 use mesh::Vec3;
 use mesh::io::write_tets;
-use solver::body::Body;
-use solver::scene::Scene;
+use scene::Scene;
 use tests::published::{WORM_CHAMBERS, gripper, worm};
 use tests::workdir::Workdir;
 use tests::{block, tag};

@@ -5,12 +5,12 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::contact::candidates::between;
+use mechanics::contact::ccd::max_step;
+use mechanics::contact::certificate::certify;
+use mechanics::contact::pairs::Features;
 use mesh::Vec3;
 use program::peak_rss_mb;
-use solver::contact::candidates::between;
-use solver::contact::ccd::max_step;
-use solver::contact::certificate::certify;
-use solver::contact::pairs::Features;
 
 use crate::row::{Row, Seconds, Work, find};
 use crate::scaling::Curve;

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
+use mechanics::body::Body;
 use mesh::io::{write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
-use solver::body::Body;
 use tests::{block, tag};
 
 /// Time steps of 10 ms.

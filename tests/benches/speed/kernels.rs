@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
-use solver::body::Body;
-use solver::energy::{Energy, Hessian};
-use solver::forward::{Workspace, certificate};
-use solver::math::linear::{Precision, Symmetric};
-use solver::math::sparse::{BlockMatrix, Pattern};
+use mechanics::body::Body;
+use mechanics::energy::{Energy, Hessian};
+use mechanics::forward::{Workspace, certificate};
+use mechanics::math::linear::{Precision, Symmetric};
+use mechanics::math::sparse::{BlockMatrix, Pattern};
 
 use crate::cases;
 use crate::row::{Row, Seconds, Work};
@@ -35,7 +35,7 @@ const ACCURATE: f64 = 1e-10;
 struct Problem {
     name: String,
     body: Body,
-    problem: solver::forward::Problem,
+    problem: mechanics::forward::Problem,
     workspace: Workspace,
     u: Vec<f64>,
 }

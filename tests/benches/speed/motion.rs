@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use mechanics::forward::Timings;
 use mesh::io::write_tets;
 use serde_json::Value;
-use solver::forward::Timings;
 use tests::published::{FOLDER, gripper};
 use tests::shared;
 use tests::workdir::program;

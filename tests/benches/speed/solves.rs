@@ -4,11 +4,11 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
+use mechanics::energy::Hessian;
+use mechanics::forward::{Timings, solve};
+use mechanics::math::linear::Precision;
 use program::peak_rss_mb;
 use serde::{Deserialize, Serialize};
-use solver::energy::Hessian;
-use solver::forward::{Timings, solve};
-use solver::math::linear::Precision;
 
 use crate::cases;
 use crate::row::{Row, Seconds, Work, find};

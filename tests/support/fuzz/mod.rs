@@ -82,12 +82,12 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "sim.toml",
-        read: |b| read(b, "sim.toml", |p| solver::config::SimConfig::read(p).map(drop)),
+        read: |b| read(b, "sim.toml", |p| scene::config::SimConfig::read(p).map(drop)),
         corpus: || corpus::pipelines("sim.toml"),
     },
     Target {
         name: "design.toml",
-        read: |b| read(b, "design.toml", |p| solver::config::DesignConfig::read(p).map(drop)),
+        read: |b| read(b, "design.toml", |p| scene::config::DesignConfig::read(p).map(drop)),
         corpus: || corpus::pipelines("design.toml"),
     },
     Target {
@@ -103,8 +103,8 @@ pub const TARGETS: &[Target] = &[
     Target {
         name: "polyfem",
         read: |b| {
-            let options = solver::polyfem::Options::default();
-            read(b, "scene.json", |p| solver::polyfem::read(p, &options).map(drop));
+            let options = polyfem::Options::default();
+            read(b, "scene.json", |p| polyfem::read(p, &options).map(drop));
         },
         corpus: corpus::polyfem,
     },

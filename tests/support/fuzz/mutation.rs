@@ -1,6 +1,6 @@
 //! Random changes of files: of bytes, of numbers and words, of lines.
 
-use solver::math::random::Random;
+use mechanics::math::random::Random;
 
 /// Texts where limits lie.
 const WORDS: [&str; 22] = [

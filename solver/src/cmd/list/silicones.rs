@@ -1,11 +1,12 @@
 //! Silicones of the library with all their sources.
 
 use library::kilopascals;
+use mechanics::material::Parameter;
+use scene::law_table;
+use scene::silicone::{Fit, Silicone};
 use serde_json::{Value, json};
 
 use super::{joined, wrapped};
-use crate::material::Parameter;
-use crate::silicone::{Fit, Silicone};
 
 /// All silicones; then the sources, once each.
 pub fn text(all: &[Silicone]) -> String {
@@ -73,7 +74,7 @@ pub fn json(silicone: &Silicone) -> Value {
         json!({
             "name": format!("{}/{}", silicone.key, silicone.selector(fit)),
             "kind": s.law.key,
-            "parameters": s.law.table(&s.values),
+            "parameters": law_table::written(s.law, &s.values),
             "moduli": s.moduli(),
             "test": fit.entry.test,
             "stretch_range": s.stretch_range,

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use anyhow::Result;
+use mechanics::body::{Body, Part};
+use scene::config::LevelConfig;
 
 use super::{Cascade, MEMORY};
-use crate::body::{Body, Part};
-use crate::config::LevelConfig;
 use crate::optimize::remesh::{mesh_file, remesh};
 use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Rejected, Start};
 
@@ -33,7 +33,7 @@ impl Cascade<'_> {
             Ok((part.name.clone(), file.mesh, file.tags))
         };
         let bodies = self.scene.body.parts.iter().map(part).collect::<Result<_>>()?;
-        Body::join(bodies).cut_by(&self.scene.config.cuts())
+        Ok(Body::join(bodies).cut_by(&self.scene.config.cuts())?)
     }
 
     /// Puts the mesh of a level, those of later ones and the checkpoint before its first solve on disk.
@@ -105,7 +105,7 @@ impl Cascade<'_> {
     fn remeshed(&self, body: &Body, ended: &LevelConfig) -> Result<Body> {
         let Some(shape) = &self.design.shape else { return Ok(body.clone()) };
         let moved = shape.on.all().iter().filter(|on| ended.moves(on).is_some());
-        let facets: Vec<_> = moved.map(|on| body.facets(on)).collect::<Result<_>>()?;
+        let facets: Vec<_> = moved.map(|on| body.facets(on)).collect::<Result<_, _>>()?;
         remesh(body, &facets.concat(), shape.surface_tolerance)
     }
 

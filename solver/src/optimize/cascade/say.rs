@@ -1,6 +1,7 @@
 //! What the log says of a cascade.
 
-use crate::config::LevelConfig;
+use scene::config::LevelConfig;
+
 use crate::optimize::{Checkpoint, Level, shares};
 
 /// Time for the iterations that are left, if they take as long as in this level.

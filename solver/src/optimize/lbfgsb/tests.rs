@@ -1,5 +1,6 @@
+use mechanics::math::random::Random;
+
 use super::*;
-use crate::math::random::Random;
 
 /// A positive definite matrix of eigenvalues up to 30.
 fn matrix(random: &mut Random, n: usize) -> DMatrix<f64> {

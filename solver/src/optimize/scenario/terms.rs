@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use mesh::Vec3;
+use measure::objective::{Equilibrium, Objective};
+use mechanics::energy::Iterate;
+use mechanics::forward::solve_multipliers;
+use scene::Weighted;
 
 use super::{Run, Scenario};
-use crate::energy::Iterate;
-use crate::forward::{Trajectory, solve_multipliers};
-use crate::objective::{Equilibrium, Objective};
-use crate::scene::Weighted;
 
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
 /// them.
@@ -33,18 +32,18 @@ impl Scenario {
 
     /// Values of the terms over a run, without factors.
     pub fn values(&mut self, run: &Run) -> Vec<f64> {
-        self.values_of(&run.rest, &run.states, |_| true)
+        self.values_of(run, |_| true)
     }
 
     /// A run with its terms as they are weighted now.
     pub fn rated(&mut self, run: &Run) -> Run {
-        let terms = self.terms_of(&run.rest, &run.states);
+        let terms = self.terms_of(run);
         Run { objective: terms.values().sum(), terms, ..run.clone() }
     }
 
     /// Weighted terms over a run, by the user's names.
-    pub(super) fn terms_of(&mut self, rest: &[Vec3], run: &Trajectory) -> BTreeMap<String, f64> {
-        let values = self.values_of(rest, run, |term| term.weight * term.factor != 0.0);
+    fn terms_of(&mut self, run: &Run) -> BTreeMap<String, f64> {
+        let values = self.values_of(run, |term| term.weight * term.factor != 0.0);
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
             let name = term.objective.name().to_owned();
@@ -54,17 +53,13 @@ impl Scenario {
     }
 
     /// Values over a run of the terms that are wanted, zero of the others.
-    fn values_of(
-        &mut self,
-        rest: &[Vec3],
-        run: &Trajectory,
-        wanted: impl Fn(&Weighted) -> bool,
-    ) -> Vec<f64> {
+    fn values_of(&mut self, run: &Run, wanted: impl Fn(&Weighted) -> bool) -> Vec<f64> {
+        let (rest, states) = (&run.rest[..], &*run.states);
         let mut values = vec![0.0; self.terms.len()];
-        for n in 0..=run.steps() {
-            let Forces { contact, reaction } = self.forces(rest, run, n);
-            let (state, load) = (run.state(n), run.times[n]);
-            let (space, u) = (&*self.problem.space, &state.u[..]);
+        for n in 0..=states.steps() {
+            let Forces { contact, reaction } = self.forces(run, n);
+            let (state, load) = (states.state(n), states.times[n]);
+            let (space, u) = (&*run.problem.space, &state.u[..]);
             let at = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
@@ -77,27 +72,28 @@ impl Scenario {
     }
 
     /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
-    pub(super) fn forces(&mut self, rest: &[Vec3], run: &Trajectory, n: usize) -> Forces {
+    pub(super) fn forces(&mut self, run: &Run, n: usize) -> Forces {
+        let Run { problem, rest, states, .. } = run;
         let looks = |uses: fn(&dyn Objective) -> bool| {
             self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
         };
         let (uses_contact, uses_reaction) =
             (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
-        let none = |wanted: bool| if wanted { vec![0.0; self.problem.dofs()] } else { Vec::new() };
+        let none = |wanted: bool| if wanted { vec![0.0; problem.dofs()] } else { Vec::new() };
         let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
         if n == 0 || !uses_contact && !uses_reaction {
             return forces;
         }
-        let (state, step) = (run.state(n), run.step(&self.problem, rest, n));
-        let at = self.problem.iterate(rest, &state.u, run.times[n]);
+        let (state, step) = (states.state(n), states.step(problem, rest, n));
+        let at = problem.iterate(rest, &state.u, states.times[n]);
         let at = Iterate { step: Some(&step), ..at };
         if uses_contact {
-            forces.contact = self.problem.energies.contact_forces(&at);
+            forces.contact = problem.energies.contact_forces(&at);
         }
         if uses_reaction {
-            let multipliers = solve_multipliers(&self.problem, &mut self.workspace, &at);
+            let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
             let at = Iterate { multipliers: &multipliers, ..at };
-            forces.reaction = self.problem.gradient(&at).0;
+            forces.reaction = problem.gradient(&at).0;
         }
         forces
     }

@@ -1,10 +1,10 @@
 //! Difference of displacement fields on different meshes.
 
+use mechanics::element::{at, sample};
 use mesh::Vec3;
 use serde::Serialize;
 
 use super::Run;
-use crate::element::{at, sample};
 
 /// Difference of a displacement field from the reference, at the quadrature
 /// points of the reference that lie in both bodies.
@@ -66,9 +66,10 @@ fn quadrature(run: &Run) -> (Vec<Vec3>, Vec<f64>, Vec<Vec3>) {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::element::FunctionSpace;
+    use mechanics::testing;
+
     use super::*;
-    use crate::element::FunctionSpace;
-    use crate::testing;
 
     /// A field on the unit cube in n³ cells, scaled.
     fn run(n: usize, degree: usize, size: f64, field: impl Fn(Vec3) -> Vec3) -> Run {

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::element::{FunctionSpace, at};
 use mesh::io::npy;
 use mesh::{TetMesh, Vec3};
 use program::InputFile;
 use serde_json::Value;
 
 use super::Patches;
-use crate::element::{FunctionSpace, at};
 
 /// A displacement field on a body, and what it took to find it.
 pub struct Run {

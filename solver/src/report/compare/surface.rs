@@ -11,13 +11,12 @@
 
 use std::collections::BTreeMap;
 
+use mechanics::element::quadrature::Rule;
+use mechanics::element::{FunctionSpace, Tabulation, tabulate};
+use mechanics::parallel::map_merge;
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3};
 use serde::Serialize;
-
-use crate::element::quadrature::Rule;
-use crate::element::{FunctionSpace, Tabulation, tabulate};
-use crate::parallel::map_merge;
 
 /// A surface of polynomial patches.
 pub struct Patches {
@@ -151,8 +150,9 @@ fn one_sided(from: &SurfaceMesh, to: &SurfaceBvh) -> (f64, Vec3) {
 
 #[cfg(test)]
 mod tests {
+    use mechanics::testing;
+
     use super::*;
-    use crate::testing;
 
     /// A ball's boundary with its nodes of a degree put on the sphere of radius r.
     fn sphere(levels: usize, degree: usize, r: f64) -> Patches {

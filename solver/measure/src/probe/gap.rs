@@ -1,0 +1,111 @@
+//! Gap between two tags.
+//!
+//! q = min |x − y|      x on one tag, y on the other, both deformed   [m]
+//!
+//! on flat triangles between the nodes, as in contact ([`Surface`]). The derivative is that of
+//! the closest pair (envelope theorem); it jumps where another pair becomes the closest one.
+
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::contact::candidates::closest_between;
+use mechanics::contact::pairs::Features;
+use mechanics::contact::surface::Surface;
+use mechanics::element::FunctionSpace;
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Kind, OTHER_TAG, Site, Specification, TAG, form};
+use crate::objective::{Equilibrium, Objective};
+
+pub(super) const KIND: Kind = Kind {
+    key: "gap",
+    formula: "smallest distance of two tags that share no vertex",
+    unit: "m",
+    keys: &[TAG, OTHER_TAG],
+    needs_contact: false,
+    form: form::<Keys>(),
+};
+
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    on: String,
+    to: String,
+}
+
+impl Specification for Keys {
+    fn build(&self, name: &str, site: &Site) -> Result<Arc<dyn Objective>> {
+        let sides = [site.body.facets(&self.on)?, site.body.facets(&self.to)?];
+        let [first, second] = sides.each_ref().map(|facets| Features::new(facets).vertices);
+        let shared = first.iter().filter(|v| second.binary_search(v).is_ok()).count();
+        ensure!(
+            shared == 0,
+            "tags \"{}\" and \"{}\" share {shared} vertices, so that their gap is always 0; name \
+             two tags that do not meet",
+            self.on,
+            self.to
+        );
+        Ok(Arc::new(Gap::new(name, site.space, &sides)))
+    }
+}
+
+/// Distance of two surfaces.
+struct Gap {
+    name: String,
+    surface: Surface,
+    sides: [Features; 2],
+}
+
+impl Gap {
+    fn new(name: &str, space: &FunctionSpace, sides: &[Vec<[usize; 3]>; 2]) -> Self {
+        let bodies: Vec<usize> = (0..2).flat_map(|side| vec![side; sides[side].len()]).collect();
+        let free = vec![false; 3 * space.node_count()];
+        let both = sides.concat();
+        let facets = (&both[..], &bodies[..]);
+        let surface = Surface::new(space, facets, Vec::new(), space.degree(), &free);
+        let sides = [0, 1].map(|side| {
+            let own = |t: &&[usize; 3]| surface.body(t[0]) == side;
+            let triangles: Vec<_> =
+                surface.features().triangles.iter().filter(own).copied().collect();
+            Features::new(&triangles)
+        });
+        Self { name: name.to_owned(), surface, sides }
+    }
+
+    fn positions(&self, at: &Equilibrium) -> Vec<Vec3> {
+        self.surface.positions(at.space, at.rest, at.u, at.load)
+    }
+
+    /// `weight` ∂q/∂x at the corners of the closest pair, zero elsewhere.
+    fn by_positions(&self, at: &Equilibrium, weight: f64) -> Vec<Vec3> {
+        let x = self.positions(at);
+        let mut by = vec![Vec3::zeros(); x.len()];
+        let Some((pair, closest)) = closest_between(&self.sides, &x) else { return by };
+        let Some(direction) = closest.offset.try_normalize(0.0) else { return by };
+        for (v, c) in pair.corners().into_iter().zip(closest.coefficients) {
+            by[v] += weight * c * direction;
+        }
+        by
+    }
+}
+
+impl Objective for Gap {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let closest = closest_between(&self.sides, &self.positions(at));
+        closest.map_or(f64::INFINITY, |(_, closest)| closest.d2.sqrt())
+    }
+
+    fn add_du(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        self.surface.add_to_nodes(&self.by_positions(at, weight), out);
+    }
+
+    fn add_drest(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        self.surface.add_to_rest(at.space, &self.by_positions(at, weight), out);
+    }
+}

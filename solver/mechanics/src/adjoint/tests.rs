@@ -1,0 +1,499 @@
+//! Taylor tests of whole runs: small bodies that fall on each other, slide with friction
+//! and are inflated.
+
+use std::sync::Arc;
+
+use mesh::{TetMesh, Vec3, topology};
+
+use super::*;
+use crate::contact::barrier::{Barrier, Form};
+use crate::contact::potential::Partners;
+use crate::contact::surface::Surface;
+use crate::element::FunctionSpace;
+use crate::energy::{
+    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, GasLaw, IdealGas,
+    Inertia, Isobaric, Multiplier, ParameterId, PrescribedVolume, Wall,
+};
+use crate::forward::{Integrator, Method, Newton, Stepping, TimeStepper};
+use crate::material::MooneyRivlin;
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::schedule::{Field, Schedule};
+use crate::testing::{check_gradient, cube, flat, points};
+
+mod dilatation;
+mod membrane;
+mod tangent;
+mod viscous;
+
+const TIGHT: Stepping = Stepping {
+    first: 1.0,
+    largest: 1.0,
+    smallest: 1e-3,
+    newton: Newton { iterations: 100, relative: 1e-13, absolute: 1e-13, negligible: 0.0 },
+};
+
+/// Numbers that the energies are made with.
+#[derive(Clone, Copy)]
+struct Numbers {
+    law: [f64; 4],
+    density: f64,
+    friction: f64,
+    /// Pressure, or fill of a closed gas [Pa]; of a prescribed volume its change in
+    /// [`CHANGE`], or its factor in [`FACTOR`].
+    pressure: f64,
+    gravity: [f64; 3],
+}
+
+/// [m³/Pa]
+const CHANGE: f64 = 1e-11;
+/// [1/Pa]
+const FACTOR: f64 = 3e-4;
+/// No memory for states but the first: the others are read back from disk.
+const ON_DISK: f64 = 0.0;
+
+/// What is simulated.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    /// One element on one of its facets, with gas behind the others.
+    Tet,
+    /// A block with a chamber.
+    Hollow,
+    /// The same, three times as long as it is wide.
+    Bar,
+    /// A block that hits another.
+    Blocks,
+}
+
+/// What is in the chamber of a block.
+#[derive(Clone, Copy, PartialEq)]
+enum Inside {
+    Pressure,
+    Gas,
+    Volume,
+    Factor,
+}
+
+const NUMBERS: Numbers = Numbers {
+    law: [55e3, 5e3, 1.7e3, 1e6],
+    density: 1000.0,
+    friction: 0.5,
+    pressure: 4e3,
+    gravity: [2.0, 1.0, -9.8],
+};
+
+/// What is run.
+struct Case {
+    method: Method,
+    degree: usize,
+    steps: usize,
+    dt: f64,
+    body: Shape,
+    inside: Inside,
+}
+
+/// The cube with its middle cell taken out, and the wall of the hole.
+fn hollow() -> (TetMesh, Vec<[usize; 3]>) {
+    let mut mesh = cube(3, 0.0);
+    let middle = |t: &[usize; 4]| {
+        let c = t.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 4.0;
+        (c - Vec3::repeat(0.5)).amax() < 1.0 / 6.0
+    };
+    mesh.tets = mesh.tets.iter().filter(|t| !middle(t)).copied().collect();
+    let inside =
+        |f: &[usize; 3]| f.iter().all(|&v| (mesh.vertices[v] - Vec3::repeat(0.5)).amax() < 0.4);
+    let wall = topology::boundary(&mesh).facets.into_iter().filter(inside).collect();
+    (mesh, wall)
+}
+
+impl Case {
+    /// Mesh [m], first tetrahedron of the second body, and a wall.
+    fn bodies(&self) -> (TetMesh, usize, Vec<[usize; 3]>) {
+        let size = 0.02;
+        let alone = match self.body {
+            Shape::Blocks => None,
+            Shape::Tet => {
+                let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.1, 1.1, 0.0], [0.3, 0.2, 0.9]];
+                let mesh =
+                    TetMesh { vertices: corners.map(Vec3::from).into(), tets: vec![[0, 1, 2, 3]] };
+                let facets = topology::boundary(&mesh).facets.into_iter();
+                let wall = facets.filter(|f| f.contains(&3)).map(|[a, b, c]| [a, c, b]).collect();
+                Some((mesh, wall, 1.0))
+            }
+            Shape::Hollow => Some(hollow()).map(|(mesh, wall)| (mesh, wall, 1.0)),
+            Shape::Bar => Some(hollow()).map(|(mesh, wall)| (mesh, wall, 3.0)),
+        };
+        if let Some((mesh, wall, long)) = alone {
+            let stretch = Vec3::new(1.0, 1.0, long) * size;
+            let vertices = mesh.vertices.iter().map(|v| v.component_mul(&stretch)).collect();
+            return (TetMesh { vertices, ..mesh }, 0, wall);
+        }
+        let lower = cube(1, 0.0);
+        let turn = nalgebra::Rotation3::from_euler_angles(0.02, -0.015, 0.01);
+        // not above a diagonal, where closest points change their kind and forces bend
+        let along = if self.degree > 1 { 0.04 } else { 0.03 };
+        let lift = Vec3::new(along, 0.02, 1.045);
+        let upper = lower.vertices.iter().map(|v| turn * v + lift);
+        let rest: Vec<Vec3> =
+            lower.vertices.iter().copied().chain(upper).map(|v| size * v).collect();
+        let shifted = lower.tets.iter().map(|t| t.map(|v| v + 8));
+        let tets: Vec<[usize; 4]> = lower.tets.iter().copied().chain(shifted).collect();
+        (TetMesh { vertices: rest, tets }, 6, Vec::new())
+    }
+
+    /// What acts in full at the end of each step.
+    fn steady(&self, value: f64) -> Schedule {
+        let mut schedule = Schedule::from(value);
+        schedule.begin(self.dt);
+        schedule
+    }
+
+    fn prescribes_volume(&self) -> bool {
+        matches!(self.inside, Inside::Volume | Inside::Factor)
+    }
+
+    fn problem(&self, numbers: &Numbers) -> (Problem, Workspace, Vec<Vec3>) {
+        let (mesh, upper, wall) = self.bodies();
+        let TetMesh { vertices: rest, tets } = mesh.clone();
+        let count = tets.len();
+        let space = FunctionSpace::new(self.degree, rest.len(), tets);
+        let nodes = space.node_positions(&rest);
+        let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
+        let [c1, c2, c3, d1] = numbers.law;
+        let law = MooneyRivlin { c1, c2, c3, d1 };
+        let gravity = numbers.gravity.map(|g| g.to_string().parse().expect("fine"));
+        let inertia = if self.method.has_inertia() {
+            Some(Inertia::new(&space, numbers.density, 0..count))
+        } else {
+            self.hits().then(|| Inertia::tiny(&space, 1e9, upper..count))
+        };
+        let mut energies = Energies::bodies(vec![BodyEnergies {
+            elastic: Elastic::whole(Box::new(law)),
+            viscous: None,
+            weight: Some(BodyForce::weight(Field(gravity), numbers.density, 0..count)),
+            inertia,
+        }]);
+        if !wall.is_empty() {
+            let number = numbers.pressure;
+            let gas: Box<dyn GasLaw> = match self.inside {
+                Inside::Gas => {
+                    let fill = self.steady(number);
+                    Box::new(IdealGas { fill, ambient: 101.3e3, exponent: 1.4 })
+                }
+                Inside::Pressure => Box::new(Isobaric { pressure: self.steady(number) }),
+                Inside::Volume => Box::new(PrescribedVolume::Change(self.steady(CHANGE * number))),
+                Inside::Factor => Box::new(PrescribedVolume::Factor(self.steady(FACTOR * number))),
+            };
+            let multiplier = self.prescribes_volume().then_some(0);
+            let chamber = Chamber { wall: Wall::new(&space, &wall), gas, multiplier };
+            energies = energies.with_chamber("hole", chamber);
+        }
+        let held = !wall.is_empty() && self.prescribes_volume();
+        let penalty = 10.0 * 2.0 * (numbers.law[0] + numbers.law[1]) / 3e-7;
+        let multipliers =
+            if held { vec![Multiplier { pressure: 0.0, penalty }] } else { Vec::new() };
+        if self.hits() {
+            let contact = self.barrier(&mesh, &space, &fixed);
+            let surface = Arc::clone(contact.surface());
+            energies.contact = Some(Arc::new(contact));
+            energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
+        }
+        let problem = Problem::new(space, energies, &fixed).with_multipliers(multipliers);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace, rest)
+    }
+
+    fn hits(&self) -> bool {
+        self.body == Shape::Blocks
+    }
+
+    fn barrier(&self, mesh: &TetMesh, space: &FunctionSpace, fixed: &[bool]) -> Contact {
+        let facets = topology::boundary(mesh).facets;
+        let bodies: Vec<usize> = facets.iter().map(|f| usize::from(f[0] >= 8)).collect();
+        let on = (&facets[..], &bodies[..]);
+        let surface = Surface::new(space, on, Vec::new(), self.degree, fixed);
+        let (form, thickness) = (Form::Convergent, 0.0);
+        let barrier = Barrier { form, activation: 1.2e-3, stiffness: 1e5, thickness };
+        Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)
+    }
+
+    fn run(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        start: State,
+    ) -> Trajectory {
+        let integrator = Integrator::new(self.method, start);
+        let mut run = Trajectory::begin(&integrator, ON_DISK);
+        let mut stepper = TimeStepper::new(TIGHT, integrator);
+        for n in 1..=self.steps {
+            let end = self.dt * n as f64;
+            let outcome = stepper.advance(problem, workspace, rest, end, |_| ());
+            outcome.expect("an equilibrium");
+            run.push(end, stepper.progress.integrator.last().clone());
+        }
+        run
+    }
+
+    /// At rest, the upper body in motion.
+    fn start(&self, problem: &Problem, rest: &[Vec3]) -> State {
+        let mut v = vec![0.0; problem.dofs()];
+        if self.hits() && self.method.has_inertia() {
+            for (node, x) in problem.space.node_positions(rest).iter().enumerate() {
+                if x.z > 0.0205 {
+                    v[3 * node..3 * node + 3].copy_from_slice(&[0.15, 0.05, -0.3]);
+                }
+            }
+        }
+        State::new(vec![0.0; problem.dofs()], v)
+    }
+}
+
+/// Largest number of pairs of nearly parallel edges that repel each other in a step.
+fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize {
+    let contact = problem.energies.contact.as_ref().expect("bodies that hit");
+    let at =
+        |n: usize| contact.mollified_pairs(&problem.iterate(rest, &run.state(n).u, run.times[n]));
+    (1..=run.steps()).map(at).max().unwrap_or(0)
+}
+
+/// J = Σ_n ω_n (a·x + ½ |x|² + b·f + ½ c |f|²) with random vectors, x = ΠX + u.
+struct Probe {
+    a: Vec<f64>,
+    b: Vec<f64>,
+    stiff: f64,
+}
+
+impl Probe {
+    fn new(len: usize, forces: bool) -> Self {
+        let mut random = Random::new(21);
+        let (a, mut b) = (random.numbers(len), random.numbers(len));
+        b.iter_mut().for_each(|b| *b *= if forces { 3e-3 } else { 0.0 });
+        Self { a, b, stiff: if forces { 1e-2 } else { 0.0 } }
+    }
+
+    fn weight(n: usize) -> f64 {
+        1.0 / (1.0 + n as f64)
+    }
+
+    fn forces(problem: &Problem, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
+        if n == 0 {
+            return vec![0.0; problem.dofs()];
+        }
+        let (state, step) = (run.state(n), run.step(problem, rest, n));
+        let at = problem.iterate(rest, &state.u, run.times[n]);
+        problem.energies.contact_forces(&Iterate { step: Some(&step), ..at })
+    }
+
+    fn positions(problem: &Problem, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
+        let x = flat(&problem.space.node_positions(rest));
+        x.iter().zip(u).map(|(x, u)| 10.0 * (x + u)).collect()
+    }
+
+    fn value(&self, problem: &Problem, rest: &[Vec3], run: &Trajectory) -> f64 {
+        let mut sum = 0.0;
+        for n in 0..=run.steps() {
+            let x = Self::positions(problem, rest, &run.state(n).u);
+            let f = Self::forces(problem, rest, run, n);
+            let of_x = dot(&self.a, &x) + 0.5 * dot(&x, &x);
+            let of_f = dot(&self.b, &f) + 0.5 * self.stiff * dot(&f, &f);
+            sum += Self::weight(n) * (of_x + of_f);
+        }
+        sum
+    }
+
+    fn gradient(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        run: &Trajectory,
+    ) -> Gradient {
+        let forces: Vec<_> =
+            (0..=run.steps()).map(|n| Self::forces(problem, rest, run, n)).collect();
+        let x = |n: usize| Self::positions(problem, rest, &run.state(n).u);
+        let xs: Vec<_> = (0..=run.steps()).map(x).collect();
+        let mut by_x = vec![0.0; problem.dofs()];
+        let on = (rest, run);
+        let mut gradient = sweep(problem, workspace, on, None, |_, n, out| {
+            for d in 0..by_x.len() {
+                let by = 10.0 * Self::weight(n) * (self.a[d] + xs[n][d]);
+                out.by_u[d] += by;
+                by_x[d] += by;
+                out.by_contact[d] +=
+                    Self::weight(n) * (self.b[d] + self.stiff * forces[n][d]) * f64::from(n > 0);
+            }
+        })
+        .expect("regular");
+        problem.space.add_to_vertices(&by_x, &mut gradient.rest);
+        gradient
+    }
+}
+
+fn check(case: &Case, forces: bool) {
+    let (problem, mut workspace, rest) = case.problem(&NUMBERS);
+    let start = case.start(&problem, &rest);
+    let run = case.run(&problem, &mut workspace, &rest, start.clone());
+    let probe = Probe::new(problem.dofs(), forces);
+    let gradient = probe.gradient(&problem, &mut workspace, &rest, &run);
+    if case.hits() {
+        assert!(mollified_pairs(&problem, &rest, &run) > 0, "no edges are nearly parallel");
+        let size = |n: usize| -> f64 {
+            run.step(&problem, &rest, n).lagged_contacts.iter().map(|s| s.force.abs()).sum()
+        };
+        let with_friction = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
+        assert!(case.steps == 1 || with_friction > 0, "there is no friction");
+    }
+
+    // quadratic surfaces have more contacts that come and go
+    let size = if case.hits() && case.degree > 1 { 0.125 } else { 1.0 };
+    // shape: vertices that are not fixed, so that supports stay in place
+    check_gradient(&flat(&rest), &gradient.rest, 2e-6 * size, |x| {
+        let rest = points(x);
+        let (problem, mut workspace, _) = case.problem(&NUMBERS);
+        let run = case.run(&problem, &mut workspace, &rest, start.clone());
+        probe.value(&problem, &rest, &run)
+    });
+    // numbers, each relative to itself
+    let of = |id: ParameterId| gradient.parameters.total(id);
+    let one = |id: ParameterId| of(id).first().copied().unwrap_or(0.0);
+    let with = |p: &[f64], by: &[f64]| {
+        check_gradient(p, by, 1e-3 * size, |p| {
+            let scaled = |k: usize, x: f64| x * p[k];
+            let numbers = Numbers {
+                law: std::array::from_fn(|k| scaled(k, NUMBERS.law[k])),
+                density: scaled(4, NUMBERS.density),
+                friction: scaled(5, NUMBERS.friction),
+                pressure: scaled(6, NUMBERS.pressure),
+                gravity: std::array::from_fn(|k| scaled(7 + k, NUMBERS.gravity[k])),
+            };
+            let (problem, mut workspace, _) = case.problem(&numbers);
+            let run = case.run(&problem, &mut workspace, &rest, start.clone());
+            probe.value(&problem, &rest, &run)
+        });
+    };
+    let law = of(ParameterId::Material(0));
+    assert_eq!(law.len(), NUMBERS.law.len());
+    let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
+    let by_density = one(ParameterId::Weight(0)) + one(ParameterId::Density(0));
+    by.push(by_density * NUMBERS.density);
+    by.push(one(ParameterId::Friction) * NUMBERS.friction);
+    let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    let pressure = chamber.map_or(0.0, one);
+    let per_number = match case.inside {
+        Inside::Pressure | Inside::Gas => 1.0,
+        Inside::Volume => CHANGE,
+        Inside::Factor => FACTOR,
+    };
+    by.push(pressure * per_number * NUMBERS.pressure);
+    let falls = of(ParameterId::Weight(0)).into_iter().skip(1);
+    by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
+    with(&[1.0; 10], &by);
+    // the start, of what can move
+    if case.method.has_inertia() {
+        let free = |g: &[f64]| -> Vec<f64> {
+            g.iter()
+                .zip(problem.dirichlet.fixed())
+                .map(|(g, fixed)| if *fixed { 0.0 } else { *g })
+                .collect()
+        };
+        let by: Vec<f64> = free(&gradient.start.v);
+        check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { 0.2 }, |v| {
+            let (problem, mut workspace, _) = case.problem(&NUMBERS);
+            let from = State::new(start.u.clone(), free(v));
+            let run = case.run(&problem, &mut workspace, &rest, from);
+            probe.value(&problem, &rest, &run)
+        });
+        let by: Vec<f64> = free(&gradient.start.u);
+        check_gradient(&start.u, &by, size * if case.hits() { 1e-6 } else { 2e-4 }, |u| {
+            let (problem, mut workspace, _) = case.problem(&NUMBERS);
+            let from = State::new(free(u), start.v.clone());
+            let run = case.run(&problem, &mut workspace, &rest, from);
+            probe.value(&problem, &rest, &run)
+        });
+    }
+}
+
+#[test]
+fn a_chamber_alone_has_its_gradient_with_any_formula() {
+    let case = |method, steps, body, inside| {
+        let (degree, dt) = (1, 0.02);
+        check(&Case { method, degree, steps, dt, body, inside }, false);
+    };
+    // a formula is the same for one element as for many
+    case(Method::Quasistatic, 1, Shape::Tet, Inside::Pressure);
+    case(Method::Quasistatic, 2, Shape::Tet, Inside::Gas);
+    case(Method::Quasistatic, 1, Shape::Tet, Inside::Volume);
+    case(Method::ImplicitEuler, 1, Shape::Tet, Inside::Gas);
+    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::Pressure);
+    case(Method::ImplicitEuler, 2, Shape::Tet, Inside::Factor);
+    case(Method::Bdf2, 2, Shape::Tet, Inside::Pressure);
+    case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
+    case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
+    case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
+    case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
+    case(Method::Bdf2, 2, Shape::Hollow, Inside::Gas);
+}
+
+#[test]
+fn bodies_that_hit_and_slide_have_their_gradient() {
+    for steps in [1, 2, 5] {
+        let (degree, dt) = (1, 2e-3);
+        let method = Method::ImplicitEuler;
+        check(
+            &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },
+            true,
+        );
+    }
+}
+
+#[test]
+#[ignore = "runs in make test-all; fewer steps of the same bodies stay"]
+fn longer_runs_and_other_formulas_have_their_gradient() {
+    let case = |method, degree, steps| {
+        let (dt, body, inside) = (2e-3, Shape::Blocks, Inside::Pressure);
+        check(&Case { method, degree, steps, dt, body, inside }, true);
+    };
+    case(Method::ImplicitEuler, 1, 3);
+    case(Method::ImplicitEuler, 1, 10);
+    case(Method::ImplicitEuler, 2, 3);
+    case(Method::Bdf2, 2, 4);
+}
+
+#[test]
+fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
+    let (degree, dt) = (2, 2e-3);
+    // its first step is one of implicit Euler
+    let method = Method::Bdf2;
+    check(
+        &Case { method, degree, steps: 3, dt, body: Shape::Blocks, inside: Inside::Pressure },
+        true,
+    );
+}
+
+#[test]
+fn without_inertia_bodies_that_hit_and_slide_have_their_gradient() {
+    let case = Case {
+        method: Method::Quasistatic,
+        degree: 1,
+        steps: 4,
+        dt: 0.25,
+        body: Shape::Blocks,
+        inside: Inside::Pressure,
+    };
+    check(&case, true);
+}
+
+#[test]
+fn one_element_and_a_quadratic_bar_have_their_gradient() {
+    let dt = 0.02;
+    let case = |method, degree, steps, body, inside| {
+        check(&Case { method, degree, steps, dt, body, inside }, false);
+    };
+    for degree in [1, 2] {
+        case(Method::Quasistatic, degree, 1, Shape::Tet, Inside::Pressure);
+        case(Method::ImplicitEuler, degree, 2, Shape::Tet, Inside::Pressure);
+    }
+    case(Method::Bdf2, 2, 2, Shape::Bar, Inside::Gas);
+}

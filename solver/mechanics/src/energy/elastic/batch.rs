@@ -1,0 +1,355 @@
+//! Elements side by side, one in each lane: their energies, forces and Hessians.
+
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::Elastic;
+use super::elements::{Batch, Nodal, points};
+use super::mean::{Mean, add_mean_force, add_rank_one};
+use crate::energy::{Hessian, Iterate};
+use crate::material::{Kinematics, Material, Points};
+use crate::math::lanes::projection::{self, Tangents, smallest_pivots};
+use crate::math::lanes::tensor::{Tensor, lane, plus_identity, scaled};
+use crate::math::lanes::{Lanes, MOST};
+use crate::math::sparse::{pair_count, pair_index};
+use crate::math::tensor::{Mat3, Mat9, project_isotropic};
+use mesh::Vec3;
+
+/// Cuts a range into pieces of at most `each`.
+fn pieces(range: Range<usize>, each: usize) -> impl Iterator<Item = Range<usize>> {
+    range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
+}
+
+/// ψ of each lane [J/m³].
+#[inline(always)]
+fn energy_densities<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> [f64; MOST] {
+    if let Some(law) = law.isotropic() {
+        return Points::new(simd, grad_u).energy_densities(law);
+    }
+    let mut values = [0.0; MOST];
+    for (l, value) in values.iter_mut().enumerate().take(Lanes::<S>::COUNT) {
+        *value = law.energy_density(&Kinematics::new(&lane(grad_u, l)));
+    }
+    values
+}
+
+/// P [Pa].
+#[inline(always)]
+fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tensor<S> {
+    if let Some(law) = law.isotropic() {
+        let points = Points::new(simd, grad_u);
+        return points.first_piola(&points.partials(law));
+    }
+    let mut values = [[[0.0; MOST]; 3]; 3];
+    for l in 0..Lanes::<S>::COUNT {
+        let stress = law.first_piola(&Kinematics::new(&lane(grad_u, l)));
+        for i in 0..3 {
+            for j in 0..3 {
+                values[i][j][l] = stress[(i, j)];
+            }
+        }
+    }
+    let mut stress = *grad_u;
+    for i in 0..3 {
+        for j in 0..3 {
+            stress[i][j] = Lanes::load(simd, &values[i][j]);
+        }
+    }
+    stress
+}
+
+/// ∂P/∂F [Pa].
+#[inline(always)]
+fn tangents<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tangents<S> {
+    if let Some(law) = law.isotropic() {
+        let points = Points::new(simd, grad_u);
+        return points.tangent(&points.partials(law));
+    }
+    let mut tangents = [[Lanes::splat(simd, 0.0); 9]; 9];
+    for l in 0..Lanes::<S>::COUNT {
+        let tangent = law.tangent(&Kinematics::new(&lane(grad_u, l)));
+        set_lane(simd, &mut tangents, l, &tangent);
+    }
+    tangents
+}
+
+/// Writes the lower triangle of one lane.
+#[inline(always)]
+fn set_lane<S: Simd>(simd: S, tangents: &mut Tangents<S>, lane: usize, tangent: &Mat9) {
+    for i in 0..9 {
+        for j in 0..=i {
+            let mut values = tangents[i][j].to_array();
+            values[lane] = tangent[(i, j)];
+            tangents[i][j] = Lanes::load(simd, &values);
+        }
+    }
+}
+
+/// Makes tangents of a law positive semidefinite where they are not.
+#[inline(always)]
+fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, grad_u: &Tensor<S>) {
+    let pivots = smallest_pivots(tangents);
+    let each = pivots.to_array();
+    let mut lanes =
+        (0..Lanes::<S>::COUNT).filter(|&l| each[l] <= 0.0 || each[l].is_nan()).peekable();
+    if lanes.peek().is_none() {
+        return;
+    }
+    if law.isotropic().is_some() {
+        let f = plus_identity(grad_u, Lanes::splat(simd, 1.0));
+        return projection::project_isotropic(tangents, &f, pivots);
+    }
+    for l in lanes {
+        let whole = Mat9::from_fn(|i, j| tangents[i.max(j)][i.min(j)].to_array()[l]);
+        let f = Mat3::identity() + lane(grad_u, l);
+        set_lane(simd, tangents, l, &project_isotropic(&whole, &f));
+    }
+}
+
+/// The energy of some elements [J].
+pub struct Values<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+}
+
+impl<const N: usize> WithSimd for Values<'_, N> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (law, split) = self.elastic.parts(self.iterate.space);
+        let mut sum = 0.0;
+        for elements in pieces(self.elements, Lanes::<S>::COUNT) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            let volume = batch.volume.to_array();
+            let mut values = [0.0; MOST];
+            for (q, weight) in points::<N>(self.iterate) {
+                let grad_u = batch.grad_u(&batch.gradients(q));
+                let densities = energy_densities(simd, law, &grad_u);
+                for l in 0..Lanes::<S>::COUNT {
+                    values[l] += weight * volume[l] * densities[l];
+                }
+            }
+            if let Some(split) = split {
+                let of_volume = Mean::new(&batch, split).values;
+                for l in 0..Lanes::<S>::COUNT {
+                    values[l] += volume[l] * of_volume[l];
+                }
+            }
+            // element by element, so that the sum is the same for any number of lanes
+            values.iter().take(elements.len()).for_each(|value| sum += value);
+        }
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+}
+
+/// Writes the gradients of elements, N values each.
+pub struct Gradients<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+    pub out: &'a mut [Vec3],
+}
+
+impl<const N: usize> WithSimd for Gradients<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (law, split) = self.elastic.parts(self.iterate.space);
+        let zero = Lanes::splat(simd, 0.0);
+        let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
+        for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            let mean = split.map(|split| Mean::new(&batch, split));
+            let mut forces = [[zero; 3]; N];
+            for (q, weight) in points::<N>(self.iterate) {
+                let g = batch.gradients(q);
+                let grad_u = batch.grad_u(&g);
+                let mut stress = first_piola(simd, law, &grad_u);
+                if let Some(mean) = &mean {
+                    mean.add_stress(&grad_u, &mut stress);
+                }
+                let stress = scaled(&stress, batch.volume * weight);
+                for (force, g) in forces.iter_mut().zip(&g) {
+                    for i in 0..3 {
+                        let along =
+                            stress[i][1].mul_add(g[1], stress[i][2].mul_add(g[2], force[i]));
+                        force[i] = stress[i][0].mul_add(g[0], along);
+                    }
+                }
+            }
+            for (a, force) in forces.iter().enumerate() {
+                for i in 0..3 {
+                    let values = force[i].to_array();
+                    for (element, value) in out.chunks_exact_mut(N).zip(values) {
+                        element[a][i] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Writes the lower blocks of the Hessians of elements in the order of [`pair_index`].
+pub struct Hessians<'a, const N: usize> {
+    pub elastic: &'a Elastic,
+    pub iterate: &'a Iterate<'a>,
+    pub kind: Hessian,
+    pub elements: Range<usize>,
+    pub blocks: &'a mut [[f64; 9]],
+}
+
+impl<const N: usize> WithSimd for Hessians<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (law, split) = self.elastic.parts(self.iterate.space);
+        let pairs = pair_count(N);
+        let mut local = vec![[Lanes::splat(simd, 0.0); 9]; pairs];
+        let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
+        for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
+            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
+            local.fill([Lanes::splat(simd, 0.0); 9]);
+            let mean = split.map(|split| Mean::new(&batch, split));
+            let mut by_volume = [[Lanes::splat(simd, 0.0); 3]; N];
+            for (q, weight) in points::<N>(self.iterate) {
+                let g = batch.gradients(q);
+                let grad_u = batch.grad_u(&g);
+                let mut tangents = tangents(simd, law, &grad_u);
+                if let Some(mean) = &mean {
+                    mean.add_tangent(&grad_u, &mut tangents);
+                    add_mean_force(&grad_u, &g, weight, &mut by_volume);
+                }
+                if self.kind == Hessian::Projected {
+                    project(simd, law, &mut tangents, &grad_u);
+                }
+                add_point::<S, N>(&tangents, &g, batch.volume * weight, &mut local);
+            }
+            if let Some(mean) = &mean {
+                let stiffness = mean.stiffness(self.kind) * batch.volume;
+                add_rank_one(&by_volume, stiffness, &mut local);
+            }
+            for (pair, local) in local.iter().enumerate() {
+                for (entry, local) in local.iter().enumerate() {
+                    let values = local.to_array();
+                    for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
+                        element[pair][entry] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
+#[inline(always)]
+fn add_point<S: Simd, const N: usize>(
+    tangents: &Tangents<S>,
+    g: &Nodal<S, N>,
+    weight: Lanes<S>,
+    local: &mut [[Lanes<S>; 9]],
+) {
+    for i in 0..3 {
+        // c[b][k][j] is the stress (i, k) that component j of node b causes
+        let mut c = [[[weight; 3]; 3]; N];
+        for k in 0..3 {
+            for j in 0..3 {
+                let mut t = [weight; 3];
+                for (l, t) in t.iter_mut().enumerate() {
+                    let (row, column) = (3 * l + j, 3 * k + i);
+                    *t = weight * tangents[row.max(column)][row.min(column)];
+                }
+                for b in 0..N {
+                    let sum = t[1].mul_add(g[b][1], t[2] * g[b][2]);
+                    c[b][k][j] = t[0].mul_add(g[b][0], sum);
+                }
+            }
+        }
+        for a in 0..N {
+            for b in 0..=a {
+                let local = &mut local[pair_index(a, b)];
+                for j in 0..3 {
+                    let sum = g[a][1].mul_add(c[b][1][j], local[3 * i + j]);
+                    let sum = g[a][2].mul_add(c[b][2][j], sum);
+                    local[3 * i + j] = g[a][0].mul_add(c[b][0][j], sum);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::FunctionSpace;
+    use crate::material::{MooneyRivlin, Ogden};
+    use crate::math::lanes::{Scalar, widest};
+    use crate::math::random::Random;
+
+    /// Elements that share no vertex, so strained that some tangents are indefinite, and that the
+    /// series of logarithms are left in some.
+    fn bodies(count: usize) -> (FunctionSpace, Vec<Vec3>, Vec<f64>) {
+        let mut random = Random::new(5);
+        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let all = corners.iter().cycle().take(4 * count);
+        let rest: Vec<Vec3> = all.map(|c| c + 0.1 * random.vector()).collect();
+        let tets = (0..count).map(|e| [4 * e, 4 * e + 1, 4 * e + 2, 4 * e + 3]).collect();
+        let space = FunctionSpace::new(2, rest.len(), tets);
+        let scale = |i: usize| 0.01 + 0.05 * ((i / 30) % 8) as f64 / 7.0;
+        let numbers = random.numbers(3 * space.node_count());
+        let u = numbers.iter().enumerate().map(|(i, x)| scale(i) * x).collect();
+        (space, rest, u)
+    }
+
+    #[test]
+    fn bits_are_the_same_for_any_number_of_lanes() {
+        let (space, rest, u) = bodies(21);
+        let iterate =
+            Iterate { space: &space, rest: &rest, u: &u, load: 1.0, multipliers: &[], step: None };
+        let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
+        let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
+        let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];
+        let standard = laws.map(Elastic::whole);
+        let mean = standard.clone().map(|elastic| elastic.with_mean_dilatation().expect("a part"));
+        for elastic in standard.into_iter().chain(mean) {
+            let (elastic, iterate) = (&elastic, &iterate);
+            let values = || Values::<10> { elastic, iterate, elements: 0..21 };
+            let one = values().with_simd(Scalar);
+            assert!(one > 0.0 && one.is_finite());
+            assert_eq!(one.to_bits(), widest(values()).to_bits());
+            let gradients = |wide: bool| {
+                let mut out = vec![Vec3::zeros(); 210];
+                let work = Gradients::<10> { elastic, iterate, elements: 0..21, out: &mut out };
+                if wide {
+                    widest(work)
+                } else {
+                    work.with_simd(Scalar)
+                }
+                out
+            };
+            assert_eq!(gradients(false), gradients(true));
+            let hessians = |wide: bool, kind: Hessian| {
+                let mut blocks = vec![[0.0; 9]; 21 * 55];
+                let out = &mut blocks;
+                let work = Hessians::<10> { elastic, iterate, kind, elements: 0..21, blocks: out };
+                if wide {
+                    widest(work)
+                } else {
+                    work.with_simd(Scalar)
+                }
+                blocks
+            };
+            let exact = hessians(false, Hessian::Exact);
+            assert_eq!(exact, hessians(true, Hessian::Exact));
+            let projected = hessians(false, Hessian::Projected);
+            assert_eq!(projected, hessians(true, Hessian::Projected));
+            assert!(projected != exact, "no tangent is indefinite");
+        }
+    }
+}

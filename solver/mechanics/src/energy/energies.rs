@@ -1,0 +1,338 @@
+//! The owner of the terms of the potential energy.
+//!
+//! Every kind of term has its own field, and is found there by its type. Sums over
+//! all terms go through [`Energies::terms`], always in the same order, so that they
+//! round in the same way.
+
+use std::sync::Arc;
+
+use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
+use super::{Iterate, Springs, Traction, Viscous};
+use crate::material::Material;
+
+/// The terms of the potential energy of some bodies. A copy shares the large terms.
+#[derive(Clone, Default)]
+pub struct Energies {
+    /// Those of each body.
+    pub bodies: Vec<BodyEnergies>,
+    /// Thin sheets on facets.
+    pub membranes: Vec<Membrane>,
+    /// Chambers with gas.
+    chambers: Vec<NamedChamber>,
+    /// Barrier between surfaces.
+    pub contact: Option<Arc<Contact>>,
+    /// Friction between surfaces.
+    pub friction: Option<Friction>,
+    /// Forces per volume on all bodies, beside their weight.
+    pub body_forces: Vec<BodyForce>,
+    /// Forces per area.
+    pub tractions: Vec<Traction>,
+    /// What pulls supports while they are released.
+    pub springs: Option<Springs>,
+    /// Terms that no scene has, such as manufactured forces.
+    pub others: Vec<Arc<dyn Energy>>,
+}
+
+/// The terms of one body.
+#[derive(Clone)]
+pub struct BodyEnergies {
+    /// Elastic energy.
+    pub elastic: Elastic,
+    /// What its stress is more than elastic, if it is viscoelastic.
+    pub viscous: Option<Viscous>,
+    /// Energy in the field of gravity, if there is one.
+    pub weight: Option<BodyForce>,
+    /// Inertia, or the tiny mass of a body that is loose.
+    pub inertia: Option<Inertia>,
+}
+
+/// A chamber by its name.
+#[derive(Clone)]
+pub struct NamedChamber {
+    /// What the user calls it.
+    pub name: String,
+    /// Its wall and gas.
+    pub chamber: Chamber,
+}
+
+/// One of the chambers of some [`Energies`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ChamberId(usize);
+
+impl ChamberId {
+    /// That of a chamber by its place among all.
+    #[must_use]
+    pub fn of(place: usize) -> Self {
+        Self(place)
+    }
+}
+
+/// Which term of the energy one is; bodies by their index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Elastic energy of a body.
+    Elastic(usize),
+    /// Overstress of a body.
+    Viscous(usize),
+    /// Weight of a body.
+    Weight(usize),
+    /// Elastic energy of a sheet, by its index.
+    Membrane(usize),
+    /// Inertia of a body.
+    Inertia(usize),
+    /// Tiny mass of a loose body.
+    TinyMass(usize),
+    /// Gas in a chamber.
+    Chamber(ChamberId),
+    /// Barrier between surfaces.
+    Contact,
+    /// Friction between surfaces.
+    Friction,
+    /// Force per volume on all bodies.
+    BodyForce,
+    /// Force per area.
+    Traction,
+    /// Springs of released supports.
+    Springs,
+    /// None of these.
+    Other,
+}
+
+/// Numbers that terms are made with, by which there are derivatives; bodies by their
+/// index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterId {
+    /// Parameters of the law of a body.
+    Material(usize),
+    /// Overstress and time of each branch of a body.
+    Relaxation(usize),
+    /// Thickness of a sheet, then the parameters of its law.
+    Membrane(usize),
+    /// Density of a body in its weight, then the three components of what is added to gravity.
+    Weight(usize),
+    /// Density of a body in its inertia.
+    Density(usize),
+    /// Coefficient of friction.
+    Friction,
+    /// What a chamber is prescribed by: pressure, fill, change or factor of the volume.
+    Chamber(ChamberId),
+}
+
+/// One term of the energy.
+#[derive(Clone, Copy)]
+pub struct Term<'a> {
+    /// Which one.
+    pub kind: Kind,
+    /// Value and derivatives.
+    pub energy: &'a dyn Energy,
+}
+
+impl Kind {
+    /// Whether its forces count as those of contact.
+    #[must_use]
+    pub fn is_contact(self) -> bool {
+        matches!(self, Self::Contact | Self::Friction)
+    }
+
+    /// Whether its forces are internal ones: they depend on differences of the displacement
+    /// and have no resultant.
+    #[must_use]
+    pub fn is_elastic(self) -> bool {
+        matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Membrane(_))
+    }
+
+    /// Whether its forces are given and do not depend on the displacement.
+    #[must_use]
+    pub fn is_dead_load(self) -> bool {
+        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction)
+    }
+
+    /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
+    /// a time step is not.
+    #[must_use]
+    pub fn is_stored(self) -> bool {
+        !matches!(self, Self::Viscous(_) | Self::Inertia(_) | Self::TinyMass(_) | Self::Friction)
+    }
+
+    /// The numbers that it is made with. Of a tiny mass the density does not count.
+    #[must_use]
+    pub fn parameter(self) -> Option<ParameterId> {
+        match self {
+            Self::Elastic(body) | Self::Viscous(body) => Some(ParameterId::Material(body)),
+            Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
+            Self::Weight(body) => Some(ParameterId::Weight(body)),
+            Self::Inertia(body) => Some(ParameterId::Density(body)),
+            Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
+            Self::Friction => Some(ParameterId::Friction),
+            _ => None,
+        }
+    }
+}
+
+impl BodyEnergies {
+    /// Without weight and inertia.
+    #[must_use]
+    pub fn new(elastic: Elastic) -> Self {
+        Self { elastic, viscous: None, weight: None, inertia: None }
+    }
+}
+
+impl Energies {
+    /// One body of all elements with one law.
+    #[must_use]
+    pub fn elastic(material: Box<dyn Material>) -> Self {
+        Self::bodies(vec![BodyEnergies::new(Elastic::whole(material))])
+    }
+
+    /// Some bodies.
+    #[must_use]
+    pub fn bodies(bodies: Vec<BodyEnergies>) -> Self {
+        Self { bodies, ..Self::default() }
+    }
+
+    /// The same with another chamber.
+    #[must_use]
+    pub fn with_chamber(mut self, name: impl Into<String>, chamber: Chamber) -> Self {
+        self.chambers.push(NamedChamber { name: name.into(), chamber });
+        self
+    }
+
+    /// The same with a term that no scene has.
+    #[must_use]
+    pub fn with(mut self, term: impl Energy + 'static) -> Self {
+        self.others.push(Arc::new(term));
+        self
+    }
+
+    /// All terms: elastic energy, overstress and weight of each body, sheets, inertia of each, chambers,
+    /// contact, friction, body forces, tractions, springs, others.
+    pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
+        fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
+            Term { kind, energy }
+        }
+        let statics = self.bodies.iter().enumerate().flat_map(|(i, body)| {
+            let weight = body.weight.as_ref().map(|weight| term(Kind::Weight(i), weight));
+            let viscous = body.viscous.as_ref().map(|viscous| term(Kind::Viscous(i), viscous));
+            [term(Kind::Elastic(i), &body.elastic)].into_iter().chain(viscous).chain(weight)
+        });
+        let sheets = self.membranes.iter().enumerate();
+        let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));
+        let inertia = self.bodies.iter().enumerate().filter_map(|(i, body)| {
+            let inertia = body.inertia.as_ref()?;
+            let kind = if inertia.is_tiny() { Kind::TinyMass(i) } else { Kind::Inertia(i) };
+            Some(term(kind, inertia))
+        });
+        let chambers = self.chambers().map(|(id, named)| term(Kind::Chamber(id), &named.chamber));
+        let contact = self.contact.as_deref().map(|contact| term(Kind::Contact, contact));
+        let friction = self.friction.as_ref().map(|friction| term(Kind::Friction, friction));
+        let forces = self.body_forces.iter().map(|force| term(Kind::BodyForce, force));
+        let tractions = self.tractions.iter().map(|traction| term(Kind::Traction, traction));
+        let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
+        let others = self.others.iter().map(|other| term(Kind::Other, &**other));
+        let loads = forces.chain(tractions).chain(springs).chain(others);
+        let statics = statics.chain(sheets);
+        statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
+    }
+
+    /// The same without their kinds.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn Energy> {
+        self.terms().map(|term| term.energy)
+    }
+
+    /// The terms whose forces count as those of contact.
+    pub fn contact_terms(&self) -> impl Iterator<Item = &dyn Energy> {
+        self.terms().filter(|term| term.kind.is_contact()).map(|term| term.energy)
+    }
+
+    /// All chambers.
+    pub fn chambers(&self) -> impl Iterator<Item = (ChamberId, &NamedChamber)> {
+        self.chambers.iter().enumerate().map(|(i, named)| (ChamberId(i), named))
+    }
+
+    /// Gives a chamber another gas law.
+    pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
+        self.chambers[id.0].chamber.gas = gas;
+    }
+
+    /// Inertia of all bodies, without tiny masses.
+    pub fn inertia(&self) -> impl Iterator<Item = &Inertia> {
+        self.bodies.iter().filter_map(|body| body.inertia.as_ref()).filter(|i| !i.is_tiny())
+    }
+
+    /// The relaxed stresses of all viscous terms at the end of a step [Pa], one term after the
+    /// other; empty where there is none.
+    #[must_use]
+    pub fn relaxed(&self, at: &Iterate) -> Vec<f64> {
+        self.viscous().flat_map(|(_, viscous)| viscous.relaxed(at)).collect()
+    }
+
+    /// The viscous terms, with their bodies.
+    pub fn viscous(&self) -> impl Iterator<Item = (usize, &Viscous)> {
+        let bodies = self.bodies.iter().enumerate();
+        bodies.filter_map(|(i, body)| Some((i, body.viscous.as_ref()?)))
+    }
+
+    /// Nodal forces of contact and friction, −∂E/∂u [N], three components per node.
+    #[must_use]
+    pub fn contact_forces(&self, at: &Iterate) -> Vec<f64> {
+        let mut pull = vec![0.0; at.u.len()];
+        self.contact_terms().for_each(|energy| energy.add_gradient(at, &mut pull));
+        pull.iter_mut().for_each(|p| *p = -*p);
+        pull
+    }
+}
+
+/// λᵀ ∂²E/∂u∂p for the numbers p that the terms are made with, in each time step.
+#[derive(Clone, Debug, Default)]
+pub struct ParameterGradients {
+    /// Of each time step, of each term that has parameters.
+    steps: Vec<Vec<(ParameterId, Vec<f64>)>>,
+}
+
+impl ParameterGradients {
+    /// None yet, for some time steps.
+    #[must_use]
+    pub fn new(steps: usize) -> Self {
+        Self { steps: vec![Vec::new(); steps] }
+    }
+
+    /// Number of time steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Adds those of a term in a time step, counted from 0.
+    pub fn add(&mut self, step: usize, id: ParameterId, by: Vec<f64>) {
+        self.steps[step].push((id, by));
+    }
+
+    /// By what a chamber is prescribed by, in a time step counted from 0.
+    #[must_use]
+    pub fn chamber(&self, step: usize, id: ChamberId) -> f64 {
+        let own = self.steps[step].iter().filter(|(of, _)| *of == ParameterId::Chamber(id));
+        own.flat_map(|(_, by)| by).sum()
+    }
+
+    /// Sum over all time steps, term by term, and over the terms that share the
+    /// numbers; nothing where no term has them.
+    #[must_use]
+    pub fn total(&self, id: ParameterId) -> Vec<f64> {
+        let of_step = |step: &Vec<(ParameterId, Vec<f64>)>| -> Vec<Vec<f64>> {
+            step.iter().filter(|(of, _)| *of == id).map(|(_, by)| by.clone()).collect()
+        };
+        let mut steps = self.steps.iter().map(of_step);
+        let Some(mut terms) = steps.next() else { return Vec::new() };
+        for step in steps {
+            terms.iter_mut().zip(&step).for_each(|(sum, by)| add(sum, by));
+        }
+        let mut terms = terms.into_iter();
+        let Some(mut total) = terms.next() else { return Vec::new() };
+        terms.for_each(|by| add(&mut total, &by));
+        total
+    }
+}
+
+fn add(sum: &mut [f64], by: &[f64]) {
+    sum.iter_mut().zip(by).for_each(|(s, b)| *s += b);
+}

@@ -1,0 +1,106 @@
+//! A fixed amount of ideal gas.
+//!
+//! Φ' = p_a − (P₀ + p_a)(V₀/V)^γ
+//!
+//! P₀   gauge pressure of the fill in the rest volume [Pa]
+//! p_a  ambient pressure [Pa]
+//! γ    1 isothermal, 1.4 adiabatic for air
+
+use super::{GasLaw, Key, Multiplier, Potential, Refused, Row};
+use crate::schedule::Schedule;
+
+pub(super) const ROW: Row = Row {
+    name: "ideal gas",
+    formula: "P = (P₀ + p_a)(V₀/V)^γ − p_a",
+    keys: &[
+        Key {
+            name: "fill",
+            unit: "Pa",
+            meaning: "P₀, gauge pressure in the rest volume, where the chamber is closed",
+            selects: true,
+        },
+        Key { name: "ambient", unit: "Pa", meaning: "p_a, ambient pressure", selects: false },
+        Key {
+            name: "exponent",
+            unit: "1",
+            meaning: "γ ≥ 1, polytropic exponent: 1 isothermal, 1.4 adiabatic for air",
+            selects: false,
+        },
+    ],
+    source: "polytropic law",
+    build: |_, fill, numbers| {
+        Box::new(IdealGas { fill, ambient: numbers[0], exponent: numbers[1] })
+    },
+};
+
+/// A chamber that is filled in its rest shape and closed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdealGas {
+    /// Gauge pressure in the rest volume [Pa].
+    pub fill: Schedule,
+    /// Ambient pressure [Pa].
+    pub ambient: f64,
+    /// Polytropic exponent γ [1].
+    pub exponent: f64,
+}
+
+impl GasLaw for IdealGas {
+    fn at(&self, v: f64, rest: f64, load: f64, _: Multiplier) -> Potential {
+        let &Self { ref fill, ambient, exponent } = self;
+        if v <= 0.0 {
+            let value = f64::INFINITY;
+            return Potential { value, pressure: 0.0, stiffness: 0.0, pressure_by_rest: 0.0 };
+        }
+        let full = fill.at(load) + ambient;
+        let ratio = rest / v;
+        let absolute = full * ratio.powf(exponent);
+        // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1
+        let work = if exponent == 1.0 {
+            -rest * ratio.ln()
+        } else {
+            rest * (ratio.powf(exponent - 1.0) - 1.0) / (1.0 - exponent)
+        };
+        Potential {
+            value: ambient * (v - rest) - full * work,
+            pressure: absolute - ambient,
+            stiffness: exponent * absolute / v,
+            pressure_by_rest: exponent * absolute / rest,
+        }
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.fill
+    }
+
+    fn schedule_mut(&mut self) -> &mut Schedule {
+        &mut self.fill
+    }
+
+    fn key(&self) -> &'static str {
+        "fill"
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![self.ambient, self.exponent]
+    }
+
+    fn check(&self, moments: &[f64]) -> Result<(), Refused> {
+        let &Self { ref fill, ambient, exponent } = self;
+        if !(ambient > 0.0 && exponent >= 1.0 && (ambient + exponent).is_finite()) {
+            return Err(Refused::Gas { ambient, exponent });
+        }
+        let full = |&t: &f64| (t, fill.at(t) + ambient);
+        match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
+            Some((t, full)) => Err(Refused::Vacuum { full, t }),
+            None => Ok(()),
+        }
+    }
+
+    fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64> {
+        Some((rest / v).powf(self.exponent))
+    }
+
+    fn boxed(&self) -> Box<dyn GasLaw> {
+        Box::new(self.clone())
+    }
+}

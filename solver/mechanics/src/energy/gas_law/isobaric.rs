@@ -1,0 +1,57 @@
+//! A prescribed pressure.
+//!
+//! Φ = −P (V − V₀)
+
+use super::{GasLaw, Key, Multiplier, Potential, Row};
+use crate::schedule::Schedule;
+
+pub(super) const ROW: Row = Row {
+    name: "isobaric",
+    formula: "Φ = −P (V − V₀)",
+    keys: &[Key {
+        name: "pressure",
+        unit: "Pa",
+        meaning: "P, gauge pressure at any volume; positive inflates",
+        selects: true,
+    }],
+    source: "work of a constant pressure",
+    build: |_, pressure, _| Box::new(Isobaric { pressure }),
+};
+
+/// The same gauge pressure at any volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isobaric {
+    /// Gauge pressure [Pa].
+    pub pressure: Schedule,
+}
+
+impl GasLaw for Isobaric {
+    fn at(&self, v: f64, rest: f64, load: f64, _: Multiplier) -> Potential {
+        let pressure = self.pressure.at(load);
+        Potential { value: -pressure * (v - rest), pressure, stiffness: 0.0, pressure_by_rest: 0.0 }
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.pressure
+    }
+
+    fn schedule_mut(&mut self) -> &mut Schedule {
+        &mut self.pressure
+    }
+
+    fn key(&self) -> &'static str {
+        "pressure"
+    }
+
+    fn pressure(&self) -> Option<&Schedule> {
+        Some(&self.pressure)
+    }
+
+    fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
+        Some(1.0)
+    }
+
+    fn boxed(&self) -> Box<dyn GasLaw> {
+        Box::new(self.clone())
+    }
+}

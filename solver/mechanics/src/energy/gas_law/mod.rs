@@ -1,0 +1,142 @@
+//! Gas laws: how the pressure in a chamber follows its volume.
+//!
+//! A law is a potential Φ(V; V₀) [J] of the chamber's volume V and rest volume V₀,
+//! with the gauge pressure P = −∂Φ/∂V; P > 0 inflates. One law per file, one row per
+//! law in [`GAS_LAWS`].
+
+mod ideal_gas;
+mod isobaric;
+mod prescribed_volume;
+
+use std::fmt::Debug;
+
+use super::Multiplier;
+use crate::schedule::Schedule;
+
+pub use ideal_gas::IdealGas;
+pub use isobaric::Isobaric;
+pub use prescribed_volume::PrescribedVolume;
+
+/// The laws, in the order in which they are listed.
+pub const GAS_LAWS: &[Row] = &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW];
+
+/// A gas law: what to write, what it means, how to build it.
+pub struct Row {
+    /// Its name.
+    pub name: &'static str,
+    /// The potential Φ or the pressure P.
+    pub formula: &'static str,
+    /// Keys in `[[chamber]]` besides `on`; the value of one that selects may change over time,
+    /// the others are numbers.
+    pub keys: &'static [Key],
+    /// Where it comes from.
+    pub source: &'static str,
+    /// The law of a key that selects it, the one number that it follows over time, and the
+    /// numbers of its other keys in their order.
+    pub build: fn(&str, Schedule, &[f64]) -> Box<dyn GasLaw>,
+}
+
+/// A key of a gas law in `[[chamber]]`.
+pub struct Key {
+    /// As it is written.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Whether it selects the law: a chamber has exactly one such key.
+    pub selects: bool,
+}
+
+/// A gas that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// Its constants are out of range.
+    #[error(
+        "ambient = {ambient} Pa must be positive, exponent = {exponent} at least 1, both finite"
+    )]
+    Gas {
+        /// Ambient pressure [Pa].
+        ambient: f64,
+        /// Polytropic exponent [1].
+        exponent: f64,
+    },
+    /// It is filled to less than a vacuum.
+    #[error("ambient + fill = {full} Pa at t = {t} must be positive")]
+    Vacuum {
+        /// Absolute pressure [Pa].
+        full: f64,
+        /// Time [s].
+        t: f64,
+    },
+}
+
+/// A gas law with its numbers.
+pub trait GasLaw: Debug + Send + Sync {
+    /// Φ and its derivatives at volume `v` of a chamber with rest volume `rest` [m³], at
+    /// a load; `multiplier` is that of a prescribed volume, and ignored by other laws.
+    fn at(&self, v: f64, rest: f64, load: f64, multiplier: Multiplier) -> Potential;
+    /// The one number that it follows over time, the parameter p: pressure, fill, change
+    /// or factor.
+    fn schedule(&self) -> &Schedule;
+    /// The same, to be changed.
+    fn schedule_mut(&mut self) -> &mut Schedule;
+    /// Key of that number in `[[chamber]]`.
+    fn key(&self) -> &'static str;
+    /// The numbers of the other keys, in the order of [`Row::keys`].
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Checks what can be checked without a body, at the moments of the scene [s].
+    ///
+    /// # Errors
+    /// [`Refused`] with what was found and what is needed.
+    fn check(&self, _moments: &[f64]) -> Result<(), Refused> {
+        Ok(())
+    }
+    /// The pressure, where the law prescribes it [Pa].
+    fn pressure(&self) -> Option<&Schedule> {
+        None
+    }
+    /// ∂P/∂p at a volume, where the law does not prescribe the volume.
+    fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64>;
+    /// V*, where the law prescribes it.
+    fn wanted(&self, _rest: f64, _load: f64) -> Option<Wanted> {
+        None
+    }
+    /// A copy.
+    fn boxed(&self) -> Box<dyn GasLaw>;
+}
+
+impl Clone for Box<dyn GasLaw> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
+}
+
+/// Φ and its derivatives at one volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Potential {
+    /// Φ [J]; infinite for V ≤ 0 of a fixed amount of gas.
+    pub value: f64,
+    /// Gauge pressure −Φ' [Pa].
+    pub pressure: f64,
+    /// Φ'' [Pa/m³].
+    pub stiffness: f64,
+    /// ∂P/∂V₀ [Pa/m³].
+    pub pressure_by_rest: f64,
+}
+
+/// A volume V* that a chamber shall have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// V* [m³].
+    pub volume: f64,
+    /// ∂V*/∂V₀ [1].
+    pub by_rest: f64,
+    /// ∂V*/∂p.
+    pub by_parameter: f64,
+}
+
+#[cfg(test)]
+mod tests;

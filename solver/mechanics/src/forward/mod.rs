@@ -1,0 +1,47 @@
+//! From energies to an equilibrium.
+//!
+//! - [`Problem`]: minimum of the potential energy under [`Dirichlet`] conditions;
+//! - [`Newton`]: Newton's method with Hessian modification and a line search;
+//! - [`Stepping`]: incremental loading, in load steps of adaptive size;
+//! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
+//!   [`Integrator`], or quasistatic;
+//! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
+
+mod augmented;
+mod certificate;
+mod cost;
+mod dirichlet;
+mod hessian_modification;
+mod integrator;
+mod line_search;
+mod newton;
+mod problem;
+mod softest_mode;
+mod states;
+mod stepping;
+mod symbolic;
+mod tangent;
+mod time_stepper;
+mod timings;
+mod trajectory;
+mod volumes;
+mod watch;
+mod workspace;
+
+pub use certificate::{Uncertified, certificate};
+pub use cost::{about, predicted_time};
+pub use dirichlet::{Dirichlet, Motion};
+pub use integrator::{Integrator, Method, State};
+pub use newton::{Converged, Failure, Newton};
+pub use problem::{Configuration, Problem};
+pub use softest_mode::SoftestMode;
+pub use stepping::{
+    Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
+};
+pub use tangent::follow;
+pub use time_stepper::{Progress, Reached, TimeStepper};
+pub use timings::{Clock, Time, Timings};
+pub use trajectory::Trajectory;
+pub use volumes::{newton_step, solve_multipliers};
+pub use watch::{Event, Watch};
+pub use workspace::{Linearization, Workspace};

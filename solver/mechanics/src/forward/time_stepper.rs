@@ -1,0 +1,386 @@
+//! The time stepper: from the end of one time step to the end of the next, in load steps
+//! where Newton's method needs them.
+
+use std::sync::Arc;
+
+use mesh::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::stepping::{
+    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
+};
+use super::watch::Event;
+use super::{Configuration, Failure, Integrator, Problem, Trajectory, Workspace};
+use crate::energy::{Iterate, Multiplier, TimeStep};
+
+/// Fraction of the free path of supports and obstacles that the next load step goes.
+const NEARLY: f64 = 0.9;
+/// States that are extrapolated from, at most.
+const STATES: usize = 3;
+/// Smallest factor of an increment by which the next is tried.
+const SHORTEST: f64 = 0.02;
+
+/// All that determines the next time step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Progress {
+    /// The states at the ends of the last time steps.
+    pub integrator: Integrator,
+    /// End of the last time step [s].
+    pub time: f64,
+    /// Fraction of the next time step that was made.
+    pub done: f64,
+    /// Next increment, as a fraction of a time step.
+    pub increment: f64,
+    /// The last load steps, up to three, the latest last.
+    pub last: Vec<Reached>,
+    /// All Newton iterations, those of rejected steps included.
+    pub newton_iterations: usize,
+    /// [`Workspace::indefinite_starts`].
+    pub indefinite_starts: usize,
+}
+
+/// A state that was reached.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Reached {
+    /// Load parameter.
+    pub load: f64,
+    /// Displacement [m].
+    pub u: Vec<f64>,
+    /// Of the chambers with a prescribed volume.
+    pub multipliers: Vec<Multiplier>,
+}
+
+impl Progress {
+    /// The last state [m].
+    #[must_use]
+    pub fn reached(&self) -> &[f64] {
+        self.last.last().map_or(&self.integrator.last().u, |step| &step.u)
+    }
+
+    /// The load of the last state.
+    #[must_use]
+    pub fn load(&self) -> f64 {
+        self.last.last().map_or(0.0, |step| step.load)
+    }
+
+    fn keep(&mut self, step: LoadStep) {
+        let LoadStep { load, u, multipliers, .. } = step;
+        self.last.push(Reached { load, u, multipliers });
+        if self.last.len() > STATES {
+            self.last.remove(0);
+        }
+    }
+}
+
+/// Goes through time, one time step after the other, in load steps that shrink
+/// where Newton fails and grow where it is easy.
+pub struct TimeStepper {
+    /// How to approach the end of a time step.
+    pub stepping: Stepping,
+    /// The state that was reached.
+    pub progress: Progress,
+    /// A run like this one: the start of each time step is predicted from its motion.
+    guide: Option<Arc<Trajectory>>,
+    /// The last time step that was begun.
+    step: Option<Arc<TimeStep>>,
+}
+
+impl TimeStepper {
+    /// Begins at t = 0.
+    #[must_use]
+    pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
+        let progress = Progress {
+            integrator,
+            time: 0.0,
+            done: 0.0,
+            increment: stepping.first,
+            last: Vec::new(),
+            newton_iterations: 0,
+            indefinite_starts: 0,
+        };
+        Self { stepping, progress, guide: None, step: None }
+    }
+
+    /// The same, next to a run through the same time steps.
+    #[must_use]
+    pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
+        Self { guide, ..self }
+    }
+
+    /// The last state that was reached.
+    #[must_use]
+    pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
+        let (u, load) = (self.progress.reached(), self.progress.load());
+        let step = self.step.as_deref();
+        let last = self.progress.last.last();
+        let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
+        Iterate { space: &problem.space, rest, u, load, multipliers, step }
+    }
+
+    /// Goes from time step to time step, which end at `times` [s]: the states at their ends, with
+    /// `memory` for them [B]. `observe` is called after every accepted load step.
+    ///
+    /// # Errors
+    /// [`Unreached`] with the load that was reached.
+    pub fn run(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        times: &[f64],
+        memory: f64,
+        mut observe: impl FnMut(&LoadStep),
+    ) -> Result<Trajectory, Unreached> {
+        let mut states = Trajectory::begin(&self.progress.integrator, memory);
+        for &end in times {
+            self.advance(problem, workspace, rest, end, &mut observe)?;
+            states.push(end, self.progress.integrator.last().clone());
+        }
+        if let Some(error) = states.unwritten() {
+            workspace.tell(&Event::KeptInMemory { error });
+        }
+        Ok(states)
+    }
+
+    /// Goes to the end of the next time step. `observe` is called after every
+    /// accepted load step.
+    ///
+    /// # Errors
+    /// [`Unreached`] with the load that was reached.
+    pub fn advance(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+        mut observe: impl FnMut(&LoadStep),
+    ) -> Result<(), Unreached> {
+        loop {
+            let step = self.next(problem, workspace, rest, end)?;
+            observe(&step);
+            if step.ends_time_step {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Makes the next load step of the time step that ends at `end`. Where it begins a time step,
+    /// it depends on `self` and on the couplings in the workspace alone; within one, in its last
+    /// digits, on the factor that the workspace still has.
+    ///
+    /// # Errors
+    /// [`Unreached`] with the load that was reached.
+    pub fn next(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Result<LoadStep, Unreached> {
+        let step = match &self.step {
+            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
+            _ => self.begin(problem, workspace, rest, end),
+        };
+        loop {
+            let done = self.progress.done;
+            let next = match done + self.progress.increment {
+                beyond if beyond > 1.0 - 1e-9 => 1.0,
+                next => next,
+            };
+            let ends = next >= 1.0;
+            let load =
+                if ends { end } else { self.progress.time + next * (end - self.progress.time) };
+            let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
+            let start = self.predict(problem, workspace, (rest, &step), load, done == 0.0);
+            match attempt(problem, workspace, &start, load, &newton) {
+                Ok(step) => {
+                    let step = LoadStep { ends_time_step: ends, ..step };
+                    return Ok(self.accept(step, next, (problem, workspace, rest)));
+                }
+                Err(failed) => self.shorten(problem, rest, failed, load)?,
+            }
+        }
+    }
+
+    /// Takes in a load step, which ends at a fraction of its time step.
+    fn accept(
+        &mut self,
+        step: LoadStep,
+        fraction: f64,
+        (problem, workspace, rest): (&Problem, &Workspace, &[Vec3]),
+    ) -> LoadStep {
+        let progress = &mut self.progress;
+        progress.newton_iterations += step.newton_iterations;
+        if step.newton_iterations <= EASY {
+            progress.increment = (1.5 * progress.increment).min(self.stepping.largest);
+        }
+        progress.keep(step.clone());
+        progress.done = fraction;
+        progress.indefinite_starts = workspace.indefinite_starts;
+        if step.ends_time_step {
+            let made = self.step.as_ref().expect("it was begun");
+            let relaxed = problem.energies.relaxed(&step.iterate(problem, rest));
+            progress.integrator.accept(made, &step.u, relaxed);
+            progress.time = step.load;
+            progress.done = 0.0;
+        }
+        step
+    }
+
+    /// Makes the increment smaller after a load step to `load` has failed.
+    ///
+    /// # Errors
+    /// [`Unreached`] where it is as small as it may be.
+    fn shorten(
+        &mut self,
+        problem: &Problem,
+        rest: &[Vec3],
+        failed: Failed,
+        load: f64,
+    ) -> Result<(), Unreached> {
+        let Failed { failure, u, residuals } = failed;
+        self.progress.newton_iterations += residuals.len().saturating_sub(1);
+        self.progress.increment *= match failure {
+            // what is free is known: no need to halve up to it
+            Failure::Blocked { free } => (NEARLY * free).clamp(SHORTEST, 0.5),
+            _ => 0.5,
+        };
+        let increment = self.progress.increment;
+        log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
+        if increment >= self.stepping.smallest {
+            return Ok(());
+        }
+        let at = self.iterate(problem, rest);
+        let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
+        let step = self.step.clone().expect("it was begun");
+        let attempt = Attempt { reached, multipliers, step, load, u, residuals };
+        Err(Unreached { load: at.load, failure, attempt: Box::new(attempt) })
+    }
+
+    /// The time step that follows, or that was interrupted.
+    fn begin(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Arc<TimeStep> {
+        workspace.linear_mut().forget();
+        workspace.indefinite_starts = self.progress.indefinite_starts;
+        let interrupted = self.progress.done > 0.0;
+        if !interrupted && (self.progress.integrator.method.has_inertia() || self.guide.is_some()) {
+            // with inertia, or a guide, the prediction is near the solution
+            self.progress.increment = 1.0;
+        }
+        let start = self.iterate(problem, rest);
+        let begun =
+            Iterate { u: &self.progress.integrator.last().u, load: self.progress.time, ..start };
+        let lagged_contacts = problem.lagged_contacts(&begun);
+        let step = self.progress.integrator.step(end - self.progress.time);
+        let step = Arc::new(TimeStep { lagged_contacts, ..step });
+        self.step = Some(Arc::clone(&step));
+        step
+    }
+
+    /// A state near the next one, that surfaces can reach, at the load of the last: of
+    /// [`Self::extrapolations`] and the last state itself the one with the smallest
+    /// [`merit`]. Loads may bend where time steps meet, and surfaces may be hit.
+    fn predict<'a>(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        (rest, step): (&'a [Vec3], &'a Arc<TimeStep>),
+        load: f64,
+        begins: bool,
+    ) -> Configuration<'a> {
+        let last = Iterate { step: Some(step), ..self.iterate(problem, rest) };
+        let now = Iterate { load, ..last };
+        let mut best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
+        let mut smallest = None;
+        for mut guess in self.extrapolations(&last, load, begins) {
+            let free = workspace.max_step(problem, &last, &Iterate { u: &guess.u, ..last });
+            guess.u.iter_mut().zip(last.u).for_each(|(u, from)| *u = from + free * (*u - from));
+            let merit = merit(problem, workspace, &Iterate { u: &guess.u, ..now });
+            if smallest.is_none_or(|smallest| merit < smallest) {
+                (best, smallest) = (guess, Some(merit));
+            }
+        }
+        // obstacles that have moved into a state leave forces there that mean nothing
+        if let Some(smallest) = smallest
+            && workspace.max_step(problem, &last, &now) >= 1.0
+            && merit(problem, workspace, &now) <= smallest
+        {
+            best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
+        }
+        let mut multipliers = last.multipliers.to_vec();
+        multipliers.iter_mut().zip(best.pressures).for_each(|(m, p)| m.pressure = p);
+        Configuration { rest, load: last.load, step: Some(step), u: best.u, multipliers }
+    }
+
+    /// Where a guide went, or, at the start of a time step, inertia carries the bodies; else
+    /// along a line in the load through the last two states. And along a parabola through
+    /// the last three. The first state is the rest shape, where inertia is neglected.
+    fn extrapolations(&self, last: &Iterate, load: f64, begins: bool) -> Vec<Guess> {
+        let flight = last.step.and_then(|step| step.free_flight.as_ref());
+        let guided = self.guide.as_ref().and_then(|g| g.motion(last.load, load));
+        let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
+        let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());
+        let mut points: Vec<(f64, Guess)> = Vec::new();
+        let reached = &self.progress.last;
+        if flight.is_none() && reached.len() < STATES {
+            let rest =
+                Guess { u: vec![0.0; last.u.len()], pressures: vec![0.0; last.multipliers.len()] };
+            points.push((0.0, rest));
+        }
+        points.extend(
+            reached.iter().map(|at| {
+                (at.load, Guess { u: at.u.clone(), pressures: pressures(&at.multipliers) })
+            }),
+        );
+        let through = |count: usize| {
+            points.len().checked_sub(count).map(|first| extrapolated(&points[first..], load))
+        };
+        let line = match known {
+            Some(u) => Some(Guess { u, pressures: pressures(last.multipliers) }),
+            None => through(2),
+        };
+        line.into_iter().chain(through(3)).collect()
+    }
+}
+
+/// How near a state is to the equilibrium: its potential energy [J], which is least there. Small
+/// displacements of stiff parts mean large forces, so residuals tell little. With prescribed
+/// volumes the equilibrium is a saddle point: then it is the residual [N].
+fn merit(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> f64 {
+    if !at.multipliers.is_empty() {
+        return residual(problem, workspace, at);
+    }
+    let energy = workspace.value(problem, at);
+    if energy.is_nan() { f64::INFINITY } else { energy }
+}
+
+/// Where Newton's method could begin.
+struct Guess {
+    /// Displacement [m].
+    u: Vec<f64>,
+    /// Of the multipliers of prescribed volumes [Pa].
+    pressures: Vec<f64>,
+}
+
+fn pressures(multipliers: &[Multiplier]) -> Vec<f64> {
+    multipliers.iter().map(|m| m.pressure).collect()
+}
+
+/// The polynomial in the load through some states, at another load (Lagrange).
+fn extrapolated(points: &[(f64, Guess)], load: f64) -> Guess {
+    let sum = |of: fn(&Guess) -> &Vec<f64>| {
+        let mut sum = vec![0.0; of(&points[0].1).len()];
+        for (i, (own, guess)) in points.iter().enumerate() {
+            let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+            let weight: f64 = others.map(|(_, (l, _))| (load - l) / (own - l)).product();
+            sum.iter_mut().zip(of(guess)).for_each(|(s, v)| *s += weight * v);
+        }
+        sum
+    };
+    Guess { u: sum(|g| &g.u), pressures: sum(|g| &g.pressures) }
+}

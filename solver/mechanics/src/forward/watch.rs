@@ -1,0 +1,36 @@
+//! What can be watched while equilibria are sought.
+
+/// Something that happened on the way to an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// An iterate of Newton's method.
+    Iterate {
+        /// Time that it goes towards [s].
+        time: f64,
+        /// Iterations made so far.
+        iteration: usize,
+        /// Norm of the unbalanced force [N].
+        residual: f64,
+        /// Residual wanted [N].
+        wanted: f64,
+    },
+    /// An equilibrium was accepted with a residual above the wanted one, as rounding allows no less.
+    AtRoundingFloor {
+        /// Its time [s].
+        time: f64,
+        /// Norm of the unbalanced force [N].
+        residual: f64,
+        /// Residual wanted [N].
+        wanted: f64,
+        /// Estimated floor [N].
+        floor: f64,
+    },
+    /// States beyond the budget are in memory all the same.
+    KeptInMemory {
+        /// Why they could not be written to disk.
+        error: &'a std::io::Error,
+    },
+}
+
+/// Gets to know of every [`Event`].
+pub type Watch = Box<dyn FnMut(&Event) + Send + Sync>;

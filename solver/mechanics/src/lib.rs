@@ -1,0 +1,25 @@
+//! Mechanics of pressurised silicone: values in, values out.
+//!
+//! A body, its laws, supports, chambers and obstacles make a [`forward::Problem`]; [`forward`]
+//! finds its equilibria and time steps, [`adjoint`] differentiates what is measured on them.
+//! Nothing here reads files or settings, and nothing here writes messages for users: errors
+//! have their numbers in fields.
+//!
+//! Modules in dependency order; each uses only those before it:
+
+pub mod parallel; // the one parallel loop
+pub mod memory; // what a factorisation takes
+pub mod math; // small dense and sparse algebra
+pub mod symmetry; // planes through which a part of a body is mirrored
+pub mod body; // a tagged mesh
+pub mod element; // discretisation
+pub mod material; // constitutive (hyperelastic) laws ψ(F)
+pub mod stretch; // how far a state strains its material
+pub mod contact; // contact potentials and collision detection
+pub mod schedule; // values over time, as people write them
+pub mod energy; // terms of the potential energy: elasticity, loads, contact
+pub mod forward; // from energies to an equilibrium: Newton's method, load and time steps
+pub mod adjoint; // gradient of an objective over a run by the adjoint method
+
+#[doc(hidden)]
+pub mod testing; // small bodies and gradient checks, for the tests of all crates

@@ -1,0 +1,446 @@
+//! Cholesky factorisation by fronts, in parallel over the elimination tree.
+//!
+//! A supernode s has the front [F₁₁ ·; F₂₁ F₂₂]: its own columns and the rows
+//! below that they reach. With the entries of A and the updates of its children
+//! added up, L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ, and F₂₂ − L₂₁ L₂₁ᵀ is its update
+//! for its parent. The dense kernels and the symbolic part are faer's; subtrees
+//! own disjoint ranges of the factor, so that they run on separate threads.
+//!
+//! Source: Duff and Reid 1983, "The multifrontal solution of indefinite sparse
+//! symmetric linear equations", doi:10.1145/356044.356047.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par, Spec};
+use rayon::prelude::*;
+
+use super::extend_add::extend_add;
+use super::matrix::Triangle;
+use super::replacing;
+use super::scalar::{Scalar, narrow};
+use crate::math::pool::Pool;
+
+/// Floating-point operations that are worth a task of their own.
+const TASK: f64 = 2e7;
+
+/// Pivots that are replaced, at most. Where a body is crushed thousands are negative, and
+/// a direction that leaves them alone leads nowhere.
+const FEW: usize = 100;
+
+/// The supernodes of a factor as a tree.
+#[derive(Default)]
+pub struct Fronts {
+    pub(super) supernodes: Vec<Supernode>,
+    pub(super) roots: Vec<usize>,
+    /// Entries of A in each supernode: index among the values of A, and place
+    /// in the supernode's columns.
+    entries: Vec<(u32, u32)>,
+}
+
+pub(super) struct Supernode {
+    pub(super) columns: Range<usize>,
+    /// Rows below its own, ascending.
+    pattern: Vec<usize>,
+    /// Places of these rows in the front of its parent.
+    pub(super) places: Vec<u32>,
+    pub(super) children: Vec<usize>,
+    /// First supernode of its subtree, which ends with itself.
+    pub(super) first: usize,
+    /// Where its columns are stored in the factor.
+    pub(super) values: Range<usize>,
+    entries: Range<usize>,
+    /// Floating-point operations of its subtree.
+    work: f64,
+}
+
+impl Supernode {
+    pub(super) fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    pub(super) fn height(&self) -> usize {
+        self.width() + self.pattern.len()
+    }
+
+    /// L₁₁ over L₂₁ in its part of the factor.
+    pub(super) fn front<'a, T>(&self, own: &'a [T]) -> MatRef<'a, T> {
+        MatRef::from_column_major_slice(own, self.height(), self.width())
+    }
+}
+
+/// F₂₂ − L₂₁ L₂₁ᵀ of a supernode: a square by columns, of which the lower
+/// triangle has meaning.
+struct Update<T> {
+    supernode: usize,
+    values: Vec<T>,
+}
+
+impl Fronts {
+    /// The tree of supernodes, given by their columns and the rows below, for a lower triangle
+    /// in compressed columns with the unknown `order[i]` at position i.
+    ///
+    /// # Panics
+    /// When A or a front has 2³² entries, or the columns are not in postorder.
+    #[must_use]
+    pub fn new(
+        structure: Vec<(Range<usize>, Vec<usize>)>,
+        pattern: &Triangle,
+        order: &[usize],
+    ) -> Self {
+        let count = structure.len();
+        let mut of_column = vec![0; order.len()];
+        let mut supernodes: Vec<Supernode> = Vec::with_capacity(count);
+        let mut stored = 0;
+        for (s, (columns, pattern)) in structure.into_iter().enumerate() {
+            of_column[columns.clone()].fill(s);
+            let end = stored + columns.len() * (columns.len() + pattern.len());
+            supernodes.push(Supernode {
+                columns,
+                pattern,
+                places: Vec::new(),
+                children: Vec::new(),
+                first: s,
+                values: stored..end,
+                entries: 0..0,
+                work: 0.0,
+            });
+            stored = end;
+        }
+        let mut roots = Vec::new();
+        for s in 0..count {
+            let (width, below) = (supernodes[s].width() as f64, supernodes[s].pattern.len() as f64);
+            supernodes[s].work += width * (width * width / 3.0 + width * below + below * below);
+            let (work, first) = (supernodes[s].work, supernodes[s].first);
+            match supernodes[s].pattern.first() {
+                Some(&row) => {
+                    let parent = &mut supernodes[of_column[row]];
+                    parent.children.push(s);
+                    parent.work += work;
+                    parent.first = parent.first.min(first);
+                }
+                None => roots.push(s),
+            }
+        }
+        for s in &supernodes {
+            let mut next = s.first;
+            for &child in &s.children {
+                assert_eq!(supernodes[child].first, next, "columns in postorder");
+                next = child + 1;
+            }
+        }
+        place_updates(&mut supernodes);
+        let entries = place_entries(&mut supernodes, &of_column, pattern, order);
+        Self { supernodes, roots, entries }
+    }
+
+    /// Number of stored entries of a factor.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.supernodes.last().map_or(0, |s| s.values.end)
+    }
+
+    /// Floating-point operations of a factorisation.
+    #[must_use]
+    pub fn flops(&self) -> f64 {
+        self.roots.iter().map(|&r| self.supernodes[r].work).sum()
+    }
+
+    /// Operations of the supernodes on the costliest way from a leaf to a root. They follow one
+    /// another: subtrees on any number of threads take at least their time, and only threads
+    /// within a front make it shorter.
+    #[must_use]
+    pub fn chain_flops(&self) -> f64 {
+        let mut chains: Vec<f64> = Vec::with_capacity(self.supernodes.len());
+        for s in &self.supernodes {
+            let below: f64 = s.children.iter().map(|&c| self.supernodes[c].work).sum();
+            let longest = s.children.iter().map(|&c| chains[c]).fold(0.0, f64::max);
+            chains.push(s.work - below + longest);
+        }
+        chains.into_iter().fold(0.0, f64::max)
+    }
+
+    /// The pivots of a factor in the order of elimination.
+    pub fn pivots<T: Scalar>(&self, factor: &[T]) -> impl Iterator<Item = T> {
+        self.supernodes.iter().flat_map(|s| {
+            let own = &factor[s.values.clone()];
+            own.iter().step_by(s.height() + 1).take(s.width()).map(|&l| l * l)
+        })
+    }
+
+    /// Numbers in the updates that wait at once, at most.
+    #[must_use]
+    pub fn updates_len(&self) -> usize {
+        let update = |s: &Supernode| (s.height() - s.width()).pow(2);
+        let mut peaks: Vec<usize> = Vec::with_capacity(self.supernodes.len());
+        for s in &self.supernodes {
+            let finished: usize = s.children.iter().map(|&c| update(&self.supernodes[c])).sum();
+            // as many children as there are threads may be in progress
+            let mut beyond: Vec<usize> =
+                s.children.iter().map(|&c| peaks[c] - update(&self.supernodes[c])).collect();
+            beyond.sort_unstable_by(|a, b| b.cmp(a));
+            let running: usize = beyond.iter().take(rayon::current_num_threads()).sum();
+            peaks.push(finished + running.max(update(s)));
+        }
+        self.roots.iter().map(|&r| peaks[r]).sum()
+    }
+
+    /// L of the matrix with the lower triangle `a`, in the layout of faer's
+    /// supernodal factor, and the number of pivots that were replaced.
+    ///
+    /// # Errors
+    /// The position of a pivot that is not positive, where these are refused.
+    pub fn factor<T: Scalar>(
+        &self,
+        a: &[f64],
+        factor: &mut [T],
+        pool: &Pool<T>,
+        bad_pivots: BadPivots,
+    ) -> Result<usize, usize> {
+        let (failed, replaced) = (AtomicBool::new(false), AtomicUsize::new(0));
+        let job = Job { fronts: self, a, pool, bad_pivots, failed, replaced };
+        job.subtrees(&self.roots, factor)?;
+        Ok(job.replaced.into_inner())
+    }
+}
+
+/// Finds the place of every row of an update in the parent's front.
+fn place_updates(supernodes: &mut [Supernode]) {
+    for parent in 0..supernodes.len() {
+        for child in supernodes[parent].children.clone() {
+            let front = &supernodes[parent];
+            let mut below = front.pattern.iter().enumerate();
+            let place = |&row: &usize| {
+                if row < front.columns.end {
+                    return narrow(row - front.columns.start);
+                }
+                let (i, _) =
+                    below.find(|p| *p.1 == row).expect("a front holds the rows of its children");
+                narrow(front.width() + i)
+            };
+            supernodes[child].places = supernodes[child].pattern.iter().map(place).collect();
+        }
+    }
+}
+
+/// Sorts the entries of A by supernode and finds their places.
+fn place_entries(
+    supernodes: &mut [Supernode],
+    of_column: &[usize],
+    pattern: &Triangle,
+    order: &[usize],
+) -> Vec<(u32, u32)> {
+    let Triangle { column_start, rows } = pattern;
+    let n = order.len();
+    let mut position = vec![0; n];
+    order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = i);
+    let pairs = || {
+        (0..n).flat_map(|c| {
+            let (position, at) = (&position, position[c]);
+            let one = move |k: usize| {
+                let row = position[rows[k] as usize];
+                (k, row.max(at), row.min(at))
+            };
+            (column_start[c]..column_start[c + 1]).map(one)
+        })
+    };
+    let mut next = vec![0; supernodes.len() + 1];
+    for (_, _, column) in pairs() {
+        next[of_column[column] + 1] += 1;
+    }
+    for s in 0..supernodes.len() {
+        next[s + 1] += next[s];
+        supernodes[s].entries = next[s]..next[s + 1];
+    }
+    let mut sorted = vec![(0, 0, 0); rows.len()];
+    for (k, row, column) in pairs() {
+        let slot = &mut next[of_column[column]];
+        sorted[*slot] = (narrow(k), narrow(row), narrow(column));
+        *slot += 1;
+    }
+    let mut place = vec![0; n];
+    let mut entries = Vec::with_capacity(sorted.len());
+    for s in supernodes {
+        for (i, row) in s.columns.clone().chain(s.pattern.iter().copied()).enumerate() {
+            place[row] = i;
+        }
+        for &(k, row, column) in &sorted[s.entries.clone()] {
+            let column = column as usize - s.columns.start;
+            entries.push((k, narrow(column * s.height() + place[row as usize])));
+        }
+    }
+    entries
+}
+
+/// What to do with pivots that are not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BadPivots {
+    /// The matrix is not positive definite: no factor.
+    Refuse,
+    /// A typical diagonal entry of A in their supernode takes the place of [`FEW`] of them;
+    /// of more the matrix is refused.
+    ReplaceFew,
+}
+
+/// One factorisation.
+struct Job<'a, T> {
+    fronts: &'a Fronts,
+    a: &'a [f64],
+    /// Memory of updates.
+    pool: &'a Pool<T>,
+    bad_pivots: BadPivots,
+    /// Set by the first thread that meets a bad pivot, so that others stop.
+    failed: AtomicBool,
+    replaced: AtomicUsize,
+}
+
+impl<T: Scalar> Job<'_, T> {
+    /// Factors disjoint subtrees, whose columns are stored one after the other.
+    fn subtrees(&self, roots: &[usize], mut factor: &mut [T]) -> Result<Vec<Update<T>>, usize> {
+        let mut tasks = Vec::with_capacity(roots.len());
+        for &root in roots {
+            let values = &self.fronts.supernodes;
+            let len = values[root].values.end - values[values[root].first].values.start;
+            let (own, others) = factor.split_at_mut(len);
+            tasks.push((root, own));
+            factor = others;
+        }
+        tasks.into_par_iter().map(|(root, own)| self.subtree(root, own)).collect()
+    }
+
+    fn subtree(&self, root: usize, factor: &mut [T]) -> Result<Update<T>, usize> {
+        let s = &self.fronts.supernodes[root];
+        if s.work < TASK {
+            return self.in_order(s.first..root + 1, factor);
+        }
+        let (below, own) = factor.split_at_mut(factor.len() - s.values.len());
+        let updates = self.subtrees(&s.children, below)?;
+        self.eliminate(root, own, updates, Par::rayon(0))
+    }
+
+    /// Factors one subtree on this thread.
+    fn in_order(&self, range: Range<usize>, mut factor: &mut [T]) -> Result<Update<T>, usize> {
+        let mut waiting: Vec<Update<T>> = Vec::new();
+        for s in range {
+            let node = &self.fronts.supernodes[s];
+            let (own, others) = factor.split_at_mut(node.values.len());
+            factor = others;
+            let children = waiting.len() - node.children.len();
+            let children = waiting.split_off(children);
+            waiting.push(self.eliminate(s, own, children, Par::Seq)?);
+        }
+        Ok(waiting.pop().expect("a subtree is not empty"))
+    }
+
+    fn eliminate(
+        &self,
+        s: usize,
+        own: &mut [T],
+        updates: Vec<Update<T>>,
+        par: Par,
+    ) -> Result<Update<T>, usize> {
+        let node = &self.fronts.supernodes[s];
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(node.columns.start);
+        }
+        let (width, height) = (node.width(), node.height());
+        let below = height - width;
+        let mut rest = self.pool.filled(below * below, T::narrow(0.0));
+        if below > 0 {
+            updates.iter().for_each(|update| self.add_to_rest(node, update, &mut rest, par));
+        }
+        self.factor_top(node, own, &updates, par)?;
+        updates.into_iter().for_each(|update| self.pool.give(update.values));
+        let front = MatMut::from_column_major_slice_mut(own, height, width);
+        let (top, mut bottom) = front.split_at_row_mut(width);
+        if below > 0 {
+            solve_lower_triangular_in_place(top.as_ref(), bottom.as_mut().transpose_mut(), par);
+            triangular_matmul(
+                MatMut::from_column_major_slice_mut(&mut rest, below, below),
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                bottom.as_ref(),
+                BlockStructure::Rectangular,
+                bottom.as_ref().transpose(),
+                BlockStructure::Rectangular,
+                T::narrow(-1.0),
+                par,
+            );
+        }
+        Ok(Update { supernode: s, values: rest })
+    }
+
+    /// Adds up the columns of a front and factors F₁₁.
+    fn factor_top(
+        &self,
+        node: &Supernode,
+        own: &mut [T],
+        updates: &[Update<T>],
+        par: Par,
+    ) -> Result<(), usize> {
+        let scale = self.assemble_columns(node, own, updates, par);
+        let (width, height) = (node.width(), node.height());
+        let mut scratch =
+            MemBuffer::new(cholesky_in_place_scratch::<T>(width, par, Spec::default()));
+        let front = MatMut::from_column_major_slice_mut(&mut *own, height, width);
+        let done = cholesky_in_place(
+            front.subrows_mut(0, width),
+            LltRegularization::default(),
+            par,
+            MemStack::new(&mut scratch),
+            Spec::default(),
+        );
+        let Err(LltError::NonPositivePivot { index }) = done else { return Ok(()) };
+        if self.bad_pivots == BadPivots::Refuse || scale.is_nan() || scale <= 0.0 {
+            self.failed.store(true, Ordering::Relaxed);
+            return Err(node.columns.start + index);
+        }
+        self.assemble_columns(node, own, updates, par);
+        let front = MatMut::from_column_major_slice_mut(own, height, width);
+        let replaced = replacing::cholesky(front.subrows_mut(0, width), scale, par);
+        if self.replaced.fetch_add(replaced, Ordering::Relaxed) + replaced > FEW {
+            self.failed.store(true, Ordering::Relaxed);
+            return Err(node.columns.start + index);
+        }
+        Ok(())
+    }
+
+    /// Adds up F₁₁ and F₂₁ and returns the mean of the diagonal of A there.
+    fn assemble_columns(
+        &self,
+        node: &Supernode,
+        own: &mut [T],
+        updates: &[Update<T>],
+        par: Par,
+    ) -> f64 {
+        own.fill(T::narrow(0.0));
+        for &(k, place) in &self.fronts.entries[node.entries.clone()] {
+            own[place as usize] += T::narrow(self.a[k as usize]);
+        }
+        let diagonal = own.iter().step_by(node.height() + 1).take(node.width());
+        let mean = diagonal.map(|d| d.widen().abs()).sum::<f64>() / node.width() as f64;
+        updates.iter().for_each(|update| self.add_to_columns(node, update, own, par));
+        mean
+    }
+
+    /// Adds to F₁₁ and F₂₁ what the update of a child has there.
+    fn add_to_columns(&self, node: &Supernode, update: &Update<T>, own: &mut [T], par: Par) {
+        let places = &self.fronts.supernodes[update.supernode].places;
+        let split = places.partition_point(|&p| (p as usize) < node.width());
+        extend_add(places, &update.values, own, (node.height(), 0..split, 0), par);
+    }
+
+    /// Adds to F₂₂ what the update of a child has there.
+    fn add_to_rest(&self, node: &Supernode, update: &Update<T>, rest: &mut [T], par: Par) {
+        let places = &self.fronts.supernodes[update.supernode].places;
+        let split = places.partition_point(|&p| (p as usize) < node.width());
+        let height = node.height() - node.width();
+        extend_add(places, &update.values, rest, (height, split..places.len(), node.width()), par);
+    }
+}

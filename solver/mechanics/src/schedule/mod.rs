@@ -1,0 +1,390 @@
+//! Values of loads and supports over time.
+//!
+//! A scene begins at t = 0 with its body at rest and ends its first time step
+//! at t₁. The written value w(t) acts unchanged from t₁ on; w(0) is ramped up during the
+//! first step:
+//!
+//! v(t) = w(t) − (1 − t/t₁) w(0)   for t < t₁,   v(t) = w(t) after
+//!
+//! so that a number grows in proportion to t and then stays. A static scene is
+//! one time step with t₁ = 1; t is then the fraction of the load.
+
+mod expression;
+mod jet;
+mod node;
+mod parser;
+mod table;
+
+pub use expression::Expression;
+pub use jet::Jet;
+pub use parser::{FUNCTIONS, Malformed, is_free_name};
+pub use table::Table;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use mesh::Vec3;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::math::tensor::Mat3;
+
+/// What may be written, for messages.
+const NEEDED: &str =
+    "a number, an expression such as \"20e3*t\", or a table { t = [...], value = [...] }";
+
+/// One number that may change with time, and with the rest position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    written: Written,
+    /// t₁ [s].
+    first: f64,
+}
+
+/// w(t).
+#[derive(Clone, Debug, PartialEq)]
+enum Written {
+    Number(f64),
+    Expression(Arc<Expression>),
+    Table(Arc<Table>),
+}
+
+/// The largest value of an expression or table: squares of forces by it are finite.
+const LARGEST: f64 = 1e100;
+
+impl From<f64> for Schedule {
+    fn from(value: f64) -> Self {
+        Self { written: Written::Number(value), first: 1.0 }
+    }
+}
+
+impl Schedule {
+    /// Linear between values at increasing times [s], the first 0.
+    ///
+    /// # Errors
+    /// When times do not increase or a number is not finite.
+    pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
+        let table = Table::new(times.to_vec(), values.to_vec())?;
+        let mut schedule = Self { written: Written::Table(Arc::new(table)), first: 1.0 };
+        schedule.begin(times[1]);
+        Ok(schedule)
+    }
+}
+
+impl std::str::FromStr for Schedule {
+    type Err = Malformed;
+
+    /// An expression.
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        let written = Written::Expression(Arc::new(Expression::parse(text)?));
+        Ok(Self { written, first: 1.0 })
+    }
+}
+
+impl Schedule {
+    /// Sets the end of the first time step, t₁ > 0 [s]; it is 1 if not set.
+    pub fn begin(&mut self, first: f64) {
+        self.first = first;
+    }
+
+    /// Gives the parameters of an expression their values.
+    ///
+    /// # Errors
+    /// [`Malformed`] with the name that has none.
+    pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
+        match &mut self.written {
+            Written::Expression(expression) => Arc::make_mut(expression).bind(parameters),
+            Written::Number(_) | Written::Table(_) => Ok(()),
+        }
+    }
+
+    /// Adds a constant to what is written; `parameters` are those of an expression.
+    ///
+    /// # Errors
+    /// [`Malformed`] with a name that has no value.
+    pub fn add(
+        &mut self,
+        constant: f64,
+        parameters: &BTreeMap<String, f64>,
+    ) -> Result<(), Malformed> {
+        match &mut self.written {
+            Written::Number(value) => *value += constant,
+            Written::Expression(expression) => {
+                let text = format!("({}) + ({constant:e})", expression.text());
+                *expression = Arc::new(Expression::parse_unbound(&text)?);
+                self.bind(parameters)?;
+            }
+            Written::Table(table) => Arc::make_mut(table).add(constant),
+        }
+        Ok(())
+    }
+
+    /// Whether a parameter occurs in it.
+    #[must_use]
+    pub fn uses(&self, parameter: &str) -> bool {
+        matches!(&self.written, Written::Expression(e) if e.uses(parameter))
+    }
+
+    /// ∂v/∂p by a parameter at a load, where v does not depend on the position.
+    #[must_use]
+    pub fn by_parameter(&self, parameter: &str, load: f64) -> f64 {
+        let Written::Expression(expression) = &self.written else { return 0.0 };
+        let now = expression.by_parameter(parameter, load);
+        match self.to_come(load) {
+            0.0 => now,
+            to_come => now - to_come * expression.by_parameter(parameter, 0.0),
+        }
+    }
+
+    /// Whether it was written as the number zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.written == Written::Number(0.0)
+    }
+
+    /// Whether it depends on the position.
+    #[must_use]
+    pub fn uses_position(&self) -> bool {
+        matches!(&self.written, Written::Expression(e) if e.uses_position())
+    }
+
+    /// 1 − t/t₁ during the first step, 0 after it.
+    #[must_use]
+    pub fn to_come(&self, load: f64) -> f64 {
+        (1.0 - load / self.first).max(0.0)
+    }
+
+    /// v at a load, the time t, where it does not depend on the position; NaN
+    /// where it is not defined.
+    #[must_use]
+    pub fn at(&self, load: f64) -> f64 {
+        self.jet(Vec3::zeros(), load).value
+    }
+
+    /// w and its gradient at a rest position [m] and a time [s].
+    #[must_use]
+    pub fn as_written(&self, position: Vec3, time: f64) -> Jet {
+        self.written.at(position, time)
+    }
+
+    /// v and its gradient at a rest position [m] and a load.
+    #[must_use]
+    pub fn jet(&self, position: Vec3, load: f64) -> Jet {
+        let to_come = self.to_come(load);
+        if let Written::Number(value) = self.written {
+            return Jet::constant((load / self.first).min(1.0) * value);
+        }
+        let now = self.written.at(position, load);
+        if to_come == 0.0 {
+            return now;
+        }
+        now - Jet::constant(to_come) * self.written.at(position, 0.0)
+    }
+
+    /// Whether it is defined at all these times [s] and positions [m].
+    ///
+    /// # Errors
+    /// With the value and where it was found.
+    pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
+        if let Written::Number(value) = self.written {
+            return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };
+        }
+        if let Written::Table(table) = &self.written {
+            table.check_range(times)?;
+        }
+        let everywhere = if self.uses_position() { positions } else { &[Vec3::zeros()] };
+        for &t in times {
+            for &x in everywhere {
+                let value = self.written.at(x, t).value;
+                if value.is_nan() || value.abs() > LARGEST {
+                    let place = if self.uses_position() {
+                        format!(" at ({:.5}, {:.5}, {:.5}) m", x.x, x.y, x.z)
+                    } else {
+                        String::new()
+                    };
+                    return Err(format!("{self} is {value:e} at t = {t} s{place}"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Written {
+    fn at(&self, position: Vec3, time: f64) -> Jet {
+        match self {
+            Self::Number(value) => Jet::constant(*value),
+            Self::Expression(expression) => expression.at(position, time),
+            Self::Table(table) => Jet::constant(table.at(time)),
+        }
+    }
+}
+
+/// As it was written.
+impl fmt::Display for Schedule {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match &self.written {
+            Written::Number(value) => write!(f, "{value}"),
+            Written::Expression(expression) => write!(f, "\"{}\"", expression.text()),
+            Written::Table(_) => f.write_str("the table"),
+        }
+    }
+}
+
+/// As it was written.
+impl Serialize for Schedule {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.written {
+            Written::Number(value) => serializer.serialize_f64(*value),
+            Written::Expression(expression) => serializer.serialize_str(expression.text()),
+            Written::Table(table) => table.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Schedule {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Reader).map(|written| Self { written, first: 1.0 })
+    }
+}
+
+struct Reader;
+
+impl<'de> Visitor<'de> for Reader {
+    type Value = Written;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(NEEDED)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Written, E> {
+        Ok(Written::Number(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Written, E> {
+        Ok(Written::Number(value as f64))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Written, E> {
+        Ok(Written::Number(value as f64))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
+        let expression = Expression::parse_unbound(text).map_err(E::custom)?;
+        Ok(Written::Expression(Arc::new(expression)))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Written, A::Error> {
+        let table = Table::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Written::Table(Arc::new(table)))
+    }
+}
+
+/// Three schedules: a vector that may change with time and position.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Field(pub [Schedule; 3]);
+
+impl From<[f64; 3]> for Field {
+    fn from(values: [f64; 3]) -> Self {
+        Self(values.map(Schedule::from))
+    }
+}
+
+impl From<Vec3> for Field {
+    fn from(values: Vec3) -> Self {
+        <[f64; 3]>::from(values).into()
+    }
+}
+
+impl Default for Field {
+    fn default() -> Self {
+        [0.0; 3].into()
+    }
+}
+
+/// Which of x, y, z are named.
+#[must_use]
+pub fn axes(components: &str) -> [bool; 3] {
+    ['x', 'y', 'z'].map(|axis| components.contains(axis))
+}
+
+impl Field {
+    /// Whether it depends on the position.
+    #[must_use]
+    pub fn uses_position(&self) -> bool {
+        self.0.iter().any(Schedule::uses_position)
+    }
+
+    /// The vector at a rest position [m] and a load.
+    #[must_use]
+    pub fn at(&self, position: Vec3, load: f64) -> Vec3 {
+        Vec3::from_fn(|k, _| self.0[k].jet(position, load).value)
+    }
+
+    /// ∂f_i/∂X_j at a rest position [m] and a load.
+    #[must_use]
+    pub fn gradient(&self, position: Vec3, load: f64) -> Mat3 {
+        let rows = self.0.each_ref().map(|s| s.jet(position, load).gradient.transpose());
+        Mat3::from_rows(&rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn begun(mut schedule: Schedule, first: f64) -> Schedule {
+        schedule.begin(first);
+        schedule
+    }
+
+    fn written(text: &str, first: f64) -> Schedule {
+        begun(text.parse().expect(text), first)
+    }
+
+    #[test]
+    fn a_number_grows_in_the_first_step_and_stays() {
+        let number = begun(8.0.into(), 0.5);
+        let values = [0.0, 0.125, 0.5, 3.0].map(|t| number.at(t));
+        assert_eq!(values, [0.0, 2.0, 8.0, 8.0]);
+        // of a static scene exactly proportional
+        assert_eq!(Schedule::from(55e3).at(0.3), 0.3 * 55e3);
+    }
+
+    #[test]
+    fn numbers_expressions_and_tables_of_one_value_agree() {
+        let table = Schedule::table(&[0.0, 2.0, 3.0], &[8.0; 3]).expect("sound");
+        let (number, expression) = (begun(8.0.into(), 0.5), written("8 + 0*t", 0.5));
+        let table = begun(table, 0.5);
+        for t in [0.0, 0.1, 0.3, 0.5, 1.0, 2.7] {
+            assert!((expression.at(t) - number.at(t)).abs() < 1e-14);
+            assert!((table.at(t) - number.at(t)).abs() < 1e-14);
+        }
+        // what begins with nothing is not touched
+        for t in [0.0, 0.2, 1.3] {
+            assert_eq!(written("3*t", 0.5).at(t), 3.0 * t);
+        }
+    }
+
+    #[test]
+    fn what_is_not_defined_is_reported_with_its_place() {
+        let message = |schedule: &Schedule, times: &[f64]| {
+            let at = [Vec3::zeros(), Vec3::new(0.0, 0.0, 0.25)];
+            schedule.check(times, &at).expect_err("not defined")
+        };
+        let refused = |text: &str, times: &[f64]| message(&written(text, 1.0), times);
+        assert_eq!(refused("log(t)", &[0.0, 1.0]), "\"log(t)\" is -inf at t = 0 s");
+        assert_eq!(
+            refused("1/(z - 0.25)", &[0.5]),
+            "\"1/(z - 0.25)\" is inf at t = 0.5 s at (0.00000, 0.00000, 0.25000) m"
+        );
+        assert_eq!(message(&f64::NAN.into(), &[0.0]), "NaN is not finite");
+        assert_eq!(refused("1e155*t", &[0.0, 2.0]), "\"1e155*t\" is 2e155 at t = 2 s");
+        let table = Schedule::table(&[0.1, 0.5], &[0.0, 1.0]).expect("sound");
+        assert!(message(&table, &[0.0, 0.5]).contains("from t = 0.1 to 0.5 s"));
+        assert!(table.at(0.6).is_nan(), "never a silent zero");
+    }
+}

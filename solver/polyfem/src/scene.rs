@@ -1,0 +1,304 @@
+//! A state file: bodies, materials, loads, contact and time steps.
+
+use ::scene::config::ContactForm;
+use anyhow::Result;
+
+use super::Options;
+use super::document::{Document, Key};
+use super::geometry::{self, Geometry};
+use super::loads::{self, Setting};
+use super::material::material;
+use super::text::{Text, list};
+use super::value::{Amount, Clock};
+
+/// Why keys of a state file have no part in our scene. `*` is any word.
+pub const REASONS: &[(&str, &str)] = &[
+    ("/output", "solver simulate writes its own files"),
+    ("/solver/linear", "there is one factorisation here, which chooses its own ordering"),
+    (
+        "/solver/nonlinear",
+        "the modified Newton method here has settings of its own, table [solver]",
+    ),
+    ("/solver/augmented_lagrangian", "supports have settings of their own here"),
+    ("/solver/contact/CCD", "the step bound here has no settings"),
+    ("/space/advanced/n_boundary_samples", "surface terms are integrated exactly here"),
+    ("/geometry/*/advanced", "settings of a reader of meshes"),
+    ("/geometry/*/extract", "settings of a reader of meshes"),
+    ("/tests", "results of tests, not of the scene"),
+    ("/authors", "not part of the scene"),
+];
+
+/// Friction is full from this sliding speed on if nothing else is said, as
+/// PolyFEM assumes it [m/s].
+const FRICTION_SPEED: f64 = 1e-3;
+/// Stiffness of the barrier where theirs adapts itself.
+const STIFFNESS: f64 = 1e5;
+
+/// A scene of ours.
+pub struct Translated {
+    /// The text of `sim.toml`.
+    pub text: String,
+    /// Its bodies.
+    pub geometry: Geometry,
+    /// Whether tags have the name of their body in front.
+    pub several: bool,
+    /// Number of time steps; none in a static scene.
+    pub steps: usize,
+    /// What the user should know beside the keys.
+    pub notes: Vec<String>,
+}
+
+/// Reads a state file; `optimised` if an optimisation uses it.
+///
+/// # Errors
+/// With the file, the key, what was found and what is needed.
+pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<Translated> {
+    let root = document.root();
+    let mut notes = Vec::new();
+    let bodies = root.need("geometry", "the list of bodies")?;
+    let geometry = geometry::read(&bodies, options.thickness)?;
+    let clock = clock(&root, geometry.thickness.is_some())?;
+    let conditions = root.get("boundary_conditions");
+    let materials = root.need("materials", "the laws of the bodies")?;
+    let dimension = if clock.planar { 2 } else { 3 };
+    let mut velocities = Vec::new();
+    for solid in &geometry.solids {
+        velocities.push(loads::velocity(&root, solid, dimension)?);
+    }
+    let moving = velocities.iter().any(Option::is_some);
+    let several = geometry.solids.len() > 1 || clock.planar || moving;
+    let at = Setting { geometry: &geometry, clock: &clock, several };
+
+    let mut text = Text::new(&header(document, &geometry));
+    degrees(&root, &mut text)?;
+    if let Some(gravity) =
+        conditions.as_ref().map(|c| loads::gravity(c, &at)).transpose()?.flatten()
+    {
+        text.key("gravity", &list(gravity.iter().map(Amount::toml)));
+    }
+    for (solid, velocity) in geometry.solids.iter().zip(velocities) {
+        let law = material(&materials, solid.volume, clock.planar)?;
+        if several {
+            text.table("[[body]]").name("name", &solid.name);
+        }
+        text.name("mesh", &format!("{}.msh", solid.name)).key("material", &law);
+        if let Some(velocity) = velocity {
+            text.key("velocity", &velocity);
+        }
+    }
+    for key in materials.items() {
+        let ids = key.get("id").map(|k| k.ids()).transpose()?.unwrap_or_default();
+        if !ids.is_empty() && geometry.solids.iter().all(|s| !ids.contains(&s.volume)) {
+            key.leave("no body is made of it");
+        }
+    }
+    loads::write_obstacles(conditions.as_ref(), &at, &mut text)?;
+    loads::write(conditions.as_ref(), &at, &mut text)?;
+    contact(&root, optimised, options.form, &mut text, &mut notes)?;
+    time(&root, &clock, &mut text)?;
+    if let Some(thickness) = geometry.thickness {
+        notes.push(format!(
+            "the plane bodies became slabs in plane strain, {thickness:.6} m thick; energies, \
+             forces and volumes are those of this depth"
+        ));
+    }
+    if options.thickness.is_some() && geometry.thickness.is_none() {
+        notes.push("the thickness of slabs has no part in it: its bodies are not plane".to_owned());
+    }
+    let steps = clock.ends.len();
+    Ok(Translated { text: text.0, geometry, several, steps, notes })
+}
+
+fn header(document: &Document, geometry: &Geometry) -> Vec<String> {
+    let name = document.path.file_name().map(|n| n.to_string_lossy().into_owned());
+    let mut comments = vec![format!(
+        "From {} by solver import; what has no part in it is in import.report.json.",
+        name.unwrap_or_default()
+    )];
+    if let Some(thickness) = geometry.thickness {
+        comments.push(format!(
+            "A plane scene: slabs {thickness} m thick in plane strain; \"{}\" is their front and back.",
+            geometry::FACES
+        ));
+    }
+    comments
+}
+
+/// Polynomial degree and quadrature.
+fn degrees(root: &Key, text: &mut Text) -> Result<()> {
+    let space = root.get("space");
+    let degree = match space.as_ref().and_then(|s| s.get("discr_order")) {
+        Some(key) => {
+            let key = key.becomes("degree");
+            let degree = key.count()?;
+            if !(1..=3).contains(&degree) {
+                return Err(key.wrong(&format!("{degree}: expected 1, 2 or 3")));
+            }
+            degree
+        }
+        // as PolyFEM assumes it
+        None => 1,
+    };
+    text.key("degree", &degree.to_string());
+    let advanced = space.as_ref().and_then(|s| s.get("advanced"));
+    if let Some(key) = advanced.and_then(|a| a.get("quadrature_order")) {
+        let order = key.count()?;
+        if (5..=12).contains(&order) {
+            let _ = key.becomes("quadrature");
+            text.key("quadrature", &order.to_string());
+        } else {
+            key.leave("energies are integrated to a degree from 5 to 12 here; 5 if not said");
+        }
+    }
+    Ok(())
+}
+
+/// The time steps.
+fn clock(root: &Key, planar: bool) -> Result<Clock> {
+    let Some(time) = root.get("time") else { return Ok(Clock { planar, ..Clock::default() }) };
+    let start = match time.get("t0") {
+        Some(key) => key.becomes("nothing: time begins at 0").number()?,
+        None => 0.0,
+    };
+    let end = time.get("tend").map(|k| k.becomes("[time] end").number()).transpose()?;
+    let step = time.get("dt").map(|k| k.becomes("[time] steps").positive()).transpose()?;
+    let count = time.get("time_steps").map(|k| k.becomes("[time] steps").count()).transpose()?;
+    let (steps, step) = match (end, step, count) {
+        // the last step may be shorter in our count, never in theirs
+        (Some(end), Some(step), None) => (((end - start) / step - 1e-9).ceil(), step),
+        (Some(end), None, Some(count)) => (count as f64, (end - start) / count as f64),
+        (None, Some(step), Some(count)) => (count as f64, step),
+        (Some(_), Some(step), Some(count)) => (count as f64, step),
+        _ => return Err(time.wrong("expected two of tend [s], dt [s] and time_steps")),
+    };
+    if !((1.0..1e6).contains(&steps) && step > 0.0) {
+        return Err(
+            time.wrong(&format!("{steps} steps of {step} s: expected 1 to 10⁶ of positive length"))
+        );
+    }
+    // as it was written if that is the same, and as our scene counts its steps
+    let written = end.map(|end| end - start).filter(|end| (end - steps * step).abs() < 1e-9 * step);
+    let last = written.unwrap_or(steps * step);
+    let ends = (1..=steps as usize).map(|n| last * (n as f64 / steps)).collect();
+    Ok(Clock { start, ends, planar })
+}
+
+fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
+    let (Some(time), Some(end)) = (root.get("time"), clock.ends.last()) else { return Ok(()) };
+    text.table("[time]").number("end", *end).key("steps", &clock.ends.len().to_string());
+    let quasistatic = time.get("quasistatic").map(|k| k.becomes("[time] method").flag());
+    let mut method = "implicit-euler".to_owned();
+    if let Some(integrator) = time.get("integrator") {
+        let kind = integrator.get("type").unwrap_or_else(|| integrator.clone());
+        let kind = kind.becomes("[time] method");
+        let steps = integrator.get("steps").map(|k| k.becomes("[time] method").count());
+        let steps = steps.transpose()?.unwrap_or(1);
+        method = match (kind.text()?, steps) {
+            ("ImplicitEuler" | "BDF" | "BDF1", 1) => method,
+            ("BDF", 2) | ("BDF2", _) => "bdf2".to_owned(),
+            ("BDF", 3) | ("BDF3", _) => "bdf3".to_owned(),
+            _ => {
+                return Err(integrator.wrong(&format!(
+                    "{}: expected ImplicitEuler, or BDF with 1, 2 or 3 steps",
+                    integrator.value
+                )));
+            }
+        };
+    }
+    if quasistatic.transpose()? == Some(true) {
+        method = "quasistatic".to_owned();
+    }
+    text.name("method", &method);
+    Ok(())
+}
+
+fn contact(
+    root: &Key,
+    optimised: bool,
+    wanted: Option<ContactForm>,
+    text: &mut Text,
+    notes: &mut Vec<String>,
+) -> Result<()> {
+    let solver = root.get("solver").and_then(|s| s.get("contact"));
+    let contact = root.get("contact");
+    let enabled = contact.as_ref().and_then(|c| c.get("enabled")).map(|k| k.flag()).transpose()?;
+    let Some(contact) = contact.filter(|_| enabled == Some(true)) else {
+        for key in root.get("contact").into_iter().chain(solver) {
+            key.leave("contact is off");
+        }
+        if wanted.is_some() {
+            notes.push("the form of contact has no part in it: contact is off".to_owned());
+        }
+        return Ok(());
+    };
+    let _ = contact.get("enabled").map(|k| k.becomes("[contact]"));
+    let activation = contact.need("dhat", "where the barrier begins [m]")?;
+    let activation = activation.becomes("[contact] activation").positive()?;
+    let written =
+        contact.get("use_convergent_formulation").map(|k| k.becomes("[contact] form").flag());
+    let form = form(written.transpose()?.unwrap_or(false), optimised, wanted, notes);
+    let stiffness = solver.as_ref().and_then(|s| s.get("barrier_stiffness"));
+    let stiffness = match stiffness.filter(|k| k.value != "adaptive") {
+        Some(key) => key.becomes("[contact] stiffness").positive()?,
+        None => {
+            notes.push(format!(
+                "the stiffness of the barrier adapts itself there and is fixed here: stiffness = \
+                 {STIFFNESS:e}; raise it if surfaces come too close"
+            ));
+            STIFFNESS
+        }
+    };
+    if let Some(key) = solver.as_ref().and_then(|s| s.get("barrier_stiffness")) {
+        let _ = key.becomes("[contact] stiffness");
+    }
+    text.table("[contact]")
+        .name("form", if form == ContactForm::Plain { "plain" } else { "convergent" })
+        .name("pairs", "all");
+    text.number("activation", activation).number("stiffness", stiffness);
+    if let Some(key) = contact.get("friction_coefficient") {
+        let friction = key.becomes("[contact] friction").number()?;
+        let speed = contact.get("epsv").map(|k| k.becomes("[contact] friction_speed").positive());
+        if friction > 0.0 {
+            text.number("friction", friction);
+            text.number("friction_speed", speed.transpose()?.unwrap_or(FRICTION_SPEED));
+        }
+    }
+    if let Some(key) = solver.and_then(|s| s.get("friction_iterations")) {
+        let lagged = key.count()?;
+        if lagged == 1 {
+            let _ = key.becomes("nothing: friction is lagged once per step here, too");
+        } else {
+            key.leave("friction is lagged once per step here");
+        }
+    }
+    Ok(())
+}
+
+fn form(
+    convergent: bool,
+    optimised: bool,
+    wanted: Option<ContactForm>,
+    notes: &mut Vec<String>,
+) -> ContactForm {
+    let written = if convergent { ContactForm::Convergent } else { ContactForm::Plain };
+    if let Some(wanted) = wanted {
+        return wanted;
+    }
+    if written == ContactForm::Plain && optimised {
+        notes.push(
+            "[contact] form = \"convergent\", although the state file says plain: the authors' \
+             program of 2024 switches to it in an optimisation; --form plain keeps what the file \
+             says"
+                .to_owned(),
+        );
+        return ContactForm::Convergent;
+    }
+    if written == ContactForm::Plain {
+        notes.push(
+            "[contact] form = \"plain\", as the file says: its forces depend on the mesh; in an \
+             optimisation the authors' program of 2024 uses --form convergent"
+                .to_owned(),
+        );
+    }
+    written
+}

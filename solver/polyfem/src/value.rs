@@ -1,0 +1,307 @@
+//! Numbers, expressions and lists over time.
+//!
+//! Expressions of PolyFEM are those of tinyexpr with some functions more. They
+//! are kept, except for names with another meaning here: `e` is
+//! exp(1), `ln` is `log`, and time begins at 0.
+
+use anyhow::{Result, anyhow};
+use mechanics::schedule::Expression;
+
+use super::document::Key;
+use super::text::number;
+
+/// Two times are the same when they differ by less [s].
+const SAME_TIME: f64 = 1e-9;
+
+/// When a scene looks at its loads.
+#[derive(Clone, Debug, Default)]
+pub struct Clock {
+    /// Where the scene begins, which becomes t = 0 [s].
+    pub start: f64,
+    /// Ends of the time steps since then [s]; none in a static scene.
+    pub ends: Vec<f64>,
+    /// Whether the scene is plane, where z is 0.
+    pub planar: bool,
+}
+
+/// A value that may change with time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Amount {
+    /// The same at all times.
+    Number(f64),
+    /// In t, x, y and z.
+    Expression(String),
+    /// Times and values.
+    Table(Vec<[f64; 2]>),
+}
+
+impl Amount {
+    /// Whether it is the number zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        *self == Self::Number(0.0)
+    }
+
+    /// Minus this.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        match self {
+            // 0.0 and not -0.0
+            Self::Number(value) => Self::Number(0.0 - value),
+            Self::Expression(text) => Self::Expression(negated(&text)),
+            Self::Table(rows) => Self::Table(rows.into_iter().map(|[t, v]| [t, 0.0 - v]).collect()),
+        }
+    }
+
+    /// As it is written in a scene.
+    #[must_use]
+    pub fn toml(&self) -> String {
+        match self {
+            Self::Number(value) => number(*value),
+            Self::Expression(text) => super::text::quoted(text),
+            Self::Table(rows) => {
+                let column = |k: usize| {
+                    let numbers: Vec<String> = rows.iter().map(|row| number(row[k])).collect();
+                    numbers.join(", ")
+                };
+                format!("{{ t = [{}], value = [{}] }}", column(0), column(1))
+            }
+        }
+    }
+}
+
+/// The text of minus an expression: without its leading minus if that covers
+/// all of it.
+fn negated(text: &str) -> String {
+    let Some(rest) = text.trim().strip_prefix('-') else { return format!("-({text})") };
+    let mut depth = 0;
+    let mut before = ' ';
+    for c in rest.chars() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            '+' | '-' if depth == 0 && !matches!(before, 'e' | 'E' | '*' | '/' | ' ') => {
+                return format!("-({text})");
+            }
+            _ => {}
+        }
+        if !c.is_whitespace() {
+            before = c;
+        }
+    }
+    rest.trim().to_owned()
+}
+
+/// The value of a key: a number, an expression, or a list with one entry per
+/// time step or per entry of `times`, the times it is for.
+///
+/// # Errors
+/// When it is neither, or a list lacks a time step.
+pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
+    if let Some(text) = key.value.as_str() {
+        if let Ok(value) = text.trim().parse::<f64>() {
+            return Ok(Amount::Number(value));
+        }
+        return Ok(Amount::Expression(expression(key, text, clock)?));
+    }
+    if !key.value.is_array() {
+        return Ok(Amount::Number(key.number()?));
+    }
+    if clock.ends.is_empty() {
+        return Err(key.wrong("a list over time in a scene without \"time\""));
+    }
+    let values: Vec<f64> = key.items().iter().map(Key::number).collect::<Result<_>>()?;
+    let all = std::iter::once(0.0).chain(clock.ends.iter().copied());
+    let Some(times) = times else {
+        if values.len() <= clock.ends.len() {
+            return Err(key.wrong(&format!(
+                "{} values; expected one for the start and each of {} time steps",
+                values.len(),
+                clock.ends.len()
+            )));
+        }
+        return Ok(Amount::Table(all.zip(values).map(|(t, v)| [t, v]).collect()));
+    };
+    let listed = times.numbers(values.len())?;
+    let row = |t: f64| {
+        // as PolyFEM looks it up
+        let rounded = ((clock.start + t) * 1e3).round() * 1e-3;
+        let place = listed.iter().position(|l| (l - rounded).abs() < SAME_TIME);
+        place.map(|i| [t, values[i]]).ok_or_else(|| {
+            times.wrong(&format!(
+                "there is no {rounded} s among its {} times; expected every end of a time step",
+                listed.len()
+            ))
+        })
+    };
+    Ok(Amount::Table(all.map(row).collect::<Result<_>>()?))
+}
+
+/// Values of `dimension` components.
+///
+/// # Errors
+/// When there are not as many, or one is malformed.
+pub fn amounts(
+    key: &Key,
+    times: Option<&Key>,
+    clock: &Clock,
+    dimension: usize,
+) -> Result<Vec<Amount>> {
+    let items = key.items();
+    if items.len() != dimension || !key.value.is_array() {
+        return Err(key.wrong(&format!("expected {dimension} values, one for each axis")));
+    }
+    items.iter().map(|item| amount(item, times, clock)).collect()
+}
+
+/// An expression in our words.
+fn expression(key: &Key, text: &str, clock: &Clock) -> Result<String> {
+    let wrong = |what: String| key.wrong(&format!("\"{text}\": {what}"));
+    let mut ours = String::new();
+    let mut rest = text;
+    let mut before = '(';
+    let mut minus = false;
+    while let Some(c) = rest.chars().next() {
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        if c.is_ascii_digit() || c == '.' {
+            let end = end_of_number(rest);
+            ours += &rest[..end];
+            rest = &rest[end..];
+            before = '0';
+            continue;
+        }
+        if is_word(c) {
+            let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
+            ours += &word(&rest[..end], clock).map_err(wrong)?;
+            rest = &rest[end..];
+            before = 'a';
+            continue;
+        }
+        minus |= c == '-' && matches!(before, '(' | ',' | '+' | '-' | '*' | '/' | '^');
+        if !c.is_whitespace() {
+            before = c;
+        }
+        ours.push(c);
+        rest = &rest[c.len_utf8()..];
+    }
+    if minus && text.contains('^') || text.matches('^').count() > 1 {
+        return Err(wrong(
+            "powers beside a sign or another power group differently there and here; write them \
+             as products"
+                .to_owned(),
+        ));
+    }
+    Expression::parse(&ours).map_err(|e| anyhow!("{}", wrong(e.to_string())))?;
+    Ok(ours)
+}
+
+/// Where a number ends, its exponent included.
+fn end_of_number(text: &str) -> usize {
+    let plain = |s: &str| s.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(s.len());
+    let end = plain(text);
+    let Some(exponent) = text[end..].strip_prefix(['e', 'E']) else { return end };
+    let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+    let length = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    if length == 0 { end } else { text.len() - digits.len() + length }
+}
+
+/// A name in our words.
+fn word(name: &str, clock: &Clock) -> Result<String, String> {
+    Ok(match name {
+        "t" if clock.start != 0.0 => format!("(t + {})", number(clock.start)),
+        "z" if clock.planar => "0".to_owned(),
+        "e" => "exp(1)".to_owned(),
+        "ln" => "log".to_owned(),
+        "log" => return Err("log is decadic there; write ln(...)/ln(10)".to_owned()),
+        same => same.to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::document::Document;
+    use super::*;
+
+    fn read(json: &str, clock: &Clock) -> Result<Amount> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("scene.json");
+        std::fs::write(&path, json).expect("writable");
+        let document = Document::read(&path).expect("sound");
+        let root = document.root();
+        amount(&root.need("v", "").expect("there"), root.get("times").as_ref(), clock)
+    }
+
+    fn at_rest() -> Clock {
+        Clock { start: 0.0, ends: vec![0.02, 0.04], planar: false }
+    }
+
+    #[test]
+    fn signs_are_turned_with_as_few_brackets_as_it_takes() {
+        for (theirs, ours) in [
+            ("-60000 * half_smoothstep(t)", "60000 * half_smoothstep(t)"),
+            ("-28000 * (-1 * cos(6.28 * t) + 1)", "28000 * (-1 * cos(6.28 * t) + 1)"),
+            ("-1e-5*t", "1e-5*t"),
+            ("-2*-t", "2*-t"),
+            ("-t + 1", "-(-t + 1)"),
+            ("-t - 1", "-(-t - 1)"),
+            ("-t-1", "-(-t-1)"),
+            ("3*t", "-(3*t)"),
+        ] {
+            let Ok(Amount::Expression(text)) =
+                read(&format!("{{\"v\": \"{theirs}\"}}"), &at_rest()).map(Amount::negated)
+            else {
+                panic!("{theirs}")
+            };
+            assert_eq!(text, ours);
+            let value =
+                |text: &str| Expression::parse(text).expect(text).at(mesh::Vec3::zeros(), 0.3);
+            assert_eq!(value(ours).value, -value(theirs).value, "{theirs}");
+        }
+        assert_eq!(
+            read("{\"v\": \"-55000\"}", &at_rest()).expect("a number").negated().toml(),
+            "55000.0"
+        );
+        assert_eq!(Amount::Number(0.0).negated().toml(), "0.0");
+    }
+
+    #[test]
+    fn what_means_something_else_there_is_rewritten_or_refused() {
+        let late = Clock { start: 0.5, planar: true, ..at_rest() };
+        let ours = read("{\"v\": \"e*ln(2e3)*t + z*1e-3\"}", &late).expect("known");
+        let expected = "exp(1)*log(2e3)*(t + 0.5) + 0*1e-3";
+        assert_eq!(ours, Amount::Expression(expected.to_owned()));
+        for (text, words) in [
+            ("log(t)", "/v: \"log(t)\": log is decadic"),
+            ("-t^2", "as products"),
+            ("2^3^t", "as products"),
+            ("tanh(t)", "unknown function \"tanh\""),
+            ("1 +", "where a value is needed"),
+        ] {
+            let message = read(&format!("{{\"v\": \"{text}\"}}"), &late).expect_err(text);
+            assert!(message.to_string().contains(words), "{message}");
+        }
+        assert!(read("{\"v\": \"(x - 1)^2\"}", &late).is_ok());
+    }
+
+    #[test]
+    fn lists_are_looked_up_at_the_ends_of_time_steps() {
+        let table = Amount::Table(vec![[0.0, 7.0], [0.02, 5.0], [0.04, 3.0]]);
+        assert_eq!(read("{\"v\": [7, 5, 3, 1]}", &at_rest()).expect("long enough"), table);
+        let timed = r#"{"v": [3, 9, 7, 5], "times": [0.04, 0.03, 0.0, 0.0200000000001]}"#;
+        assert_eq!(read(timed, &at_rest()).expect("all there"), table);
+        for (json, words) in [
+            (r#"{"v": [7, 5]}"#, "2 values; expected one for the start and each of 2"),
+            (r#"{"v": [7, 5, 1], "times": [0, 0.02, 0.05]}"#, "/times: there is no 0.04 s among"),
+            (
+                r#"{"v": [7, 5, 1], "times": [0, 0.02]}"#,
+                "/times: found [0,0.02], expected a list of 3",
+            ),
+            (r#"{"v": true}"#, "/v: found true, expected a number"),
+        ] {
+            let message = read(json, &at_rest()).expect_err(json).to_string();
+            assert!(message.contains(words), "{message}");
+        }
+        let message = read(r#"{"v": [1]}"#, &Clock::default()).expect_err("static").to_string();
+        assert!(message.contains("without \"time\""), "{message}");
+    }
+}

@@ -1,0 +1,410 @@
+//! The formats of `sim.toml` and `design.toml`, as plain data.
+//!
+//! Everything is SI. Paths are relative to the file that names them.
+
+mod chamber;
+mod check;
+mod contact;
+mod design;
+mod gas;
+mod level;
+mod material;
+mod membrane;
+mod relaxation;
+mod scenario;
+mod superseded;
+mod symmetry;
+mod uncertainty;
+
+use measure::written::{FieldSchema, MethodSchema};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use program::{Change, Keys, Settings};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use chamber::{ChamberConfig, ChamberDesign};
+pub use contact::{ContactChoice, ContactConfig};
+pub use material::{MaterialConfig, VolumeMaterial};
+pub use measure::objective::{ObjectiveConfig, Weight};
+pub use measure::probe::ProbeConfig;
+pub use membrane::MembraneConfig;
+pub use relaxation::RelaxationConfig;
+pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
+pub use symmetry::SymmetryConfig;
+
+pub use design::{
+    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
+    Spread,
+};
+pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
+pub use mechanics::contact::barrier::Form as ContactForm;
+use mechanics::forward::Method;
+use mechanics::schedule::{Field, axes};
+pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
+
+/// Name of the body in a scene with one.
+pub const BODY: &str = "body";
+
+const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters"] };
+
+/// A scene: a tagged body, its material, supports and loads.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SimConfig {
+    /// Tagged tetrahedral mesh of the one body, as `tagger` writes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
+    /// Polynomial degree of the displacement: 1, 2 or 3.
+    #[serde(default = "quadratic")]
+    pub degree: usize,
+    /// Degree to which energies are integrated exactly, from 5 to 12.
+    #[serde(default = "quintic")]
+    pub quadrature: usize,
+    /// Law of the one body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialConfig>,
+    /// Several bodies, in place of `mesh` and `material`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub body: Vec<BodyConfig>,
+    /// Surfaces that bodies cannot pass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacle: Vec<ObstacleConfig>,
+    /// Tags that cannot move, or move as prescribed.
+    #[serde(default)]
+    pub fixed: Vec<Fixed>,
+    /// Planes in which the bodies are cut.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub symmetry: Vec<SymmetryConfig>,
+    /// Acceleration by gravity [m/s²].
+    #[serde(default)]
+    #[schemars(with = "FieldSchema")]
+    pub gravity: Field,
+    /// What happens where surfaces meet. Without it they pass through each other, and a run at whose
+    /// end they have is not usable, unless it is "ignored".
+    pub contact: Option<ContactChoice>,
+    /// Chambers; their energies have the order of the file.
+    #[serde(default)]
+    pub chamber: Vec<ChamberConfig>,
+    /// Thin sheets bonded to tags.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub membrane: Vec<MembraneConfig>,
+    /// Overstress of viscoelastic bodies; several tables make a Prony series.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub relaxation: Vec<RelaxationConfig>,
+    /// Forces on the whole body.
+    #[serde(default)]
+    pub body_force: Vec<BodyForceConfig>,
+    /// Forces on parts of the boundary.
+    #[serde(default)]
+    pub traction: Vec<TractionConfig>,
+    /// Numbers that are measured at every reported step.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probe: Vec<ProbeConfig>,
+    /// How far numbers may be off: reports have error bars of the probes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyConfig>,
+    /// Numbers that expressions may name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
+    /// Time steps; without them the loads grow together from nothing.
+    pub time: Option<TimeConfig>,
+    /// Numerical settings.
+    #[serde(default)]
+    pub solver: SolverConfig,
+}
+
+impl SimConfig {
+    /// Reads a scene's file.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::of(&Self::settings(path, &[])?)
+    }
+
+    /// A scene's file with changes from outside.
+    ///
+    /// # Errors
+    /// As for [`Settings::read`].
+    pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
+        Settings::read(path, changes, SCENE_KEYS)
+    }
+
+    /// The scene in a file.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn of(settings: &Settings) -> Result<Self> {
+        superseded::refuse_in_scene(settings)?;
+        settings.parse()
+    }
+
+    /// All bodies; the one without a name of its own is called [`BODY`].
+    ///
+    /// # Errors
+    /// When they are given in both ways or none.
+    pub fn bodies(&self) -> Result<Vec<BodyConfig>> {
+        match (&self.mesh, &self.material, self.body.is_empty()) {
+            (Some(mesh), Some(material), true) => Ok(vec![BodyConfig {
+                name: BODY.to_owned(),
+                mesh: mesh.clone(),
+                material: material.clone(),
+                translate: [0.0; 3],
+                velocity: [0.0; 3],
+            }]),
+            (None, None, false) => Ok(self.body.clone()),
+            (None, None, true) => {
+                bail!("no body: expected mesh and material, or a table [[body]] for each")
+            }
+            (_, None, true) => bail!("mesh without material: a body needs both"),
+            (None, _, true) => bail!("material without mesh: a body needs both"),
+            _ => bail!("[[body]] beside mesh or material: write the one body as a [[body]], too"),
+        }
+    }
+
+    /// Contact and friction, if there are any.
+    #[must_use]
+    pub fn contact(&self) -> Option<&ContactConfig> {
+        match &self.contact {
+            Some(ContactChoice::Barrier(contact)) => Some(contact),
+            _ => None,
+        }
+    }
+
+    /// The same to be changed.
+    pub fn contact_mut(&mut self) -> Option<&mut ContactConfig> {
+        match &mut self.contact {
+            Some(ContactChoice::Barrier(contact)) => Some(contact),
+            _ => None,
+        }
+    }
+
+    /// Newton iterations allowed in one load step.
+    #[must_use]
+    pub fn newton_iterations(&self) -> usize {
+        let default = if self.contact().is_some() { 200 } else { 30 };
+        self.solver.newton_iterations.unwrap_or(default)
+    }
+
+    /// How bodies go through time.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.time.as_ref().map_or(Method::Quasistatic, |time| time.method)
+    }
+
+    /// Ends of the time steps [s]; of a static scene the full load, 1.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        match &self.time {
+            None => vec![1.0],
+            Some(TimeConfig { at: Some(times), .. }) => times.clone(),
+            Some(TimeConfig { end, steps, .. }) => {
+                let (end, steps) = (end.unwrap_or(1.0), steps.unwrap_or(1));
+                (1..=steps).map(|n| end * (n as f64 / steps as f64)).collect()
+            }
+        }
+    }
+}
+
+/// One of several bodies. Its tags are called `name.tag`, and `name` is its whole
+/// boundary.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyConfig {
+    /// What tags and reports call it.
+    pub name: String,
+    /// Tagged tetrahedral mesh.
+    pub mesh: PathBuf,
+    /// Law of its material.
+    pub material: MaterialConfig,
+    /// Shift of the mesh [m].
+    #[serde(default)]
+    pub translate: [f64; 3],
+    /// Velocity at t = 0 [m/s].
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+/// A rigid surface, open or closed.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleConfig {
+    /// What reports call it.
+    pub name: String,
+    /// Triangle surface, a file in metres.
+    pub surface: PathBuf,
+    /// How far it has moved [m].
+    #[serde(default)]
+    #[schemars(with = "FieldSchema")]
+    pub displacement: Field,
+}
+
+/// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeConfig {
+    /// End of the last step [s].
+    pub end: Option<f64>,
+    /// Number of steps of equal length.
+    pub steps: Option<usize>,
+    /// Ends of all steps [s].
+    pub at: Option<Vec<f64>>,
+    /// How the bodies go through time.
+    #[serde(default)]
+    #[schemars(with = "MethodSchema")]
+    pub method: Method,
+}
+
+fn quadratic() -> usize {
+    2
+}
+
+fn quintic() -> usize {
+    mechanics::element::quadrature::DEFAULT_DEGREE
+}
+
+/// A tag whose nodes do not move along some axes, or move as prescribed.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fixed {
+    /// Tag name.
+    pub on: String,
+    /// The axes, such as "xyz" or "z".
+    #[serde(default = "all_axes")]
+    pub components: String,
+    /// Displacement, zero along axes that are not fixed [m].
+    #[serde(default)]
+    #[schemars(with = "FieldSchema")]
+    pub displacement: Field,
+}
+
+fn all_axes() -> String {
+    "xyz".to_owned()
+}
+
+impl Fixed {
+    /// Which of x, y, z are fixed.
+    #[must_use]
+    pub fn axes(&self) -> [bool; 3] {
+        axes(&self.components)
+    }
+}
+
+/// A force per rest volume.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyForceConfig {
+    /// Force per volume, for gravity density times acceleration [N/m³].
+    #[schemars(with = "FieldSchema")]
+    pub force: Field,
+}
+
+/// A force per rest area.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TractionConfig {
+    /// Tag name.
+    pub on: String,
+    /// Force per area [Pa].
+    #[schemars(with = "FieldSchema")]
+    pub traction: Field,
+}
+
+/// Numerical settings of the equilibrium.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SolverConfig {
+    /// First load increment as a fraction of a time step, in a static scene of
+    /// the full load [1]; the largest if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_load_step: Option<f64>,
+    /// Largest load increment, for smooth curves over the load [1]: 1 if not given, or 0.1 with `simulate --curve`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_load_step: Option<f64>,
+    /// Increment below which the load counts as unreachable [1].
+    pub smallest_load_step: f64,
+    /// Newton iterations allowed in one load step: 30 if not given, 200 with
+    /// contact, where an impact takes many.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub newton_iterations: Option<usize>,
+    /// Unbalanced force relative to the forces that balance, and gap of a
+    /// prescribed volume relative to it [1].
+    pub relative_tolerance: f64,
+    /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
+    /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absolute_tolerance: Option<f64>,
+    /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
+    pub dilatation: Dilatation,
+    /// What becomes of an equilibrium in which an element is turned inside out somewhere.
+    pub inside_out: InsideOut,
+    /// When `solver simulate` estimates by how much the state at the end would change with elements of
+    /// the next degree. That costs an assembly and a factorisation with that degree.
+    pub locking: Locking,
+}
+
+/// Where the change of volume of an element counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dilatation {
+    /// At every point.
+    #[default]
+    Pointwise,
+    /// As a whole, by the mean of J over the element (mean dilatation): elements of degree 2 do not
+    /// lock, however large the bulk modulus. With degree 1 there is no difference; with degree 3, for
+    /// which a constant pressure is too little, bodies are too soft. Not for the laws
+    /// `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
+    Mean,
+}
+
+/// When it is estimated what elements hold back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Locking {
+    /// Where it is likely: with degree 1, and with degree 2 at a bulk modulus of more than 1000 shear
+    /// moduli.
+    #[default]
+    Likely,
+    /// Always, with degree 1, and with degree 2 unless `dilatation` is "mean".
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What becomes of an equilibrium in which an element is turned inside out between its quadrature
+/// points, where its energy does not see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InsideOut {
+    /// It counts as none.
+    #[default]
+    Refused,
+    /// It is taken as it is, as programs do that do not look; `smallest_volume_ratio` of its load
+    /// step is not positive.
+    Tolerated,
+}
+
+impl Default for SolverConfig {
+    fn default() -> Self {
+        Self {
+            first_load_step: None,
+            largest_load_step: None,
+            smallest_load_step: 1e-3,
+            newton_iterations: None,
+            relative_tolerance: 1e-10,
+            absolute_tolerance: None,
+            dilatation: Dilatation::Pointwise,
+            inside_out: InsideOut::Refused,
+            locking: Locking::Likely,
+        }
+    }
+}
+
+/// `path` as seen from the folder of the file `from`.
+#[must_use]
+pub fn beside(from: &Path, path: &Path) -> PathBuf {
+    from.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
+}

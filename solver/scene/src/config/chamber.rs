@@ -1,0 +1,115 @@
+//! `[[chamber]]`: a pressurised chamber, in scenes with its gas, in designs with what may
+//! change of its pressure.
+
+use std::borrow::Cow;
+
+use anyhow::{Result, ensure};
+use mechanics::energy::GasLaw;
+use program::schema::add_keys;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::Error as _;
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::json;
+
+use super::gas;
+
+/// A chamber of a scene: the tag of its wall, and the keys of one of the laws in
+/// [`GAS_LAWS`](mechanics::energy::gas_law::GAS_LAWS).
+#[derive(Clone, Debug)]
+pub struct ChamberConfig {
+    /// Tag name of the wall.
+    pub on: String,
+    /// Whether plugs close what is open of it.
+    pub plug: bool,
+    /// What is behind it.
+    pub gas: Box<dyn GasLaw>,
+}
+
+impl ChamberConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> String {
+        title(&self.on)
+    }
+}
+
+fn title(on: &str) -> String {
+    format!("[[chamber]] on \"{on}\"")
+}
+
+impl Serialize for ChamberConfig {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("on", &self.on)?;
+        if self.plug {
+            map.serialize_entry("plug", &true)?;
+        }
+        for (key, value) in gas::written(self.gas.as_ref()) {
+            map.serialize_entry(&key, &value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for ChamberConfig {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut keys = toml::Table::deserialize(deserializer)?;
+        let on = keys.remove("on").ok_or_else(|| D::Error::missing_field("on"))?;
+        let on: String = on.try_into().map_err(|e| D::Error::custom(format!("on: {e}")))?;
+        let plug = keys.remove("plug").map_or(Ok(false), toml::Value::try_into);
+        let plug = plug.map_err(|e| D::Error::custom(format!("{}: plug: {e}", title(&on))))?;
+        let gas =
+            gas::read(&keys).map_err(|what| D::Error::custom(format!("{}: {what}", title(&on))))?;
+        Ok(Self { on, plug, gas })
+    }
+}
+
+impl JsonSchema for ChamberConfig {
+    fn schema_name() -> Cow<'static, str> {
+        "ChamberConfig".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = gas::schema(generator);
+        let on = json!({ "type": "string", "description": "Tag of its wall." });
+        let plug = json!({ "type": "boolean", "default": false, "description": "Whether plugs, on which the gas \
+            pushes and which move with it, close what is open of the wall, so that its rim need not be fixed." });
+        add_keys(&mut schema, &[("on", on, true), ("plug", plug, false)]);
+        schema
+    }
+}
+
+/// A chamber of a design: its pressure in the scene follows slopes over time, one for each
+/// time step.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChamberDesign {
+    /// Tag of its wall; the scene prescribes the pressure there.
+    pub on: String,
+    /// Smallest and largest slope [Pa/s].
+    pub slope: [f64; 2],
+    /// Largest change of a slope in one iteration [Pa/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
+impl ChamberDesign {
+    /// Checks what can be checked without a scene.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub(super) fn check(&self) -> Result<()> {
+        let ([low, high], title) = (self.slope, title(&self.on));
+        ensure!(
+            low < high && low.is_finite() && high.is_finite(),
+            "{title}: slope = [{low}, {high}] Pa/s; expected two numbers, the smaller first"
+        );
+        ensure!(
+            self.change.is_none_or(|c| c.is_finite() && c > 0.0),
+            "{title}: change = {:?} Pa/s must be positive",
+            self.change.unwrap_or(f64::NAN)
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,312 @@
+//! Settings that no type can rule out.
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use mechanics::element::HIGHEST_DEGREE;
+use mechanics::schedule::{Schedule, is_free_name};
+
+use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
+
+/// Most time steps of a scene or a level.
+pub(super) const MOST_STEPS: usize = 1_000_000;
+
+/// Times at which schedules are checked in each time step, for load steps
+/// may end in between.
+const MOMENTS: usize = 8;
+
+impl SimConfig {
+    /// Checks all settings that can be checked without a body, and passes the end of
+    /// the first time step to the schedules.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check(&mut self) -> Result<()> {
+        ensure!(
+            (1..=HIGHEST_DEGREE).contains(&self.degree),
+            "degree = {}: must be 1, 2 or 3",
+            self.degree
+        );
+        ensure!(
+            (5..=12).contains(&self.quadrature),
+            "quadrature = {}: must be from 5 to 12",
+            self.quadrature
+        );
+        ensure!(
+            !self.fixed.is_empty() || !self.symmetry.is_empty() || self.may_float(),
+            "no [[fixed]] tag: the body would float away; fix one, or give it inertia by [time]"
+        );
+        self.check_bodies()?;
+        self.solver.check()?;
+        if let Some(time) = &self.time {
+            time.check()?;
+        }
+        if let Some(contact) = self.contact() {
+            contact.check()?;
+        }
+        for (name, value) in &self.parameters {
+            ensure!(
+                is_free_name(name),
+                "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
+                 no name that expressions know"
+            );
+            ensure!(value.is_finite(), "[parameters]: {name} = {value} must be finite");
+        }
+        let (first, moments) = (self.times()[0], self.moments());
+        let parameters = self.parameters.clone();
+        for (name, may_use_position, schedule) in self.schedules() {
+            schedule.bind(&parameters).with_context(|| name.clone())?;
+            schedule.begin(first);
+            if schedule.uses_position() {
+                ensure!(may_use_position, "{name} = {schedule}: must depend on t alone");
+            } else {
+                schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
+            }
+        }
+        self.check_symmetry()?;
+        self.check_membranes()?;
+        self.check_relaxation()?;
+        self.check_probes()?;
+        if let Some(uncertainty) = &self.uncertainty {
+            uncertainty.check(self).context("[uncertainty]")?;
+        }
+        self.check_chambers()
+    }
+
+    /// Whether bodies need no support.
+    #[must_use]
+    pub fn may_float(&self) -> bool {
+        self.method().has_inertia() || self.contact().is_some()
+    }
+
+    fn check_bodies(&self) -> Result<()> {
+        let bodies = self.bodies()?;
+        let names: Vec<&String> =
+            bodies.iter().map(|b| &b.name).chain(self.obstacle.iter().map(|o| &o.name)).collect();
+        for (i, name) in names.iter().enumerate() {
+            ensure!(
+                !name.is_empty() && !name.contains('.'),
+                "body or obstacle \"{name}\": a name has one letter or more, and no dot"
+            );
+            ensure!(!names[..i].contains(name), "two bodies or obstacles are called \"{name}\"");
+        }
+        for body in &bodies {
+            let numbers = body.translate.iter().chain(&body.velocity);
+            ensure!(
+                numbers.copied().all(f64::is_finite),
+                "[[body]] \"{}\": translate = {:?} m and velocity = {:?} m/s must be finite",
+                body.name,
+                body.translate,
+                body.velocity
+            );
+            ensure!(
+                body.velocity == [0.0; 3] || self.method().has_inertia(),
+                "[[body]] \"{}\": velocity = {:?} m/s means nothing without inertia; expected \
+                 [time] with a method other than \"quasistatic\"",
+                body.name,
+                body.velocity
+            );
+        }
+        ensure!(
+            self.obstacle.is_empty() || self.contact().is_some(),
+            "[[obstacle]] without [contact]: bodies would pass through it"
+        );
+        Ok(())
+    }
+
+    /// Moments at which schedules are checked: t = 0, the ends of time steps,
+    /// and some in between [s].
+    #[must_use]
+    pub fn moments(&self) -> Vec<f64> {
+        let mut moments = vec![0.0];
+        for end in self.times() {
+            let begin = moments[moments.len() - 1];
+            let part = |i: usize| begin + (end - begin) * (i as f64 / MOMENTS as f64);
+            moments.extend((1..MOMENTS).map(part));
+            moments.push(end);
+        }
+        moments
+    }
+
+    /// All values that may change with time: what they are called in messages,
+    /// and whether they may change with the position; those of chambers come first.
+    pub fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
+        let mut all = Vec::new();
+        for c in &mut self.chamber {
+            all.push((format!("{}: {}", c.title(), c.gas.key()), false, c.gas.schedule_mut()));
+        }
+        for c in &mut self.fixed {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
+                let name = format!("[[fixed]] on \"{}\": displacement along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        for c in &mut self.body_force {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
+                all.push((format!("[[body_force]]: force along {axis}"), true, value));
+            }
+        }
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut self.gravity.0) {
+            all.push((format!("gravity along {axis}"), true, value));
+        }
+        for c in &mut self.obstacle {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
+                let name = format!("[[obstacle]] \"{}\": displacement along {axis}", c.name);
+                all.push((name, false, value));
+            }
+        }
+        for c in &mut self.traction {
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.traction.0) {
+                let name = format!("[[traction]] on \"{}\": traction along {axis}", c.on);
+                all.push((name, true, value));
+            }
+        }
+        all
+    }
+
+    fn check_probes(&self) -> Result<()> {
+        for (i, probe) in self.probe.iter().enumerate() {
+            probe.check()?;
+            ensure!(
+                self.probe[..i].iter().all(|other| other.name() != probe.name()),
+                "two [[probe]] are called \"{}\": give each a name of its own",
+                probe.name()
+            );
+            ensure!(
+                self.contact().is_some() || !probe.kind().needs_contact,
+                "{}: {}: there are no forces between surfaces without [contact]",
+                probe.title(),
+                probe.kind().key
+            );
+        }
+        Ok(())
+    }
+
+    fn check_chambers(&self) -> Result<()> {
+        let moments = self.moments();
+        for (i, chamber) in self.chamber.iter().enumerate() {
+            chamber.gas.check(&moments).with_context(|| chamber.title())?;
+            ensure!(
+                self.chamber[..i].iter().all(|other| other.on != chamber.on),
+                "\"{}\" is the wall of two chambers: keep one [[chamber]] on it",
+                chamber.on
+            );
+        }
+        Ok(())
+    }
+}
+
+impl TimeConfig {
+    fn check(&self) -> Result<()> {
+        match (self.end, self.steps, &self.at) {
+            (Some(end), Some(steps), None) => {
+                ensure!(
+                    end > 0.0 && end.is_finite(),
+                    "[time]: end = {end} s: must be finite and positive"
+                );
+                ensure!(
+                    (1..=MOST_STEPS).contains(&steps),
+                    "[time]: steps = {steps}: expected 1 to {MOST_STEPS}, as every step has a line \
+                     of the report"
+                );
+            }
+            (None, None, Some(at)) => {
+                let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();
+                ensure!(!at.is_empty(), "[time]: at is empty");
+                if let Some(pair) =
+                    from_rest.windows(2).find(|p| !(p[0] < p[1] && p[1] < f64::INFINITY))
+                {
+                    bail!(
+                        "[time]: at has {} s after {} s: times must be finite and increase from 0",
+                        pair[1],
+                        pair[0]
+                    );
+                }
+            }
+            _ => bail!("[time]: expected either end [s] and steps, or at, a list of times [s]"),
+        }
+        ensure!(
+            self.method.order() == 1 || self.at.is_none(),
+            "[time]: method of order {} needs steps of equal length: give end and steps, not at",
+            self.method.order()
+        );
+        Ok(())
+    }
+}
+
+impl ContactConfig {
+    fn check(&self) -> Result<()> {
+        let c = self;
+        for (key, unit, value) in [
+            ("activation", "m", c.activation),
+            ("stiffness", "Pa", c.stiffness),
+            ("friction_speed", "m/s", Some(c.friction_speed)),
+        ] {
+            let Some(value) = value else { continue };
+            ensure!(
+                value > 0.0 && value.is_finite(),
+                "[contact]: {key} = {value} {unit}: must be positive and finite"
+            );
+        }
+        for (key, unit, value) in [("thickness", " m", c.thickness), ("friction", "", c.friction)] {
+            ensure!(
+                value >= 0.0 && value.is_finite(),
+                "[contact]: {key} = {value}{unit}: must be finite and not negative"
+            );
+        }
+        ensure!(
+            c.form != super::ContactForm::Plain || c.stiffness.is_some(),
+            "[contact]: form = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it"
+        );
+        ensure!(c.split.is_none_or(|s| (1..=8).contains(&s)), "[contact]: split must be 1 to 8");
+        Ok(())
+    }
+}
+
+impl SolverConfig {
+    /// First load increment: as large as it may be, if none is given.
+    #[must_use]
+    pub fn first_load_step(&self) -> f64 {
+        self.first_load_step.unwrap_or(self.largest_load_step().min(1.0))
+    }
+
+    /// Largest load increment: all of it, if none is given.
+    #[must_use]
+    pub fn largest_load_step(&self) -> f64 {
+        self.largest_load_step.unwrap_or(1.0)
+    }
+
+    /// Takes the load in ten steps where no largest one is given.
+    pub fn step_for_curves(&mut self) {
+        self.largest_load_step.get_or_insert(self.first_load_step.unwrap_or(0.0).max(0.1));
+    }
+
+    fn check(&self) -> Result<()> {
+        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
+        ensure!(largest > 0.0, "largest_load_step = {largest}: must be above 0");
+        ensure!(
+            first > 0.0 && first <= 1.0,
+            "first_load_step = {first}: must be above 0 and at most 1"
+        );
+        ensure!(
+            s.smallest_load_step > 0.0 && s.smallest_load_step <= first,
+            "smallest_load_step = {}: must be above 0 and at most first_load_step = {first}",
+            s.smallest_load_step
+        );
+        ensure!(
+            largest >= first,
+            "largest_load_step = {largest}: must be at least first_load_step = {first}"
+        );
+        ensure!(
+            s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
+            "relative_tolerance = {}: must be above 0 and below 1",
+            s.relative_tolerance
+        );
+        if let Some(absolute) = s.absolute_tolerance {
+            ensure!(
+                absolute >= 0.0 && absolute.is_finite(),
+                "absolute_tolerance = {absolute} N: must be finite and not negative"
+            );
+        }
+        ensure!(s.newton_iterations != Some(0), "newton_iterations = 0: must be positive");
+        Ok(())
+    }
+}

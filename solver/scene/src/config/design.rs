@@ -1,0 +1,396 @@
+//! The format of `design.toml`.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail, ensure};
+use measure::objective::check_shares;
+use measure::written::Names;
+use mechanics::symmetry::AXES;
+use program::{Change, Keys, Settings};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, scenario, superseded,
+};
+
+const KEYS: Keys = Keys { paths: &["scene", "target", "config", "mesh"], named: &[] };
+
+/// A design problem: the design variables of a scene and the objective function.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignConfig {
+    /// The scene, a `sim.toml`.
+    pub scene: PathBuf,
+    /// What may move, and in which levels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<ShapeConfig>,
+    /// Chambers whose pressure over time may change, together with the shape or alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub chamber: Vec<ChamberDesign>,
+    /// Numbers in the scene's `[parameters]` that may change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameter: Vec<ParameterDesign>,
+    /// Levels of a design without a shape: what counts in them, and how finely the scene is
+    /// simulated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub level: Vec<LevelConfig>,
+    /// Cases that the design must be good in; the scene alone without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenario: Vec<ScenarioConfig>,
+    /// How their objectives become one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustConfig>,
+    /// How the body is to be cast: `fab plan` is asked about every accepted shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mold: Option<MoldConfig>,
+    /// How to go down.
+    #[serde(default)]
+    pub optimizer: OptimizerConfig,
+    /// Weighted terms of the objective.
+    pub objective: Vec<ObjectiveConfig>,
+}
+
+/// What `fab plan` is asked about during a design.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MoldConfig {
+    /// What the mold is to be like, a `mold.toml`.
+    pub config: PathBuf,
+    /// The body that is cast, of a scene with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+}
+
+/// How to go down, and when to stop.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct OptimizerConfig {
+    /// Accepted iterations of a design without levels, which have their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<usize>,
+    /// How far the first step of a level moves a vertex, or a pressure by its
+    /// equivalent, as a fraction of a mean edge [1].
+    pub first_step: f64,
+    /// How far a later step may move a vertex, as a fraction of a mean edge [1]. Smaller where
+    /// trials cost much and long ones find no equilibrium.
+    pub largest_step: f64,
+    /// A level ends when the objective falls by less than this fraction in one
+    /// iteration [1].
+    pub stagnation: f64,
+    /// A level ends when its last two iterations gain less per Newton iteration than this fraction
+    /// of what the level gained [1].
+    pub least_rate: f64,
+    /// A level ends when the norm of the gradient falls below this fraction of that
+    /// at its start [1].
+    pub gradient_tolerance: f64,
+    /// No iteration begins after this much computing time of a level [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+    /// Memory for the states of a run; what exceeds it lies in a file in `TMPDIR`
+    /// meanwhile [B].
+    pub state_memory: f64,
+}
+
+impl Default for OptimizerConfig {
+    fn default() -> Self {
+        Self {
+            iterations: None,
+            first_step: 0.5,
+            largest_step: 3.0,
+            stagnation: 0.0,
+            least_rate: 0.0,
+            gradient_tolerance: 0.0,
+            time_limit: None,
+            state_memory: 4e9,
+        }
+    }
+}
+
+/// A cascade of shape levels on one tag or several.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeConfig {
+    /// Tags whose vertices move; their rims stay.
+    pub on: Names,
+    /// What vertices inside the body do.
+    #[serde(default)]
+    pub interior: Interior,
+    /// How handles are spread over a tag.
+    #[serde(default)]
+    pub spread: Spread,
+    /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
+    #[serde(default)]
+    pub margin: f64,
+    /// Planes in which flat faces of what moves stay, each a tag of a flat face or a table: their vertices
+    /// move along them only, so that a flat floor stays flat and its mold can be pulled off it.
+    #[serde(default)]
+    pub keep: Vec<KeepConfig>,
+    /// How far from where it is the surface that moves may be re-meshed, where elements at it are
+    /// poor; 0: it keeps its vertices; by default a twentieth of its mean edge [m].
+    pub surface_tolerance: Option<f64>,
+    /// Levels from coarse to fine; some stand for several.
+    pub level: Vec<LevelConfig>,
+}
+
+/// A plane in which a flat face stays.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "expected a tag of a flat face, { axis = \"z\", at = 0.01 } or { normal = [0, 0.6, 0.8], at = 0.01 }"
+)]
+pub enum KeepConfig {
+    /// That of a tag whose facets are flat.
+    Face(String),
+    /// One across an axis.
+    Across {
+        /// The axis across which it lies.
+        axis: Axis,
+        /// Its coordinate on that axis [m].
+        at: f64,
+    },
+    /// One at an angle.
+    Plane {
+        /// Its normal, of any length but 0.
+        normal: [f64; 3],
+        /// Its distance from the origin along the normal [m].
+        at: f64,
+    },
+}
+
+impl KeepConfig {
+    fn check(&self) -> Result<()> {
+        if let Self::Plane { normal, .. } = self {
+            let length = normal.iter().map(|n| n * n).sum::<f64>();
+            ensure!(
+                length.is_finite() && length > 0.0,
+                "[shape] keep: normal = {normal:?}: must have a direction"
+            );
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for KeepConfig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Face(tag) => write!(f, "the plane of \"{tag}\""),
+            Self::Across { axis, at } => write!(f, "the plane {} = {at} m", AXES[*axis as usize]),
+            Self::Plane { normal, at } => write!(f, "the plane across {normal:?} at {at} m"),
+        }
+    }
+}
+
+/// An axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
+}
+
+/// How handles are spread over a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spread {
+    /// Each as far from the others as can be.
+    #[default]
+    RePick,
+    /// Each in the middle of its cell.
+    Lloyd,
+}
+
+/// Vertices inside the body when its boundary moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interior {
+    /// Follow the boundary, and the gradient accounts for it.
+    #[default]
+    Extended,
+    /// Follow the boundary, but the gradient takes them as fixed, as the published
+    /// one does; for comparison.
+    Frozen,
+}
+
+/// A number of the scene that may change, such as a peak pressure or a delay.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterDesign {
+    /// Its name in the scene's `[parameters]`, or the path of a number of `solver list --numbers`.
+    pub name: String,
+    /// Smallest and largest value.
+    pub bounds: [f64; 2],
+    /// Largest change in one iteration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
+impl DesignConfig {
+    /// Reads and checks a design file.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::of(&Self::settings(path, &[])?)
+    }
+
+    /// A design file with changes from outside.
+    ///
+    /// # Errors
+    /// As for [`Settings::read`].
+    pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
+        Settings::read(path, changes, KEYS)
+    }
+
+    /// The design problem in a file, checked.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn of(settings: &Settings) -> Result<Self> {
+        superseded::refuse_in_design(settings)?;
+        let design: Self = settings.parse()?;
+        settings.checked(|_| design.check())?;
+        Ok(design)
+    }
+
+    /// The levels; that of a design without a shape has neither handles nor vertices. Where some
+    /// simulate another problem than the scene's, the first and the last are the scene itself.
+    #[must_use]
+    pub fn levels(&self) -> Vec<LevelConfig> {
+        let written = self.shape.as_ref().map_or(&self.level, |shape| &shape.level);
+        let mut levels: Vec<_> = written.iter().flat_map(LevelConfig::expand).collect();
+        if levels.is_empty() {
+            let iterations = self.optimizer.iterations.unwrap_or(0);
+            levels.push(LevelConfig { iterations, ..Default::default() });
+        }
+        let [first, last] = [&levels[0], &levels[levels.len() - 1]];
+        let framed =
+            |level: &LevelConfig| level.has_own_fidelity().then(|| level.at_full_fidelity());
+        let (before, after) = (framed(first), framed(last));
+        before.into_iter().chain(levels).chain(after).collect()
+    }
+
+    /// The scenarios; the scene as it is where there are none.
+    #[must_use]
+    pub fn scenarios(&self) -> Vec<ScenarioConfig> {
+        if self.scenario.is_empty() {
+            return vec![ScenarioConfig::default()];
+        }
+        self.scenario.clone()
+    }
+
+    /// The settings of a level in place of the design's.
+    #[must_use]
+    pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
+        let own = &self.optimizer;
+        OptimizerConfig {
+            iterations: Some(level.iterations),
+            first_step: level.first_step.unwrap_or(own.first_step),
+            largest_step: level.largest_step.unwrap_or(own.largest_step),
+            stagnation: level.stagnation.unwrap_or(own.stagnation),
+            least_rate: level.least_rate.unwrap_or(own.least_rate),
+            gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
+            time_limit: level.time_limit.or(own.time_limit),
+            state_memory: own.state_memory,
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        ensure!(
+            !self.objective.is_empty(),
+            "no [[objective]]: expected at least one, to be minimised"
+        );
+        let leveled = !self.level.is_empty();
+        match (&self.shape, self.optimizer.iterations) {
+            (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {
+                bail!("no [shape], [[chamber]] or [[parameter]]: expected one, to be changed")
+            }
+            (None, None) if !leveled => {
+                bail!("no iterations in [optimizer]: a design without [shape] needs their number")
+            }
+            (Some(_), Some(_)) => {
+                bail!("iterations in [optimizer] beside [shape]: write them in [[shape.level]]")
+            }
+            (None, Some(_)) if leveled => {
+                bail!("iterations in [optimizer] beside [[level]]: write them in [[level]]")
+            }
+            (Some(_), None) if leveled => {
+                bail!("[[level]] beside [shape]: write it as [[shape.level]]")
+            }
+            _ => {}
+        }
+        let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+        check_shares(&self.objective)?;
+        let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
+        scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
+        ensure!(
+            self.mold.is_none() || self.shape.is_some(),
+            "[mold] without [shape]: no shape changes that would be cast"
+        );
+        if let Some(shape) = &self.shape {
+            let on = shape.on.all();
+            ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
+            ensure!(!shape.level.is_empty(), "no [[shape.level]]");
+            ensure!(
+                shape.margin >= 0.0 && shape.margin.is_finite(),
+                "[shape] margin = {} m must not be negative",
+                shape.margin
+            );
+            let tolerance = shape.surface_tolerance.unwrap_or(0.0);
+            ensure!(
+                tolerance >= 0.0 && tolerance.is_finite(),
+                "[shape] surface_tolerance = {tolerance} m must not be negative"
+            );
+            shape.keep.iter().try_for_each(KeepConfig::check)?;
+            shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
+        }
+        self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;
+        for level in self.levels() {
+            ensure!(
+                level.time.is_none() || self.chamber.is_empty(),
+                "time of a level beside [[chamber]]: the slopes of a pressure belong to the \
+                 time steps of the scene; design a [[parameter]] instead, or leave time out"
+            );
+            self.optimizer_of(&level).check()?;
+        }
+        self.chamber.iter().try_for_each(ChamberDesign::check)?;
+        for parameter in &self.parameter {
+            let ParameterDesign { name, bounds: [low, high], change } = parameter;
+            ensure!(
+                low < high && low.is_finite() && high.is_finite(),
+                "[[parameter]] \"{name}\": bounds = [{low}, {high}]; expected two numbers, the \
+                 smaller first"
+            );
+            ensure!(
+                change.is_none_or(|c| c.is_finite() && c > 0.0),
+                "[[parameter]] \"{name}\": change = {:?} must be positive",
+                change.unwrap_or(f64::NAN)
+            );
+        }
+        Ok(())
+    }
+}
+
+impl OptimizerConfig {
+    fn check(&self) -> Result<()> {
+        for (key, value) in [
+            ("first_step", self.first_step),
+            ("stagnation", self.stagnation),
+            ("least_rate", self.least_rate),
+            ("gradient_tolerance", self.gradient_tolerance),
+            ("time_limit", self.time_limit.unwrap_or(0.0)),
+            ("state_memory", self.state_memory),
+        ] {
+            ensure!(value.is_finite() && value >= 0.0, "{key} = {value} must not be negative");
+        }
+        let largest = self.largest_step;
+        ensure!(largest.is_finite() && largest > 0.0, "largest_step = {largest} must be positive");
+        Ok(())
+    }
+}

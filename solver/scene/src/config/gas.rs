@@ -1,0 +1,170 @@
+//! Gas laws as people write them: keys of `[[chamber]]`.
+//!
+//! All of it follows from the rows of [`GAS_LAWS`].
+
+use anyhow::{Result, anyhow, bail, ensure};
+use measure::written::ScheduleSchema;
+use mechanics::energy::GasLaw;
+use mechanics::energy::gas_law::{GAS_LAWS, Key, Row};
+use mechanics::schedule::Schedule;
+use program::schema::one_of;
+use schemars::{Schema, SchemaGenerator, json_schema};
+use serde_json::{Value as Json, json};
+use toml::{Table, Value};
+
+/// The law that the keys of a `[[chamber]]` select, `on` left out.
+///
+/// # Errors
+/// When no key or several select a law, or a key is missing, unknown or of the wrong type.
+pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>> {
+    let (law, selecting) = select(keys)?;
+    let value = |key: &Key| {
+        let value = keys.get(key.name);
+        value.ok_or_else(|| anyhow!("missing field `{}` [{}]", key.name, key.unit))
+    };
+    let schedule: Schedule = value(selecting)?
+        .clone()
+        .try_into()
+        .map_err(|e: toml::de::Error| wrong(selecting, &keys[selecting.name], e.message()))?;
+    let others = law.keys.iter().filter(|key| !key.selects);
+    let numbers = others.map(|key| number(key, value(key)?)).collect::<Result<Vec<_>>>()?;
+    Ok((law.build)(selecting.name, schedule, &numbers))
+}
+
+/// The row that keys select, with the key that selects it.
+fn select(keys: &Table) -> Result<(&'static Row, &'static Key)> {
+    let all = || GAS_LAWS.iter().flat_map(|row| row.keys.iter().map(move |key| (row, key)));
+    let known = |name: &String| all().any(|(_, key)| key.name == *name);
+    if let Some(unknown) = keys.keys().find(|name| !known(name)) {
+        let known: Vec<String> = all().map(|(_, key)| format!("`{}`", key.name)).collect();
+        bail!("unknown field `{unknown}`, expected one of `on`, {}", known.join(", "));
+    }
+    let selecting: Vec<_> = all().filter(|(_, key)| key.selects).collect();
+    let found: Vec<_> =
+        selecting.iter().copied().filter(|(_, key)| keys.contains_key(key.name)).collect();
+    let [(law, one)] = found[..] else {
+        let needed = selecting.iter().map(|(_, key)| format!("{} [{}]", key.name, key.unit));
+        let found: Vec<&str> = found.iter().map(|(_, key)| key.name).collect();
+        bail!(
+            "expected exactly one of {}; found {}",
+            needed.collect::<Vec<_>>().join(", "),
+            if found.is_empty() { "none".to_owned() } else { found.join(" and ") }
+        );
+    };
+    let own = |name: &String| law.keys.iter().any(|key| key.name == *name);
+    let other = keys.keys().find(|name| !own(name));
+    let names: Vec<&str> = law.keys.iter().map(|key| key.name).collect();
+    ensure!(
+        other.is_none(),
+        "{} cannot be combined with {}; the {} law has {}",
+        other.map_or("", String::as_str),
+        one.name,
+        law.name,
+        names.join(", ")
+    );
+    Ok((law, one))
+}
+
+fn number(key: &Key, value: &Value) -> Result<f64> {
+    let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
+    number.ok_or_else(|| wrong(key, value, &format!("expected a number [{}]", key.unit)))
+}
+
+fn wrong(key: &Key, value: &Value, what: &str) -> anyhow::Error {
+    anyhow!("{} = {value}: {}", key.name, what.trim_end().replace('\n', " "))
+}
+
+/// The keys of a law, as [`read`] takes them.
+#[must_use]
+pub fn written(law: &dyn GasLaw) -> Table {
+    let schedule = Value::try_from(law.schedule()).expect("a number, a text or lists of numbers");
+    let row = GAS_LAWS.iter().find(|row| row.keys.iter().any(|key| key.name == law.key()));
+    let others = row.into_iter().flat_map(|row| row.keys).filter(|key| !key.selects);
+    let numbers = law.numbers().into_iter().map(Value::Float);
+    let mut table: Table = others.map(|key| key.name.to_owned()).zip(numbers).collect();
+    table.insert(law.key().to_owned(), schedule);
+    table
+}
+
+/// `[[chamber]]` of one of the laws, without `on`.
+#[must_use]
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    let schedule = generator.subschema_for::<ScheduleSchema>().to_value();
+    let forms = GAS_LAWS.iter().flat_map(|law| {
+        let schedule = &schedule;
+        law.keys.iter().filter(|key| key.selects).map(move |key| form(law, key, schedule))
+    });
+    one_of(forms)
+}
+
+/// One law by one of the keys that select it.
+fn form(law: &Row, selecting: &Key, schedule: &Json) -> Schema {
+    let own = || law.keys.iter().filter(|key| !key.selects || key.name == selecting.name);
+    let property = |key: &Key| {
+        let mut value = if key.selects { schedule.clone() } else { json!({ "type": "number" }) };
+        value["description"] = format!("{} [{}].", key.meaning, key.unit).into();
+        (key.name.to_owned(), value)
+    };
+    let properties: serde_json::Map<String, Json> = own().map(property).collect();
+    let required: Vec<&str> = own().map(|key| key.name).collect();
+    json_schema!({
+        "type": "object",
+        "title": law.name,
+        "description": format!("{}. Source: {}.", law.formula, law.source),
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What may be written is what is listed, and is written again as it was read.
+    #[test]
+    fn every_law_is_read_by_its_keys() {
+        for text in [
+            "pressure = 55e3",
+            "fill = \"2e4*t\"\nambient = 101.3e3\nexponent = 1.4",
+            "volume_change = { t = [0, 1], value = [0, 2e-6] }",
+            "volume_factor = 1.5",
+        ] {
+            let table: toml::Table = toml::from_str(text).expect("TOML");
+            let law = read(&table).expect(text);
+            let row = GAS_LAWS.iter().find(|row| row.keys.iter().any(|k| k.name == law.key()));
+            let row = row.expect("every law has a row");
+            let again = read(&written(law.as_ref())).expect("as it was written");
+            assert_eq!(written(again.as_ref()), written(law.as_ref()));
+            assert_eq!(again.schedule(), law.schedule());
+            let names = written(law.as_ref());
+            assert!(
+                names.keys().all(|name| row.keys.iter().any(|key| key.name == name)),
+                "{names:?}"
+            );
+            assert!(names.keys().eq(table.keys()), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn exactly_one_key_selects_the_law() {
+        let all = "pressure [Pa], fill [Pa], volume_change [m³], volume_factor [1]";
+        for (text, words) in [
+            ("", &["expected exactly one of", all, "found none"][..]),
+            ("ambient = 1e5", &[all, "found none"]),
+            ("pressure = 1\nfill = 2", &[all, "found pressure and fill"]),
+            ("volume_change = 1\nvolume_factor = 2", &["found volume_change and volume_factor"]),
+            (
+                "pressure = 1\nexponent = 1.4",
+                &["exponent cannot be combined with pressure", "isobaric"],
+            ),
+            ("fill = 1\nambient = 1e5", &["missing field `exponent`"]),
+            ("fill = 1\nambient = 1e5\nexponent = \"a\"", &["exponent", "\"a\""]),
+            ("pressure = [1]", &["a number, an expression"]),
+            ("pressures = 1", &["unknown field `pressures`", "`pressure`, `fill`"]),
+        ] {
+            let error = read(&toml::from_str(text).expect("TOML")).expect_err(text).to_string();
+            assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,396 @@
+//! `[[shape.level]]`, or `[[level]]` of a design of loads alone: what moves in a level of the
+//! cascade, tag by tag, what counts, and how finely the scene is simulated.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail, ensure};
+use measure::written::Names;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::check::MOST_STEPS;
+
+/// A level of the cascade, or several where its handles grow.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LevelConfig {
+    /// Number of handles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub handles: Option<HandlesConfig>,
+    /// What vertices off the rims move freely.
+    #[serde(default)]
+    pub vertices: VerticesConfig,
+    /// How a handle moves.
+    #[serde(default)]
+    pub motion: HandleMotion,
+    /// Accepted optimiser iterations.
+    pub iterations: usize,
+    /// Factors on the weights of objectives, by their names; 1 for the others.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub weights: BTreeMap<String, f64>,
+    /// Another mesh in place of the scene's, as modelled and with the same tags: the design moves to it and back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
+    /// The body that `mesh` is of, in a scene with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// Degree of the displacement in place of the scene's: 1, 2 or 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<usize>,
+    /// Time steps in place of the scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<LevelTime>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_step: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_step: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stagnation: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_rate: Option<f64>,
+    /// In place of the design's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradient_tolerance: Option<f64>,
+    /// In place of the design's [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+}
+
+/// Time steps of equal length in a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LevelTime {
+    /// Their number.
+    pub steps: usize,
+    /// End of the last, in place of the scene's [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+}
+
+/// `handles` of a level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum HandlesConfig {
+    /// As many on each tag that moves.
+    Each(usize),
+    /// Of several levels, one after the other.
+    Growing(Growing),
+    /// On some of the tags.
+    Tags(BTreeMap<String, usize>),
+}
+
+/// Numbers of handles n_i = n_0 a^i, rounded (Gjoka et al. 2024, section 4.5).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Growing {
+    /// n_0.
+    pub first: usize,
+    /// a, greater than 1.
+    pub factor: f64,
+    /// Number of levels.
+    pub levels: usize,
+}
+
+/// `vertices` of a level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum VerticesConfig {
+    /// All or none.
+    All(bool),
+    /// Those of some tags.
+    Tags(Names),
+}
+
+impl Default for VerticesConfig {
+    fn default() -> Self {
+        Self::All(false)
+    }
+}
+
+/// How a handle moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum HandleMotion {
+    /// Translation and rotation: six variables.
+    #[default]
+    Rigid,
+    /// Translation alone: three variables.
+    Translation,
+}
+
+/// What moves on a tag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moves {
+    /// So many handles.
+    Handles(usize, HandleMotion),
+    /// Every vertex off the rim.
+    Vertices,
+}
+
+impl LevelConfig {
+    /// What moves on a tag in this level, if anything does.
+    #[must_use]
+    pub fn moves(&self, tag: &str) -> Option<Moves> {
+        if self.frees(tag) {
+            return Some(Moves::Vertices);
+        }
+        let count = match self.handles.as_ref()? {
+            HandlesConfig::Each(count) => *count,
+            HandlesConfig::Growing(growing) => growing.first,
+            HandlesConfig::Tags(tags) => *tags.get(tag)?,
+        };
+        Some(Moves::Handles(count, self.motion))
+    }
+
+    fn frees(&self, tag: &str) -> bool {
+        match &self.vertices {
+            VerticesConfig::All(all) => *all,
+            VerticesConfig::Tags(tags) => tags.all().iter().any(|name| name == tag),
+        }
+    }
+
+    /// Whether it simulates another problem than the scene's.
+    #[must_use]
+    pub fn has_own_fidelity(&self) -> bool {
+        self.degree.is_some() || self.time.is_some() || self.mesh.is_some()
+    }
+
+    /// The scene itself on this level's body, without an iteration.
+    #[must_use]
+    pub fn at_full_fidelity(&self) -> Self {
+        let clone = self.clone();
+        Self { degree: None, time: None, mesh: None, body: None, iterations: 0, ..clone }
+    }
+
+    /// The levels that it stands for.
+    #[must_use]
+    pub fn expand(&self) -> Vec<Self> {
+        let Some(HandlesConfig::Growing(growing)) = &self.handles else {
+            return vec![self.clone()];
+        };
+        let level = |count| Self { handles: Some(HandlesConfig::Each(count)), ..self.clone() };
+        growing.counts().map(level).collect()
+    }
+
+    /// Checks what needs no mesh, for the tags `on` of the shape and the names of the objectives.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check(&self, on: &[String], objectives: &[&str]) -> Result<()> {
+        let title = "[[shape.level]]";
+        let freed: &[String] = match &self.vertices {
+            VerticesConfig::All(_) => &[],
+            VerticesConfig::Tags(tags) => tags.all(),
+        };
+        match (&self.handles, &self.vertices) {
+            (None, VerticesConfig::All(true)) => {}
+            (None, VerticesConfig::Tags(_)) if !freed.is_empty() => {}
+            (Some(handles), VerticesConfig::All(false) | VerticesConfig::Tags(_)) => {
+                handles.check(on, freed)?;
+            }
+            (Some(_), VerticesConfig::All(true)) => bail!(
+                "{title}: handles beside vertices = true; expected one of them, or vertices = \
+                 [\"TAG\"] for the tags without handles"
+            ),
+            (None, _) => bail!("{title}: expected one handle or more, or vertices = true"),
+        }
+        for tag in freed {
+            ensure!(on.contains(tag), "{title}: vertices of \"{tag}\": {}", expected(on));
+        }
+        self.check_problem(objectives).context(title)
+    }
+
+    /// Checks a level of a design of loads alone, for the names of the objectives.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check_loads(&self, objectives: &[&str]) -> Result<()> {
+        ensure!(
+            self.handles.is_none()
+                && self.vertices == VerticesConfig::All(false)
+                && self.motion == HandleMotion::Rigid,
+            "[[level]]: handles, vertices or motion without [shape] on: no shape may change"
+        );
+        self.check_problem(objectives).context("[[level]]")
+    }
+
+    fn check_problem(&self, objectives: &[&str]) -> Result<()> {
+        if let (Some(body), None) = (&self.body, &self.mesh) {
+            bail!(
+                "body = \"{body}\" without mesh; expected mesh = \"FILE.msh\", another mesh of it"
+            );
+        }
+        if let Some(LevelTime { steps, end }) = self.time {
+            ensure!(
+                (1..=MOST_STEPS).contains(&steps),
+                "time: steps = {steps}: expected 1 to {MOST_STEPS}"
+            );
+            ensure!(
+                end.is_none_or(|end| end.is_finite() && end > 0.0),
+                "time: end = {} s: must be positive",
+                end.unwrap_or(f64::NAN)
+            );
+        }
+        check_weights(&self.weights, objectives)
+    }
+
+    /// What moves, for the log: "20 handles on left, vertices of skin".
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let handles = |count: usize| match count {
+            1 => "1 handle".to_owned(),
+            count => format!("{count} handles"),
+        };
+        let mut said = Vec::new();
+        match &self.handles {
+            Some(HandlesConfig::Each(count)) => said.push(handles(*count)),
+            Some(HandlesConfig::Growing(growing)) => said.push(handles(growing.first)),
+            Some(HandlesConfig::Tags(tags)) => {
+                said.extend(tags.iter().map(|(tag, n)| format!("{} on {tag}", handles(*n))));
+            }
+            None => {}
+        }
+        match &self.vertices {
+            VerticesConfig::All(true) => said.push("free vertices".to_owned()),
+            VerticesConfig::All(false) => {}
+            VerticesConfig::Tags(tags) => {
+                said.push(format!("free vertices of {}", tags.all().join(", ")));
+            }
+        }
+        said.join(", ")
+    }
+}
+
+impl HandlesConfig {
+    fn check(&self, on: &[String], freed: &[String]) -> Result<()> {
+        let title = "[[shape.level]] handles";
+        let tags = match self {
+            Self::Each(count) => {
+                ensure!(*count > 0, "{title} = 0: expected one handle or more");
+                return Ok(());
+            }
+            Self::Growing(growing) => return growing.check(),
+            Self::Tags(tags) => tags,
+        };
+        ensure!(!tags.is_empty(), "{title} = {{}}: expected a number, or one for each tag");
+        for (tag, count) in tags {
+            ensure!(
+                on.contains(tag),
+                "{title}: \"{tag}\": {}; or first, factor and levels together",
+                expected(on)
+            );
+            ensure!(*count > 0, "{title}: {tag} = 0: expected one handle or more");
+            ensure!(
+                !freed.contains(tag),
+                "{title} and vertices of \"{tag}\": expected one of them"
+            );
+        }
+        Ok(())
+    }
+}
+
+impl Growing {
+    fn counts(self) -> impl Iterator<Item = usize> {
+        let count = move |level: usize| {
+            (self.first as f64 * self.factor.powf(level as f64)).round() as usize
+        };
+        (0..self.levels).map(count)
+    }
+
+    fn check(self) -> Result<()> {
+        let Self { first, factor, levels } = self;
+        let title = format!(
+            "[[shape.level]] handles = {{ first = {first}, factor = {factor}, levels = {levels} }}"
+        );
+        ensure!(first > 0 && levels > 0, "{title}: first and levels must be 1 or more");
+        ensure!(factor.is_finite() && factor > 1.0, "{title}: factor must be greater than 1");
+        let last = first as f64 * factor.powf((levels - 1) as f64);
+        ensure!(last < 1e6, "{title}: the last level has {last:.0} handles, more than a million");
+        Ok(())
+    }
+}
+
+/// Checks factors on the weights of objectives with these names.
+pub(super) fn check_weights(weights: &BTreeMap<String, f64>, objectives: &[&str]) -> Result<()> {
+    for (name, factor) in weights {
+        ensure!(
+            objectives.contains(&name.as_str()),
+            "weights: there is no objective \"{name}\"; there are {}",
+            objectives.join(", ")
+        );
+        ensure!(
+            factor.is_finite() && *factor >= 0.0,
+            "weights: {name} = {factor}: expected a factor of 0 or more"
+        );
+    }
+    Ok(())
+}
+
+fn expected(on: &[String]) -> String {
+    format!("no tag of [shape] on; expected some of {}", on.join(", "))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn level(text: &str) -> LevelConfig {
+        toml::from_str(&format!("iterations = 3\n{text}")).unwrap()
+    }
+
+    fn problem(text: &str) -> String {
+        let on = ["left", "skin"].map(str::to_owned);
+        format!("{:#}", level(text).check(&on, &["grip", "smooth"]).unwrap_err())
+    }
+
+    #[test]
+    fn each_tag_moves_as_its_level_says() {
+        let both = level("handles = { left = 20 }\nvertices = \"skin\"");
+        assert_eq!(both.moves("left"), Some(Moves::Handles(20, HandleMotion::Rigid)));
+        assert_eq!(both.moves("skin"), Some(Moves::Vertices));
+        assert_eq!(both.moves("other"), None);
+        assert_eq!(both.describe(), "20 handles on left, free vertices of skin");
+        let each = level("handles = 5\nmotion = \"translation\"");
+        assert_eq!(each.moves("other"), Some(Moves::Handles(5, HandleMotion::Translation)));
+        assert_eq!(level("vertices = true").moves("left"), Some(Moves::Vertices));
+    }
+
+    /// The published finger: 5, 10, 20, … handles.
+    #[test]
+    fn handles_grow_from_level_to_level() {
+        let levels = level("handles = { first = 5, factor = 2, levels = 4 }").expand();
+        let counts: Vec<_> = levels.iter().map(|l| l.moves("skin").unwrap()).collect();
+        assert_eq!(counts, [5, 10, 20, 40].map(|n| Moves::Handles(n, HandleMotion::Rigid)));
+        let levels = level("handles = { first = 3, factor = 1.5, levels = 3 }").expand();
+        let counts: Vec<_> = levels.iter().map(LevelConfig::describe).collect();
+        assert_eq!(counts, ["3 handles", "5 handles", "7 handles"]);
+        assert_eq!(level("vertices = true").expand().len(), 1);
+    }
+
+    #[test]
+    fn contradictions_are_refused() {
+        for (text, expected) in [
+            ("", "expected one handle or more"),
+            ("handles = 0", "handles = 0"),
+            ("handles = 2\nvertices = true", "handles beside vertices"),
+            ("handles = { right = 2 }", "expected some of left, skin"),
+            ("handles = { left = 2 }\nvertices = \"left\"", "vertices of \"left\""),
+            ("vertices = [\"right\"]", "expected some of left, skin"),
+            ("handles = { first = 2, factor = 1, levels = 3 }", "greater than 1"),
+            ("handles = { first = 2, factor = 10, levels = 9 }", "more than a million"),
+            ("handles = 2\ntime = { steps = 0 }", "steps = 0"),
+            ("handles = 2\ntime = { steps = 2, end = -1 }", "end = -1"),
+            ("handles = 2\nweights = { grap = 2 }", "there are grip, smooth"),
+            ("handles = 2\nweights = { grip = -1 }", "grip = -1"),
+        ] {
+            let found = problem(text);
+            assert!(found.contains(expected), "{text}: {found}");
+        }
+    }
+}

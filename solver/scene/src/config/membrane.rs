@@ -1,0 +1,81 @@
+//! `[[membrane]]`: a thin sheet that is bonded to a tag.
+
+use crate::law_table;
+use anyhow::{Context, Result, bail, ensure};
+use program::schema::one_of;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use mechanics::material::sheet::{LAWS, Specification};
+
+use super::SimConfig;
+
+/// A sheet bonded to facets, on the boundary or inside.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MembraneConfig {
+    /// Tag of the facets, or a body for its whole boundary.
+    pub on: String,
+    /// Thickness at rest [m].
+    pub thickness: f64,
+    /// `kind` and the parameters of a law of `solver list --sheets`.
+    #[schemars(schema_with = "laws")]
+    pub material: Value,
+    /// Whether it wrinkles rather than carry compression.
+    #[serde(default)]
+    pub tension: bool,
+}
+
+fn laws(_: &mut SchemaGenerator) -> Schema {
+    one_of(LAWS.iter().map(law_table::schema))
+}
+
+impl MembraneConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> String {
+        format!("[[membrane]] on \"{}\"", self.on)
+    }
+
+    /// The law with its parameters.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn specification(&self) -> Result<Specification> {
+        let Value::Table(table) = &self.material else {
+            bail!(
+                "{}: material = {}: expected a table with kind and parameters of a sheet, as in \
+                 material = {{ kind = \"sheet\", young = 3e9, poisson = 0.3 }}; `solver list \
+                 --sheets` names the laws",
+                self.title(),
+                self.material
+            );
+        };
+        law_table::sheet(table).with_context(|| format!("{}: material", self.title()))
+    }
+}
+
+impl SimConfig {
+    /// Checks what can be checked of sheets without a body.
+    pub(super) fn check_membranes(&self) -> Result<()> {
+        for membrane in &self.membrane {
+            let MembraneConfig { on, thickness, .. } = membrane;
+            ensure!(
+                *thickness > 0.0 && thickness.is_finite(),
+                "{}: thickness = {thickness} m: must be positive and finite; expected that of the sheet, \
+                 such as 1e-4 for paper",
+                membrane.title()
+            );
+            membrane.specification()?;
+            ensure!(
+                self.cuts().iter().flatten().all(|cut| cut != on),
+                "{}: the tag is a cut of [[symmetry]], where the whole body goes on: there is no \
+                 surface to bond a sheet to; expected another tag, or the whole body (solver mirror) \
+                 for a sheet in the plane of symmetry",
+                membrane.title()
+            );
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! `[[symmetry]]`: a plane in which bodies are cut that are a part of symmetric ones.
+
+use anyhow::{Result, ensure};
+use measure::written::Names;
+use mechanics::symmetry::title;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+
+/// A plane of symmetry.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SymmetryConfig {
+    /// Tags of the cut, all of which lie in the plane.
+    pub on: Names,
+}
+
+impl SimConfig {
+    /// Tags of the cut in each plane of symmetry.
+    #[must_use]
+    pub fn cuts(&self) -> Vec<Vec<String>> {
+        self.symmetry.iter().map(|plane| plane.on.all().to_vec()).collect()
+    }
+
+    /// No surface of the whole is where a part is cut.
+    pub(super) fn check_symmetry(&self) -> Result<()> {
+        let cuts = self.cuts();
+        for (i, tags) in cuts.iter().enumerate() {
+            ensure!(!tags.is_empty(), "[[symmetry]]: on = []: name the tags of the cut");
+            for tag in tags {
+                ensure!(
+                    cuts[..i].iter().all(|others| !others.contains(tag)),
+                    "two [[symmetry]] are on \"{tag}\": keep one"
+                );
+                let chamber = self.chamber.iter().any(|c| c.on == *tag).then_some("[[chamber]]");
+                let traction = self.traction.iter().any(|t| t.on == *tag).then_some("[[traction]]");
+                if let Some(load) = chamber.or(traction) {
+                    anyhow::bail!(
+                        "{}: {load} is on the same tag, but there is no surface where the whole body \
+                         is cut; expected a tag of its own for each",
+                        title(tags)
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,331 @@
+//! Laws of materials as people write them: a table with `kind` and the parameters of the law.
+//!
+//! All of it follows from the rows of [`material::LAWS`] and [`sheet::LAWS`].
+
+use anyhow::{Context, Result, bail, ensure};
+use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
+use program::schema::{add_keys, add_kind};
+use schemars::Schema;
+use serde_json::json;
+use toml::{Table, Value};
+
+/// Reads `kind`, the parameters of a law of a volume, and optionally `density`,
+/// `stretch_range`, `stretch_at_break`, `creep` and `mullins`.
+///
+/// # Errors
+/// With what was found and what is needed.
+pub fn volume(table: &Table) -> Result<Specification> {
+    let mut parameters = table.clone();
+    let law = law(&mut parameters, material::LAWS, "solver list")?;
+    let density = parameters.remove("density").map(|v| density(&v)).transpose()?;
+    let stretch_range = parameters.remove("stretch_range").map(|v| range(&v)).transpose()?;
+    let stretch_at_break =
+        parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
+    let creep = parameters.remove("creep").map(|v| creep(&v)).transpose()?;
+    let mullins = parameters.remove("mullins").map(|v| mullins(&v)).transpose()?;
+    let softening = Softening { creep, mullins };
+    let values = values(law, &parameters)?;
+    Ok(Specification { law, values, density, stretch_range, stretch_at_break, softening })
+}
+
+/// Reads `kind` and the parameters of a law of a sheet.
+///
+/// # Errors
+/// With what was found and what is needed.
+pub fn sheet(table: &Table) -> Result<sheet::Specification> {
+    let mut parameters = table.clone();
+    let law = law(&mut parameters, sheet::LAWS, "solver list --sheets")?;
+    Ok(sheet::Specification { law, values: values(law, &parameters)? })
+}
+
+/// The law of a `kind`.
+///
+/// # Errors
+/// When there is none; the message lists those there are.
+pub fn find(kind: &str) -> Result<&'static Law> {
+    find_in(material::LAWS, kind, "solver list")
+}
+
+/// Takes `kind` out of a table of one of the laws that a `command` lists.
+fn law<M: ?Sized + 'static>(
+    table: &mut Table,
+    laws: &'static [Law<M>],
+    command: &str,
+) -> Result<&'static Law<M>> {
+    match table.remove("kind") {
+        Some(Value::String(kind)) => find_in(laws, &kind, command),
+        Some(other) => bail!("kind = {other}: expected the name of a law in quotes"),
+        None => bail!("no kind; `{command}` names the laws"),
+    }
+}
+
+fn find_in<M: ?Sized + 'static>(
+    laws: &'static [Law<M>],
+    kind: &str,
+    command: &str,
+) -> Result<&'static Law<M>> {
+    laws.iter().find(|law| law.key == kind).with_context(|| {
+        let known: Vec<_> = laws.iter().map(|law| law.key).collect();
+        format!(
+            "unknown kind \"{kind}\"; known are {}\n  `{command}` explains them",
+            known.join(", ")
+        )
+    })
+}
+
+/// Reads the parameters of a law from a table, which must hold nothing else.
+///
+/// # Errors
+/// When one is missing, unknown, not a number or not finite, when lists
+/// differ in length, or when a modulus at rest is not positive.
+pub fn values<M: ?Sized + 'static>(law: &Law<M>, table: &Table) -> Result<Vec<f64>> {
+    let is_known = |name: &String| law.parameters.iter().any(|p| p.name == *name);
+    if let Some(unknown) = table.keys().find(|name| !is_known(name)) {
+        bail!("{}: unknown parameter \"{unknown}\"; expected {}", law.key, needs(law));
+    }
+    let mut values = Vec::new();
+    let mut terms = None;
+    for parameter in law.parameters {
+        let value = table.get(parameter.name).with_context(|| {
+            format!("{}: no \"{}\"; expected {}", law.key, parameter.name, needs(law))
+        })?;
+        let numbers = numbers(parameter, value).with_context(|| law.key.to_owned())?;
+        if parameter.list {
+            let (first, length) = *terms.get_or_insert((parameter.name, numbers.len()));
+            ensure!(
+                numbers.len() == length,
+                "{}: {first} has {length} numbers, {} has {}; one of each per term is needed",
+                law.key,
+                parameter.name,
+                numbers.len()
+            );
+        }
+        values.extend(numbers);
+    }
+    law.check(&values)?;
+    Ok(values)
+}
+
+/// Names and units of the parameters of a law.
+fn needs<M: ?Sized>(law: &Law<M>) -> String {
+    let one =
+        |p: &Parameter| format!("{}{} [{}]", p.name, if p.list { " (a list)" } else { "" }, p.unit);
+    law.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn numbers(parameter: &Parameter, value: &Value) -> Result<Vec<f64>> {
+    let Parameter { name, unit, list, .. } = parameter;
+    let items = match (list, value) {
+        (true, Value::Array(items)) if !items.is_empty() => items.as_slice(),
+        (true, _) => bail!("{name} = {value}: expected a list of numbers [{unit}]"),
+        (false, _) => std::slice::from_ref(value),
+    };
+    let one = |item: &Value| {
+        let number =
+            number(item).with_context(|| format!("{name} = {item}: expected a number [{unit}]"))?;
+        ensure!(number.is_finite(), "{name} = {number} [{unit}]: must be finite");
+        Ok(number)
+    };
+    items.iter().map(one).collect()
+}
+
+/// The table that [`values`] reads.
+///
+/// # Panics
+/// As [`Law::named`].
+#[must_use]
+pub fn written<M: ?Sized + 'static>(law: &Law<M>, numbers: &[f64]) -> Table {
+    let value = |(p, values): (&Parameter, Vec<f64>)| {
+        let mut items: Vec<_> = values.into_iter().map(Value::Float).collect();
+        let value = if p.list { Value::Array(items) } else { items.remove(0) };
+        (p.name.to_owned(), value)
+    };
+    law.named(numbers).into_iter().map(value).collect()
+}
+
+/// The tables that [`volume`] reads, one for each law.
+#[must_use]
+pub fn volume_schemas() -> Vec<Schema> {
+    let range = json!({
+        "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
+        "description": "Smallest and largest principal stretch that it was fitted to [1].",
+    });
+    let number = |meaning: &str| json!({ "type": "number", "description": meaning });
+    let at_break = number("Uniaxial stretch at which it tears: 1 + elongation at break [1].");
+    let optional = [
+        ("density", number("Density [kg/m³]."), false),
+        ("stretch_range", range, false),
+        ("stretch_at_break", at_break, false),
+        ("creep", number("Part by which strain grows while a load is held [1]."), false),
+        ("mullins", number("Part by which stress falls after a first stretch [1]."), false),
+    ];
+    let one = |law: &Law| {
+        let mut schema = schema(law);
+        add_keys(&mut schema, &optional);
+        schema
+    };
+    material::LAWS.iter().map(one).collect()
+}
+
+/// The table of `kind` and the parameters of a law.
+#[must_use]
+pub fn schema<M: ?Sized>(law: &Law<M>) -> Schema {
+    let limits = if law.limits.is_empty() { "" } else { ". Limits: " };
+    let about = format!(
+        "{}. Shear modulus at rest {}, bulk modulus {}{limits}{}. Source: {}.",
+        law.formula, law.shear, law.bulk, law.limits, law.source
+    );
+    let mut schema = schemars::json_schema!({ "type": "object", "additionalProperties": false });
+    add_kind(&mut schema, law.key, &about, &[]);
+    for parameter in law.parameters {
+        let mut value = json!({ "type": "number" });
+        if parameter.list {
+            value = json!({ "type": "array", "items": value, "minItems": 1 });
+        }
+        value["description"] = format!("{} [{}]", parameter.meaning, parameter.unit).into();
+        add_keys(&mut schema, &[(parameter.name, value, true)]);
+    }
+    schema
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
+}
+
+fn density(value: &Value) -> Result<f64> {
+    let density = number(value).filter(|d| d.is_finite() && *d > 0.0);
+    density.with_context(|| format!("density = {value}: expected a positive number [kg/m³]"))
+}
+
+fn at_break(value: &Value) -> Result<f64> {
+    let stretch = number(value).filter(|s| s.is_finite() && *s > 1.0);
+    stretch.with_context(|| {
+        format!(
+            "stretch_at_break = {value}: expected a number above 1, 1 + elongation at break [1]"
+        )
+    })
+}
+
+fn creep(value: &Value) -> Result<f64> {
+    let part = number(value).filter(|c| c.is_finite() && *c > 0.0);
+    part.with_context(|| {
+        format!("creep = {value}: expected a positive part by which strain grows, such as 0.2")
+    })
+}
+
+fn mullins(value: &Value) -> Result<f64> {
+    let part = number(value).filter(|m| *m > 0.0 && *m < 1.0);
+    part.with_context(|| {
+        format!(
+            "mullins = {value}: expected a part between 0 and 1 by which stress falls, such as 0.1"
+        )
+    })
+}
+
+fn range(value: &Value) -> Result<[f64; 2]> {
+    let numbers: Option<Vec<f64>> =
+        value.as_array().and_then(|items| items.iter().map(number).collect());
+    let Some(&[low, high]) = numbers.as_deref() else {
+        bail!("stretch_range = {value}: expected two numbers, as in [0.5, 4.0]");
+    };
+    ensure!(
+        low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite(),
+        "stretch_range = {value}: must be [smallest, largest] principal stretch around 1"
+    );
+    Ok([low, high])
+}
+
+#[cfg(test)]
+mod tests {
+    use mechanics::material::Moduli;
+
+    use super::*;
+
+    fn read(text: &str) -> Result<Specification> {
+        volume(&toml::from_str(text).expect("TOML"))
+    }
+
+    fn message(text: &str) -> String {
+        format!("{:#}", read(text).err().expect("must be refused"))
+    }
+
+    #[test]
+    fn the_table_of_the_pipelines_is_read() {
+        let material = read("kind = 'mooney-rivlin'\nc1 = 55e3\nc2 = 5000\nc3 = 1.7e3\nd1 = 1e6")
+            .expect("as in pipelines/frog/sim.toml");
+        assert_eq!(material.values, [55e3, 5e3, 1.7e3, 1e6]);
+        assert_eq!(material.moduli(), Moduli { shear: 120e3, bulk: 2e6 });
+        assert!((material.moduli().poisson() - 0.470_588_235).abs() < 1e-9);
+        assert_eq!((material.density, material.stretch_range), (None, None));
+        assert_eq!(material.stretch_at_break, None);
+    }
+
+    #[test]
+    fn every_law_is_read_as_it_is_written() {
+        for law in material::LAWS {
+            let read = values(law, &written(law, law.sample)).expect("the sample is admissible");
+            assert_eq!(read, law.sample, "{}", law.key);
+        }
+    }
+
+    #[test]
+    fn optional_keys_are_read() {
+        let text = "kind = 'ogden'\nmu = [1e4, -2e3]\nalpha = [2, -3]\nbulk = 1e6\n";
+        let optional =
+            "density = 1070\nstretch_range = [0.5, 4]\nstretch_at_break = 10\ncreep = 0.25";
+        let material = read(&format!("{text}{optional}\nmullins = 0.1")).expect("ok");
+        let changes: Vec<_> = material.softening.changes().collect();
+        assert_eq!(changes, [("creep", 1.0 / 1.25 - 1.0), ("mullins", -0.1)]);
+        assert_eq!(material.values, [1e4, -2e3, 2.0, -3.0, 1e6]);
+        assert_eq!(material.density, Some(1070.0));
+        assert_eq!(material.stretch_range, Some([0.5, 4.0]));
+        assert_eq!(material.stretch_at_break, Some(10.0));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_numbers() {
+        let yeoh = "kind = 'yeoh'\nc1 = 1e4\nc2 = 0\nc3 = 0\nbulk = 1e6\n";
+        let ogden = "kind = 'ogden'\nbulk = 1e6\n";
+        for (text, needed) in [
+            ("kind = 'mooney'".to_owned(), "mooney-rivlin-quadratic, neo-hookean, yeoh"),
+            ("c1 = 1.0".to_owned(), "no kind"),
+            ("kind = 3".to_owned(), "kind = 3"),
+            (format!("{yeoh}c4 = 1"), "unknown parameter \"c4\"; expected c1 [Pa], c2 [Pa]"),
+            ("kind = 'neo-hookean'\nyoung = 1e5".to_owned(), "no \"poisson\""),
+            ("kind = 'neo-hookean'\nyoung = 1e5\npoisson = 0.5".to_owned(), "inf Pa"),
+            ("kind = 'neo-hookean'\nyoung = -1e5\npoisson = 0.3".to_owned(), "-38461.5"),
+            (yeoh.replace("c1 = 1e4", "c1 = -1e4"), "shear = 2 c1 = -20000 Pa"),
+            (yeoh.replace("c1 = 1e4", "c1 = nan"), "must be finite"),
+            (yeoh.replace("c1 = 1e4", "c1 = 'soft'"), "expected a number [Pa]"),
+            (format!("{ogden}mu = [1e4]\nalpha = [2, 3]"), "mu has 1 numbers, alpha has 2"),
+            (format!("{ogden}mu = 1e4\nalpha = [2]"), "expected a list of numbers [Pa]"),
+            (format!("{ogden}mu = []\nalpha = []"), "expected a list"),
+            (format!("{ogden}mu = [1e4]\nalpha = [0]"), "NaN Pa"),
+            (format!("{yeoh}density = -1"), "density = -1"),
+            (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),
+            (format!("{yeoh}stretch_at_break = 0.9"), "above 1"),
+            (format!("{yeoh}creep = -0.2"), "creep = -0.2"),
+            (format!("{yeoh}mullins = 1"), "between 0 and 1"),
+        ] {
+            let message = message(&text);
+            assert!(message.contains(needed), "{needed} is not in: {message}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_sheet_is_said_with_numbers() {
+        for (text, needed) in [
+            ("young = 1e5", "no kind; `solver list --sheets`"),
+            ("kind = 'paper'", "known are sheet, neo-hookean"),
+            ("kind = 'sheet'\nyoung = 1e5", "no \"poisson\""),
+            ("kind = 'sheet'\nyoung = 1e5\npoisson = 1.0", "inf Pa"),
+            ("kind = 'sheet'\nyoung = -1e5\npoisson = 0.3", "-38461.5"),
+            ("kind = 'neo-hookean'\nmu = 0.0", "shear = mu = 0 Pa"),
+            ("kind = 'neo-hookean'\nmu = 1.0\ndensity = 900", "unknown parameter \"density\""),
+        ] {
+            let table = toml::from_str(text).expect("TOML");
+            let message = format!("{:#}", sheet(&table).err().expect("must be refused"));
+            assert!(message.contains(needed), "{needed} is not in: {message}");
+        }
+    }
+}

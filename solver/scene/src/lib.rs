@@ -1,0 +1,17 @@
+//! Scenes: what people write, and the bodies, laws, supports and loads that it stands for.
+//!
+//! Modules in dependency order; each uses only those before it:
+
+pub mod memory; // what the machine has left
+pub mod law_table; // laws of materials as tables
+pub mod silicone; // known materials
+pub mod config; // what people write
+pub mod supports; // Dirichlet conditions: fixed degrees of freedom
+pub mod model; // config and files to objects
+
+/// Name and version of the program, in reports and checkpoints.
+pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));
+
+pub use model::{
+    ObjectiveBuilder, Scene, SceneLaw, SceneMembrane, ScenePart, Weighted, log_share, nodes_of,
+};

@@ -1,0 +1,490 @@
+//! From config and files to objects: the only place where names become
+//! meshes, energies and objectives.
+
+mod apart;
+mod chambers;
+mod contact;
+mod laws;
+mod membranes;
+mod objectives;
+mod probes;
+mod symmetry;
+
+pub use laws::SceneLaw;
+pub use membranes::SceneMembrane;
+pub use objectives::{ObjectiveBuilder, Weighted};
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use mechanics::body::Body;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{BodyEnergies, BodyForce, ChamberId, Energies, Inertia, Traction};
+use mechanics::forward::{Event, Integrator, Newton, Problem, State, Stepping, Watch, Workspace};
+use mechanics::schedule::Field;
+use mechanics::stretch::Limits;
+use mesh::Vec3;
+use program::{Change, Heartbeat, Settings};
+
+use crate::config::{
+    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
+};
+use crate::memory;
+use crate::supports::Supports;
+
+/// Strain of a whole body that is as good as none, where loads are no smaller [1].
+const NEGLIGIBLE_STRAIN: f64 = 1e-11;
+/// Density for the tiny mass of a loose body if its own is not known [kg/m³].
+const WATER: f64 = 1000.0;
+
+/// A scene as read from its file.
+#[derive(Clone)]
+pub struct Scene {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// The file, for errors and hashes.
+    pub file: Settings,
+    /// The settings.
+    pub config: SimConfig,
+    /// The settings of each body, in the order of the body's parts.
+    pub parts: Vec<ScenePart>,
+    /// What they are made of, body by body, in the order of tetrahedra.
+    pub laws: Vec<SceneLaw>,
+    /// The thin sheets.
+    pub membranes: Vec<SceneMembrane>,
+    /// The bodies.
+    pub body: Body,
+    /// Whether to prove of every step that no surfaces intersect.
+    pub certify: bool,
+}
+
+/// One body as its scene describes it.
+#[derive(Clone)]
+pub struct ScenePart {
+    /// The settings.
+    pub config: BodyConfig,
+    /// The mesh file that was read.
+    pub mesh_path: PathBuf,
+}
+
+impl Scene {
+    /// Reads a scene and its meshes.
+    ///
+    /// # Errors
+    /// With the file, what was found and what was needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::read_with(path, &[], &[])
+    }
+
+    /// Reads a scene with other meshes in place of its own: (name of the body, path),
+    /// without a name where there is only one body; and with other values.
+    ///
+    /// # Errors
+    /// With the file, what was found and what was needed.
+    pub fn read_with(
+        path: &Path,
+        others: &[(Option<String>, PathBuf)],
+        changes: &[Change],
+    ) -> Result<Self> {
+        let file = SimConfig::settings(path, changes)?;
+        file.checked(|file| Self::of(file, path, others))
+    }
+
+    fn of(file: &Settings, path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
+        let mut config = SimConfig::of(file)?;
+        let context = || path.display().to_string();
+        config.check().with_context(context)?;
+        let bodies = config.bodies().with_context(context)?;
+        let stands_for = |other: &Option<String>, body: &BodyConfig| match other {
+            None => bodies.len() == 1,
+            Some(name) => *name == body.name,
+        };
+        for (name, mesh) in others {
+            ensure!(
+                bodies.iter().any(|body| stands_for(name, body)),
+                "{}: {} cannot take the place of a mesh; expected the name of one of the bodies, \
+                 as in --mesh {}={}",
+                path.display(),
+                mesh.display(),
+                bodies[0].name,
+                mesh.display()
+            );
+        }
+        let mesh_of = |body: &BodyConfig| {
+            let other = others.iter().find(|(name, _)| stands_for(name, body));
+            other.map_or_else(|| beside(path, &body.mesh), |(_, mesh)| mesh.clone())
+        };
+        let paths: Vec<PathBuf> = bodies.iter().map(mesh_of).collect();
+        let (mut parts, mut meshes, mut all_laws) = (Vec::new(), Vec::new(), Vec::new());
+        for (body, mesh_path) in bodies.into_iter().zip(paths) {
+            let mut file = mesh::io::read_tets(&mesh_path)?;
+            if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
+                bail!("{}: {}", mesh_path.display(), finding.message);
+            }
+            file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
+            let own = laws::laws(parts.len(), &body, &mut file.mesh, &mut file.tags);
+            all_laws.extend(own.with_context(context)?);
+            meshes.push((body.name.clone(), file.mesh, file.tags));
+            parts.push(ScenePart { config: body, mesh_path });
+        }
+        let body = match meshes.pop() {
+            Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
+                Body::new(mesh, tags)
+            }
+            last => Body::of_several(meshes.into_iter().chain(last).collect()),
+        };
+        let body = body.cut_by(&config.cuts()).with_context(context)?;
+        if let (false, Some(finding)) =
+            (body.planes.is_empty(), mesh::check::check_tets(&body.mesh).first())
+        {
+            bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
+        }
+        let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
+        let membranes = membranes.with_context(context)?;
+        let mut scene = Self {
+            path: path.to_path_buf(),
+            file: file.clone(),
+            config,
+            parts,
+            laws: all_laws,
+            membranes,
+            body,
+            certify: true,
+        };
+        scene.set_branches().with_context(context)?;
+        scene.check_dilatation().with_context(context)?;
+        Ok(scene)
+    }
+
+    /// The same scene with the degree and the time steps of a level of a design.
+    ///
+    /// # Errors
+    /// When they do not fit the scene.
+    pub fn with_fidelity(&self, level: &LevelConfig) -> Result<Self> {
+        let mut scene = self.clone();
+        scene.config.degree = level.degree.unwrap_or(self.config.degree);
+        if let Some(LevelTime { steps, end }) = level.time {
+            let own = scene.config.time.as_mut().context(
+                "[[shape.level]] time: the scene has no [time]; expected a level without it",
+            )?;
+            let end = end.unwrap_or_else(|| self.end());
+            *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
+        }
+        let context = || format!("{}, as a [[shape.level]] has it", self.path.display());
+        scene.config.check().with_context(context)?;
+        Ok(scene)
+    }
+
+    /// Density of a body or volume [kg/m³].
+    fn density(&self, law: &SceneLaw) -> Result<f64> {
+        law.material.density.with_context(|| {
+            format!(
+                "{} \"{}\": inertia and gravity need the density of its material; add density \
+                 = ... [kg/m³] to its table, about 1000 to 1100 for silicone{}",
+                if law.volume.is_some() { "volume" } else { "body" },
+                self.law_name(law),
+                if self.config.method().has_inertia() {
+                    ", or neglect inertia by method = \"quasistatic\" in [time]"
+                } else {
+                    ""
+                }
+            )
+        })
+    }
+
+    /// How far all materials may be stretched, as far as it is known.
+    #[must_use]
+    pub fn stretch_limits(&self) -> Limits {
+        let materials = || self.laws.iter().map(|law| &law.material);
+        let ranges = materials().filter_map(|material| material.stretch_range);
+        Limits {
+            fitted: ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]),
+            at_break: materials().filter_map(|m| m.stretch_at_break).reduce(f64::min),
+        }
+    }
+
+    /// The discrete problem on a body with this scene's tags, and what solving it needs.
+    ///
+    /// # Errors
+    /// When a tag is missing, a pressure wall is open with a free rim, or the
+    /// memory is too small.
+    pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
+        self.file.checked(|_| self.discretised(body))
+    }
+
+    fn discretised(&self, body: &Body) -> Result<(Problem, Workspace)> {
+        let context = || self.path.display().to_string();
+        let (degree, exact) = (self.config.degree, self.config.quadrature);
+        let vertices = body.mesh.vertices.len();
+        let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
+        let supports = self.supports(body, &space)?;
+        let energies = self.energies(body, &space, &supports).with_context(context)?;
+        let multipliers = self.multipliers(body, &space, &energies);
+        let mut problem =
+            Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
+        problem.tolerates_inversion = self.config.solver.inside_out == InsideOut::Tolerated;
+        if supports.move_at_all() {
+            problem = problem.with_motion(move |load| supports.displacement(load));
+        }
+        let mut workspace = Workspace::new(&problem);
+        workspace.watch = Some(watch());
+        workspace.memory().check(memory::available()).with_context(context)?;
+        Ok((problem, workspace))
+    }
+
+    /// Ends of the time steps [s]; of a static scene the full load, 1.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        self.config.times()
+    }
+
+    /// The load at the end [s].
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.times().last().copied().unwrap_or(1.0)
+    }
+
+    /// A load in words, for messages.
+    #[must_use]
+    pub fn progress(&self, load: f64) -> String {
+        if self.config.time.is_some() {
+            return format!("t = {load:.4e} s");
+        }
+        format!("{:.1} % of the load", 100.0 * load)
+    }
+
+    /// The fixed degrees of freedom on a body with this scene's tags.
+    ///
+    /// # Errors
+    /// When a tag is missing, tags contradict each other or the body floats.
+    pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
+        let new =
+            if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
+        new(&self.fixed(body), &self.config.moments(), body, space)
+            .with_context(|| self.path.display().to_string())
+    }
+
+    /// The bodies at t = 0, and their time integration.
+    #[must_use]
+    pub fn integrator(&self, body: &Body, problem: &Problem) -> Integrator {
+        let space = &problem.space;
+        let nodes = space.node_count();
+        let mut v = vec![0.0; 3 * nodes];
+        for (i, part) in self.parts.iter().enumerate() {
+            for node in nodes_of(body, i, space) {
+                v[3 * node..3 * node + 3].copy_from_slice(&part.config.velocity);
+            }
+        }
+        problem.dirichlet.supports().iter().for_each(|&dof| v[dof] = 0.0);
+        Integrator::new(self.config.method(), State::new(vec![0.0; 3 * nodes], v))
+    }
+
+    /// Whether the density of a law matters, by its place among all.
+    #[must_use]
+    pub fn weighs(&self, law: usize) -> bool {
+        let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
+        let known = self.laws[law].material.density.is_some();
+        known && (falls || self.config.method().has_inertia())
+    }
+
+    /// The terms of the potential energy.
+    fn energies(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<Energies> {
+        let mut energies = Energies::bodies(self.bodies(body, space, supports)?);
+        energies.membranes = self.sheets(body, space)?;
+        for (name, chamber) in self.chambers(body, space)? {
+            chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
+            energies = energies.with_chamber(name, chamber);
+        }
+        if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
+            energies.contact = Some(Arc::new(collisions.contact));
+            energies.friction = collisions.friction;
+        }
+        self.check_apart(body, space)?;
+        self.check_symmetric(body)?;
+        let nodes = space.node_positions(&body.mesh.vertices);
+        self.check_field("gravity", &self.config.gravity, &nodes)?;
+        for load in &self.config.body_force {
+            self.check_field("[[body_force]]: force", &load.force, &nodes)?;
+            energies.body_forces.push(BodyForce::whole(load.force.clone()));
+        }
+        for load in &self.config.traction {
+            let facets = body.facets(&load.on)?;
+            let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
+            let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
+            let name = format!("[[traction]] on \"{}\": traction", load.on);
+            self.check_field(&name, &load.traction, &places)?;
+            energies.tractions.push(Traction::new(space, &facets, load.traction.clone()));
+        }
+        Ok(energies)
+    }
+
+    /// The terms of a problem with the numbers of this scene: its materials, sheets, gravity, gas and
+    /// friction. Barrier, supports and other forces are those of the problem.
+    ///
+    /// # Errors
+    /// When a material has no density and needs one.
+    pub fn energies_like(&self, body: &Body, problem: &Problem) -> Result<Energies> {
+        let space = &*problem.space;
+        let supports = self.supports(body, space)?;
+        let mut energies = problem.energies.clone();
+        energies.bodies = self.bodies(body, space, &supports)?;
+        energies.membranes = self.sheets(body, space)?;
+        for (i, chamber) in self.config.chamber.iter().enumerate() {
+            energies.set_gas_law(ChamberId::of(i), chamber.gas.clone());
+        }
+        let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
+        energies.friction = energies.friction.map(|own| own.with_coefficient(coefficient));
+        Ok(energies)
+    }
+
+    /// The terms of all bodies and volumes.
+    fn bodies(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<Vec<BodyEnergies>> {
+        let mut bodies: Vec<BodyEnergies> = Vec::new();
+        let mut relaxed = 0;
+        for law in &self.laws {
+            let mut own = self.law_energies(law, body, space, supports)?;
+            own.viscous = self.overstress(law, law.elements(body), relaxed);
+            relaxed += own.viscous.as_ref().map_or(0, |viscous| viscous.len(space));
+            bodies.push(own);
+        }
+        Ok(bodies)
+    }
+
+    /// The terms of a body, or of one of its volumes.
+    fn law_energies(
+        &self,
+        law: &SceneLaw,
+        body: &Body,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<BodyEnergies> {
+        let (gravity, tets) = (&self.config.gravity, law.elements(body));
+        let falls = gravity.0.iter().any(|g| !g.is_zero());
+        let weight = falls.then(|| {
+            let density = self.density(law)?;
+            Ok::<_, anyhow::Error>(BodyForce::weight(gravity.clone(), density, tets.clone()))
+        });
+        let inertia = if self.config.method().has_inertia() {
+            Some(Inertia::new(space, self.density(law)?, tets.clone()))
+        } else if supports.leave_loose(space, &body.parts[law.part].vertices) {
+            let density = law.material.density.unwrap_or(WATER);
+            Some(Inertia::tiny(space, density, tets.clone()))
+        } else {
+            None
+        };
+        let elastic = self.elastic(law, tets)?;
+        Ok(BodyEnergies { weight: weight.transpose()?, inertia, ..BodyEnergies::new(elastic) })
+    }
+
+    /// Names of all surfaces that may touch: bodies, then obstacles.
+    #[must_use]
+    pub fn surface_names(&self) -> Vec<&str> {
+        let bodies = self.parts.iter().map(|part| &part.config.name[..]);
+        bodies.chain(self.config.obstacle.iter().map(|o| &o.name[..])).collect()
+    }
+
+    /// Whether a load is defined at all these positions, at the ends of all time
+    /// steps.
+    fn check_field(&self, name: &str, field: &Field, positions: &[Vec3]) -> Result<()> {
+        let times: Vec<f64> = [0.0].into_iter().chain(self.times()).collect();
+        for schedule in field.0.iter().filter(|s| s.uses_position()) {
+            schedule.check(&times, positions).map_err(|what| anyhow!("{name}: {what}"))?;
+        }
+        Ok(())
+    }
+
+    /// How to approach the full load.
+    #[must_use]
+    pub fn stepping(&self) -> Stepping {
+        let SolverConfig {
+            first_load_step: _,
+            largest_load_step: _,
+            smallest_load_step,
+            newton_iterations: _,
+            relative_tolerance,
+            absolute_tolerance,
+            dilatation: _,
+            inside_out: _,
+            locking: _,
+        } = self.config.solver;
+        Stepping {
+            first: self.config.solver.first_load_step(),
+            largest: self.config.solver.largest_load_step(),
+            smallest: smallest_load_step,
+            newton: Newton {
+                iterations: self.config.newton_iterations(),
+                relative: relative_tolerance,
+                absolute: absolute_tolerance.unwrap_or(0.0),
+                negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
+            },
+        }
+    }
+
+    /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].
+    fn negligible_force(&self) -> f64 {
+        let size = mesh::measure::volume(&self.body.mesh).cbrt();
+        NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
+    }
+
+    /// Of all materials, at rest [Pa].
+    fn largest_shear_modulus(&self) -> f64 {
+        self.laws.iter().map(|law| law.material.moduli().shear).fold(0.0, f64::max)
+    }
+}
+
+/// Says in the log what happens on the way to an equilibrium.
+fn watch() -> Watch {
+    let mut heartbeat = Heartbeat::start();
+    Box::new(move |event| match event {
+        Event::Iterate { time, iteration, residual, wanted } => {
+            if *iteration == 0 {
+                heartbeat = Heartbeat::start();
+            }
+            heartbeat.say(|| {
+                format!(
+                    "towards t = {time:.4}: newton {iteration}  |g| {residual:.1e} of {wanted:.1e} N"
+                )
+            });
+        }
+        Event::AtRoundingFloor { time, residual, wanted, floor } => log::warn!(
+            "load {time:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
+             fall further and rounding alone may leave {floor:.0e} N"
+        ),
+        Event::KeptInMemory { error } => log::warn!(
+            "{}: states could not be written ({error}); they stay in memory, beyond the budget",
+            std::env::temp_dir().display()
+        ),
+    })
+}
+
+/// Says in the log what part of a symmetric body this is, if it is one.
+pub fn log_share(body: &Body) {
+    let part = match body.planes.len() {
+        0 => return,
+        1 => "a half",
+        2 => "a quarter",
+        _ => "an eighth",
+    };
+    log::info!("{part} of the whole: volumes, energies and forces are those of this part");
+}
+
+/// Nodes of one of the bodies, ascending.
+#[must_use]
+pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
+    let (tets, n) = (&body.parts[part].tets, space.nodes_per_element());
+    let mut nodes = space.element_nodes()[n * tets.start..n * tets.end].to_vec();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}

@@ -1,0 +1,137 @@
+//! The chambers of a scene: their walls, gas laws and checks.
+
+use anyhow::{Context, Result, bail, ensure};
+use mechanics::body::Body;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{Chamber, Energies, Multiplier, Rim, Wall};
+
+use super::Scene;
+use crate::supports::Supports;
+
+/// Penalty of a prescribed volume in shear moduli per rest volume.
+const PENALTY: f64 = 10.0;
+/// Height of a rim over its extent up to which it lies in a plane.
+const FLAT: f64 = 1e-9;
+
+impl Scene {
+    /// The chambers of a body, by the tags of their walls, in the order of the scene.
+    ///
+    /// # Errors
+    /// When a tag is missing or closes no volume that gas could fill.
+    pub(super) fn chambers(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Vec<(String, Chamber)>> {
+        let context = || self.path.display().to_string();
+        let nodes = space.node_positions(&body.mesh.vertices);
+        let moments = self.config.moments();
+        let (mut chambers, mut prescribed) = (Vec::new(), 0);
+        for config in &self.config.chamber {
+            let on = &config.on;
+            let facets = body.facets(on).with_context(context)?;
+            let mut wall = Wall::cut_by(&body.planes, space, &facets);
+            if config.plug {
+                ensure!(
+                    !wall.is_closed(),
+                    "{}: {}: plug = true: the wall is closed, there is nothing to plug",
+                    self.path.display(),
+                    config.title()
+                );
+                wall = wall.plugged();
+            }
+            let volume = wall.volume(space, |n| nodes[n]);
+            if config.gas.pressure().is_none() && volume <= 0.0 {
+                bail!(
+                    "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
+                     positive\n  the tag is not the wall of a chamber",
+                    self.path.display()
+                );
+            }
+            let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
+            for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {
+                ensure!(
+                    wanted > 0.0,
+                    "{}: {}: the chamber of {volume:.3e} m³ would have {wanted:.3e} m³ at t = {t}; \
+                     must be positive",
+                    self.path.display(),
+                    config.title()
+                );
+            }
+            let multiplier = config.gas.wanted(volume, 0.0).map(|_| prescribed);
+            prescribed += usize::from(multiplier.is_some());
+            chambers.push((on.clone(), Chamber { wall, gas: config.gas.clone(), multiplier }));
+        }
+        Ok(chambers)
+    }
+
+    /// Of the prescribed volumes at rest, with a penalty well above what a wall
+    /// in a large block resists to a change of volume: 4/3 of its shear modulus
+    /// per volume.
+    pub(super) fn multipliers(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        energies: &Energies,
+    ) -> Vec<Multiplier> {
+        let nodes = space.node_positions(&body.mesh.vertices);
+        let shear = self.largest_shear_modulus();
+        let one = |chamber: &Chamber| Multiplier {
+            pressure: 0.0,
+            penalty: PENALTY * shear / chamber.wall.volume(space, |n| nodes[n]),
+        };
+        let chambers = energies.chambers().map(|(_, named)| &named.chamber);
+        chambers.filter(|c| c.multiplier.is_some()).map(one).collect()
+    }
+}
+
+/// The gas force has a potential only when every rim of its wall is fixed along
+/// all axes, moves only within a plane, or is plugged.
+pub(super) fn check_rim(
+    name: &str,
+    wall: &Wall,
+    supports: &Supports,
+    space: &FunctionSpace,
+    body: &Body,
+) -> Result<()> {
+    if wall.is_plugged() {
+        return Ok(());
+    }
+    let nodes = |&[a, b]: &[usize; 2]| [a, b].into_iter().chain(space.edge_nodes([a, b]));
+    let clamped = |edge: &[usize; 2]| nodes(edge).all(|node| supports.clamps(node));
+    let (mut count, mut free) = (0, Vec::new());
+    for rim in wall.rims() {
+        count += rim.edges().count();
+        if !(0..3).any(|axis| slides(rim, axis, supports, space, body)) {
+            free.extend(rim.edges().filter(|edge| !clamped(edge)));
+        }
+    }
+    if let Some([a, _]) = free.first() {
+        let p = body.mesh.vertices[*a];
+        bail!(
+            "[[chamber]] on \"{name}\": {} of the {count} edges of its rim are free, the first at \
+             ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
+             rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
+             along that: add the tag around the opening to [[fixed]], or to [[symmetry]] if the body \
+             is cut there; or write plug = true, if a plug closes it and moves with the body",
+            free.len(),
+            p.x,
+            p.y,
+            p.z
+        );
+    }
+    Ok(())
+}
+
+/// Whether a rim lies in a plane across an axis and all its nodes stay there.
+fn slides(rim: &Rim, axis: usize, supports: &Supports, space: &FunctionSpace, body: &Body) -> bool {
+    let x = &body.mesh.vertices;
+    let first = x[rim.vertices[0]];
+    let size = rim.vertices.iter().map(|&v| (x[v] - first).norm()).fold(0.0, f64::max);
+    let flat = rim.vertices.iter().all(|&v| (x[v][axis] - first[axis]).abs() < FLAT * size);
+    let stays = |edge: [usize; 2]| {
+        let mut nodes = edge.into_iter().chain(space.edge_nodes(edge));
+        nodes.all(|n| supports.stays(n, axis))
+    };
+    flat && rim.edges().all(stays)
+}

@@ -1,0 +1,187 @@
+//! What planes of symmetry ask of a scene: supports, loads that are symmetric, and obstacles
+//! that are whole.
+
+use anyhow::{Result, ensure};
+use mechanics::body::Body;
+use mechanics::schedule::Field;
+use mechanics::symmetry::{AXES, Plane};
+use mesh::bvh::SurfaceBvh;
+use mesh::{SurfaceMesh, Vec3};
+
+use super::Scene;
+use crate::config::{Fixed, ObstacleConfig};
+
+/// How far an obstacle may be off its mirror image, in its diagonals [1].
+const ROUNDING: f64 = 1e-6;
+
+impl Scene {
+    /// All supports of a body: those of the scene, then those in planes of symmetry.
+    #[must_use]
+    pub(super) fn fixed(&self, body: &Body) -> Vec<Fixed> {
+        let held = |plane: &Plane| {
+            let components = AXES[plane.axis].to_owned();
+            let one = move |tag: &String| Fixed {
+                on: tag.clone(),
+                components: components.clone(),
+                displacement: Field::default(),
+            };
+            plane.tags.iter().map(one).collect::<Vec<_>>()
+        };
+        self.config.fixed.iter().cloned().chain(body.planes.iter().flat_map(held)).collect()
+    }
+
+    /// Forces per volume and velocities must not point across a plane of symmetry there.
+    ///
+    /// # Errors
+    /// With the load, the plane and the value.
+    pub(super) fn check_symmetric(&self, body: &Body) -> Result<()> {
+        for plane in &body.planes {
+            self.check_across("gravity", &self.config.gravity, plane, body)?;
+            for load in &self.config.body_force {
+                self.check_across("[[body_force]]: force", &load.force, plane, body)?;
+            }
+            for (part, own) in self.parts.iter().zip(&body.parts) {
+                let is_cut = plane.vertices().iter().any(|v| own.vertices.contains(v));
+                let v = part.config.velocity[plane.axis];
+                ensure!(
+                    !is_cut || v == 0.0,
+                    "{}: the velocity of \"{}\" is {v} m/s along {}, across the plane {}; its mirror \
+                     image would part from it: expected 0",
+                    plane.title(),
+                    part.config.name,
+                    AXES[plane.axis],
+                    plane.equation()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn check_across(&self, name: &str, field: &Field, plane: &Plane, body: &Body) -> Result<()> {
+        // the full load first, for the message
+        for t in self.config.moments().into_iter().rev() {
+            for &v in plane.vertices() {
+                let (p, axis) = (body.mesh.vertices[v], AXES[plane.axis]);
+                let across = field.at(p, t)[plane.axis];
+                ensure!(
+                    across == 0.0,
+                    "{}: {name} is {across:.3e} along {axis} at ({:.5}, {:.5}, {:.5}) m and t = {t}, \
+                     across the plane {}; expected 0 there, as its mirror image points the other way: \
+                     simulate the whole body (solver mirror), or turn the load",
+                    plane.title(),
+                    p.x,
+                    p.y,
+                    p.z,
+                    plane.equation()
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How an obstacle was completed in a plane: what is on the other side from the obstacle in the
+/// file moves as its mirror image.
+#[derive(Clone, Copy)]
+pub(super) struct MirroredObstacle {
+    axis: usize,
+    level: f64,
+    /// Side of the obstacle in the file: 1 above the level, −1 below.
+    side: f64,
+}
+
+impl MirroredObstacle {
+    /// Mirrors the motion of a place if it is on the other side [m].
+    pub fn turn(&self, place: Vec3, motion: &mut Vec3) {
+        if self.side * (place[self.axis] - self.level) < 0.0 {
+            motion[self.axis] = -motion[self.axis];
+        }
+    }
+}
+
+impl Scene {
+    /// The whole of an obstacle: with its mirror image in each plane of symmetry on one side of
+    /// which it lies. An obstacle that is on both sides must be its own image.
+    ///
+    /// # Errors
+    /// With numbers where it is not.
+    pub(super) fn complete(
+        &self,
+        mut surface: SurfaceMesh,
+        config: &ObstacleConfig,
+        body: &Body,
+    ) -> Result<(SurfaceMesh, Vec<MirroredObstacle>)> {
+        let mut mirrored = Vec::new();
+        for plane in &body.planes {
+            let near = ROUNDING * mesh::measure::diagonal(&surface.vertices);
+            let heights = surface.vertices.iter().map(|x| x[plane.axis] - plane.level);
+            let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
+            if low >= -near || high <= near {
+                mirrored.push(MirroredObstacle {
+                    axis: plane.axis,
+                    level: plane.level,
+                    side: if high > near { 1.0 } else { -1.0 },
+                });
+                mirror_surface(&mut surface, plane, near);
+            } else {
+                self.check_own_image(&surface, config, plane, near)?;
+            }
+        }
+        Ok((surface, mirrored))
+    }
+
+    fn check_own_image(
+        &self,
+        surface: &SurfaceMesh,
+        config: &ObstacleConfig,
+        plane: &Plane,
+        near: f64,
+    ) -> Result<()> {
+        let bvh = SurfaceBvh::new(surface);
+        let off = |x: &Vec3| bvh.closest(&plane.mirror(*x)).distance;
+        let worst = surface.vertices.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+        if let Some(x) = worst {
+            ensure!(
+                off(x) <= near,
+                "[[obstacle]] \"{}\": it is on both sides of the plane of symmetry {}, but not its own \
+                 mirror image: that of ({:.5}, {:.5}, {:.5}) m is {:.3e} m off it; expected {near:.1e} m \
+                 at most: cut the obstacle at the plane, or make it symmetric",
+                config.name,
+                plane.equation(),
+                x.x,
+                x.y,
+                x.z,
+                off(x)
+            );
+        }
+        for t in self.config.moments().into_iter().rev() {
+            let across = config.displacement.at(Vec3::zeros(), t)[plane.axis];
+            ensure!(
+                across == 0.0,
+                "[[obstacle]] \"{}\": it is on both sides of the plane of symmetry {} and moves by \
+                 {across:.3e} m along {} at t = {t}; expected 0: cut the obstacle at the plane",
+                config.name,
+                plane.equation(),
+                AXES[plane.axis]
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Adds the mirror image of a surface; vertices in the plane are shared.
+fn mirror_surface(surface: &mut SurfaceMesh, plane: &Plane, near: f64) {
+    let own = surface.vertices.len();
+    let mut image: Vec<usize> = (0..own).collect();
+    for (v, image) in image.iter_mut().enumerate() {
+        let x = surface.vertices[v];
+        if plane.height(&x).abs() > near {
+            *image = surface.vertices.len();
+            surface.vertices.push(plane.mirror(x));
+        }
+    }
+    for t in 0..surface.triangles.len() {
+        let [a, b, c] = surface.triangles[t].map(|v| image[v]);
+        surface.triangles.push([b, a, c]);
+    }
+}

@@ -1,0 +1,140 @@
+//! Numbers that change together.
+
+use anyhow::Result;
+use scene::Scene;
+use scene::config::is_pressure;
+
+use super::{Number, Swept, Walls};
+
+/// How the numbers of a group change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Each has the value.
+    Value,
+    /// All are multiplied by one factor, 1 at first.
+    Factor,
+    /// One number is added to all, 0 at first.
+    Offset,
+}
+
+/// Numbers that change together by one.
+#[derive(Clone)]
+pub struct Group {
+    /// Those of a scene.
+    pub numbers: Vec<Number>,
+    /// How.
+    pub change: Change,
+}
+
+impl Group {
+    /// All parameters that are stresses, of all laws or of those of a body or volume, by one factor.
+    #[must_use]
+    pub fn modulus(scene: &Scene, on: Option<&str>) -> Self {
+        Self::factor(scene, "material", |number| {
+            let law = &scene.laws[number.owner()];
+            number.unit == "Pa" && on.is_none_or(|on| scene.is_law_of(law, on))
+        })
+    }
+
+    /// The density of all bodies, or of a body or volume, by one factor.
+    #[must_use]
+    pub fn density(scene: &Scene, on: Option<&str>) -> Self {
+        Self::factor(scene, "density", |number| {
+            on.is_none_or(|on| scene.is_law_of(&scene.laws[number.owner()], on))
+        })
+    }
+
+    /// The thickness of all sheets, or of those on a tag, by one factor: their forces are in
+    /// proportion to it as they are to their modulus.
+    #[must_use]
+    pub fn membrane(scene: &Scene, on: Option<&str>) -> Self {
+        Self::factor(scene, "membrane", |number| {
+            let own = on.is_none_or(|on| scene.membranes[number.owner()].config.on == on);
+            own && number.path.ends_with(".thickness")
+        })
+    }
+
+    /// All parameters of one of the laws that are stresses, by one factor.
+    #[must_use]
+    pub fn modulus_of(scene: &Scene, law: usize) -> Self {
+        let own = |number: &Number| number.unit == "Pa" && number.owner() == law;
+        Self::factor(scene, "material", own)
+    }
+
+    /// The coefficient of friction, by a factor.
+    #[must_use]
+    pub fn friction(scene: &Scene) -> Self {
+        Self::factor(scene, "contact", |_| true)
+    }
+
+    /// The pressure or fill of all chambers, or of that with a tag, by one offset.
+    #[must_use]
+    pub fn pressure(scene: &Scene, on: Option<&str>) -> Self {
+        let chamber = |number: &Number| &scene.config.chamber[number.owner()];
+        let numbers = Number::all(scene).into_iter().filter(|number| {
+            number.word() == "chamber"
+                && is_pressure(chamber(number).gas.key())
+                && on.is_none_or(|on| chamber(number).on == on)
+        });
+        Self { numbers: numbers.collect(), change: Change::Offset }
+    }
+
+    /// The number with a path; nothing where the scene does not have it.
+    #[must_use]
+    pub fn of_path(scene: &Scene, path: &str) -> Self {
+        let numbers = Number::all(scene).into_iter().filter(|number| number.path == path);
+        Self { numbers: numbers.collect(), change: Change::Value }
+    }
+
+    fn factor(scene: &Scene, word: &str, wanted: impl Fn(&Number) -> bool) -> Self {
+        let numbers = Number::all(scene).into_iter();
+        let numbers = numbers.filter(|number| number.word() == word && wanted(number)).collect();
+        Self { numbers, change: Change::Factor }
+    }
+
+    /// Unit of what they change by, and what it is in the scene as it was read.
+    #[must_use]
+    pub fn start(&self, scene: &Scene) -> Option<(&'static str, f64)> {
+        let first = self.numbers.first()?;
+        Some(match self.change {
+            Change::Value => (first.unit, first.value(scene)),
+            Change::Factor => ("1", 1.0),
+            Change::Offset => (first.unit, 0.0),
+        })
+    }
+
+    /// Changes them in a scene as it was read.
+    ///
+    /// # Errors
+    /// When the scene does not admit what they become.
+    pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, by: f64) -> Result<()> {
+        for number in &self.numbers {
+            let value = match self.change {
+                Change::Value => by,
+                Change::Factor => by * number.value(scene),
+                Change::Offset => number.value(scene) + by,
+            };
+            number.set(scene, walls, value)?;
+        }
+        self.numbers.iter().try_for_each(|number| number.check(scene))
+    }
+
+    /// The derivative of a result by what they change by, in a scene where it is `by`.
+    #[must_use]
+    pub fn derivative(&self, swept: &Swept, by: f64) -> f64 {
+        let each = self.numbers.iter();
+        match self.change {
+            Change::Value | Change::Offset => each.map(|n| n.derivative(swept)).sum(),
+            Change::Factor => {
+                each.map(|n| n.value(swept.scene) * n.derivative(swept)).sum::<f64>() / by
+            }
+        }
+    }
+}
+
+impl From<Number> for Group {
+    /// The number alone, with its value.
+    fn from(number: Number) -> Self {
+        Self { numbers: vec![number], change: Change::Value }
+    }
+}

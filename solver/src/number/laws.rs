@@ -1,0 +1,142 @@
+//! Numbers of materials: of volumes, and of sheets.
+
+use anyhow::{Result, ensure};
+use mechanics::energy::ParameterId;
+use mechanics::material::Law;
+use scene::SceneLaw;
+
+use super::{Entry, Kind, Swept, any};
+
+pub(super) const MATERIAL: Kind = Kind {
+    path: "material.BODY.PARAMETER",
+    meaning: "a parameter of the law of a body or volume, as `solver list` names it; of a list, \
+              with its place, as in material.body.mu.1",
+    list: |scene| {
+        let one = |(i, law): (usize, &SceneLaw)| {
+            let (name, material) = (scene.law_name(law), &law.material);
+            parameters(material.law, &material.values)
+                .into_iter()
+                .enumerate()
+                .map(move |(k, (parameter, unit))| (format!("{name}.{parameter}"), unit, [i, k]))
+        };
+        scene.laws.iter().enumerate().flat_map(one).collect()
+    },
+    value: |scene, [law, k]| scene.laws[law].material.values[k],
+    set: |scene, _, [law, k], value| {
+        scene.laws[law].material.values[k] = value;
+        Ok(())
+    },
+    check: |scene, [law, _]| {
+        let material = &scene.laws[law].material;
+        Ok(material.law.check(&material.values)?)
+    },
+    derivative: |swept, [law, k]| total(swept, ParameterId::Material(law), k),
+    scale: None,
+};
+
+pub(super) const DENSITY: Kind = Kind {
+    path: "density.BODY",
+    meaning: "the density of a body or volume, where it is known",
+    list: |scene| {
+        let known = scene.laws.iter().enumerate();
+        let known = known.filter(|(_, law)| law.material.density.is_some());
+        known.map(|(i, law)| (scene.law_name(law), "kg/m³", [i, 0])).collect()
+    },
+    value: |scene, [law, _]| scene.laws[law].material.density.unwrap_or(0.0),
+    set: |scene, _, [law, _], value| {
+        scene.laws[law].material.density = Some(value);
+        Ok(())
+    },
+    check: |scene, place| positive("a density", (DENSITY.value)(scene, place)),
+    derivative: |swept, [law, _]| {
+        let of = |id| total(swept, id, 0);
+        of(ParameterId::Weight(law)) + of(ParameterId::Density(law))
+    },
+    scale: None,
+};
+
+pub(super) const RELAXATION: Kind = Kind {
+    path: "relaxation.N.overstress or .time",
+    meaning: "a number of the N-th [[relaxation]], counted from 1",
+    list: |scene| {
+        let one = |table: usize| -> [Entry; 2] {
+            let name = |key: &str| format!("{}.{key}", table + 1);
+            [(name("overstress"), "1", [table, 0]), (name("time"), "s", [table, 1])]
+        };
+        (0..scene.config.relaxation.len()).flat_map(one).collect()
+    },
+    value: |scene, [table, k]| {
+        let table = &scene.config.relaxation[table];
+        [table.overstress, table.time][k]
+    },
+    set: |scene, _, [table, k], value| {
+        let table = &mut scene.config.relaxation[table];
+        *[&mut table.overstress, &mut table.time][k] = value;
+        scene.config.check_relaxation()?;
+        scene.set_branches()
+    },
+    check: any,
+    derivative: |swept, [table, k]| {
+        let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
+            let place = 2 * swept.scene.branch_of(law, table)? + k;
+            swept.by.parameters.total(ParameterId::Relaxation(i)).get(place).copied()
+        };
+        swept.scene.laws.iter().enumerate().filter_map(of).sum()
+    },
+    scale: None,
+};
+
+pub(super) const MEMBRANE: Kind = Kind {
+    path: "membrane.TAG.thickness or .PARAMETER",
+    meaning: "the thickness of the sheet on a tag, or a parameter of its law",
+    list: |scene| {
+        let mut entries = Vec::new();
+        for (i, sheet) in scene.membranes.iter().enumerate() {
+            let on = &sheet.config.on;
+            entries.push((format!("{on}.thickness"), "m", [i, 0]));
+            let own =
+                parameters(sheet.material.law, &sheet.material.values).into_iter().enumerate();
+            entries.extend(own.map(|(k, (name, unit))| (format!("{on}.{name}"), unit, [i, k + 1])));
+        }
+        entries
+    },
+    value: |scene, [sheet, k]| scene.membranes[sheet].numbers()[k],
+    set: |scene, _, [sheet, k], value| {
+        let sheet = &mut scene.membranes[sheet];
+        match k {
+            0 => sheet.thickness = value,
+            _ => sheet.material.values[k - 1] = value,
+        }
+        Ok(())
+    },
+    check: |scene, [sheet, _]| {
+        let sheet = &scene.membranes[sheet];
+        positive("the thickness of a membrane", sheet.thickness)?;
+        Ok(sheet.material.law.check(&sheet.material.values)?)
+    },
+    derivative: |swept, [sheet, k]| total(swept, ParameterId::Membrane(sheet), k),
+    scale: None,
+};
+
+/// Names and units of all parameters of a law, one by one.
+fn parameters<M: ?Sized + 'static>(law: &Law<M>, values: &[f64]) -> Vec<(String, &'static str)> {
+    let mut names = Vec::new();
+    for (parameter, own) in law.named(values) {
+        let name = |i: usize| match parameter.list {
+            true => format!("{}.{}", parameter.name, i + 1),
+            false => parameter.name.to_owned(),
+        };
+        names.extend((0..own.len()).map(|i| (name(i), parameter.unit)));
+    }
+    names
+}
+
+fn positive(what: &str, value: f64) -> Result<()> {
+    ensure!(value > 0.0 && value.is_finite(), "{what} must be positive, not {value}");
+    Ok(())
+}
+
+/// The derivative by the k-th number of some terms; 0 where no term has it.
+pub(super) fn total(swept: &Swept, id: ParameterId, k: usize) -> f64 {
+    swept.by.parameters.total(id).get(k).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,133 @@
+//! Numbers of loads and of the state at the start.
+
+use anyhow::ensure;
+use mechanics::body::Body;
+use mechanics::energy::ParameterId;
+use mechanics::forward::Problem;
+use mechanics::schedule::Schedule;
+use mesh::Vec3;
+use scene::config::ChamberConfig;
+use scene::{Scene, nodes_of};
+
+use super::laws::total;
+use super::{Kind, any, nothing_added};
+
+const AXES: [&str; 3] = mechanics::symmetry::AXES;
+
+pub(super) const CHAMBER: Kind = Kind {
+    path: "chamber.TAG.KEY",
+    meaning: "what is added to the pressure, fill, volume_change or volume_factor of a chamber",
+    list: |scene| {
+        let unit = |chamber: &ChamberConfig| {
+            let rows = mechanics::energy::gas_law::GAS_LAWS.iter().flat_map(|row| row.keys);
+            let mut own = rows.filter(|key| key.name == chamber.gas.key());
+            own.next().map_or("1", |key| key.unit)
+        };
+        let chambers = scene.config.chamber.iter().enumerate();
+        chambers.map(|(i, c)| (format!("{}.{}", c.on, c.gas.key()), unit(c), [i, 0])).collect()
+    },
+    value: nothing_added,
+    set: |scene, _, [chamber, _], value| {
+        let known = scene.config.parameters.clone();
+        Ok(scene.config.chamber[chamber].gas.schedule_mut().add(value, &known)?)
+    },
+    check: any,
+    derivative: |swept, [chamber, _]| {
+        let on = &swept.scene.config.chamber[chamber].on;
+        let own = swept.problem.energies.chambers().filter(|(_, named)| named.name == *on);
+        let steps = 0..swept.by.parameters.steps();
+        let sum = |id| steps.clone().map(|n| swept.by.parameters.chamber(n, id)).sum::<f64>();
+        own.map(|(id, _)| sum(id)).sum()
+    },
+    scale: Some(|scene, [chamber, _]| largest(scene, scene.config.chamber[chamber].gas.schedule())),
+};
+
+pub(super) const FRICTION: Kind = Kind {
+    path: "contact.friction",
+    meaning: "the coefficient of friction, where there is some",
+    list: |scene| {
+        let has_some = scene.config.contact().is_some_and(|contact| contact.friction > 0.0);
+        has_some.then(|| ("friction".to_owned(), "1", [0, 0])).into_iter().collect()
+    },
+    value: |scene, _| scene.config.contact().map_or(0.0, |contact| contact.friction),
+    set: |scene, _, _, value| {
+        scene.config.contact_mut().into_iter().for_each(|contact| contact.friction = value);
+        Ok(())
+    },
+    check: |scene, place| {
+        let value = (FRICTION.value)(scene, place);
+        ensure!(value > 0.0 && value.is_finite(), "friction = {value}: must be positive");
+        Ok(())
+    },
+    derivative: |swept, _| total(swept, ParameterId::Friction, 0),
+    scale: None,
+};
+
+pub(super) const GRAVITY: Kind = Kind {
+    path: "gravity.x, .y or .z",
+    meaning: "what is added to a component of gravity",
+    list: |scene| {
+        let falls = (0..scene.laws.len()).any(|law| scene.weighs(law))
+            && scene.config.gravity.0.iter().any(|g| !g.is_zero());
+        let axes = AXES.iter().enumerate().filter(|_| falls);
+        axes.map(|(k, axis)| ((*axis).to_owned(), "m/s²", [0, k])).collect()
+    },
+    value: nothing_added,
+    set: |scene, _, [_, axis], value| {
+        let known = scene.config.parameters.clone();
+        Ok(scene.config.gravity.0[axis].add(value, &known)?)
+    },
+    check: any,
+    derivative: |swept, [_, axis]| {
+        let laws = 0..swept.scene.laws.len();
+        laws.map(|law| total(swept, ParameterId::Weight(law), 1 + axis)).sum()
+    },
+    scale: Some(|scene, _| {
+        scene.config.gravity.0.iter().map(|g| largest(scene, g)).fold(0.0, f64::max)
+    }),
+};
+
+pub(super) const VELOCITY: Kind = Kind {
+    path: "velocity.BODY.x, .y or .z",
+    meaning: "a component of the velocity of a body at t = 0, where there is inertia",
+    list: |scene| {
+        let moves = scene.config.method().has_inertia();
+        let parts = scene.parts.iter().enumerate().filter(|_| moves);
+        let one = |(i, part): (usize, &scene::ScenePart)| {
+            let name = part.config.name.clone();
+            AXES.map(|axis| format!("{name}.{axis}"))
+                .into_iter()
+                .enumerate()
+                .map(move |(k, path)| (path, "m/s", [i, k]))
+        };
+        parts.flat_map(one).collect()
+    },
+    value: |scene, [part, axis]| scene.parts[part].config.velocity[axis],
+    set: |scene, _, [part, axis], value| {
+        scene.parts[part].config.velocity[axis] = value;
+        Ok(())
+    },
+    check: any,
+    derivative: |swept, [part, axis]| {
+        velocity_vjp(swept.problem, &swept.scene.body, part, &swept.by.start.v)[axis]
+    },
+    scale: Some(|_, _| 1.0),
+};
+
+/// The largest of a number over time, without sign, at the ends of time steps.
+fn largest(scene: &Scene, schedule: &Schedule) -> f64 {
+    scene.times().iter().map(|&t| schedule.at(t).abs()).fold(0.0, f64::max)
+}
+
+/// The derivative by the velocity of a body at t = 0, from that by the velocities of all nodes:
+/// the sum over its nodes, without what supports hold.
+#[must_use]
+pub fn velocity_vjp(problem: &Problem, body: &Body, part: usize, by_nodes: &[f64]) -> [f64; 3] {
+    let mut sum = Vec3::zeros();
+    for node in nodes_of(body, part, &problem.space) {
+        for k in (0..3).filter(|k| !problem.dirichlet.fixed()[3 * node + k]) {
+            sum[k] += by_nodes[3 * node + k];
+        }
+    }
+    sum.into()
+}

@@ -1,0 +1,201 @@
+//! The numbers of a scene: what may be calibrated, uncertain, other in a scenario, and checked.
+//!
+//! One row of [`KINDS`] for each kind of number: which ones a scene has, their value, how another
+//! one is set, and the derivative of a result by it, from the adjoint sweep. A number has a path,
+//! such as `material.body.c1`, `chamber.left.pressure` or `contact.friction`. A [`Group`] has
+//! numbers that change together, as all stresses by one factor do.
+
+mod group;
+mod laws;
+mod loads;
+mod walls;
+
+use anyhow::{Result, bail};
+use mechanics::adjoint::Gradient;
+use mechanics::energy::ParameterGradients;
+use mechanics::forward::Problem;
+use mesh::Vec3;
+use program::did_you_mean;
+use scene::Scene;
+
+pub use group::{Change, Group};
+pub use loads::velocity_vjp;
+pub use walls::Walls;
+
+/// All kinds, in the order in which they are listed.
+pub const KINDS: &[Kind] = &[
+    laws::MATERIAL,
+    laws::DENSITY,
+    laws::RELAXATION,
+    laws::MEMBRANE,
+    loads::CHAMBER,
+    loads::FRICTION,
+    loads::GRAVITY,
+    loads::VELOCITY,
+    walls::WALL,
+];
+
+/// A kind of number.
+pub struct Kind {
+    /// The path; words in capitals are names of the scene.
+    pub path: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The numbers of a scene that are of this kind: rest of the path, unit and place.
+    list: fn(&Scene) -> Vec<Entry>,
+    value: fn(&Scene, Place) -> f64,
+    set: fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>,
+    /// Whether the scene admits the value that was set.
+    check: fn(&Scene, Place) -> Result<()>,
+    derivative: fn(&Swept, Place) -> f64,
+    /// What changes of it are small against, where that is not its value.
+    scale: Option<fn(&Scene, Place) -> f64>,
+}
+
+/// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
+type Place = [usize; 2];
+
+/// A number in the list of its kind: what its path has after the word of the kind, SI unit, place.
+type Entry = (String, &'static str, Place);
+
+/// The derivatives of a result by all that a run depends on.
+pub struct Swept<'a> {
+    scene: &'a Scene,
+    problem: &'a Problem,
+    by: &'a Gradient,
+    /// By the moves of surface vertices, where walls may move.
+    by_walls: Option<(&'a Walls, Vec<Vec3>)>,
+}
+
+impl<'a> Swept<'a> {
+    /// Of a scene that ran, and the problem that was solved.
+    #[must_use]
+    pub fn new(
+        scene: &'a Scene,
+        problem: &'a Problem,
+        walls: Option<&'a Walls>,
+        by: &'a Gradient,
+    ) -> Self {
+        let by_walls = walls.map(|walls| (walls, walls.pull_back(&by.rest)));
+        Self { scene, problem, by, by_walls }
+    }
+
+    /// By the numbers that the energies are made with.
+    #[must_use]
+    pub fn parameters(&self) -> &ParameterGradients {
+        &self.by.parameters
+    }
+}
+
+/// A number of a scene.
+#[derive(Clone)]
+pub struct Number {
+    /// What people call it.
+    pub path: String,
+    /// SI unit.
+    pub unit: &'static str,
+    kind: &'static Kind,
+    place: Place,
+}
+
+impl Kind {
+    /// The first word of the paths.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        self.path.split('.').next().unwrap_or_default()
+    }
+
+    /// Its numbers in a scene.
+    #[must_use]
+    pub fn numbers(&'static self, scene: &Scene) -> Vec<Number> {
+        let number = |(name, unit, place): Entry| {
+            let path = [self.word(), &name].map(str::to_owned);
+            let path = path.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
+            Number { path: path.join("."), unit, kind: self, place }
+        };
+        (self.list)(scene).into_iter().map(number).collect()
+    }
+}
+
+impl Number {
+    /// All numbers of a scene.
+    #[must_use]
+    pub fn all(scene: &Scene) -> Vec<Self> {
+        KINDS.iter().flat_map(|kind| kind.numbers(scene)).collect()
+    }
+
+    /// The number with a path.
+    ///
+    /// # Errors
+    /// When the scene has none; the message lists those that it has.
+    pub fn find(scene: &Scene, path: &str) -> Result<Self> {
+        let all = Self::all(scene);
+        if let Some(found) = all.iter().find(|number| number.path == path) {
+            return Ok(found.clone());
+        }
+        let known: Vec<&str> = all.iter().map(|number| number.path.as_str()).collect();
+        bail!(
+            "{path}: the scene has no such number{}; there are: {}",
+            did_you_mean(path, known.iter().copied()),
+            known.join(", ")
+        )
+    }
+
+    /// The word of its kind.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        self.kind.word()
+    }
+
+    /// Which of the scene's bodies, sheets or tables it belongs to.
+    #[must_use]
+    pub fn owner(&self) -> usize {
+        self.place[0]
+    }
+
+    /// Its value in a scene, in its unit; of what may be a function of time, or of a position,
+    /// what is added to it: 0.
+    #[must_use]
+    pub fn value(&self, scene: &Scene) -> f64 {
+        (self.kind.value)(scene, self.place)
+    }
+
+    /// Gives it a value. Several numbers may have to change before a scene admits them:
+    /// [`Self::check`] says whether it does.
+    ///
+    /// # Errors
+    /// When the value cannot be set.
+    pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
+        (self.kind.set)(scene, walls, self.place, value)
+    }
+
+    /// Whether the scene admits its value.
+    ///
+    /// # Errors
+    /// With the value and what is needed.
+    pub fn check(&self, scene: &Scene) -> Result<()> {
+        (self.kind.check)(scene, self.place)
+    }
+
+    /// What changes of it are small against, in its unit, where that is not its value.
+    #[must_use]
+    pub fn scale(&self, scene: &Scene) -> Option<f64> {
+        self.kind.scale.map(|scale| scale(scene, self.place))
+    }
+
+    /// The derivative of a result by it.
+    #[must_use]
+    pub fn derivative(&self, swept: &Swept) -> f64 {
+        (self.kind.derivative)(swept, self.place)
+    }
+}
+
+/// Every value is admitted.
+fn any(_: &Scene, _: Place) -> Result<()> {
+    Ok(())
+}
+
+/// What may be a function of time or of a position is changed by adding to it.
+fn nothing_added(_: &Scene, _: Place) -> f64 {
+    0.0
+}

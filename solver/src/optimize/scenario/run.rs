@@ -1,0 +1,44 @@
+//! A run of a scenario.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use mechanics::energy::Iterate;
+use mechanics::forward::{Linearization, Problem, Trajectory};
+use mesh::Vec3;
+
+/// A run and its objective.
+#[derive(Clone)]
+pub struct Run {
+    /// What was solved: the scenario with the designed loads.
+    pub problem: Arc<Problem>,
+    /// Rest vertex positions, with walls that are off [m].
+    pub rest: Vec<Vec3>,
+    /// All states.
+    pub states: Arc<Trajectory>,
+    /// Σ of the terms.
+    pub objective: f64,
+    /// Weighted value of each term, by the user's name.
+    pub terms: BTreeMap<String, f64>,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+}
+
+impl Run {
+    /// What was linearised last, with the states at whose end it was, if they are those of this run.
+    pub(super) fn linearized<'a>(
+        &self,
+        last: Option<&'a (Arc<Trajectory>, Linearization)>,
+    ) -> Option<&'a Linearization> {
+        let (states, linearization) = last?;
+        Arc::ptr_eq(states, &self.states).then_some(linearization)
+    }
+
+    /// Looks at the end of the run.
+    pub(super) fn at_end<T>(&self, look: impl FnOnce(&Iterate) -> T) -> T {
+        let Self { problem, states, rest, .. } = self;
+        let (u, load) = (states.last(), states.times[states.steps()]);
+        let step = states.step(problem, rest, states.steps());
+        look(&Iterate { step: Some(&step), ..problem.iterate(rest, &u, load) })
+    }
+}

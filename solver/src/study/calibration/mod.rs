@@ -1,0 +1,442 @@
+//! Calibration: numbers of scenes from measurements on one's own device.
+//!
+//! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
+//! The numbers minimise the sum of the squared differences over their standard uncertainties
+//! ([`least_squares`]), with derivatives by the adjoint method ([`crate::study::sensitivity`]).
+
+pub mod least_squares;
+mod sought;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use least_squares::Residuals;
+use measure::probe::Probe;
+use mechanics::forward::TimeStepper;
+use nalgebra::{DMatrix, DVector};
+use program::{Change, Changes, Keys, Settings};
+use scene::Scene;
+use scene::config::beside;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::number::{Group, Number, Swept, Walls};
+use crate::study::sensitivity::sensitivities;
+use crate::study::validation::table::{Table, unit};
+pub use sought::Sought;
+
+const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[] };
+
+/// Memory for the states of a run; others lie on disk [B].
+const STATE_MEMORY: f64 = 4e9;
+/// Two times are the same when they differ by less than this part of the last.
+const SAME: f64 = 1e-6;
+
+/// What is sought, and from what: a file in TOML.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// What is sought.
+    #[serde(default)]
+    pub number: Vec<Sought>,
+    /// From what.
+    #[serde(default)]
+    pub experiment: Vec<ExperimentConfig>,
+}
+
+/// Measurements of one probe.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentConfig {
+    /// Its name in tables and pictures.
+    pub name: String,
+    /// Its scene, relative to the file.
+    pub scene: PathBuf,
+    /// The probe of the scene that was measured.
+    pub probe: String,
+    /// Measured table (CSV), relative to the file.
+    pub measured: PathBuf,
+    /// Entries that its lines must have, by the titles of columns.
+    #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub lines: BTreeMap<String, toml::Value>,
+    /// Titles of the measured columns, with their unit: one, or several for repeated trials.
+    pub columns: Vec<String>,
+    /// Standard uncertainty of a measurement, in the unit of the columns.
+    pub uncertainty: f64,
+    /// When; without it, at the end of the scene.
+    pub time: Option<Time>,
+}
+
+/// At which t of the scene.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Time {
+    /// All lines [s].
+    At(f64),
+    /// What a column says, by its title.
+    Column(String),
+}
+
+/// Measurements of one probe, in SI.
+pub struct Experiment {
+    /// As it was written.
+    pub config: ExperimentConfig,
+    /// Index of its scene.
+    scene: usize,
+    /// Index of its probe in the scene.
+    probe: usize,
+    /// Unit of the column, and what one is in that of the probe.
+    pub unit: (String, f64),
+    /// Measurements.
+    pub points: Vec<Point>,
+}
+
+/// A measurement.
+pub struct Point {
+    /// Time step at whose end it was made, counted from 1.
+    step: usize,
+    /// t there [s].
+    pub t: f64,
+    /// In the unit of the probe.
+    pub measured: f64,
+}
+
+/// The experiments and what is sought.
+pub struct Calibration {
+    /// What is sought.
+    pub numbers: Vec<Sought>,
+    /// Unit and value of each number in the scenes.
+    pub start: Vec<(&'static str, f64)>,
+    /// From what.
+    pub experiments: Vec<Experiment>,
+    /// Their scenes, each once.
+    pub scenes: Vec<Scene>,
+    /// What was set from outside.
+    pub set: Vec<String>,
+    /// What the numbers stand for in each scene, in their order; none where it lacks them.
+    groups: Vec<Vec<Option<Group>>>,
+    /// Of each scene, where walls are moved.
+    walls: Vec<Option<Walls>>,
+}
+
+impl Calibration {
+    /// Reads a calibration with its scenes and tables.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::read_with(path, &Changes::default())
+    }
+
+    /// The same with other values; those of `scene.` are for all its scenes.
+    ///
+    /// # Errors
+    /// With the file, what was found and what is needed.
+    pub fn read_with(path: &Path, changes: &Changes) -> Result<Self> {
+        let (own, of_scenes) = changes.own_and_scene();
+        let file = Settings::read(path, &own, KEYS)?;
+        file.checked(|file| Self::of(file, path, &of_scenes))
+    }
+
+    fn of(file: &Settings, path: &Path, of_scenes: &[Change]) -> Result<Self> {
+        let config: Config = file.parse()?;
+        let context = || path.display().to_string();
+        ensure!(!config.number.is_empty(), "{}: no [[number]]; expected what is sought", context());
+        ensure!(!config.experiment.is_empty(), "{}: no [[experiment]]", context());
+        let mut paths: Vec<PathBuf> = Vec::new();
+        let mut scenes: Vec<Scene> = Vec::new();
+        let mut experiments = Vec::new();
+        for own in config.experiment {
+            let scene = beside(path, &own.scene);
+            let known = paths.iter().position(|known| *known == scene);
+            let index = known.unwrap_or(scenes.len());
+            if known.is_none() {
+                scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
+                paths.push(scene);
+            }
+            let title = format!("[[experiment]] \"{}\"", own.name);
+            let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
+            ensure!(!twice, "{}: {title} is given twice; expected names that differ", context());
+            let experiment = Experiment::read(own, path, index, &scenes[index]);
+            experiments.push(experiment.with_context(|| title).with_context(context)?);
+        }
+        let numbers = config.number;
+        let groups = scenes.iter().map(|scene| groups(&numbers, scene)).collect::<Result<Vec<_>>>();
+        let groups = groups.with_context(context)?;
+        let start = starts(&numbers, &scenes, &groups).with_context(context)?;
+        let of_scene = |(scene, groups): (&Scene, &Vec<Option<Group>>)| {
+            Walls::of(groups.iter().flatten().flat_map(|group| &group.numbers), &scene.body)
+        };
+        let walls = scenes.iter().zip(&groups).map(of_scene).collect::<Result<_>>()?;
+        let set =
+            file.changes().into_iter().chain(of_scenes.iter().map(Change::to_string)).collect();
+        Ok(Self { numbers, start, experiments, scenes, set, groups, walls })
+    }
+
+    /// The scene of the first experiment with the values of what is of the material, its density among it.
+    ///
+    /// # Errors
+    /// When the scene does not admit them.
+    pub fn material(&self, values: &[f64]) -> Result<Scene> {
+        let mut scene = self.scenes[0].clone();
+        for ((number, &value), group) in self.numbers.iter().zip(values).zip(&self.groups[0]) {
+            if let (true, Some(group)) = (number.is_of_material() || number.is_density(), group) {
+                group.apply(&mut scene, None, value)?;
+            }
+        }
+        Ok(scene)
+    }
+
+    /// Values of all measured points, experiment by experiment, in the units of the probes, and
+    /// their derivatives by the numbers; none where a scene has no equilibrium.
+    ///
+    /// # Errors
+    /// When an adjoint system has no accurate solution.
+    pub fn model(&self, values: &[f64]) -> Result<Option<(DVector<f64>, DMatrix<f64>)>> {
+        let starts: Vec<usize> = self
+            .experiments
+            .iter()
+            .scan(0, |sum, e| Some(std::mem::replace(sum, *sum + e.points.len())))
+            .collect();
+        let count = self.experiments.iter().map(|e| e.points.len()).sum();
+        let mut simulated = DVector::zeros(count);
+        let mut by = DMatrix::zeros(count, values.len());
+        for (index, nominal) in self.scenes.iter().enumerate() {
+            let walls = self.walls[index].as_ref();
+            let mut scene = nominal.clone();
+            let groups = &self.groups[index];
+            for (k, &value) in values.iter().enumerate() {
+                let Some(group) = &groups[k] else { continue };
+                if let Err(why) = group.apply(&mut scene, walls, value) {
+                    log::info!("{} = {value:.4e}: {why:#}", self.numbers[k].title());
+                    return Ok(None);
+                }
+            }
+            let own: Vec<(usize, &Experiment)> = starts
+                .iter()
+                .copied()
+                .zip(&self.experiments)
+                .filter(|(_, e)| e.scene == index)
+                .collect();
+            let Some(rows) = simulate(&scene, &own, groups, walls, values)? else {
+                return Ok(None);
+            };
+            for Row { place, value, derivatives } in rows {
+                simulated[place] = value;
+                (0..values.len()).for_each(|k| by[(place, k)] = derivatives[k]);
+            }
+        }
+        Ok(Some((simulated, by)))
+    }
+
+    /// [`Self::model`] less the measurements, over their standard uncertainties; none also
+    /// where a probe is not finite.
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub fn residuals(&self, values: &[f64]) -> Result<Option<Residuals>> {
+        let Some((simulated, mut jacobian)) = self.model(values)? else { return Ok(None) };
+        let mut r = simulated;
+        for (i, (measured, uncertainty)) in self.measurements().enumerate() {
+            r[i] = (r[i] - measured) / uncertainty;
+            jacobian.row_mut(i).scale_mut(1.0 / uncertainty);
+        }
+        if !r.iter().chain(jacobian.iter()).all(|value| value.is_finite()) {
+            return Ok(None);
+        }
+        Ok(Some(Residuals { r, jacobian }))
+    }
+
+    /// All measurements with their standard uncertainties, in the units of the probes.
+    pub fn measurements(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.experiments.iter().flat_map(|e| {
+            let uncertainty = e.config.uncertainty * e.unit.1;
+            e.points.iter().map(move |point| (point.measured, uncertainty))
+        })
+    }
+}
+
+/// What the numbers stand for in a scene.
+fn groups(numbers: &[Sought], scene: &Scene) -> Result<Vec<Option<Group>>> {
+    let one = |number: &Sought| {
+        number.group(scene).with_context(|| format!("in {}", scene.path.display()))
+    };
+    numbers.iter().map(one).collect()
+}
+
+/// Unit and value of each number, which all scenes that have it must share.
+fn starts(
+    numbers: &[Sought],
+    scenes: &[Scene],
+    groups: &[Vec<Option<Group>>],
+) -> Result<Vec<(&'static str, f64)>> {
+    if let (true, Some(number)) = (
+        numbers.iter().any(Sought::is_modulus),
+        numbers.iter().find(|number| number.is_parameter()),
+    ) {
+        bail!(
+            "modulus and {}: a factor on all stresses and a stress are not told apart; expected \
+             one of them",
+            number.title()
+        );
+    }
+    let mut found = Vec::new();
+    for (k, number) in numbers.iter().enumerate() {
+        let title = number.title();
+        ensure!(numbers[..k].iter().all(|other| other.title() != title), "{title} is given twice");
+        let of_scene = |(scene, groups): (&'_ Scene, &Vec<Option<Group>>)| {
+            Some((groups[k].as_ref()?.start(scene)?, scene.path.display().to_string()))
+        };
+        let mut of_scenes = scenes.iter().zip(groups).filter_map(of_scene);
+        let Some((start, first)) = of_scenes.next() else {
+            bail!("{title}: no scene has it; they have: {}", known(scenes));
+        };
+        for (other, path) in of_scenes {
+            ensure!(
+                other == start,
+                "{title} is {} in {first} and {} in {path}; expected one value to begin with",
+                start.1,
+                other.1
+            );
+        }
+        found.push(start);
+    }
+    Ok(found)
+}
+
+/// Paths of the numbers of all scenes.
+fn known(scenes: &[Scene]) -> String {
+    let all: BTreeSet<String> =
+        scenes.iter().flat_map(Number::all).map(|number| number.path).collect();
+    all.into_iter().collect::<Vec<_>>().join(", ")
+}
+
+impl Experiment {
+    fn read(own: ExperimentConfig, path: &Path, index: usize, scene: &Scene) -> Result<Self> {
+        ensure!(
+            own.uncertainty.is_finite() && own.uncertainty > 0.0,
+            "uncertainty = {}: expected a positive number",
+            own.uncertainty
+        );
+        let names: Vec<&str> = scene.config.probe.iter().map(|probe| probe.name()).collect();
+        let Some(probe) = names.iter().position(|name| *name == own.probe) else {
+            bail!(
+                "probe = \"{}\": the scene has no [[probe]] of this name; there are: {}",
+                own.probe,
+                if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+            );
+        };
+        let wanted = scene.config.probe[probe].kind().unit;
+        let table = Table::read(&beside(path, &own.measured), &own.lines)?;
+        let times = scene.times();
+        let (mut unit, mut points) = (None, Vec::new());
+        for title in &own.columns {
+            let own_unit = in_unit(title, wanted)?;
+            let first = unit.get_or_insert_with(|| own_unit.clone());
+            ensure!(*first == own_unit, "columns = {:?}: expected one unit", own.columns);
+            let measured = table.numbers(title)?;
+            let at = match &own.time {
+                Some(Time::Column(title)) => table.numbers(title)?,
+                Some(Time::At(t)) => vec![*t; measured.len()],
+                None => vec![times[times.len() - 1]; measured.len()],
+            };
+            for (t, measured) in at.into_iter().zip(measured) {
+                let step = step_at(t, &times)?;
+                points.push(Point { step, t: times[step - 1], measured: measured * own_unit.1 });
+            }
+        }
+        let unit = unit.context("columns = []: name a column or more")?;
+        Ok(Self { config: own, scene: index, probe, unit, points })
+    }
+}
+
+/// The unit in the title of a column, and what one is in the unit of a probe.
+fn in_unit(title: &str, wanted: &str) -> Result<(String, f64)> {
+    let own = unit(title)
+        .with_context(|| format!("the column \"{title}\" has no unit, as in \"{title} [mm]\""))?;
+    let known: &[(&str, f64)] = match wanted {
+        "m" => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6)],
+        "N" => &[("N", 1.0), ("mN", 1e-3), ("kN", 1e3)],
+        "deg" => &[("deg", 1.0), ("°", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
+        "m³" => {
+            &[("m³", 1.0), ("m3", 1.0), ("l", 1e-3), ("ml", 1e-6), ("cm3", 1e-6), ("cm³", 1e-6)]
+        }
+        "1/m" => &[("1/m", 1.0), ("1/mm", 1e3)],
+        other => bail!("a probe in {other} cannot be calibrated with"),
+    };
+    let factor = known.iter().find(|(name, _)| *name == own).map(|(_, factor)| *factor);
+    let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    let factor = factor.with_context(|| {
+        format!("\"{title}\" is in {own}, the probe in {wanted}: expected one of {}", names())
+    })?;
+    Ok((own.to_owned(), factor))
+}
+
+/// The time step that ends at t, counted from 1.
+fn step_at(t: f64, times: &[f64]) -> Result<usize> {
+    let same = |end: &f64| (end - t).abs() <= SAME * times[times.len() - 1];
+    times.iter().position(same).map(|n| n + 1).ok_or_else(|| {
+        let ends: Vec<String> = times.iter().take(12).map(|t| format!("{t}")).collect();
+        let more = if times.len() > 12 { ", …" } else { "" };
+        anyhow!(
+            "measured at t = {t} s, where no time step of the scene ends; they end at {}{more} s: \
+             set `at` or `steps` in [time]",
+            ends.join(", ")
+        )
+    })
+}
+
+/// A measured point, simulated.
+struct Row {
+    place: usize,
+    value: f64,
+    derivatives: Vec<f64>,
+}
+
+/// The measured points of one scene, where it has an equilibrium at all steps. Experiments are
+/// given with the place of their first point.
+fn simulate(
+    scene: &Scene,
+    experiments: &[(usize, &Experiment)],
+    groups: &[Option<Group>],
+    walls: Option<&Walls>,
+    values: &[f64],
+) -> Result<Option<Vec<Row>>> {
+    let (problem, mut workspace) = scene.problem(&scene.body)?;
+    let probes = scene.probes(&scene.body, &problem.space)?;
+    let integrator = scene.integrator(&scene.body, &problem);
+    let mut stepper = TimeStepper::new(scene.stepping(), integrator);
+    let (rest, times) = (&scene.body.mesh.vertices, scene.times());
+    let run = stepper.run(&problem, &mut workspace, rest, &times, STATE_MEMORY, |_| ());
+    let run = match run {
+        Ok(run) => run,
+        Err(why) => {
+            log::info!("{}: {why}", scene.path.display());
+            return Ok(None);
+        }
+    };
+    let mut rows = Vec::new();
+    for n in (1..=run.steps()).rev() {
+        let at_step = |&(first, e): &(usize, &Experiment)| {
+            let own = e.points.iter().enumerate().filter(|(_, point)| point.step == n);
+            own.map(|(i, _)| (first + i, e.probe)).collect::<Vec<_>>()
+        };
+        let wanted: Vec<(usize, usize)> = experiments.iter().flat_map(at_step).collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let own: Vec<&Probe> = wanted.iter().map(|&(_, probe)| &probes[probe]).collect();
+        let found = sensitivities(scene, (&problem, &mut workspace), (&own, &run, n))?;
+        for ((place, _), (value, by)) in wanted.into_iter().zip(found) {
+            let swept = Swept::new(scene, &problem, walls, &by);
+            let one = |(group, &value): (&Option<Group>, &f64)| {
+                group.as_ref().map_or(0.0, |group| group.derivative(&swept, value))
+            };
+            let derivatives = groups.iter().zip(values).map(one).collect();
+            rows.push(Row { place, value, derivatives });
+        }
+    }
+    Ok(Some(rows))
+}

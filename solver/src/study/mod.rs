@@ -1,0 +1,7 @@
+//! Studies of scenes: each a list of runs with other numbers.
+
+pub mod sensitivity; // derivatives of probes by numbers of a scene
+pub mod uncertainty; // what probes change by if numbers are off
+pub mod validation; // simulations beside measurements
+pub mod calibration; // numbers of scenes from measurements on a device
+pub mod as_cast; // walls of a body as it came out of its mold

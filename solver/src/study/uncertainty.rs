@@ -1,0 +1,262 @@
+//! Error bars: what probes change by if numbers of the scene are off.
+//!
+//! To first order, δq = (∂q/∂p) δp for each number p on its own. One sweep of the adjoint per
+//! probe q gives its derivatives by all p, for the run as it is:
+//!
+//! modulus    all parameters of all laws that are stresses, or of one volume, by one factor  [1]
+//! wall       the boundary, or the part with a tag, outward by a distance      [m]
+//! pressure   pressure or fill of all chambers, or of one, by a difference     [Pa]
+//! density    of all bodies, by one factor                                     [1]
+//! membrane   thickness of all sheets, or of one, by a factor                  [1]
+//! friction   its coefficient, by a factor                                     [1]
+//! a path     one number of the scene, as `solver list --numbers` explains them
+//! creep      stresses of materials that are known to creep under a held load  [1]
+//! mullins    stresses of materials that are softer after a first stretch      [1]
+//!
+//! The last two come with the material and go one way: it may be softer than its law. A scene that
+//! simulates [`relaxation`](scene::config::RelaxationConfig) of a material has no bar of its creep.
+//! The bars of the numbers that a scene states, taken as independent, together make √Σ δq².
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result};
+use measure::probe::Probe;
+use mechanics::forward::{Problem, Trajectory, Workspace};
+use scene::Scene;
+use scene::config::{Modulus, UncertaintyConfig, is_pressure};
+use serde::Serialize;
+
+use crate::number::{Change, Group, Number, Swept, Walls};
+use crate::study::sensitivity::sensitivities;
+
+/// What a probe changes by.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorBars {
+    /// As the probe is.
+    pub value: f64,
+    /// Of the value and of all changes.
+    pub unit: &'static str,
+    /// Root of the sum of squares of the bars that are not part of another.
+    pub together: f64,
+    /// One by one.
+    pub bars: Vec<ErrorBar>,
+}
+
+/// What one number does to a probe.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorBar {
+    /// `modulus`, `creep`, `mullins`, `wall`, `pressure`, `density`, `membrane`, `friction`, or the
+    /// path of a number.
+    pub of: String,
+    /// Tag of the wall, the chamber or the sheet, or volume, where it is of that alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Unit of the number.
+    pub per: &'static str,
+    /// ∂q/∂p.
+    pub derivative: f64,
+    /// How far the number is off, downward and upward.
+    pub off: [f64; 2],
+    /// What the probe changes by at these, to first order.
+    pub change: [f64; 2],
+}
+
+impl ErrorBar {
+    /// The larger of the two changes, without sign.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.change[0].abs().max(self.change[1].abs())
+    }
+}
+
+/// Numbers that may be off together.
+struct Off {
+    of: String,
+    /// Which of them, where it is a part.
+    on: Option<String>,
+    /// Downward and upward.
+    off: [f64; 2],
+    group: Group,
+}
+
+impl Off {
+    fn new(of: &str, on: Option<String>, off: [f64; 2], group: Group) -> Self {
+        Self { of: of.to_owned(), on, off, group }
+    }
+
+    /// All of them, and one by one.
+    fn each(of: &str, off: [f64; 2], all: Group, parts: Vec<(String, Group)>) -> Vec<Self> {
+        let parts = parts.into_iter().map(|(on, group)| Self::new(of, Some(on), off, group));
+        [Self::new(of, None, off, all)].into_iter().chain(parts).collect()
+    }
+
+    /// What a probe changes by.
+    fn bar(&self, scene: &Scene, swept: &Swept) -> ErrorBar {
+        let per = self.group.start(scene).map_or("1", |(unit, _)| unit);
+        let derivative = self.group.derivative(swept, 1.0);
+        let change = self.off.map(|off| derivative * off);
+        ErrorBar {
+            of: self.of.clone(),
+            on: self.on.clone(),
+            per,
+            derivative,
+            off: self.off,
+            change,
+        }
+    }
+}
+
+/// Whether a scene has all numbers that it says may be off.
+///
+/// # Errors
+/// With the path of the number that it does not have.
+pub fn check(scene: &Scene) -> Result<()> {
+    let Some(config) = &scene.config.uncertainty else { return Ok(()) };
+    let context = || scene.path.display().to_string();
+    numbers(scene, config).map(drop).with_context(context)
+}
+
+/// Error bars of all probes at the end of a run, by their names.
+///
+/// # Errors
+/// When the scene does not have a number, or the adjoint system has no accurate solution.
+pub fn error_bars(
+    scene: &Scene,
+    config: &UncertaintyConfig,
+    (problem, workspace): (&Problem, &mut Workspace),
+    probes: &[Probe],
+    run: &Trajectory,
+) -> Result<BTreeMap<String, ErrorBars>> {
+    let all = numbers(scene, config)?;
+    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), &scene.body)?;
+    let each: Vec<&Probe> = probes.iter().collect();
+    let found = sensitivities(scene, (problem, workspace), (&each, run, run.steps()))?;
+    let mut bars_of = BTreeMap::new();
+    for (probe, (value, by)) in probes.iter().zip(found) {
+        let swept = Swept::new(scene, problem, walls.as_ref(), &by);
+        let bars: Vec<ErrorBar> = all.iter().map(|off| off.bar(scene, &swept)).collect();
+        let whole = bars.iter().filter(|bar| bar.on.is_none());
+        let together = whole.map(|bar| bar.size().powi(2)).sum::<f64>().sqrt();
+        let unit = probe.kind.unit;
+        bars_of.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
+    }
+    Ok(bars_of)
+}
+
+/// What may be off, as the scene says it and its materials are known.
+fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
+    let both = |off: f64| [-off, off];
+    let mut all = Vec::new();
+    if let Some(modulus) = &config.modulus {
+        let off = match modulus {
+            Modulus::Part(part) => both(*part),
+            Modulus::Sources(_) => range_of_sources(scene),
+        };
+        all.extend(Off::each("modulus", off, Group::modulus(scene, None), by_volume(scene)));
+    }
+    all.extend(["creep", "mullins"].into_iter().flat_map(|of| softening(scene, of)));
+    if let Some(off) = config.pressure {
+        let chambers = scene.config.chamber.iter().filter(|c| is_pressure(c.gas.key()));
+        let each = chambers.map(|c| (c.on.clone(), Group::pressure(scene, Some(&c.on))));
+        let (whole, each) = (Group::pressure(scene, None), if_several(each.collect()));
+        all.extend(Off::each("pressure", both(off), whole, each));
+    }
+    if let Some(off) = config.density {
+        all.push(Off::new("density", None, both(off), Group::density(scene, None)));
+    }
+    if let Some(off) = config.membrane {
+        let tags = scene.membranes.iter().map(|sheet| &sheet.config.on);
+        let each = tags.map(|on| (on.clone(), Group::membrane(scene, Some(on))));
+        let (whole, each) = (Group::membrane(scene, None), if_several(each.collect()));
+        all.extend(Off::each("membrane", both(off), whole, each));
+    }
+    if let Some(off) = config.friction {
+        all.push(Off::new("friction", None, both(off), Group::friction(scene)));
+    }
+    for (path, &off) in &config.numbers {
+        let number = Number::find(scene, path).context("[uncertainty.numbers]")?;
+        all.push(Off::new(path, None, both(off), number.into()));
+    }
+    if let Some(off) = config.wall {
+        let tags = scene.body.used_tags();
+        let each = tags.map(|tag| (tag.clone(), Group::of_path(scene, &format!("wall.{tag}"))));
+        let whole = Group::of_path(scene, "wall");
+        all.extend(Off::each("wall", both(off), whole, each.collect()));
+    }
+    Ok(all)
+}
+
+/// One part is the whole.
+fn if_several(parts: Vec<(String, Group)>) -> Vec<(String, Group)> {
+    if parts.len() > 1 { parts } else { Vec::new() }
+}
+
+/// The stresses of each law, where volumes have laws of their own.
+fn by_volume(scene: &Scene) -> Vec<(String, Group)> {
+    let several = scene.laws.iter().any(|law| law.volume.is_some());
+    let laws = scene.laws.iter().enumerate().filter(|_| several);
+    laws.map(|(i, law)| (scene.law_name(law), Group::modulus_of(scene, i))).collect()
+}
+
+/// What materials are softer by than their laws: all that are, by the most of them, and, where
+/// volumes have laws of their own, each.
+fn softening(scene: &Scene, of: &str) -> Vec<Off> {
+    let (mut parts, mut whole) = (Vec::new(), Vec::new());
+    let mut most = f64::INFINITY;
+    for (i, law) in scene.laws.iter().enumerate() {
+        let mut changes = law.material.softening.changes();
+        let Some((_, off)) = changes.find(|(known, _)| *known == of) else { continue };
+        if of == "creep" && !law.branches.is_empty() {
+            continue;
+        }
+        most = most.min(off);
+        let group = Group::modulus_of(scene, i);
+        whole.extend(group.numbers.iter().cloned());
+        if law.volume.is_some() {
+            parts.push(Off::new(of, Some(scene.law_name(law)), [off, 0.0], group));
+        }
+    }
+    if whole.is_empty() {
+        return Vec::new();
+    }
+    let whole = Group { numbers: whole, change: Change::Factor };
+    [Off::new(of, None, [most, 0.0], whole)].into_iter().chain(parts).collect()
+}
+
+/// From the least to the largest shear modulus of all sources, over that of the scene, less 1;
+/// the widest of several silicones.
+fn range_of_sources(scene: &Scene) -> [f64; 2] {
+    let mut off = [0.0_f64; 2];
+    for named in scene.laws.iter().filter_map(|law| law.config.silicone()) {
+        let [low, high] = named.silicone.entry.shear_moduli();
+        let own = named.fit.entry.shear_modulus;
+        off = [off[0].min(low / own - 1.0), off[1].max(high / own - 1.0)];
+    }
+    off
+}
+
+/// The bars in lines of text, the largest first, for each probe.
+#[must_use]
+pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (name, ErrorBars { value, unit, together, bars }) in bars {
+        lines.push(format!("{name} {value:.3e} {unit}, together ± {together:.1e} {unit}"));
+        let mut sorted: Vec<&ErrorBar> = bars.iter().collect();
+        sorted.sort_by(|a, b| b.size().total_cmp(&a.size()));
+        for bar in sorted {
+            let on = bar.on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
+            let (factor, shown) = match bar.per {
+                "1" => (100.0, "%"),
+                "m" => (1e3, "mm"),
+                other => (1.0, other),
+            };
+            let [low, high] = bar.off.map(|off| factor * off);
+            let [down, up] = bar.change;
+            let of = &bar.of;
+            lines.push(format!(
+                "  {of}{on} {low:+.2}, {high:+.2} {shown}: {down:+.1e}, {up:+.1e} {unit}"
+            ));
+        }
+    }
+    lines
+}

@@ -1,0 +1,172 @@
+//! The numbers of a scene: derivatives of each, and what may be said of them by their paths.
+
+use std::collections::BTreeSet;
+
+use mechanics::forward::TimeStepper;
+use scene::Scene;
+use solver::number::{KINDS, Number, Swept, Walls};
+use solver::study::sensitivity::sensitivities;
+use tests::chamber;
+use tests::workdir::{Workdir, repository};
+
+/// Motion of a viscous body that falls, with a sheet.
+const MORE: &str = r#"
+[[relaxation]]
+overstress = 0.5
+time = 0.01
+
+[[membrane]]
+on = "top"
+thickness = 1e-4
+material = { kind = "sheet", young = 1e6, poisson = 0.3 }
+
+[time]
+end = 0.02
+steps = 2
+
+[solver]
+relative_tolerance = 1e-13
+absolute_tolerance = 1e-12
+"#;
+
+/// A scene with numbers of all kinds except friction, in a folder of its own.
+fn workdir(more: &str) -> Workdir {
+    let dir = chamber::workdir();
+    let sim = chamber::SIM.replace("degree = 2", "degree = 1\ngravity = [0, 0, -9.81]");
+    let sim = sim.replace("d1 = 1e6", "d1 = 1e6\ndensity = 1070");
+    dir.write("sim.toml", &(sim + chamber::PROBES + MORE + more));
+    dir
+}
+
+/// The height of the top at the end, with its derivatives by all numbers.
+fn top(scene: &Scene) -> (f64, Vec<f64>) {
+    let (problem, mut workspace) = scene.problem(&scene.body).unwrap();
+    let probes = scene.probes(&scene.body, &problem.space).unwrap();
+    let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
+    let (rest, times) = (&scene.body.mesh.vertices, scene.times());
+    let run = stepper.run(&problem, &mut workspace, rest, &times, 1e9, |_| ()).unwrap();
+    let on = (&[&probes[0]][..], &run, run.steps());
+    let found = sensitivities(scene, (&problem, &mut workspace), on).unwrap();
+    let (value, by) = &found[0];
+    let walls = Walls::new(&scene.body).unwrap();
+    let swept = Swept::new(scene, &problem, Some(&walls), by);
+    let all = Number::all(scene);
+    (*value, all.iter().map(|number| number.derivative(&swept)).collect())
+}
+
+/// Central differences: the remainder is of second order in the step.
+#[test]
+fn every_number_has_its_derivative() {
+    let scene = Scene::read(&workdir("").path("sim.toml")).unwrap();
+    let all = Number::all(&scene);
+    let (_, derivatives) = top(&scene);
+    let walls = Walls::new(&scene.body).unwrap();
+    let mut words = BTreeSet::new();
+    for (number, slope) in all.iter().zip(derivatives) {
+        let value = number.value(&scene);
+        let size = number.scale(&scene).unwrap_or(if value == 0.0 { 1e-3 } else { value });
+        let moved = |part: f64| {
+            let mut other = scene.clone();
+            number.set(&mut other, Some(&walls), value + part * size).unwrap();
+            number.check(&other).unwrap();
+            top(&other).0
+        };
+        let step = 1e-3;
+        let difference = (moved(step) - moved(-step)) / (2.0 * step * size);
+        let scale = slope.abs().max(1e-9 / size);
+        assert!((difference - slope).abs() < 1e-4 * scale, "{}: {difference} {slope}", number.path);
+        assert!(number.unit != "1" || slope != 0.0, "{} moves the top", number.path);
+        words.insert(number.word());
+    }
+    let known: BTreeSet<&str> = KINDS.iter().map(|kind| kind.word()).collect();
+    assert_eq!(known.difference(&words).collect::<Vec<_>>(), [&"contact"]);
+}
+
+#[test]
+fn error_bars_of_a_path_are_derivatives_times_what_it_is_off() {
+    let dir = workdir(
+        "[uncertainty]\nmodulus = 0.1\nnumbers = { \"material.body.c1\" = 1e3, \"wall.top\" = 1e-4 }\n",
+    );
+    dir.solver("simulate sim.toml -o out").assert_good();
+    let bars = dir.json("out/report.json")["error_bars"]["top"]["bars"].clone();
+    let of = |path: &str| {
+        let mut own = bars.as_array().unwrap().iter();
+        own.find(|bar| bar["of"] == path).unwrap_or_else(|| panic!("{path}: {bars}")).clone()
+    };
+    let (_, derivatives) = top(&Scene::read(&dir.path("sim.toml")).unwrap());
+    let all = Number::all(&Scene::read(&dir.path("sim.toml")).unwrap());
+    for (path, unit, off) in [("material.body.c1", "Pa", 1e3), ("wall.top", "m", 1e-4)] {
+        let bar = of(path);
+        let place = all.iter().position(|number| number.path == path).unwrap();
+        let change = bar["change"][1].as_f64().unwrap();
+        assert!((change / (off * derivatives[place]) - 1.0).abs() < 1e-9, "{bar}");
+        assert_eq!(bar["per"], unit);
+    }
+}
+
+#[test]
+fn a_scenario_by_paths_is_the_scene_with_these_numbers() {
+    let dir = chamber::workdir();
+    let at_start = |design: &str| {
+        dir.write("design.toml", design);
+        dir.solver("-q optimize design.toml -o out --restart").assert_good();
+        let history = dir.text("out/history.jsonl");
+        let line: serde_json::Value =
+            serde_json::from_str(history.lines().next().unwrap()).unwrap();
+        line["objective"].as_f64().unwrap()
+    };
+    let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
+    let numbers = "{ \"material.body.c1\" = 60e3, \"chamber.cavity.pressure\" = 500 }";
+    let scenario = format!("\n[[scenario]]\nname = \"other\"\nnumbers = {numbers}\n");
+    let found = at_start(&(design.clone() + &scenario));
+    let scene = dir.text("p1.toml");
+    dir.write("p1.toml", &scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3"));
+    let expected = at_start(&design);
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+}
+
+/// Of a design whose variables are numbers of the material and a pressure: the wanted ones are found.
+#[test]
+fn numbers_are_designed_by_their_paths() {
+    let dir = chamber::workdir();
+    let scene = chamber::SIM.replace("degree = 2", "degree = 1") + chamber::PROBES;
+    let tight = "[solver]\nrelative_tolerance = 1e-12\n";
+    dir.write("wanted.toml", &(scene.replace("c1 = 55e3", "c1 = 50e3") + tight));
+    dir.solver("-q simulate wanted.toml -o wanted").assert_good();
+    let wanted = dir.json("wanted/report.json")["probes"]["air"]["value"].as_f64().unwrap();
+    dir.write("sim.toml", &(scene + tight));
+    let design = format!(
+        "scene = \"sim.toml\"\n[optimizer]\niterations = 8\nfirst_step = 1.0\n\
+         [[parameter]]\nname = \"material.body.c1\"\nbounds = [40e3, 70e3]\n\
+         [[objective]]\nkind = \"probe\"\nname = \"air\"\nweight = 1\nprobe = \"air\"\n\
+         scale = 1e-7\ntarget = {wanted:e}\n"
+    );
+    dir.write("design.toml", &design);
+    dir.solver("check design.toml --steps 4 --random 1").assert_good();
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let lines = dir.text("out/history.jsonl");
+    let last: serde_json::Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+    let found = last["parameters"]["material.body.c1"].as_f64().unwrap();
+    assert!((found / 50e3 - 1.0).abs() < 1e-3, "{found}");
+    let twice = design.replace("material.body.c1", "velocity.body.x");
+    dir.write("design.toml", &twice);
+    dir.solver("optimize design.toml -o other").assert_refused(2, &["velocity.body.x"]);
+}
+
+#[test]
+fn a_path_that_is_none_is_refused_with_those_there_are() {
+    let dir = workdir("[uncertainty]\nnumbers = { \"material.body.c7\" = 1.0 }\n");
+    dir.solver("simulate sim.toml -o out").assert_refused(
+        2,
+        &["material.body.c7", "did you mean `material.body.c1`", "membrane.top.thickness"],
+    );
+}
+
+/// The table in the book is made from the rows.
+#[test]
+fn the_book_has_all_kinds() {
+    let row = |kind: &solver::number::Kind| format!("| `{}` | {} |\n", kind.path, kind.meaning);
+    let rows: String = KINDS.iter().map(row).collect();
+    let chapter = std::fs::read_to_string(repository().join("pipelines/book/numbers.md")).unwrap();
+    assert!(chapter.contains(&rows), "expected in pipelines/book/numbers.md:\n{rows}");
+}
