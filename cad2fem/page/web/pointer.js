@@ -21,10 +21,12 @@ export function drawn(name, attributes, text) {
   return made;
 }
 
-/** A label with a halo beside a point; on the left of it where there is no room on the right. */
+/** A label with a halo beside a point; on the left of it where there is no room on the right, else above it. */
 export function label(stage, x, y, text) {
-  const fits = x + 16 + 7.5 * text.length < stage.canvas.clientWidth;
-  return drawn('text', { x: fits ? x + 10 : x - 10, y: y - 8, class: 'label', 'text-anchor': fits ? 'start' : 'end' }, text);
+  const [wide, all] = [16 + 7.5 * text.length, stage.canvas.clientWidth];
+  if (x + wide < all) return drawn('text', { x: x + 10, y: y - 8, class: 'label' }, text);
+  if (x > wide) return drawn('text', { x: x - 10, y: y - 8, class: 'label', 'text-anchor': 'end' }, text);
+  return drawn('text', { x: all / 2, y: y - 14, class: 'label', 'text-anchor': 'middle' }, text);
 }
 
 export class Pointer {
