@@ -16,14 +16,14 @@ const HOSTILE: &str = "\"'><img src=x onerror=alert(1)>\n[[tag]]</script>";
 /// What a person would write by hand for the bar.
 const BY_HAND: &str = r#"
 [[tag]]
-name = "seat"
+name = "fixed"
 plane = { point = [0.0399, 0, 0], normal = [1, 0, 0] }
 
 [[tag]]
 name = "cavity"
 box = { min = [0.005, 0.001, 0.001], max = [0.0399, 0.019, 0.019] }
 pressure = true
-rim = "seat"
+rim = "fixed"
 
 [[tag]]
 name = "far end"
@@ -109,7 +109,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
 
     // the open end, and the channel behind it with all its walls
     press(&mut browser, "side");
-    press(&mut browser, "+ seat");
+    press(&mut browser, "+ fixed");
     let seat = face_at(&mut browser, [40.0, 10.0, 10.0]);
     let place = seen(&mut browser, seat);
     browser.click(place);
@@ -168,7 +168,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     }
     let text = fs::read_to_string(&file).unwrap();
     assert_eq!(json!(text), browser.evaluate("window.puffer.toml()"));
-    assert!(text.contains("# 5 faces") && text.contains("rim = \"seat\""), "{text}");
+    assert!(text.contains("# 5 faces") && text.contains("rim = \"fixed\""), "{text}");
     assert_eq!(browser.complaints(), [""; 0]);
     assert_eq!(browser.requests().iter().filter(|url| !url.starts_with("blob:")).count(), 2);
 

@@ -6,8 +6,8 @@ import { NONE } from 'pick/tags';
 
 const AXES = ['x', 'y', 'z'];
 
-/** Names that most bodies need; a chamber is the wall of an air space. */
-const USUAL = [['seat', 'what is held', {}], ['cavity', 'the wall of a chamber', { chamber: true }], ['tip', 'the free end', {}], ['skin', 'the outside', {}]];
+/** Names that most bodies need, as `cad2fem new` writes them into sim.toml; a chamber is the wall of an air space. */
+const USUAL = [['fixed', 'what is held', {}], ['cavity', 'the wall of a chamber', { chamber: true }], ['tip', 'the free end', {}], ['skin', 'the outside', {}]];
 
 const number = (value) => String(Number(value.toPrecision(4))).replace('-', '−');
 
@@ -198,7 +198,7 @@ export class Panel {
         if (lids.length > 0) this.on.turn(lids[0]);
         this.through.input.checked || this.through.input.click();
         const open = lids.filter((lid) => this.tags.of[lid] === NONE && this.tags.faces[lid].file);
-        if (open.length > 0) this.tags.add('seat', { faces: open });
+        if (open.length > 0) this.tags.add('fixed', { faces: open });
         this.add('cavity', { chamber: true, faces, joined: open.length > 0 });
       });
       made.title = title;
@@ -209,13 +209,13 @@ export class Panel {
     }
     for (const { volume, faces, lid } of pockets) {
       const name = this.tags.faces[lid].name;
-      const title = `${count(faces.length, 'face')} as cavity, and ${name}, in which it opens, as seat`;
-      this.found.append(line(`Chamber of ${number(volume / 1000)} mL, open in ${name}`, faces, chamber('cavity + seat', title, faces, [lid])));
+      const title = `${count(faces.length, 'face')} as cavity, and ${name}, in which it opens, as fixed`;
+      this.found.append(line(`Chamber of ${number(volume / 1000)} mL, open in ${name}`, faces, chamber('cavity + fixed', title, faces, [lid])));
     }
     for (const { axis, at, faces } of sides) {
       const area = areaText(faces.reduce((sum, face) => sum + this.tags.faces[face].area, 0));
       const plane = at === 0 ? [take('cut', 'a plane of symmetry: only half of the body is here', {}, faces)] : [];
-      this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('seat', 'what is held', {}, faces), ...plane));
+      this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('fixed', 'what is held', {}, faces), ...plane));
     }
     for (const { axis, at, partners } of mirrors) {
       const both = check(`a click takes the mirror image, too`, false, (on) => {
