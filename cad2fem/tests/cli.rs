@@ -91,6 +91,10 @@ fn regions_name_single_cavities() {
     dir.run(&["model", "model.toml", "-o", "out"]).fails(1, "region \"two\" is empty");
     dir.write("model.toml", &named("'ball'"));
     dir.run(&["model", "model.toml", "-o", "out"]).fails(2, "no body \"ball\" in [[cavity]]");
+    let walls = named("true").replace("cavity = true }, {", "primitives = ['side'] }, {");
+    dir.write("model.toml", &walls);
+    let words = "\"side\" is in [[cavity]], and its walls are cavity = \"side\"";
+    dir.run(&["model", "model.toml", "-o", "out"]).fails(2, words);
 }
 
 #[test]

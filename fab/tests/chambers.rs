@@ -209,9 +209,15 @@ fn another_method_is_chosen_where_cores_would_lean() {
     assert!(plan.reason.contains(&format!("not pull-out: {moves}")), "{}", plan.reason);
     assert!(sheet(&open).contains(moves), "{}", sheet(&open));
     assert!(open.verify().status.success());
+    // A plan alone says the same.
+    let planned = open.plan();
+    assert!(planned.status.success(), "{}", stderr(&planned));
+    let alone = PlanReport::read(&open.path("plan")).unwrap();
+    assert_eq!((alone.method, alone.reason), (plan.method, plan.reason));
     // What was asked for is not replaced.
     open.configure(&format!("method = \"pull-out\"\n{config}"));
-    let made = open.mold();
-    assert_eq!(made.status.code(), Some(1), "{}", stderr(&made));
-    assert!(stderr(&made).contains("core1: stays is "), "{}", stderr(&made));
+    for refused in [open.mold(), open.plan()] {
+        assert_eq!(refused.status.code(), Some(1), "{}", stderr(&refused));
+        assert!(stderr(&refused).contains("core1: stays is "), "{}", stderr(&refused));
+    }
 }

@@ -227,7 +227,9 @@ fn measured(browser: &mut Chromium, dir: &Workdir, largest: f64) {
     browser.call("Input.dispatchKeyEvent", &key);
     browser.wait("window.puffer.state().ruler === null");
 
+    // the run is of the body before the design, whose walls no mold was planned for
     let marks = state(browser)["marks"].clone();
+    assert_eq!(marks.as_array().unwrap().len(), 2, "one of each simulation: {marks}");
     let report = dir.json(&format!("out/{RUN}/report.json"));
     let stretch = number(&report["stretch_range"]["largest"]);
     assert!(
@@ -315,6 +317,14 @@ fn shapes_and_mold(browser: &mut Chromium, dir: &Workdir) {
         parts.as_array().unwrap().iter().map(|p| p["name"].clone()).collect();
     names.push(json!("cast"));
     assert_eq!(shown["parts"], json!(names));
+    let wall = number(&dir.json("out/mold/plan.json")["wall"]["thickness"]);
+    assert!((0.5..10.0).contains(&wall), "{wall} mm");
+    let text = format!("thinnest wall {}", &wall.to_string()[..4]);
+    let mark = shown["marks"][0].as_str().unwrap_or_else(|| panic!("no mark: {shown}"));
+    assert!(mark.starts_with(&text), "{mark}, {text}");
+    let tile = "[...document.querySelectorAll('.tiles div')].map((t) => t.textContent).join()";
+    let tiles = browser.evaluate(tile);
+    assert!(tiles.as_str().unwrap().contains(&text.replace("wall ", "wall")), "{tiles}, {text}");
     let printed: f64 = parts.as_array().unwrap().iter().map(|p| number(&p["triangles"])).sum();
     assert!(number(&shown["triangles"]) > printed, "and the cast");
     let apart = browser.picture();
@@ -354,6 +364,53 @@ fn without_webgl(browser: &mut Chromium, page: &Path) {
         browser.evaluate("document.querySelectorAll('#history .dot').length > 0"),
         json!(true)
     );
+}
+
+/// Fingers turn, enlarge and measure: a point is where a finger came down, although it turns the body by some
+/// pixels before it is lifted.
+#[test]
+fn a_finger_measures_on_a_phone() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = chamber::workdir();
+    simulated(&dir, "alone");
+    write_page(&dir, "alone", "alone.html");
+    let mut browser = Chromium::start(program, [390, 844]);
+    browser.become_phone();
+    browser.open(&dir.path("alone.html"));
+    browser.wait("window.puffer?.state().firstPicture");
+    browser.evaluate("document.getElementById('viewer').scrollIntoView()");
+    press(&mut browser, "front");
+    let button = browser.evaluate(
+        "(() => { const b = [...document.querySelectorAll('button')].find((b) => b.textContent === 'ruler'); \
+         const r = b.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; })()",
+    );
+    browser.tap([number(&button[0]), number(&button[1])]);
+    let said = "document.getElementById('said').textContent";
+    browser.wait(&format!("{said} === 'ruler: tap the first point'"));
+    let ends = [[-0.05, 0.0], [0.05, 0.0]].map(|at| place(&mut browser, "canvas", at));
+    let measured = |browser: &mut Chromium, wobble: f64| {
+        for [x, y] in ends {
+            press(browser, "front");
+            browser.picture();
+            browser.touch(&[&[[x, y]], &[[x + 0.5 * wobble, y]], &[[x + wobble, y]]]);
+        }
+        browser.wait("window.puffer.state().ruler > 0");
+        number(&state(browser)["ruler"])
+    };
+    let steady = measured(&mut browser, 0.0);
+    for wobble in [5.0, 9.0, 12.0] {
+        let found = measured(&mut browser, wobble);
+        assert!((found - steady).abs() < 1e-3 * steady, "{wobble} px: {found}, {steady} mm");
+    }
+    // a stroke turns, two fingers enlarge: neither sets a point
+    let scale = "document.querySelector('#scale span').style.width";
+    let (before, [x, y]) = (browser.evaluate(scale), ends[0]);
+    browser.touch(&[&[[x, y]], &[[x + 30.0, y]], &[[x + 60.0, y]]]);
+    browser.touch(&[&[[x - 20.0, y], [x + 20.0, y]], &[[x - 36.0, y], [x + 36.0, y]]]);
+    browser.wait(&format!("{scale} !== '{}'", before.as_str().unwrap()));
+    let kept = number(&state(&mut browser)["ruler"]);
+    assert!((kept - steady).abs() < 1e-3 * steady, "{kept}, {steady} mm");
+    assert_eq!(browser.complaints(), [""; 0]);
 }
 
 #[test]

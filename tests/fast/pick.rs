@@ -16,14 +16,14 @@ const HOSTILE: &str = "\"'><img src=x onerror=alert(1)>\n[[tag]]</script>";
 /// What a person would write by hand for the bar.
 const BY_HAND: &str = r#"
 [[tag]]
-name = "seat"
+name = "fixed"
 plane = { point = [0.0399, 0, 0], normal = [1, 0, 0] }
 
 [[tag]]
 name = "cavity"
 box = { min = [0.005, 0.001, 0.001], max = [0.0399, 0.019, 0.019] }
 pressure = true
-rim = "seat"
+rim = "fixed"
 
 [[tag]]
 name = "far end"
@@ -55,6 +55,12 @@ fn bar() -> Workdir {
 
 fn state(browser: &mut Chromium) -> Value {
     browser.evaluate("window.puffer.state()")
+}
+
+/// The numbers of faces that stand on the body.
+fn numbers(browser: &mut Chromium) -> Vec<String> {
+    let labels = "[...document.querySelectorAll('#labels span')].map((l) => l.textContent).sort()";
+    serde_json::from_value(browser.evaluate(labels)).unwrap()
 }
 
 /// A pixel that shows a face, which has to be seen.
@@ -103,7 +109,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
 
     // the open end, and the channel behind it with all its walls
     press(&mut browser, "side");
-    press(&mut browser, "+ seat");
+    press(&mut browser, "+ fixed");
     let seat = face_at(&mut browser, [40.0, 10.0, 10.0]);
     let place = seen(&mut browser, seat);
     browser.click(place);
@@ -162,7 +168,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     }
     let text = fs::read_to_string(&file).unwrap();
     assert_eq!(json!(text), browser.evaluate("window.puffer.toml()"));
-    assert!(text.contains("# 5 faces") && text.contains("rim = \"seat\""), "{text}");
+    assert!(text.contains("# 5 faces") && text.contains("rim = \"fixed\""), "{text}");
     assert_eq!(browser.complaints(), [""; 0]);
     assert_eq!(browser.requests().iter().filter(|url| !url.starts_with("blob:")).count(), 2);
 
@@ -181,6 +187,125 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     assert!(by_page.lines().count() > 200);
 }
 
+/// Tags of the bar: two of faces, and between them one by a plane; a part, and a selection distance.
+const GIVEN: &str = r#"
+epsilon = 2e-4
+
+[[tag]]
+name = "seat"
+plane = { point = [0.0399, 0, 0], normal = [1, 0, 0] }
+
+[[tag]]
+name = "far end"
+patch = "FAR"
+
+[[tag]]
+name = "cavity"
+patch = [WALLS]
+pressure = true
+rim = "seat"
+
+[[volume]]
+name = "stiff"
+box = { min = [-1, -1, -1], max = [0.005, 1, 1] }
+"#;
+
+#[test]
+fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = bar();
+    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    let mut browser = Chromium::start(program, [1200, 800]);
+    open(&mut browser, &dir, "pick.html");
+    let far = face_at(&mut browser, [0.0, 10.0, 10.0]);
+    let file = |browser: &mut Chromium, face: usize| {
+        let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
+        browser.evaluate(&format!("{faces}[{face}].file")).as_str().unwrap().to_owned()
+    };
+    let channel = [[10.0, 10.0, 10.0], [25.0, 6.667, 10.0], [25.0, 13.333, 10.0]];
+    let channel = [&channel[..], &[[25.0, 10.0, 6.667], [25.0, 10.0, 13.333]]].concat();
+    let walls: Vec<String> = channel
+        .iter()
+        .map(|middle| {
+            let face = face_at(&mut browser, *middle);
+            format!("{:?}", file(&mut browser, face))
+        })
+        .collect();
+    let text = GIVEN.replace("FAR", &file(&mut browser, far)).replace("WALLS", &walls.join(", "));
+    dir.write("given.toml", &text);
+    let from = |tags: &str| {
+        let run = run(&dir, "cad2fem", &["pick", "model", "--tags", tags, "-o", "pick.html"]);
+        run.assert_good();
+        run.stderr
+    };
+    let said = from("given.toml");
+    assert!(said.contains("tags on the page: far end, cavity"), "{said}");
+    assert!(said.contains("seat cannot be shown, but is kept"), "{said}");
+    assert!(said.contains("[[volume]] stiff is kept as it is"), "{said}");
+    open(&mut browser, &dir, "pick.html");
+    let now = state(&mut browser);
+    let of = now["of"].as_array().unwrap();
+    assert_eq!((&of[far], of.iter().filter(|t| **t == json!(2)).count()), (&json!(1), 5), "{now}");
+
+    // the plane, the part and the distance are in the file, which tags as the first one does
+    let again = browser.evaluate("window.puffer.toml()").as_str().unwrap().to_owned();
+    dir.write("again.toml", &again);
+    let tagged = |config: &str| {
+        let output = format!("{config}.d/tagged.msh");
+        fs::create_dir(dir.path(&format!("{config}.d"))).unwrap();
+        let arguments =
+            ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", &output];
+        run(&dir, "tagger", &arguments).assert_good();
+        dir.text(&format!("{config}.d/tags.txt"))
+    };
+    assert_eq!(tagged("given.toml"), tagged("again.toml"));
+
+    // what the page wrote comes back word for word, and a click makes a tag of its own
+    from("again.toml");
+    open(&mut browser, &dir, "pick.html");
+    assert_eq!(browser.evaluate("window.puffer.toml()"), json!(again));
+    browser.evaluate("document.querySelector('canvas').focus()");
+    browser.key("1", 0);
+    let top = face_at(&mut browser, [20.0, 10.0, 20.0]);
+    let place = seen(&mut browser, top);
+    browser.click(place);
+    let now = state(&mut browser);
+    assert_eq!((&now["of"][top], &now["list"][3]["name"]), (&json!(3), &json!("tag")), "{now}");
+    let text = browser.evaluate("window.puffer.toml()").as_str().unwrap().to_owned();
+    assert!(text.contains("rim = \"seat\"") && text.contains("[[volume]]"), "{text}");
+    assert_eq!(browser.complaints(), [""; 0]);
+}
+
+#[test]
+fn faces_that_are_seen_have_numbers() {
+    let Some(program) = Chromium::installed() else { return };
+    let dir = bar();
+    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    let mut browser = Chromium::start(program, [1200, 800]);
+    open(&mut browser, &dir, "pick.html");
+    let name = |browser: &mut Chromium, middle: [f64; 3]| {
+        let face = face_at(browser, middle);
+        let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
+        let name = browser.evaluate(&format!("{faces}[{face}].name"));
+        name.as_str().unwrap().trim_start_matches("face-").to_owned()
+    };
+    assert_eq!(numbers(&mut browser), [""; 0]);
+    browser.evaluate("document.querySelector('canvas').focus()");
+    browser.key("l", 0);
+    browser.wait("document.querySelectorAll('#labels span').length > 0");
+    // from the corner x+, y−, z+: three sides; the walls of the channel are hidden
+    let mut expected =
+        [[20.0, 0.0, 10.0], [20.0, 10.0, 20.0], [40.0, 10.0, 10.0]].map(|p| name(&mut browser, p));
+    expected.sort();
+    assert_eq!(numbers(&mut browser), expected);
+    press(&mut browser, "under");
+    browser.wait("document.querySelectorAll('#labels span').length === 1");
+    assert_eq!(numbers(&mut browser), [name(&mut browser, [20.0, 10.0, 0.0])]);
+    browser.key("l", 0);
+    browser.wait("document.querySelectorAll('#labels span').length === 0");
+    assert_eq!(browser.complaints(), [""; 0]);
+}
+
 #[test]
 fn a_finger_chooses_on_a_phone_and_titles_are_text() {
     let Some(program) = Chromium::installed() else { return };
@@ -194,7 +319,8 @@ fn a_finger_chooses_on_a_phone_and_titles_are_text() {
     assert_eq!(browser.evaluate(wide), json!(false), "the page is wider than the phone");
     let top = face_at(&mut browser, [20.0, 10.0, 20.0]);
     let place = seen(&mut browser, top);
-    browser.tap(place);
+    // a finger is seldom still
+    browser.touch(&[&[place], &[[place[0] + 9.0, place[1]]]]);
     browser.wait(&format!("window.puffer.state().of[{top}] === 0"));
     let title = browser.evaluate("document.querySelector('h1').textContent");
     assert_eq!(title, json!(HOSTILE));
@@ -218,6 +344,10 @@ fn what_is_no_body_and_what_is_no_page_is_refused() {
     fs::create_dir(dir.path("empty")).unwrap();
     refused(&["empty", "-o", "pick.html"], &["empty", "model.json", "cad2fem import"]);
     refused(&["empty", "--split", "30", "-o", "pick.html"], &["--split is for a file"]);
+    run(&dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
+    dir.write("other.toml", "[[tag]]\nname = \"seat\"\npatch = \"face-99.stl\"\n");
+    let words = ["other.toml", "`seat`", "called face-99.stl", "it has 11 faces"];
+    refused(&["model", "--tags", "other.toml", "-o", "pick.html"], &words);
     refused(&["none.stl", "-o", "pick.html"], &["none.stl"]);
     assert!(!dir.path("pick.html").exists());
 }

@@ -67,7 +67,7 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
 
     let start = Instant::now();
     let mut person = Person { browser, clicks: 0 };
-    person.press("cavity + seat");
+    person.press("cavity + fixed");
     person.press("+ tip");
     person.press("side");
     tip.iter().for_each(|face| person.face(face));
@@ -86,7 +86,7 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
         .browser
         .wait("window.puffer?.state().firstPicture && window.puffer.state().list.length === 0");
     person.clicks = 0;
-    person.press("+ seat");
+    person.press("+ fixed");
     let turn = "(() => { const b = document.querySelector('canvas'); b.focus(); })()";
     person.browser.evaluate(turn);
     person.press("side");
@@ -123,9 +123,9 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
     let table = |name: &str, faces: &[String], more: &str| {
         format!("[[tag]]\nname = \"{name}\"\npatch = {}\n{more}\n", files(faces))
     };
-    let cavity = table("cavity", &wall, "pressure = true\nrim = \"seat\"");
+    let cavity = table("cavity", &wall, "pressure = true\nrim = \"fixed\"");
     let tables =
-        [table("seat", &seat, ""), cavity, table("tip", &tip, ""), table("skin", &rest, "")];
+        [table("fixed", &seat, ""), cavity, table("tip", &tip, ""), table("skin", &rest, "")];
     dir.write("hand.toml", &tables.concat());
     cad2fem("tetmesh model/model.stl --mesher gmsh -o volume.msh");
     let tagged = |config: &str, to: &str| {

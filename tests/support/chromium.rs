@@ -220,10 +220,21 @@ impl Chromium {
     }
 
     /// A finger touches a place for a moment.
-    pub fn tap(&mut self, [x, y]: [f64; 2]) {
-        let touch = |kind: &str, points: Value| json!({ "type": kind, "touchPoints": points });
-        self.call("Input.dispatchTouchEvent", &touch("touchStart", json!([{ "x": x, "y": y }])));
-        self.call("Input.dispatchTouchEvent", &touch("touchEnd", json!([])));
+    pub fn tap(&mut self, place: [f64; 2]) {
+        self.touch(&[&[place]]);
+    }
+
+    /// Fingers go through places: the first list has where each touches, the others where it moves to.
+    pub fn touch(&mut self, places: &[&[[f64; 2]]]) {
+        let point = |(id, [x, y]): (usize, &[f64; 2])| json!({ "x": x, "y": y, "id": id });
+        for (i, fingers) in places.iter().enumerate() {
+            let points: Vec<Value> = fingers.iter().enumerate().map(point).collect();
+            let kind = if i == 0 { "touchStart" } else { "touchMove" };
+            let event = json!({ "type": kind, "touchPoints": points });
+            self.call("Input.dispatchTouchEvent", &event);
+        }
+        let end = json!({ "type": "touchEnd", "touchPoints": [] });
+        self.call("Input.dispatchTouchEvent", &end);
     }
 
     /// A key goes down and up; `modifiers` are those of the protocol (2 control, 8 shift).

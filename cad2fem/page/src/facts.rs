@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::prose::{digits, markdown, quantity};
 use crate::survey::{Survey, name};
-use crate::{inputs, read_json};
+use crate::{inputs, read_json, wall};
 
 /// A table.
 fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
@@ -306,6 +306,11 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
             let value = format!("{} → {}", digits(before), digits(after));
             tiles.push((format!("objective, {}", name(folder)), vec![value]));
         }
+    }
+    let walls = wall::all(survey)?;
+    if !walls.is_empty() {
+        let each = walls.iter().map(|wall| quantity(wall.thickness, "m")).collect();
+        tiles.push(("thinnest wall".into(), each));
     }
     for path in &survey.checks {
         let text = read_text(path)?;

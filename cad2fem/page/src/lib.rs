@@ -13,6 +13,7 @@
 //! - [`run`]: the states of a simulation
 //! - [`design`]: the history of an optimisation and its shapes
 //! - [`mold`]: a mold and how it comes apart
+//! - [`wall`]: thinnest walls of bodies
 //! - [`pick`]: the page on which faces of a body get names
 //! - [`prose`]: text that is safe to put into a page
 //! - [`facts`]: tables of what reports say
@@ -32,6 +33,7 @@ pub mod script;
 pub mod solid;
 pub mod store;
 pub mod survey;
+pub mod wall;
 
 use std::path::Path;
 
@@ -60,14 +62,15 @@ pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
     note_results(folder);
     let survey = Survey::of(folder)?;
     let mut store = Store::default();
-    let runs = run::all(&survey, &mut store)?;
+    let walls = wall::all(&survey)?;
+    let runs = run::all(&survey, &walls, &mut store)?;
     let mut designs = Vec::new();
     for found in &survey.designs {
         designs.push(design::packed(found, &mut store)?);
     }
     let mut molds = Vec::new();
     for found in &survey.molds {
-        molds.extend(mold::packed(found, &mut store)?);
+        molds.extend(mold::packed(found, &walls, &mut store)?);
     }
     let parts = [runs.len(), designs.len(), molds.len()];
     let data = json!({ "title": title, "runs": runs, "designs": designs, "molds": molds });

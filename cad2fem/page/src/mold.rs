@@ -3,18 +3,25 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use mesh::io::vtu::{CellType, Field, read_vtu};
+use mesh::bvh::SurfaceBvh;
+use mesh::io::vtu::{CellType, Field, Grid, read_vtu};
+use mesh::{SurfaceMesh, Vec3};
 use serde_json::{Value, json};
 
 use crate::read_json;
 use crate::store::Store;
 use crate::survey::name;
+use crate::wall::{self, Wall};
+
+/// A place is on a cast from which it is no farther than this [mm]: files of molds are rounded, and a
+/// mesh lies beside its model by its envelope.
+const THERE: f64 = 0.5;
 
 /// Parts of a mold [mm]; none if the folder has no `reference/assembly.vtu`.
 ///
 /// # Errors
 /// If a file cannot be used.
-pub fn packed(folder: &Path, store: &mut Store) -> Result<Option<Value>> {
+pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option<Value>> {
     let path = folder.join("reference/assembly.vtu");
     if !path.exists() {
         log::warn!("{}: missing, so that the page does not show this mold", path.display());
@@ -62,5 +69,30 @@ pub fn packed(folder: &Path, store: &mut Store) -> Result<Option<Value>> {
             "triangles": store.indices(&renumbered, 3),
         }));
     }
-    Ok(Some(json!({ "name": name(folder), "method": report["method"], "parts": parts })))
+    let cast = surface(&grid, |t| part.values[t] as usize == named.len());
+    let wall = wall_in(&cast, &report, walls);
+    let (name, method) = (name(folder), &report["method"]);
+    Ok(Some(json!({ "name": name, "method": method, "parts": parts, "wall": wall })))
+}
+
+/// The triangles of a grid for which `takes` holds.
+fn surface(grid: &Grid, takes: impl Fn(usize) -> bool) -> SurfaceMesh {
+    let triangles = grid.cells.chunks_exact(3).enumerate().filter(|(t, _)| takes(*t));
+    let triangles = triangles.map(|(_, t)| [t[0], t[1], t[2]]).collect();
+    SurfaceMesh { vertices: grid.points.clone(), triangles }
+}
+
+/// The thinnest wall [m] of the body and its place in the closed mold [mm]; nothing if it lies in another
+/// casting, or no plan tells of it.
+fn wall_in(cast: &SurfaceMesh, report: &Value, walls: &[Wall]) -> Option<Value> {
+    let (wall, _) = wall::of(walls, &[report["input"]["sha256"].as_str()?])?;
+    let row = |i: usize| {
+        let row = &report["design_to_mold"][i];
+        let number = |j: usize| row[j].as_f64();
+        let [x, y, z, shift] = [number(0)?, number(1)?, number(2)?, number(3)?];
+        Some(Vec3::new(x, y, z).dot(&wall.at) + shift)
+    };
+    let at = Vec3::new(row(0)?, row(1)?, row(2)?);
+    let is_there = SurfaceBvh::new(cast).closest(&at).distance < THERE;
+    is_there.then(|| json!({ "thickness": wall.thickness, "at": at.as_slice() }))
 }

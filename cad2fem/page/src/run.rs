@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
 use crate::survey::{Survey, name};
+use crate::wall::{self, Wall};
 use crate::{inputs, read_json};
 
 /// Points of all states of all simulations in a page, about; of more, some states are left out.
@@ -29,7 +30,7 @@ struct Known {
 ///
 /// # Errors
 /// If a file cannot be used.
-pub fn all(survey: &Survey, store: &mut Store) -> Result<Vec<Value>> {
+pub fn all(survey: &Survey, walls: &[Wall], store: &mut Store) -> Result<Vec<Value>> {
     let known: Vec<Known> = survey
         .meshes
         .iter()
@@ -48,7 +49,7 @@ pub fn all(survey: &Survey, store: &mut Store) -> Result<Vec<Value>> {
         }
     }
     let share = POINTS / sources.len().max(1);
-    sources.iter().map(|source| source.packed(share, store)).collect()
+    sources.iter().map(|source| source.packed(share, walls, store)).collect()
 }
 
 /// Files of a simulation.
@@ -106,7 +107,17 @@ impl Source {
         if place && found["largest"].is_number() { found.clone() } else { Value::Null }
     }
 
-    fn packed(&self, share: usize, store: &mut Store) -> Result<Value> {
+    /// The thinnest wall at rest of a body of the run, and its place [m]; nothing where no mold was planned
+    /// for the body.
+    fn wall(&self, walls: &[Wall]) -> Value {
+        let hashes: Vec<&str> = self.meshes.iter().map(|part| &part.mesh.sha256[..]).collect();
+        wall::of(walls, &hashes).map_or(Value::Null, |(wall, part)| {
+            let at = wall.at + self.meshes[part].shift;
+            json!({ "thickness": wall.thickness, "at": at.as_slice() })
+        })
+    }
+
+    fn packed(&self, share: usize, walls: &[Wall], store: &mut Store) -> Result<Value> {
         let place = || self.folder.display().to_string();
         let mut tags = TagsByPlace::default();
         for Part { mesh, body, shift } in &self.meshes {
@@ -157,6 +168,7 @@ impl Source {
             "probes": kept("probes"),
             "errorBars": kept("error_bars"),
             "stretch": self.stretch(),
+            "wall": self.wall(walls),
         }))
     }
 }

@@ -34,6 +34,7 @@ const MODULES: &[(&str, &str)] = &[
     ("pick/tags", include_str!("../web/pick/tags.js")),
     ("pick/toml", include_str!("../web/pick/toml.js")),
     ("pick/body", include_str!("../web/pick/body.js")),
+    ("pick/labels", include_str!("../web/pick/labels.js")),
     ("pick/hand", include_str!("../web/pick/hand.js")),
     ("pick/panel", include_str!("../web/pick/panel.js")),
 ];

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import { numbers } from 'page/arrays';
 import { daily, digits, PALETTE } from 'page/color';
 import { button, check, fieldset, output, row, select, slider } from 'page/controls';
-import { Solid, coordinates } from 'page/solid';
+import { Solid, coordinates, wallText } from 'page/solid';
 
 const AXES = ['x', 'y', 'z'];
 /** Components of a tensor, row by row; it is symmetric, so that those below its diagonal are there already. */
@@ -16,7 +16,7 @@ export class Load {
   constructor(stage, runs, look, changed) {
     Object.assign(this, { stage, runs, look, changed, solids: new Map(), ranges: new Map() });
     const last = runs.length - 1;
-    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1, mark: true };
+    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1, mark: true, wall: true };
     if (!this.fields().some(([value]) => value === this.set.field)) this.set.field = 'tags';
   }
 
@@ -58,7 +58,8 @@ export class Load {
         this.said,
         slider('exaggerate', { min: 0, max: 5, step: 0.1, value: this.set.factor }, change('factor'))),
       fieldset('colour', select('by', this.fields(), this.set.field, change('field')),
-        this.runs.some((run) => run.stretch) && check('mark the largest stretch', this.set.mark, change('mark'))),
+        this.runs.some((run) => run.stretch) && check('mark the largest stretch', this.set.mark, change('mark')),
+        this.runs.some((run) => run.wall) && check('mark the thinnest wall', this.set.wall, change('wall'))),
     ];
   }
 
@@ -248,16 +249,26 @@ export class Load {
     return { text: [told, tag].filter(Boolean).join(' · '), where: coordinates(hit.point), value, anchor };
   }
 
-  /** Where the material is stretched most in the last state of each pane: text, point and pane. */
+  /** Places of each pane that a person should see: text, point and pane. */
   marks() {
-    if (!this.set.mark || this.set.shown === 'over') return [];
-    return (this.ready ?? []).flatMap(({ run, place, solid }, pane) => {
-      if (!run.stretch || place !== run.states.length) return [];
-      const { largest, largest_at: at, at_break: most } = run.stretch;
-      solid.stretched ??= solid.nearest(at);
-      const text = `largest stretch ${digits(largest)}${most ? ` of ${digits(most)} at break` : ''}`;
-      return [{ text, point: solid.point(solid.stretched), pane }];
-    });
+    if (this.set.shown === 'over') return [];
+    return (this.ready ?? []).flatMap((shown, pane) => [this.stretched(shown), this.thinnest(shown)].filter(Boolean).map((mark) => ({ ...mark, pane })));
+  }
+
+  /** Where the material is stretched most in the last state. */
+  stretched({ run, place, solid }) {
+    if (!this.set.mark || !run.stretch || place !== run.states.length) return null;
+    const { largest, largest_at: at, at_break: most } = run.stretch;
+    solid.stretched ??= solid.nearest(at);
+    const text = `largest stretch ${digits(largest)}${most ? ` of ${digits(most)} at break` : ''}`;
+    return { text, point: solid.point(solid.stretched) };
+  }
+
+  /** Where the body is thinnest at rest. */
+  thinnest({ run, place, solid }) {
+    if (!this.set.wall || !run.wall) return null;
+    solid.thinnest ??= solid.nearest(run.wall.at);
+    return { text: `${wallText(run.wall)}${place > 0 ? ' at rest' : ''}`, point: solid.point(solid.thinnest) };
   }
 
   state() {

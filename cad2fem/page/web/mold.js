@@ -5,14 +5,14 @@ import { numbers } from 'page/arrays';
 import { Cap } from 'page/cap';
 import { CAST, PALETTE } from 'page/color';
 import { check, fieldset, select, slider } from 'page/controls';
-import { coordinates } from 'page/solid';
+import { coordinates, wallText } from 'page/solid';
 import { around, shade } from 'page/surface';
 
 export class Mold {
   title = 'Mold';
 
   constructor(stage, molds, look) {
-    Object.assign(this, { stage, molds, look, chosen: 0, apart: 1, parts: [] });
+    Object.assign(this, { stage, molds, look, chosen: 0, apart: 1, parts: [], marked: true });
     this.hidden = new Set();
   }
 
@@ -30,6 +30,10 @@ export class Mold {
     return [
       fieldset(null, which, this.slider),
       this.list,
+      molds.some((mold) => mold.wall) && fieldset(null, check('mark the thinnest wall', this.marked, (on) => {
+        this.marked = on;
+        this.stage.invalidate();
+      })),
     ];
   }
 
@@ -89,13 +93,22 @@ export class Mold {
     return { text: part.name, where: `${coordinates(closed)} in the closed mold`, anchor: () => closed.clone().add(part.group.position) };
   }
 
+  /** Where the cast is thinnest. */
+  marks() {
+    const { wall } = this.molds[this.chosen];
+    const cast = this.parts.find((part) => !part.printed);
+    if (!this.marked || !wall || !cast || this.hidden.has(cast)) return [];
+    return [{ text: wallText(wall), point: new THREE.Vector3(...wall.at).add(cast.group.position), pane: 0 }];
+  }
+
   legend() {
     return { names: this.parts.map(({ name, color }) => [name, color]) };
   }
 
   state() {
     const triangles = this.parts.reduce((sum, part) => sum + part.geometry.attributes.position.count / 3, 0);
-    return { mold: this.molds[this.chosen].name, parts: this.parts.map((p) => p.name), apart: this.apart, triangles };
+    const marks = this.marks().map(({ text }) => text);
+    return { mold: this.molds[this.chosen].name, marks, parts: this.parts.map((p) => p.name), apart: this.apart, triangles };
   }
 }
 

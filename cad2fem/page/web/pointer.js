@@ -3,8 +3,15 @@
 import { digits } from 'page/color';
 
 const SVG = 'http://www.w3.org/2000/svg';
-/** A click moves by less than this [px]. */
-const STILL = 5;
+/** A click moves by less than this [px]; a finger, which is wide, by less than browsers let a tap move. */
+const [STILL, STILL_FINGER] = [6, 15];
+/** Whether there is a mouse, and with it most often a keyboard. */
+const mouse = matchMedia('(hover: hover)').matches;
+
+/** Whether a pointer that was pressed at a place is still there. */
+export function isStill({ x, y, type }, now) {
+  return Math.hypot(now.x - x, now.y - y) < (type === 'touch' ? STILL_FINGER : STILL);
+}
 
 /** An element of SVG with a text. */
 export function drawn(name, attributes, text) {
@@ -14,10 +21,12 @@ export function drawn(name, attributes, text) {
   return made;
 }
 
-/** A label with a halo beside a point; on the left of it where there is no room on the right. */
+/** A label with a halo beside a point; on the left of it where there is no room on the right, else above it. */
 export function label(stage, x, y, text) {
-  const fits = x + 16 + 7.5 * text.length < stage.canvas.clientWidth;
-  return drawn('text', { x: fits ? x + 10 : x - 10, y: y - 8, class: 'label', 'text-anchor': fits ? 'start' : 'end' }, text);
+  const [wide, all] = [16 + 7.5 * text.length, stage.canvas.clientWidth];
+  if (x + wide < all) return drawn('text', { x: x + 10, y: y - 8, class: 'label' }, text);
+  if (x > wide) return drawn('text', { x: x - 10, y: y - 8, class: 'label', 'text-anchor': 'end' }, text);
+  return drawn('text', { x: all / 2, y: y - 14, class: 'label', 'text-anchor': 'middle' }, text);
 }
 
 export class Pointer {
@@ -27,7 +36,9 @@ export class Pointer {
     const { canvas } = stage;
     const place = ({ offsetX, offsetY }) => [offsetX, offsetY];
     canvas.addEventListener('pointerdown', (event) => {
-      this.down = place(event);
+      // what is meant is under the pointer now: a finger turns the body a little before it is lifted
+      const found = this.find(place(event));
+      this.down = { x: event.clientX, y: event.clientY, type: event.pointerType, found };
     });
     canvas.addEventListener('pointermove', (event) => {
       if (event.buttons === 0) this.hover(place(event));
@@ -37,13 +48,13 @@ export class Pointer {
       if (!this.measuring) this.said('');
     });
     canvas.addEventListener('click', (event) => {
-      const now = place(event);
-      if (Math.hypot(now[0] - this.down?.[0], now[1] - this.down?.[1]) < STILL) this.click(now);
+      const { down } = this;
+      if (down && isStill(down, { x: event.clientX, y: event.clientY })) this.click(down.found);
     });
     canvas.addEventListener('keydown', (event) => {
       if (event.key !== 'Enter' || !this.measuring) return;
       event.preventDefault();
-      this.click(this.middle());
+      this.click(this.find(this.middle()));
     });
     stage.drawings.push(() => this.drawing());
   }
@@ -74,8 +85,7 @@ export class Pointer {
     else this.said(this.measuring ? this.hint() : '');
   }
 
-  click(at) {
-    const found = this.find(at);
+  click(found) {
     this.tell(found);
     if (!found || !this.measuring) return;
     if (this.ends.length === 2 || this.ends[0]?.pane !== found.pane) this.ends = [];
@@ -107,7 +117,9 @@ export class Pointer {
   hint() {
     const distance = this.distance();
     if (distance !== null) return `ruler: ${digits(distance)} mm`;
-    return this.ends.length === 1 ? 'ruler: click on the second point' : 'ruler: click on the first point, or press Enter for the middle';
+    const does = mouse ? 'click on' : 'tap';
+    if (this.ends.length === 1) return `ruler: ${does} the second point`;
+    return `ruler: ${does} the first point${mouse ? ', or press Enter for the middle' : ''}`;
   }
 
   drawing() {

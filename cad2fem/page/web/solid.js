@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import { numbers } from 'page/arrays';
-import { CAST, PALETTE, UNTAGGED, rgb, viridis } from 'page/color';
+import { CAST, PALETTE, UNTAGGED, digits, rgb, viridis } from 'page/color';
 import { cut, outline } from 'page/section';
 import { around, shade } from 'page/surface';
 
@@ -17,6 +17,11 @@ const [DARK, GHOST, OTHER] = ['#10161d', '#9aa4ae', '#e8590c'];
 /** A point as people read it. */
 export function coordinates({ x, y, z }) {
   return `(${[x, y, z].map((v) => (v + 0).toFixed(2)).join(', ')}) mm`;
+}
+
+/** A thinnest wall in words. */
+export function wallText({ thickness }) {
+  return `thinnest wall ${digits(MM * thickness)} mm`;
 }
 
 export class Solid {

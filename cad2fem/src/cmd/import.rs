@@ -12,7 +12,7 @@ use program::FolderLock;
 use crate::import::repair::Repair;
 use crate::import::source::Reader;
 use crate::import::{Request, import};
-use crate::labelled::Facts;
+use crate::labelled::{Facts, LabelledSurface};
 use crate::report::Input;
 use crate::units::Unit;
 
@@ -73,6 +73,12 @@ pub struct Args {
     timeout: u64,
 }
 
+/// More triangles than these are told to a person: fab took four minutes for a mold of 400,000.
+const MANY: usize = 200_000;
+
+/// Edges around a circle that are enough for a first look: they are off it by 3 % of its radius.
+const COARSE: u32 = 12;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -122,11 +128,25 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
         split: args.split,
     };
     let labelled = import(&mut request)?;
+    remark_on_count(args, &labelled);
     let _lock = FolderLock::new(&args.output)?;
     remove_litter(&args.output.join("patches"));
     let input = Input::of(&args.files[0])?;
     labelled.write(&args.output, input, start)?.log();
     Ok(())
+}
+
+/// Says how to get fewer triangles of CAD where they make all that follows slow.
+fn remark_on_count(args: &Args, labelled: &LabelledSurface) {
+    let count = labelled.surface.triangles.len();
+    let is_cad = !labelled.facts.kinds.is_empty();
+    if is_cad && count > MANY && args.per_turn > COARSE {
+        log::warn!(
+            "{count} triangles, with {} edges around each circle, take meshers and fab minutes: \
+             --per-turn {COARSE} makes fewer",
+            args.per_turn
+        );
+    }
 }
 
 fn parse_positive(text: &str) -> Result<f64> {

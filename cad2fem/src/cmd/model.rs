@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
 use mesh::io::remove_litter;
-use program::{Change, FolderLock};
+use program::{Change, FolderLock, Unusable};
 
 use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
 use crate::labelled::{Facts, LabelledSurface, remove_stamp};
+use crate::mesher::gmsh::Kind;
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
@@ -111,7 +112,15 @@ fn from_cad(args: &Args) -> Result<()> {
         bail!(complaint);
     }
     solids.remark_on_chambers(&args.file);
-    finish(args, &labelled, &args.output, input(args)?, start)
+    let done = finish(args, &labelled, &args.output, input(args)?, start);
+    let is_shape = Kind::of(&args.file)? != Kind::Script;
+    match done {
+        Err(error) if is_shape && error.is::<Unusable>() => Err(error.context(format!(
+            "the triangles do not follow the faces closely enough; `cad2fem import {file} -o {folder}` \
+             follows curved faces, and repairs"
+        ))),
+        done => done,
+    }
 }
 
 fn input(args: &Args) -> Result<Input> {

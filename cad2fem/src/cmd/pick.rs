@@ -7,6 +7,8 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Parser as _;
 use mesh::io::extension;
+use page::pick::given::{Given, Tag};
+use page::pick::{Source, Summary};
 
 use super::{import, model};
 use crate::units::Unit;
@@ -19,6 +21,10 @@ use crate::units::Unit;
 /// The page has faces of CAD, regions of an implicit model, or the parts of an STL between sharp
 /// edges. It proposes closed chambers and flat sides. A click takes a face, all tangent faces, or all
 /// connected ones; with Shift, or where a drag paints, faces are painted.
+///
+/// With --tags it begins with the tags of a file. Tags of faces are shown and can be changed. All else
+/// that the file holds, such as a tag by a box, is named, and kept in what the page downloads; comments
+/// are not.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder that `cad2fem model` or `cad2fem import` wrote, or a file that is modelled first: .step,
@@ -27,6 +33,9 @@ pub struct Args {
     /// Page to write (.html)
     #[arg(short, long)]
     output: PathBuf,
+    /// File of tags with which the page begins, such as one that it downloaded
+    #[arg(long, value_name = "TAGS.toml")]
+    tags: Option<PathBuf>,
     /// Folder for the model of a file, whose patches tags.toml names [default: model beside the page]
     #[arg(long, value_name = "DIR")]
     model: Option<PathBuf>,
@@ -61,8 +70,12 @@ pub fn run(args: &Args) -> Result<()> {
         args.output.display()
     );
     let folder = if args.body.is_dir() { given(args)? } else { modelled(args)? };
-    let page::pick::Summary { faces, chambers, bytes } =
-        page::pick::write(&folder, &args.output, args.title.as_deref())?;
+    let source =
+        Source { folder: &folder, tags: args.tags.as_deref(), title: args.title.as_deref() };
+    let Summary { faces, chambers, given, bytes } = page::pick::write(&source, &args.output)?;
+    if let (Some(given), Some(path)) = (given, &args.tags) {
+        tell(&given, path);
+    }
     log::info!(
         "{}: {faces} faces, closed chambers: {chambers}; {:.1} MB, {:.1} s; open it in a browser",
         args.output.display(),
@@ -70,6 +83,22 @@ pub fn run(args: &Args) -> Result<()> {
         start.elapsed().as_secs_f64()
     );
     Ok(())
+}
+
+/// Says which tags the page begins with, and what it only keeps.
+fn tell(given: &Given, path: &Path) {
+    let (shown, kept): (Vec<&Tag>, Vec<&Tag>) =
+        given.list.iter().partition(|tag| tag.kept.is_none());
+    let names =
+        |tags: &[&Tag]| tags.iter().map(|tag| tag.name.as_str()).collect::<Vec<_>>().join(", ");
+    let path = path.display();
+    log::info!("{path}: tags on the page: {}", names(&shown));
+    if !kept.is_empty() {
+        log::warn!("{path}: {} cannot be shown, but is kept: not made of faces", names(&kept));
+    }
+    for remark in &given.remarks {
+        log::warn!("{path}: {remark}");
+    }
 }
 
 /// The folder of a body that was modelled before.

@@ -342,6 +342,10 @@ impl Model {
         for name in region.primitives.iter().flatten() {
             let known = names(self.solid.iter().map(|p| &p.name));
             ensure!(
+                self.cavity.iter().all(|p| p.name != *name),
+                "{name:?} is in [[cavity]], and its walls are cavity = {name:?}; primitives: {known}"
+            );
+            ensure!(
                 self.solid.iter().any(|p| p.name == *name && p.is_body()),
                 "no body {name:?} in [[solid]]; primitives: {known}"
             );

@@ -3,6 +3,7 @@
 pub mod keys;
 pub mod mold;
 pub mod plan;
+mod proof;
 pub mod schema;
 pub mod tolerance;
 pub mod verify;

@@ -8,27 +8,24 @@ use mesh::io::{remove_litter, remove_output, write_surface};
 use mesh::{SurfaceMesh, Vec3};
 use program::{FolderLock, Progress, Unusable, peak_rss_mb};
 
+use super::proof::{MoldFiles, proved};
 use super::{Planned, Task};
 use crate::body::boundary::Boundary;
-use crate::body::collar::{Collar, FittedTube};
-use crate::body::layer::{LaidIn, Layer};
+use crate::body::layer::Layer;
 use crate::body::orientation::Portion;
 use crate::body::source::{CastPart, Input};
-use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::config::{Config, SprueConfig};
 use crate::files::attempt;
 use crate::files::bench;
-use crate::files::export::printable;
 use crate::files::output;
-use crate::files::report::{CAST, FILE, MoldReport, OUTSIDE, Role};
+use crate::files::report::{FILE, MoldReport};
 use crate::files::sheet;
 use crate::geometry::MM;
-use crate::geometry::frame::Turn;
-use crate::mold::{Mold, Piece};
-use crate::plan::report::{ChosenBy, Entry, Material};
-use crate::plan::{self, Casting, Refused};
-use crate::verify::{Against, LEFT, Line, Status, before_writing};
+use crate::mold::Mold;
+use crate::plan::report::{Entry, Material};
+use crate::plan::{self, Casting};
+use crate::verify::Against;
 
 /// Arguments of `fab mold`.
 #[derive(Debug, clap::Args)]
@@ -70,61 +67,6 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let ended = attempt::end(folder);
     made.and(ended.map_err(Into::into))
-}
-
-/// Cores that do not stay in their places, with numbers; nothing else is wrong with the mold.
-#[derive(Debug, thiserror::Error)]
-#[error("{refusal}")]
-struct Leaning {
-    /// How far they move, in words.
-    moves: String,
-    /// Why the mold is refused, and what to do.
-    refusal: String,
-}
-
-/// The molds of a plan, or of the next method that can be used where the first one was left to `fab` and does not
-/// hold the cores.
-fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFiles)>)> {
-    let error = match cut(task, &planned) {
-        Ok(molds) => return Ok((planned, molds)),
-        Err(error) => error,
-    };
-    let leaning = error.downcast::<Leaning>()?;
-    if planned.plan.chosen_by == ChosenBy::Configuration {
-        return Err(Unusable(leaning.refusal).into());
-    }
-    log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.moves);
-    // A core that dissolves stands on the same stub as one that is pulled out.
-    let refused = [Method::PullOut, Method::Soluble]
-        .map(|method| Refused { method, reason: leaning.moves.clone() });
-    let none =
-        |error| Unusable(format!("{}; no other method can be used: {error:#}", leaning.refusal));
-    let planned = task.plan_without(&refused, planned).map_err(none)?;
-    let molds = cut(task, &planned)?;
-    Ok((planned, molds))
-}
-
-/// The molds of a plan, proved.
-fn cut(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
-    let Planned { config, boundary, collars, layers, plan, report, progress } = planned;
-    let of = |name: &str| report.molds.iter().find(|e| e.name == name).expect("it is planned");
-    let (model, from) = (task.model.as_deref(), task.from.as_deref());
-    let against = Against { design: Some(&task.mesh), model, from, simulation: None };
-    let mut molds = Vec::new();
-    for casting in &plan.castings {
-        let entry = of(&casting.name);
-        progress.step(&format!("cutting the mold of the {}", casting.name));
-        let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
-        progress.step("rounding and checking its surfaces");
-        let below = task.output.join(&entry.folder);
-        let input = task.input(&below, config, (CastPart::of(mold.portion), boundary.casts))?;
-        let mut files = MoldFiles::new(&mold, input, config)?;
-        files.report.collars = fitted_tubes(collars, &mold, config);
-        files.report.layers = task.named(laid_in(layers, &mold, &casting.name))?;
-        files.prove(&entry.name, against, report, *progress)?;
-        molds.push((entry.clone(), files));
-    }
-    Ok(molds)
 }
 
 /// Makes the molds and replaces older ones by them.
@@ -171,38 +113,6 @@ fn make(args: &Args, planned: Planned, start: Instant) -> Result<()> {
         task.output.display()
     );
     Ok(())
-}
-
-/// The collars for mold.json.
-fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedTube> {
-    let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
-    let fitted = |tube: &Tube| collars.iter().map(|c| c.fitted_tube(tube, &mold.frame)).collect();
-    tube.as_ref().map_or(Vec::new(), fitted)
-}
-
-/// The sheets that lie in what a mold casts, for mold.json.
-fn laid_in(layers: &[Layer], mold: &Mold, name: &str) -> Result<Vec<LaidIn>> {
-    let (low, high) = mold.cast.bounds();
-    let within = |layer: &&Layer| {
-        let [bottom, top] = layer.heights(&mold.frame);
-        low.z < top && bottom < high.z
-    };
-    let place = |layer: &Layer| {
-        if !mold.open {
-            let message = format!(
-                "layers: {:?} lies in the {name}, which is cast in a closed mold: nothing can be laid \
-                 in there; method = \"open-top\" casts what is below a flat wall of the chamber as a \
-                 sheet in an open tray",
-                layer.tag
-            );
-            return Err(Unusable(message).into());
-        }
-        let [bottom, top] = layer.heights(&mold.frame);
-        let below = mold.cast.trim_by_plane(&-Vec3::z(), -(bottom + top) / 2.0).volume();
-        let laid = layer.laid_in(&mold.frame, low.z, below);
-        laid.map_err(|message| Unusable(message).into())
-    };
-    layers.iter().filter(within).map(place).collect()
 }
 
 /// Writes the molds of silicone, those of cores that are cast of wax, and the plan.
@@ -281,62 +191,7 @@ fn remove_molds(output: &Path, plan: &plan::report::PlanReport) -> Result<()> {
     Ok(remove_output(&output.join(plan::report::FILE))?)
 }
 
-/// A mold as it is written.
-struct MoldFiles {
-    surfaces: Vec<SurfaceMesh>,
-    report: MoldReport,
-}
-
 impl MoldFiles {
-    fn new(mold: &Mold, input: Input, config: &Config) -> Result<Self> {
-        let upright = Turn::lowering(-Vec3::z());
-        let cast = printable(CAST, &mold.cast, upright)?;
-        let mut report = MoldReport::new(mold, input, config, &cast);
-        let mut surfaces = Vec::new();
-        let mut add = |piece: &Piece, role: Role| -> Result<()> {
-            // Printed with the demolding direction down: its outside lies on the printer's bed.
-            let turn = Turn::lowering(piece.demolding);
-            let surface = printable(&piece.name, &piece.solid, turn)?;
-            report.add_part(piece, role, turn, &surface);
-            surfaces.push(surface);
-            Ok(())
-        };
-        mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
-        mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
-        mold.funnel.iter().try_for_each(|(piece, _)| add(piece, Role::Funnel))?;
-        surfaces.push(cast);
-        surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
-        Ok(Self { surfaces, report })
-    }
-
-    /// Refuses a mold that `fab verify` would reject.
-    fn prove(
-        &self,
-        name: &str,
-        against: Against,
-        plan: &plan::report::PlanReport,
-        progress: Progress,
-    ) -> Result<()> {
-        let lines = before_writing(&self.report, &self.surfaces, against, plan, progress);
-        let failed: Vec<_> = lines.iter().filter(|line| line.status == Status::Fail).collect();
-        if failed.is_empty() {
-            return Ok(());
-        }
-        let words =
-            |line: &&Line| format!("{} is {}, expected {}", line.name, line.found, line.needed);
-        let refusal = failed.iter().map(words).collect::<Vec<_>>().join("; ");
-        let refusal = format!("{name}: a mold would not be right, none is written: {refusal}");
-        let moves = |line: &&Line| {
-            let core = line.leaning()?;
-            let left = LEFT * self.report.casting.least_wall * MM;
-            Some(format!("{core} would move by {}, where {left:.2} mm must be left", line.found))
-        };
-        match failed.iter().map(moves).collect::<Option<Vec<_>>>() {
-            Some(moves) => Err(Leaning { moves: moves.join("; "), refusal }.into()),
-            None => Err(Unusable(refusal).into()),
-        }
-    }
-
     /// The written surface of a part [mm].
     fn surface(&self, name: &str) -> &SurfaceMesh {
         let index = self.report.parts.iter().position(|part| part.name == name);

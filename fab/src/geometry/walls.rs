@@ -24,6 +24,14 @@ pub struct Wall {
     pub on: &'static str,
 }
 
+impl Wall {
+    /// Whether it is thinner than `least` [m].
+    #[must_use]
+    pub fn is_thinner(&self, least: f64) -> bool {
+        self.thickness < least - ROUNDING
+    }
+}
+
 /// The thinnest wall of what is cast, the surface of a model or of a mesh, and of the other one with what is cast
 /// beside it, such as collars.
 ///
@@ -54,5 +62,5 @@ pub fn too_thin(
     other: Option<&SurfaceMesh>,
     least: f64,
 ) -> Option<Wall> {
-    thinnest(surface, other).filter(|wall| wall.thickness < least - ROUNDING)
+    thinnest(surface, other).filter(|wall| wall.is_thinner(least))
 }

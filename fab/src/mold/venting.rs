@@ -77,7 +77,7 @@ pub fn places(
         Some(at) => {
             surface_near(filled, &frame.point(&at), f64::INFINITY).ok_or(VentError { at })?
         }
-        None => tops.first().copied().ok_or(VentError { at: boundary.filled.vertices[0] })?,
+        None => tops.first().copied().unwrap_or_else(|| top(filled, &positions)),
     };
     let reach = config.sprue.radius + config.vents.radius + APART;
     tops.retain(|top| (top - sprue).xy().norm() > reach);
@@ -92,6 +92,13 @@ fn surface_near(surface: &SurfaceBvh, p: &Vec3, z: f64) -> Option<Vec3> {
     let z = z.min(above.z);
     let nearest = heights.min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs()))?;
     Some(Vec3::new(p.x, p.y, nearest))
+}
+
+/// The point of the surface at the highest of some points. A mesh is a little off its model, so that the vertical
+/// through its top, such as one at the rim of a round end, may miss the part.
+fn top(surface: &SurfaceBvh, points: &[Vec3]) -> Vec3 {
+    let highest = points.iter().max_by(|a, b| a.z.total_cmp(&b.z)).expect("a body has points");
+    surface.closest(highest).point
 }
 
 fn trapped_air(peaks: &[Peak], positions: &[Vec3]) -> Vec<Finding> {
@@ -110,4 +117,21 @@ fn trapped_air(peaks: &[Peak], positions: &[Vec3]) -> Vec<Finding> {
         ),
         count: peaks.len(),
     }]
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh::solid::Solid;
+
+    use super::*;
+
+    #[test]
+    fn the_top_of_a_lying_cylinder_is_at_its_rim_although_its_mesh_stands_out() {
+        let lying = Solid::cylinder(&Vec3::zeros(), &Vec3::new(50.0, 0.0, 0.0), 10.0, 8.0, 64);
+        let surface = SurfaceBvh::new(&lying.to_surface());
+        let out = Vec3::new(-0.2, 0.0, 10.1);
+        assert!(surface_near(&surface, &out, out.z).is_none());
+        let found = top(&surface, &[Vec3::new(25.0, 0.0, 9.0), out]);
+        assert!((found - Vec3::new(0.0, 0.0, 10.0)).norm() < 1e-9, "{found}");
+    }
 }

@@ -18,7 +18,8 @@ use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::weight::Weight;
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::{MM, walls};
+use crate::geometry::MM;
+use crate::geometry::walls::Wall;
 use gluing::Flat;
 use pull::{Choice, DirectionUndercut};
 use report::{ChosenBy, Measure, Verdict};
@@ -47,6 +48,8 @@ pub struct Plan {
     pub castings: Vec<Casting>,
     /// What the body weighs, if the density of its silicone is known.
     pub weight: Option<Weight>,
+    /// The thinnest wall of the body, if it has one.
+    pub wall: Option<Wall>,
 }
 
 /// A casting of silicone and how its mold stands.
@@ -155,7 +158,7 @@ impl Plan {
         let reason = judge.reason(method);
         let up = layout::up(boundary, config);
         let directions = pull::directions(&boundary.filled, &up);
-        let Judge { measures, verdicts, .. } = judge;
+        let Judge { measures, verdicts, wall, .. } = judge;
         Ok(Self {
             method,
             chosen_by,
@@ -166,6 +169,7 @@ impl Plan {
             chambers: boundary.cores.len(),
             castings,
             weight: weight(boundary, config),
+            wall: wall.flatten(),
         })
     }
 
@@ -217,19 +221,6 @@ fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
     let walls = (area(&boundary.cast) + cores - area(&boundary.filled)) / 2.0;
     let volume = enclosed_volume(&boundary.cast);
     config.density().map(|density| Weight::new(volume * MM.powi(3), walls * MM.powi(2), density))
-}
-
-/// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
-/// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
-fn require_walls(boundary: &Boundary, config: &Config) -> Result<(), PlanError> {
-    let (least, casts) = (config.casting.least_wall, boundary.casts);
-    let beside = boundary.beside.as_ref();
-    match walls::too_thin((&boundary.cast, casts), beside, least * (1.0 - config.shrinkage())) {
-        Some(walls::Wall { thickness, at, on }) => {
-            Err(PlanError::Thin { thickness, at, least, on })
-        }
-        None => Ok(()),
-    }
 }
 
 /// A casting whose upper shell cannot be demolded, with two sides instead, if these can.

@@ -266,7 +266,7 @@ fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFiel
 /// A plane n·p = offset [m] in words: by the coordinate that it holds, or by its normal.
 #[must_use]
 pub fn plane(normal: &Vec3, offset: f64) -> String {
-    let place = |sign: f64| sign * offset * 1e3 + 0.0;
+    let place = |sign: f64| rounded(sign * offset * 1e3, 2);
     for (name, along) in [("x", normal.x), ("y", normal.y), ("z", normal.z)] {
         if along.abs() > 1.0 - 1e-9 {
             return format!("the plane {name} = {:.2} mm", place(along.signum()));
@@ -275,14 +275,32 @@ pub fn plane(normal: &Vec3, offset: f64) -> String {
     format!("the plane across {} at {:.2} mm from the origin", direction(normal), place(1.0))
 }
 
+/// A number as some digits after the point say it, without the sign of a zero.
+fn rounded(x: f64, digits: i32) -> f64 {
+    let one = 10_f64.powi(digits);
+    (x * one).round() / one + 0.0
+}
+
 /// A direction in words.
 #[must_use]
 pub fn direction(d: &Vec3) -> String {
-    let [x, y, z] = [d.x, d.y, d.z].map(|c| c + 0.0);
+    let [x, y, z] = [d.x, d.y, d.z].map(|c| rounded(c, 3));
     match () {
         () if x.abs() > 1.0 - 1e-9 => "x".into(),
         () if y.abs() > 1.0 - 1e-9 => "y".into(),
         () if z.abs() > 1.0 - 1e-9 => "z".into(),
         () => format!("({x:.3}, {y:.3}, {z:.3})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_and_directions_are_told_without_the_sign_of_a_zero() {
+        assert_eq!(plane(&-Vec3::y(), 1e-6), "the plane y = 0.00 mm");
+        assert_eq!(plane(&-Vec3::z(), 4e-3), "the plane z = -4.00 mm");
+        assert_eq!(direction(&Vec3::new(-1e-5, 0.6, 0.8)), "(0.000, 0.600, 0.800)");
     }
 }

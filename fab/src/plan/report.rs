@@ -10,6 +10,7 @@ use super::pull::DirectionUndercut;
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
+use crate::geometry::walls::Wall;
 use crate::geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
@@ -50,6 +51,21 @@ pub struct PlanReport {
     /// What the finished body weighs, if the density of its silicone is known.
     #[serde(default)]
     pub weight: Option<Weight>,
+    /// The thinnest wall of the body.
+    #[serde(default)]
+    pub wall: Option<ThinnestWall>,
+}
+
+/// The thinnest wall of a body.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ThinnestWall {
+    /// How thick it is [mm].
+    pub thickness: f64,
+    /// Where it begins, in the design [mm].
+    pub at: Triple,
+    /// On what it was measured: "model" or "mesh".
+    pub on: String,
 }
 
 /// Who chose.
@@ -143,6 +159,7 @@ impl PlanReport {
             molds,
             steps: plan.steps(),
             weight: plan.weight,
+            wall: plan.wall.map(thinnest),
         }
     }
 
@@ -198,6 +215,11 @@ pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
         casts: Material::Silicone,
     }));
     entries
+}
+
+fn thinnest(wall: Wall) -> ThinnestWall {
+    let Wall { thickness, at, on } = wall;
+    ThinnestWall { thickness: MM * thickness, at: (MM * at).into(), on: on.into() }
 }
 
 fn direction(measured: &DirectionUndercut) -> Direction {

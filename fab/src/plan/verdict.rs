@@ -4,13 +4,14 @@ use mesh::Vec3;
 
 use super::gluing::{self, CAUGHT, Cut, Flat};
 use super::report::{Measure, Verdict};
-use super::{Casting, Plan, PlanError, chamber_and_sheet, halves, pull, require_walls};
+use super::{Casting, Plan, PlanError, chamber_and_sheet, halves, pull};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::girth::{self, Passage};
+use crate::geometry::walls::{self, Wall};
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {
@@ -38,6 +39,8 @@ pub struct Judge<'a> {
     refused: &'a [Refused],
     halves: Option<Cut>,
     flat: Option<Flat>,
+    /// The thinnest wall of the body, once it is measured.
+    pub wall: Option<Option<Wall>>,
 }
 
 /// A method whose mold was made and found not to be right.
@@ -54,7 +57,8 @@ impl<'a> Judge<'a> {
     #[must_use]
     pub fn new(boundary: &'a Boundary, config: &'a Config, refused: &'a [Refused]) -> Self {
         let (measures, verdicts) = (Vec::new(), Vec::new());
-        Self { boundary, config, measures, verdicts, refused, halves: None, flat: None }
+        let (halves, flat, wall) = (None, None, None);
+        Self { boundary, config, measures, verdicts, refused, halves, flat, wall }
     }
 
     /// The method that is preferred of those that can be used, and its castings. Wax is as good
@@ -118,10 +122,25 @@ impl<'a> Judge<'a> {
         Err(PlanError::Method { method, reason: verdict.reason, possible })
     }
 
+    /// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
+    /// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
+    fn require_walls(&mut self) -> Result<(), PlanError> {
+        let (boundary, least) = (self.boundary, self.config.casting.least_wall);
+        let cast = (&boundary.cast, boundary.casts);
+        let wall = self.wall.get_or_insert_with(|| walls::thinnest(cast, boundary.beside.as_ref()));
+        match *wall {
+            Some(wall) if wall.is_thinner(least * (1.0 - self.config.shrinkage())) => {
+                let Wall { thickness, at, on } = wall;
+                Err(PlanError::Thin { thickness, at, least, on })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What a method that was judged possible casts.
     pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
         let (boundary, config) = (self.boundary, self.config);
-        require_walls(boundary, config)?;
+        self.require_walls()?;
         match method {
             Method::Solid | Method::PullOut | Method::Soluble | Method::Wax => {
                 let up = layout::up(boundary, config);

@@ -274,6 +274,14 @@ fn shapes(
     lines
 }
 
+/// The checks of what holds the cores of a mold that is not yet written, with `surfaces` as for
+/// [`before_writing`].
+#[must_use]
+pub fn held(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
+    let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
+    holding::checks(&ClosedMold::new(files))
+}
+
 /// The checks of a mold that is not yet written. `surfaces` are those of the files in the
 /// order of the report, valid and in millimetres; `against` names what is molded.
 #[must_use]

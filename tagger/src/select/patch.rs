@@ -78,7 +78,7 @@ fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     known.sort();
     let name_of = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let found: Vec<PathBuf> =
-        known.iter().filter(|p| matches(&pattern, &name_of(p))).cloned().collect();
+        known.iter().filter(|p| program::fits(&name_of(p), &pattern)).cloned().collect();
     ensure!(
         !found.is_empty(),
         "no file in {} is called {pattern}; there are {}",
@@ -86,17 +86,6 @@ fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
         known.iter().map(name_of).collect::<Vec<_>>().join(", ")
     );
     Ok(found)
-}
-
-/// Whether a name is a pattern in which * stands for anything.
-fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((before, after)) => name.strip_prefix(before).is_some_and(|rest| {
-            let ends = rest.char_indices().map(|(i, _)| i).chain([rest.len()]);
-            ends.into_iter().any(|i| matches(after, &rest[i..]))
-        }),
-    }
 }
 
 impl Selector for Patch {
@@ -222,20 +211,6 @@ fn distance(p: &Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_star_stands_for_anything() {
-        for (pattern, name, meant) in [
-            ("face-*.stl", "face-12.stl", true),
-            ("face-*.stl", "lid.stl", false),
-            ("*", "lid.stl", true),
-            ("*-1*.stl", "a-b-12.stl", true),
-            ("a*b*c", "abbc", true),
-            ("a*b*c", "acb", false),
-        ] {
-            assert_eq!(matches(pattern, name), meant, "{pattern} {name}");
-        }
-    }
 
     #[test]
     fn distance_in_every_voronoi_region() {

@@ -10,7 +10,7 @@ use crate::store::Store;
 const CANVAS: &str = "The body. Tab goes from face to face, Enter chooses, arrow keys turn.";
 
 /// Keys and what they do.
-const KEYS: [(&[&str], &str); 10] = [
+const KEYS: [(&[&str], &str); 11] = [
     (&["Tab"], "next face; with Shift the one before"),
     (&["Enter"], "choose the face, or give it back"),
     (&["1", "…", "9"], "the tag that clicks go to"),
@@ -18,6 +18,7 @@ const KEYS: [(&[&str], &str); 10] = [
     (&["F", "T", "A"], "a click takes a face, tangent faces, all connected"),
     (&["P"], "a drag paints, or turns again"),
     (&["X"], "see through faces without a tag"),
+    (&["L"], "number the faces that are seen"),
     (&["H"], "hide faces that have a tag"),
     (&["←", "→", "↑", "↓", "+", "−", "0"], "turn, zoom, show all"),
     (&["Ctrl Z", "Ctrl Y"], "undo, redo"),
@@ -43,6 +44,7 @@ pub fn assemble(title: &str, data: &Value, store: &Store) -> String {
                 div #stage {
                     canvas tabindex="0" aria-label=(CANVAS) {}
                     div #names {}
+                    div #labels aria-hidden="true" {}
                     svg #axes viewBox="-50 -50 100 100" aria-hidden="true" {}
                     div #scale aria-hidden="true" { span {} }
                     div #views.row {}
@@ -76,7 +78,8 @@ fn about() -> Markup {
                 summary { "About this page" }
                 p {
                     "Made by " code { "cad2fem pick" } ". It is one file and asks no server for \
-                     anything. The browser keeps what you choose until you choose again."
+                     anything. The browser keeps what you choose until you choose again. To go on \
+                     from a file, make the page with " code { "--tags tags.toml" } "."
                 }
                 pre { (LICENCE) }
             }

@@ -24,8 +24,8 @@ const LARGE: f64 = 0.01;
 /// A pocket that is smaller is no chamber [bounding box].
 const ROOMY: f64 = 2e-3;
 
-/// Vertices by which a mirror image is compared.
-const PROBES: usize = 2000;
+/// Points by which a mirror image is compared: vertices, and middles of triangles.
+const PROBES: usize = 4000;
 
 /// All proposals.
 #[must_use]
@@ -176,9 +176,11 @@ fn mirror(body: &Body, axis: usize) -> Option<Value> {
     };
     let close = MIRRORED * diagonal(vertices);
     let bvh = SurfaceBvh::new(&body.surface);
-    let step = vertices.len().div_ceil(PROBES);
-    let on_body = |p: &Vec3| bvh.closest(&image(p)).distance < close;
-    if !vertices.iter().step_by(step).all(on_body) {
+    // ends of an open chamber may meet its wall with all their vertices
+    let middles = (0..body.surface.triangles.len()).map(|t| body.surface.centroid(t));
+    let points = vertices.iter().copied().chain(middles);
+    let step = (vertices.len() + body.surface.triangles.len()).div_ceil(PROBES);
+    if points.step_by(step).any(|p| bvh.closest(&image(&p)).distance >= close) {
         return None;
     }
     let partner = |face: &Face| {
@@ -216,6 +218,7 @@ mod tests {
         assert_eq!(pockets[0]["faces"].as_array().unwrap().len(), 5);
         let lid = &body.faces[pockets[0]["lid"].as_u64().unwrap() as usize];
         assert_eq!(lid.normal, Some(-Vec3::x()));
+        assert!(found["mirrors"].as_array().unwrap().iter().all(|m| m["axis"] != 0), "{found}");
     }
 
     #[test]

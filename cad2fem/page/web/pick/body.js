@@ -143,7 +143,11 @@ export class Body {
 
   /** The direction in which a triangle faces, of any length. */
   outward(t) {
-    const [a, b, c] = [0, 1, 2].map((k) => new THREE.Vector3().fromBufferAttribute(this.shape.attributes.position, 3 * t + k));
+    const [a, b, c] = [0, 1, 2].map((k) => this.corner(t, k));
     return b.sub(a).cross(c.sub(a));
+  }
+
+  corner(t, k) {
+    return new THREE.Vector3().fromBufferAttribute(this.shape.attributes.position, 3 * t + k);
   }
 }

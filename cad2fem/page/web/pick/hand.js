@@ -1,9 +1,7 @@
 // What pointer and keys do to the body.
 
 import * as THREE from 'three';
-
-/** A pointer that moves less is a click [px]. */
-const STILL = 6;
+import { isStill } from 'page/pointer';
 
 export class Hand {
   /**
@@ -40,10 +38,11 @@ export class Hand {
   press(event) {
     this.touches.add(event.pointerId);
     if (event.button !== 0) return;
-    this.down = { x: event.clientX, y: event.clientY, id: event.pointerId, painted: null };
+    // what is meant is under the pointer now: a finger turns the body a little before it is lifted
+    const face = this.under(event);
+    this.down = { x: event.clientX, y: event.clientY, type: event.pointerType, id: event.pointerId, face, painted: null };
     const paints = this.drag === 'paint' || event.shiftKey;
-    const face = paints && this.touches.size === 1 ? this.under(event) : null;
-    if (face === null) return;
+    if (face === null || !paints || this.touches.size > 1) return;
     // this stroke paints, so the body stays where it is
     this.stage.controls.enabled = false;
     this.down.painted = face;
@@ -83,11 +82,9 @@ export class Hand {
       this.stage.controls.enabled = true;
       return;
     }
-    const still = Math.hypot(event.clientX - down.x, event.clientY - down.y) < STILL;
-    if (!still || cancelled || this.touches.size > 0) return;
-    const face = this.under(event);
-    this.hover(face, event.pointerType === 'touch' ? null : event);
-    if (face !== null) this.on.click(face);
+    if (!isStill(down, { x: event.clientX, y: event.clientY }) || cancelled || this.touches.size > 0) return;
+    this.hover(down.face, event.pointerType === 'touch' ? null : event);
+    if (down.face !== null) this.on.click(down.face);
   }
 
   /** Turns the body so that a face is seen from in front, if it looks away. */

@@ -7,6 +7,7 @@ import { button, row } from 'page/controls';
 import { Stage, VIEWS } from 'page/stage';
 import { Body } from 'pick/body';
 import { Hand } from 'pick/hand';
+import { Labels } from 'pick/labels';
 import { Panel } from 'pick/panel';
 import { NONE, Tags } from 'pick/tags';
 import { written } from 'pick/toml';
@@ -24,10 +25,10 @@ const look = {
 };
 
 /** Where the browser keeps what was chosen, by what was chosen from. */
-const place = `puffer pick ${data.title} ${faces.map((face) => [face.name, face.area.toPrecision(5)]).join()}`;
+const place = `puffer pick ${data.title} ${data.given ? JSON.stringify(data.given) : ''}${faces.map((face) => [face.name, face.area.toPrecision(5)]).join()}`;
 
-const tags = new Tags(faces, data.body.borders, () => refresh());
-let stage, body, hand, panel;
+const tags = new Tags(faces, data.body.borders, data.given, () => refresh());
+let stage, body, hand, panel, labels;
 let stroke = NONE;
 let firstPicture = null;
 
@@ -60,22 +61,22 @@ function taken(face) {
   return [...new Set(mirrored.flatMap((f) => tags.grow(f, look.how)))];
 }
 
-/** Clicks go to a tag; without one there is a first. */
+/** Clicks go to a tag; without one that is made of faces there is a new one. */
 function target() {
-  if (tags.active === NONE) tags.add('tag');
+  if (tags.active === NONE || tags.list[tags.active].kept) tags.add('tag');
   return tags.active;
 }
 
 function click(face) {
   if (!faces[face].file) return say(`${faces[face].name}: no file of patches holds it`);
-  const first = tags.active === NONE;
+  const before = tags.list.length;
   const all = taken(face);
   const tag = target();
   tags.keep();
   const back = all.every((f) => tags.of[f] === tag);
   const given = tags.give(all, back ? NONE : tag);
   if (given.length > 0) say(`${given.length} ${given.length === 1 ? 'face' : 'faces'} ${back ? 'given back by' : 'to'} ${tags.list[tag].name}`);
-  if (first) panel.focus(tag);
+  if (tags.list.length > before) panel.focus(tag);
   mark(hand.hovered, null, true);
 }
 
@@ -152,6 +153,7 @@ function key(event) {
   else if (name.toLowerCase() === 'p') { hand.drag = hand.drag === 'turn' ? 'paint' : 'turn'; tools(); }
   else if (name.toLowerCase() === 'h') panel.hides.input.click();
   else if (name.toLowerCase() === 'x') panel.through.input.click();
+  else if (name.toLowerCase() === 'l') panel.numbers.input.click();
   else if (name.toLowerCase() === 'n') panel.named();
   else if (/^[1-9]$/.test(name)) tags.choose(Number(name) - 1);
   else if (name === '0') stage.fit([body.nodes]);
@@ -174,7 +176,7 @@ function canvasKey({ key: name, shiftKey }) {
 
 async function begin() {
   try {
-    stage = new Stage(at('stage'), () => { if (body) firstPicture ??= performance.now(); });
+    stage = new Stage(at('stage'), drawn);
   } catch (error) {
     document.body.classList.add('unseen');
     at('viewer').hidden = true;
@@ -186,6 +188,7 @@ async function begin() {
   body = new Body(nodes, triangles, faces);
   stage.show([{ objects: body.objects }]);
   stage.fit([nodes]);
+  labels = new Labels(stage, body, at('labels'));
   hand = new Hand(stage, body, { hover: mark, click, stroke: painted });
   const on = {
     turn: (face) => hand.turnTo(faces[face]),
@@ -197,6 +200,7 @@ async function begin() {
       view();
     },
     back: () => stage.canvas.focus({ preventScroll: true }),
+    number: (on) => labels.set(on),
     say, kept,
   };
   panel = new Panel(at('panel'), tags, data, look, on);
@@ -211,6 +215,12 @@ async function begin() {
   tools();
   // before anything new is kept
   if (!restored()) refresh();
+}
+
+/** After each picture. */
+function drawn() {
+  if (body) firstPicture ??= performance.now();
+  labels?.redraw();
 }
 
 /** Takes up what this browser kept of the same body; whether there was anything. */

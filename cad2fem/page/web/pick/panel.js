@@ -6,8 +6,8 @@ import { NONE } from 'pick/tags';
 
 const AXES = ['x', 'y', 'z'];
 
-/** Names that most bodies need; a chamber is the wall of an air space. */
-const USUAL = [['seat', 'what is held', {}], ['cavity', 'the wall of a chamber', { chamber: true }], ['tip', 'the free end', {}], ['skin', 'the outside', {}]];
+/** Names that most bodies need, as `cad2fem new` writes them into sim.toml; a chamber is the wall of an air space. */
+const USUAL = [['fixed', 'what is held', {}], ['cavity', 'the wall of a chamber', { chamber: true }], ['tip', 'the free end', {}], ['skin', 'the outside', {}]];
 
 const number = (value) => String(Number(value.toPrecision(4))).replace('-', '−');
 
@@ -63,7 +63,7 @@ export class Panel {
       ? 'Every face has a tag.'
       : `${count(bare.length, 'face')} of ${this.tags.faces.filter((f) => f.file && !f.inside).length} without a tag. `);
     if (bare.length > 0 && tags.list.length > 0) this.left.append(this.rest(bare));
-    const found = remarks(tags);
+    const found = [...(this.data.given?.remarks ?? []).map((text) => ({ text: `tags.toml: ${text}` })), ...remarks(tags)];
     this.remarks.replaceChildren(...found.map(({ text, faces }) => {
       const line = make('li', {}, text);
       if (faces) line.append(' ', button('show', () => this.on.look(faces)));
@@ -79,7 +79,7 @@ export class Panel {
   rest(faces) {
     const { tags } = this;
     const active = tags.list[tags.active];
-    if (active && !active.chamber) {
+    if (active && !active.chamber && !active.kept) {
       return button(`give them to ${active.name || 'this tag'}`, () => {
         tags.keep();
         tags.give(faces, tags.active);
@@ -116,6 +116,7 @@ export class Panel {
       event.preventDefault();
       this.on.back();
     });
+    name.readOnly = Boolean(tag.kept);
     const chamber = check('air chamber', tag.chamber, (on) => tags.set(i, { chamber: on }));
     chamber.title = 'air is let in: its faces are the wall of a chamber';
     const remove = button('✕', () => tags.remove(i));
@@ -123,10 +124,10 @@ export class Panel {
     remove.className = 'remove';
     const swatch = make('i', { className: 'swatch' });
     swatch.style.background = tags.color(i);
-    const faces = tags.facesOf(i);
-    const size = make('span', { className: 'size', textContent: faces.length > 0 ? `${count(faces.length, 'face')}, ${areaText(tags.area(i))}` : 'no face yet' });
-    const below = make('div', { className: 'below' }, size, chamber);
-    if (tag.chamber) below.append(this.opening(tag, i));
+    const size = make('span', { className: 'size', textContent: this.size(i) });
+    if (tag.kept) size.title = tag.kept;
+    const below = make('div', { className: 'below' }, size, tag.kept ? null : chamber);
+    if (tag.chamber && !tag.kept) below.append(this.opening(tag, i));
     const made = make('div', { className: active ? 'tag active' : 'tag', role: 'listitem' }, make('div', { className: 'line' }, mark, swatch, name, remove), below);
     made.addEventListener('click', (event) => {
       if (['INPUT', 'BUTTON', 'SELECT', 'LABEL', 'SPAN'].includes(event.target.tagName) && event.target !== size) return;
@@ -135,12 +136,19 @@ export class Panel {
     return made;
   }
 
+  /** How much a tag has. */
+  size(i) {
+    const faces = this.tags.facesOf(i);
+    if (this.tags.list[i].kept) return 'kept as tags.toml has it, not shown';
+    return faces.length > 0 ? `${count(faces.length, 'face')}, ${areaText(this.tags.area(i))}` : 'no face yet';
+  }
+
   /** How the opening of a chamber is kept. */
   opening(tag, i) {
     const { tags } = this;
-    const { tags: rim, bare } = tags.around(i);
+    const [rim, { bare }] = [tags.rim(i), tags.around(i)];
     if (rim.length + bare.length === 0) return make('span', { className: 'size', textContent: tags.facesOf(i).length > 0 ? 'closed all around' : '' });
-    const held = rim.map((t) => tags.list[t].name).join(', ') || 'what is held';
+    const held = rim.join(', ') || 'what is held';
     const list = select('its opening', [['held', `lies on ${held}`], ['plug', 'has a plug that moves along']], tag.plug ? 'plug' : 'held', (value) => tags.set(i, { plug: value === 'plug' }));
     list.className = 'opening';
     return list;
@@ -190,7 +198,7 @@ export class Panel {
         if (lids.length > 0) this.on.turn(lids[0]);
         this.through.input.checked || this.through.input.click();
         const open = lids.filter((lid) => this.tags.of[lid] === NONE && this.tags.faces[lid].file);
-        if (open.length > 0) this.tags.add('seat', { faces: open });
+        if (open.length > 0) this.tags.add('fixed', { faces: open });
         this.add('cavity', { chamber: true, faces, joined: open.length > 0 });
       });
       made.title = title;
@@ -201,13 +209,13 @@ export class Panel {
     }
     for (const { volume, faces, lid } of pockets) {
       const name = this.tags.faces[lid].name;
-      const title = `${count(faces.length, 'face')} as cavity, and ${name}, in which it opens, as seat`;
-      this.found.append(line(`Chamber of ${number(volume / 1000)} mL, open in ${name}`, faces, chamber('cavity + seat', title, faces, [lid])));
+      const title = `${count(faces.length, 'face')} as cavity, and ${name}, in which it opens, as fixed`;
+      this.found.append(line(`Chamber of ${number(volume / 1000)} mL, open in ${name}`, faces, chamber('cavity + fixed', title, faces, [lid])));
     }
     for (const { axis, at, faces } of sides) {
       const area = areaText(faces.reduce((sum, face) => sum + this.tags.faces[face].area, 0));
       const plane = at === 0 ? [take('cut', 'a plane of symmetry: only half of the body is here', {}, faces)] : [];
-      this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('seat', 'what is held', {}, faces), ...plane));
+      this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('fixed', 'what is held', {}, faces), ...plane));
     }
     for (const { axis, at, partners } of mirrors) {
       const both = check(`a click takes the mirror image, too`, false, (on) => {
@@ -234,7 +242,9 @@ export class Panel {
     this.through.input.id = 'through';
     this.hides = check('hide faces that have a tag', look.hides, change('hides'));
     this.hides.input.id = 'hides';
-    return fieldset('See inside', axis, place, row(button('other side', () => change('sign')(-look.sign))), this.through, this.hides);
+    this.numbers = check('number the faces', false, (on) => this.on.number(on));
+    this.numbers.input.id = 'numbers';
+    return fieldset('See', axis, place, row(button('other side', () => change('sign')(-look.sign))), this.through, this.hides, this.numbers);
   }
 
   save() {

@@ -7,9 +7,13 @@ export const NONE = -1;
 const LONGEST = 200;
 
 export class Tags {
-  /** `borders` are [face, face, whether they meet smoothly]; `changed` is called after every change. */
-  constructor(faces, borders, changed) {
-    Object.assign(this, { faces, changed, list: [], of: faces.map(() => NONE), active: NONE, done: [], undone: [] });
+  /**
+   * `borders` are [face, face, whether they meet smoothly]; `given` are tags of a file, or null; `changed`
+   * is called after every change. A tag that is `kept` has its table in place of faces.
+   */
+  constructor(faces, borders, given, changed) {
+    const { list = [], of = faces.map(() => NONE) } = given ?? {};
+    Object.assign(this, { faces, changed, list, of, active: list.findIndex((tag) => !tag.kept), done: [], undone: [] });
     this.beside = faces.map(() => []);
     for (const [a, b, smooth] of borders) {
       this.beside[a].push([b, smooth]);
@@ -118,6 +122,12 @@ export class Tags {
       for (const [next, smooth] of this.beside[face]) if (goes(next, smooth)) found.add(next);
     }
     return [...found];
+  }
+
+  /** Names of the tags that hold the opening of a chamber: those around it, and kept ones of the file. */
+  rim(tag) {
+    const kept = this.list.filter(({ name, kept: text }) => text && this.list[tag].rim?.includes(name));
+    return [...this.around(tag).tags.map((t) => this.list[t]), ...kept].map(({ name }) => name.trim());
   }
 
   /** What lies around a tag: tags by number, and faces without one. */

@@ -48,10 +48,10 @@ export function remarks(tags) {
   tags.list.forEach((tag, i) => {
     if (names[i] === '') found.push({ tag: i, text: `Tag ${i + 1} has no name.`, bad: true });
     else if (names.indexOf(names[i]) < i) found.push({ tag: i, text: `Two tags are called ${names[i]}.`, bad: true });
-    if (tags.facesOf(i).length === 0) found.push({ tag: i, text: `${names[i] || `Tag ${i + 1}`} has no face yet: click one.`, bad: true });
-    if (!tag.chamber || tag.plug) return;
+    if (!tag.kept && tags.facesOf(i).length === 0) found.push({ tag: i, text: `${names[i] || `Tag ${i + 1}`} has no face yet: click one.`, bad: true });
+    if (!tag.chamber || tag.plug || tag.kept) return;
     const { bare } = tags.around(i);
-    if (bare.length > 0) {
+    if (bare.length > 0 && tags.rim(i).length === tags.around(i).tags.length) {
       found.push({ tag: i, faces: bare, text: `${names[i]} is open, and ${count(bare.length, 'face')} at its opening ${bare.length === 1 ? 'has' : 'have'} no tag. Give the face that is held there a tag.` });
     }
   });
@@ -67,10 +67,11 @@ function about(tags, tag) {
 }
 
 function table(tags, tag) {
-  const { name, chamber, plug } = tags.list[tag];
+  const { name, chamber, plug, kept } = tags.list[tag];
+  if (kept) return kept;
   const faces = tags.facesOf(tag);
   const files = faces.map((face) => quoted(tags.faces[face].file));
-  const rim = tags.around(tag).tags.map((t) => quoted(tags.list[t].name.trim()));
+  const rim = tags.rim(tag).map(quoted);
   const lines = [`# ${about(tags, tag)}`];
   if (chamber) lines[0] += rim.length > 0 ? ': the wall of a chamber with an opening' : ': the wall of a closed chamber';
   lines.push('[[tag]]', `name = ${quoted(name.trim())}`, `patch = ${list(files)}`);
@@ -85,14 +86,16 @@ function table(tags, tag) {
 
 /** The file. */
 export function written(tags, data) {
-  const kept = tags.list.map((_, i) => i).filter((i) => tags.facesOf(i).length > 0);
+  const used = tags.list.map((_, i) => i).filter((i) => tags.list[i].kept || tags.facesOf(i).length > 0);
+  const { head, tail } = data.given ?? { head: '', tail: '' };
   const left = tags.facesOf(NONE).filter((face) => !tags.faces[face].inside).length;
   return `# Parts of the boundary of ${plain(data.title)}, chosen on the page of cad2fem pick.
 # A facet of the mesh belongs to the first tag here that has it:
 #
 #   tagger tag volume.msh --config tags.toml --patches ${plain(data.folder)}/patches -o tagged.msh
 
-# The whole surface, so that no tag grows beyond its faces${left > 0 ? `: ${count(left, 'face')} ${left === 1 ? 'has' : 'have'} no tag` : ''}.
+${head && `${head}
+`}# The whole surface, so that no tag grows beyond its faces${left > 0 ? `: ${count(left, 'face')} ${left === 1 ? 'has' : 'have'} no tag` : ''}.
 surface = "../model.stl"
-${kept.map((tag) => `\n${table(tags, tag)}`).join('')}`;
+${used.map((tag) => `\n${table(tags, tag)}`).join('')}${tail}`;
 }

@@ -1,0 +1,48 @@
+//! Thinnest walls of bodies, as `fab` left them in `plan.json`.
+
+use anyhow::Result;
+use mesh::Vec3;
+use serde_json::Value;
+
+use crate::read_json;
+use crate::survey::{Survey, name};
+
+/// The thinnest wall of a body.
+#[derive(Clone, Debug)]
+pub struct Wall {
+    /// Hash of the mesh of the body.
+    sha256: String,
+    /// How thick it is [m].
+    pub thickness: f64,
+    /// Where it begins, in the design [m].
+    pub at: Vec3,
+}
+
+/// The walls of all plans of a page.
+///
+/// # Errors
+/// If a plan cannot be read.
+pub fn all(survey: &Survey) -> Result<Vec<Wall>> {
+    let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
+    let walls = plans.map(|path| Ok(of_plan(&read_json(path)?)));
+    Ok(walls.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
+}
+
+/// The wall of one of these meshes, and the number of the mesh.
+pub fn of<'a>(walls: &'a [Wall], hashes: &[&str]) -> Option<(&'a Wall, usize)> {
+    walls.iter().find_map(|wall| {
+        let index = hashes.iter().position(|hash| *hash == wall.sha256)?;
+        Some((wall, index))
+    })
+}
+
+/// The wall of a plan in millimetres; plans of older programs have none.
+fn of_plan(plan: &Value) -> Option<Wall> {
+    let wall = &plan["wall"];
+    let along = |c: usize| wall["at"][c].as_f64();
+    Some(Wall {
+        sha256: plan["input"]["sha256"].as_str()?.to_owned(),
+        thickness: 1e-3 * wall["thickness"].as_f64()?,
+        at: 1e-3 * Vec3::new(along(0)?, along(1)?, along(2)?),
+    })
+}
