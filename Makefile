@@ -154,7 +154,8 @@ docs:  ## documentation of the libraries, in target/doc
 	cargo doc --release --locked --workspace --no-deps
 
 book: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
-book:  ## the book, as pages that load nothing from the network: build/book/index.html
+book: export MDBOOK_PREPROCESSOR__FORMULAS__COMMAND := $(CURDIR)/.cargo-tools/book/bin/python -B $(CURDIR)/.ci/formulas.py
+book: .cargo-tools/book/installed  ## the book, as pages that load nothing from the network: build/book/index.html
 	@mdbook --version 2> /dev/null | grep --quiet "$(MDBOOK)" || \
 		cargo install --locked --version $(MDBOOK) --no-default-features --features search --root .cargo-tools mdbook
 	rm -rf build/book
@@ -184,7 +185,7 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
 
-.cargo-tools/prose/installed: .ci/prose.txt
+.cargo-tools/book/installed .cargo-tools/prose/installed: .cargo-tools/%/installed: .ci/%.txt
 	rm -rf $(@D)
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<

@@ -15,8 +15,8 @@ use program::Unusable;
 use serde::Serialize;
 
 use crate::implicit::{Thin, draw_thin};
-use crate::import::Record;
 use crate::mesher::gmsh::Faces;
+use crate::record::Record;
 use crate::report::{Input, findings};
 
 /// The report, written last.

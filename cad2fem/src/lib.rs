@@ -34,6 +34,7 @@ pub mod layers;
 pub mod mesher;
 pub mod offset;
 pub mod planar;
+pub mod record;
 pub mod report;
 pub mod solids;
 pub mod template;

@@ -1,6 +1,6 @@
 //! The invariants of the architecture that a machine can check.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -171,6 +171,100 @@ fn uses_only_those_before(package: &str) {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// At any depth: of two modules beside each other at most one uses the other, also through others.
+#[test]
+fn no_modules_use_each_other() {
+    for package in sources_of_packages() {
+        let uses = uses_between(&repository().join(package).join("src"));
+        let within = |start: &Vec<String>| {
+            let (mut open, mut reached) = (vec![start], BTreeSet::new());
+            while let Some(module) = open.pop() {
+                for next in uses.get(module).into_iter().flatten() {
+                    open.extend(reached.insert(next).then_some(next));
+                }
+            }
+            reached.contains(start)
+        };
+        let circle: Vec<&Vec<String>> = uses.keys().filter(|module| within(module)).collect();
+        assert!(circle.is_empty(), "{package}: {circle:?}");
+    }
+}
+
+/// Folders of all packages with sources.
+fn sources_of_packages() -> [&'static str; 12] {
+    [
+        "cad2fem",
+        "cad2fem/library",
+        "cad2fem/mesh",
+        "cad2fem/page",
+        "cad2fem/program",
+        "cad2fem/render",
+        "tagger",
+        "solver",
+        "solver/mechanics",
+        "solver/measure",
+        "solver/scene",
+        "fab",
+    ]
+}
+
+/// Which modules use which: of each pair the parts of their paths from where these part.
+fn uses_between(source: &Path) -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
+    let path_of = |file: &PathBuf| -> Vec<String> {
+        let path = file.strip_prefix(source).unwrap().with_extension("");
+        let mut words: Vec<String> =
+            path.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+        if ["mod", "lib", "main"].contains(&words.last().unwrap().as_str()) {
+            words.pop();
+        }
+        words
+    };
+    let all = files(source, "rs").into_iter().filter(|file| !is_test(file));
+    let modules: BTreeMap<Vec<String>, PathBuf> = all.map(|file| (path_of(&file), file)).collect();
+    let mut uses: BTreeMap<Vec<String>, BTreeSet<Vec<String>>> = BTreeMap::new();
+    for (module, file) in &modules {
+        for target in targets(&code(file), module) {
+            let known = (0..=target.len()).rev().find(|&n| modules.contains_key(&target[..n]));
+            let target = &target[..known.unwrap_or(0)];
+            let shared = module.iter().zip(target).take_while(|(a, b)| a == b).count();
+            if shared < module.len().min(target.len()) {
+                let from = module[..=shared].to_vec();
+                uses.entry(from).or_default().insert(target[..=shared].to_vec());
+            }
+        }
+    }
+    uses
+}
+
+/// The paths that a module's code names from its crate, from itself and from those around it.
+fn targets(code: &str, module: &[String]) -> Vec<Vec<String>> {
+    let around = |up: usize| module[..module.len().saturating_sub(up)].to_vec();
+    let mut starts = vec![("crate".to_owned(), Vec::new()), ("self".to_owned(), around(0))];
+    starts.extend((1..=4).map(|up| (["super"].repeat(up).join("::"), around(up))));
+    let mut found = Vec::new();
+    for (from, start) in starts {
+        for (i, begin) in code.match_indices(&format!("{from}::")) {
+            // the end of `super::super::` is none
+            if code[..i].ends_with("::") {
+                continue;
+            }
+            let rest = &code[i + begin.len()..];
+            let own = rest.split(['{', ';', '(', ' ', ',', '<', ')']).next().unwrap_or_default();
+            let words: Vec<&str> = own.split("::").filter(|word| !word.is_empty()).collect();
+            let path = |more: &[&str]| {
+                [&start[..], &more.iter().map(|&word| word.to_owned()).collect::<Vec<_>>()].concat()
+            };
+            found.push(path(&words));
+            let statement = rest.split(';').next().unwrap_or_default();
+            if let Some(list) = statement.strip_prefix(&format!("{own}{{")) {
+                let listed = used(&format!("crate::{{{list}"), "crate");
+                found.extend(listed.iter().map(|word| path(&[&words[..], &[word]].concat())));
+            }
+        }
+    }
+    found
 }
 
 /// Formats, files and messages for users are the business of what is built on it.

@@ -27,7 +27,7 @@ impl Process {
     /// # Errors
     /// When it cannot be run.
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
-        crate::interrupt::unblock_in(command);
+        crate::signals::unblock_in(command);
         let mut running = lock(&RUNNING); // an interruption waits until it is known
         let child = Arc::new(Mutex::new(command.spawn()?));
         running.retain(|other| other.strong_count() > 0);

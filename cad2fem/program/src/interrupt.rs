@@ -3,11 +3,11 @@
 //! Results appear as a whole and states are written after every step, so that nothing has to be
 //! saved: programs that were started are ended, what is unfinished is removed.
 
-use std::process::Command;
+#[cfg(unix)]
+use nix::sys::signal::Signal;
 
 #[cfg(unix)]
-use nix::sys::signal::{SigSet, Signal};
-
+use crate::signals::signals;
 use crate::terminal::to_stderr;
 
 /// From now on the process ends in order when it is interrupted, with the exit code that shells
@@ -37,24 +37,6 @@ pub fn end_in_order(name: &str) {
 /// Elsewhere signals end the process as ever.
 #[cfg(not(unix))]
 pub fn end_in_order(_name: &str) {}
-
-#[cfg(unix)]
-fn signals() -> SigSet {
-    [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
-}
-
-/// A program that ours runs would block what ours blocks.
-#[cfg(unix)]
-#[allow(unsafe_code, reason = "between fork and exec one system call, which is allowed there")]
-pub(crate) fn unblock_in(command: &mut Command) {
-    use std::os::unix::process::CommandExt;
-    let signals = signals();
-    unsafe { command.pre_exec(move || Ok(signals.thread_unblock()?)) };
-}
-
-/// Elsewhere nothing is blocked.
-#[cfg(not(unix))]
-pub(crate) fn unblock_in(_command: &mut Command) {}
 
 #[cfg(unix)]
 #[allow(clippy::exit, reason = "the other threads do not know of the signal")]

@@ -18,6 +18,7 @@ mod progress;
 pub mod schema;
 mod settings;
 mod shell;
+mod signals;
 mod terminal;
 
 pub use allocator::OrEnd;

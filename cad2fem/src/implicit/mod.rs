@@ -27,6 +27,7 @@ mod region;
 mod resolution;
 mod shape;
 mod sides;
+mod skin;
 mod surface;
 mod thin;
 
@@ -35,8 +36,8 @@ pub use model::{Cuboid, Cut, Model, ModelFile, Op, Primitive, Region};
 pub use picture::draw_thin;
 pub use region::assign;
 pub use shape::{Rotation, Shape};
-pub use surface::{Part, Skin, surface};
-pub use thin::{Kind, Thin};
+pub use skin::{Kind, Part, Skin, Thin};
+pub use surface::surface;
 
 /// The two implicit functions of a model.
 pub struct Fields {

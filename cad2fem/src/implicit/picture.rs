@@ -16,7 +16,7 @@ use render::shape::{Shape, Triangle, shade};
 use render::sheet::{Panel, Sheet, draw_sheet};
 use render::view::View;
 
-use super::thin::{Kind, Thin};
+use super::skin::{Kind, Thin};
 
 /// Width and height [px].
 const SIZE: [usize; 2] = [1600, 800];

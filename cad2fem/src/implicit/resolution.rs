@@ -6,7 +6,7 @@ use mesh::topology::boundary_loops;
 use mesh::{SurfaceMesh, Vec3, walls};
 
 use super::model::Model;
-use super::surface::{Part, Skin};
+use super::skin::{Part, Skin};
 use super::{Field, Fields};
 
 /// Cells of the lattice across the thinnest primitive, at least.

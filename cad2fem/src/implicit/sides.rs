@@ -6,7 +6,7 @@ use mesh::Vec3;
 
 use super::model::Model;
 use super::range::Range;
-use super::surface::Part;
+use super::skin::Part;
 use super::{Field, Fields};
 
 /// How often a point is put onto the planes of its cuts in turn: one turn does for one plane, oblique

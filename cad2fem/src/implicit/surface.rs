@@ -1,12 +1,12 @@
 //! The closed surface of a model.
 
 use anyhow::{Result, anyhow, ensure};
+use mesh::Vec3;
 use mesh::check::check_surface;
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
 use mesh::topology::submesh;
-use mesh::{SurfaceMesh, Vec3};
 use program::Unusable;
 
 use super::Fields;
@@ -17,7 +17,8 @@ use super::model::Model;
 use super::refine::{FINEST, refine};
 use super::resolution::{remark_on_chords, remark_on_walls, resolved};
 use super::sides::Sides;
-use super::thin::{self, Thin};
+use super::skin::{Part, Skin};
+use super::thin;
 use crate::report::findings;
 
 /// Parts of `simplify` that are tried in turn, until the surface is sound.
@@ -26,28 +27,6 @@ const SIMPLIFY: [f64; 3] = [1.0, 0.3, 0.1];
 /// The thickest needle that is taken out where triangles cross [diagonal]: 32 bits resolve 6e-8 of
 /// a coordinate.
 const NEEDLE: f64 = 1e-6;
-
-/// What a triangle of the surface is a part of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// The outside of the solid.
-    Outside,
-    /// The wall of a cavity.
-    Cavity,
-    /// The face of a cut, by its index.
-    Cut(usize),
-}
-
-/// The closed surface of a body, as binary STL keeps it.
-#[derive(Clone)]
-pub struct Skin {
-    /// The surface [m].
-    pub surface: SurfaceMesh,
-    /// What each triangle is a part of.
-    pub part: Vec<Part>,
-    /// Where the body is thinner than the finest cell, the thinnest first.
-    pub thin: Vec<Thin>,
-}
 
 /// The closed surface of a model. What its grid does not resolve is logged, with places.
 ///
@@ -199,6 +178,8 @@ fn require_one_piece(skin: Skin, sides: &Sides) -> Result<Skin> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::{Fields, Kind, assign};
+    use mesh::SurfaceMesh;
+
     use super::*;
     use mesh::measure::{area, enclosed_volume, triangle_area};
     use mesh::walls;

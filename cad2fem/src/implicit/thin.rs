@@ -7,11 +7,10 @@
 use mesh::Vec3;
 use mesh::measure::triangle_normal;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::refine::{FINEST, Hidden};
 use super::sides::Sides;
-use super::surface::Skin;
+use super::skin::{Kind, Skin, Thin};
 
 /// Places nearer than this to a thinner one are left out [grid].
 const APART: f64 = 3.0;
@@ -28,29 +27,6 @@ const PARALLEL: f64 = 0.5;
 
 /// Ways shorter than this end where they begin [finest cell].
 const NOTHING: f64 = 0.02;
-
-/// What is thin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// The body itself.
-    Wall,
-    /// A groove, or the space between two parts of the body.
-    Gap,
-}
-
-/// A place that is thinner than the finest cell.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Thin {
-    /// What is thin.
-    pub kind: Kind,
-    /// Whether the surface has both of its sides; else a gap is closed and a wall is missing there.
-    pub resolved: bool,
-    /// [m]
-    pub thickness: f64,
-    /// [m]
-    pub at: [f64; 3],
-}
 
 /// The thin places of a body, the thinnest first, one of each neighbourhood.
 pub fn places(skin: &Skin, hidden: &[Hidden], sides: &Sides) -> Vec<Thin> {

@@ -22,12 +22,12 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, check};
 use nalgebra::Matrix3;
 use program::Unusable;
-use serde::Serialize;
 
 use crate::labelled::{Facts, LabelledSurface};
+use crate::record::Record;
 use crate::report::findings;
 use repair::Repair;
-use source::{Reader, Source};
+use source::Reader;
 
 /// Triangles thinner than this are needles, which rounding to 32 bits may fold [diagonal].
 const THIN: f64 = 1e-6;
@@ -113,28 +113,12 @@ pub struct Request {
     pub split: Option<f64>,
 }
 
-/// What was read and what was changed, for `model.json`.
-#[derive(Clone, Debug, Serialize)]
-pub struct Record {
-    files: Vec<Source>,
-    /// In the order in which it was done, in words.
-    changes: Vec<String>,
-}
-
-impl Record {
-    /// Logs and keeps a change.
-    pub fn change(&mut self, text: String) {
-        log::info!("{text}");
-        self.changes.push(text);
-    }
-}
-
 /// Reads, repairs and combines the files.
 ///
 /// # Errors
 /// If a file cannot be read or repaired, if its unit is not clear, or if nothing is left.
 pub fn import(request: &mut Request) -> Result<LabelledSurface> {
-    let mut record = Record { files: Vec::new(), changes: Vec::new() };
+    let mut record = Record::default();
     let mut patches = Patches::default();
     let several = request.files.len() + request.subtract.len() > 1;
     let mut solids = Vec::new();

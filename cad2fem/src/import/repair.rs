@@ -23,11 +23,12 @@ use program::Unusable;
 
 use super::fill::fill;
 use super::weld::weld;
-use super::{Patched, Patches, Record, THIN};
+use super::{Patched, Patches, THIN};
 use crate::layers::Layers;
 use crate::mesher::ftetwild::FTetWild;
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher as _};
+use crate::record::Record;
 use crate::report::findings;
 use crate::tetrahedralize::{settle, tidy};
 

@@ -8,12 +8,12 @@ use mesh::SurfaceMesh;
 use mesh::io::{MshFile, read_surface, read_tets, threemf};
 use mesh::measure::diagonal;
 use mesh::topology::boundary;
-use serde::Serialize;
 
 use super::{Patched, Patches};
 use crate::cad::{CadOptions, read_faces};
 use crate::labelled::Facts;
 use crate::mesher::gmsh::{Faces, Kind};
+use crate::record::{Known, Source};
 use crate::report::Input;
 use crate::solids::Solids;
 use crate::units::{Unit, guess};
@@ -39,31 +39,6 @@ pub struct Reader {
     pub guessed: Option<Unit>,
     /// What CAD files said about their faces.
     pub facts: Facts,
-}
-
-/// How the unit of a file is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Known {
-    /// The file says it.
-    Stated,
-    /// The user says it.
-    Given,
-    /// By its size.
-    Guessed,
-}
-
-/// A file that was read.
-#[derive(Clone, Debug, Serialize)]
-pub struct Source {
-    #[serde(flatten)]
-    input: Input,
-    /// Its unit, and how that is known.
-    unit: String,
-    unit_is: Known,
-    triangles: usize,
-    /// From corner to corner [m].
-    diagonal: f64,
 }
 
 impl Reader {
@@ -217,19 +192,6 @@ impl Reader {
         }
         solids.remark_on_chambers(file);
         Ok(())
-    }
-}
-
-impl Source {
-    fn described(&self) -> String {
-        let size = format!("{:.4} mm from corner to corner", self.diagonal * 1e3);
-        match self.unit_is {
-            Known::Stated => format!("{size}; the file states its unit"),
-            Known::Given => format!("{size}, in {} as --unit says", self.unit),
-            Known::Guessed => {
-                format!("no unit is stated: taken for {}, {size}; --unit says otherwise", self.unit)
-            }
-        }
     }
 }
 

@@ -10,11 +10,11 @@ use super::features::core::{Print, drain};
 use super::features::keying::{self, Code};
 use super::features::number;
 use super::holding::{self, Hold, Solids};
+use super::mount::Mount;
 use super::numbering::Numbers;
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::frame::Frame;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.
@@ -42,22 +42,6 @@ pub struct Cores {
     pub numbered: bool,
     /// Where its stubs stand, core by core [m].
     stands: Vec<Vec<Print>>,
-}
-
-/// What surrounds the cores.
-pub struct Mount<'a> {
-    /// How the cores leave the body.
-    pub method: Method,
-    /// Outside of the closed mold.
-    pub outside: &'a Solid,
-    /// Height to which stubs reach [m].
-    pub floor: f64,
-    /// From the design to the mold.
-    pub frame: &'a Frame,
-    /// Sprue and vents.
-    pub channels: &'a [Feature],
-    /// What was asked for.
-    pub config: &'a Config,
 }
 
 /// A core with a bore for water, if one fits.

@@ -6,10 +6,10 @@ use mesh::check::Finding;
 use mesh::solid::Solid;
 
 use super::cast_body::CastBody;
-use super::cores::Mount;
 use super::features::core::Print;
 use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{Contact, SILICONE, Stand};
+use super::mount::Mount;
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::method::Method;
 use crate::config::{Casts, Config, Support};

@@ -9,7 +9,7 @@ use mesh::{SurfaceMesh, TetMesh, Vec3, measure, place_key, topology};
 
 use super::closed_mold::ClosedMold;
 use super::origins::{Origins, boundary_of};
-use super::{Line, Status, fit};
+use super::{Line, Status, deviation};
 use crate::body::boundary::chambers_of;
 use crate::body::source::CastPart;
 use crate::config::Casts;
@@ -82,7 +82,7 @@ impl MoldAndCad<'_> {
         let points = model.vertices.iter().copied().chain(measure::spread(model, SAMPLES));
         let still = points.filter(|p| unmoved.as_ref().is_none_or(|unmoved| unmoved.holds(p)));
         let vertices = still.collect();
-        let placed = fit::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
+        let placed = deviation::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
         let bvh = SurfaceBvh::new(cavity);
         let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
         let off = cast.map(|p| bvh.closest(p).distance).fold(0.0, f64::max);
@@ -102,11 +102,11 @@ impl MoldAndCad<'_> {
         let report = &mold.report;
         let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
         let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
-        let film = fit::SURFACE + 2.0 * mold.rounding;
+        let film = deviation::SURFACE + 2.0 * mold.rounding;
         // The whole design, as the part that is cast may be cut off: where a plane grazes a wall, sections of the two differ by far more than the walls.
         let design = origins.whole(report, Casts::Mesh)?;
         let (there, at) =
-            fit::deviation(cavity, &design, film, |p| is_off_section(p, report, film));
+            deviation::deviation(cavity, &design, film, |p| is_off_section(p, report, film));
         let limit = BETWEEN * apart(&modelled, model) * scale + film;
         let mut line = Line::at_most("surface: mold to design", there, limit, "mm").placed(&at);
         line.needed += ", as the mesh is off the CAD";

@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use mesh::bvh::SurfaceBvh;
-use mesh::inside::WindingNumber;
 use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 use program::sha256_file;
 
 use super::closed_mold::{Body, ClosedMold};
+use super::deviation::{SURFACE, deviation, placed};
 use super::origins::Origins;
 use super::{Against, Line, Status, cad};
 use crate::body::source::CastPart;
@@ -17,16 +16,9 @@ use crate::config::Casts;
 use crate::files::report::MoldReport;
 use crate::mold::Purpose;
 
-/// Largest distance between the cast and the surface that is to be cast, besides rounding: a thirtieth
-/// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].
-pub const SURFACE: f64 = 5e-3;
-
 /// Error of the balance as a part of the outside's volume: in a mold of 500 mL half a cubic
 /// millimetre, a crumb.
 const BALANCE: f64 = 1e-6;
-
-/// Part of its radius by which a ball that fits into a body may be smaller, for rounding.
-const ROUND: f64 = 0.99;
 
 /// Points per surface at which that distance is measured, besides its vertices: one per mm²
 /// of a hand-sized body.
@@ -144,16 +136,6 @@ pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
     (above.area() + below.area() - whole.area()) / 2.0
 }
 
-/// A surface of the design, in the mold's millimetres.
-pub fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
-    let m = report.design_to_mold;
-    for p in &mut surface.vertices {
-        let row = |r: [f64; 4]| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
-        *p = Vec3::new(row(m[0]), row(m[1]), row(m[2]));
-    }
-    surface
-}
-
 /// What is to be cast, in words.
 fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
     match (report.input.surface, &origins.modelled) {
@@ -202,50 +184,6 @@ fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
     for pin in pins {
         *body = body.union(&pin.exact().intersection(&design));
     }
-}
-
-/// Largest distance of `from` to `to`, without films thinner than `film`: where
-/// parts touch, rounding leaves gaps of a few nanometres that can be connected
-/// with the body.
-///
-/// Measured at the centroid of each triangle and near its corners. A place far
-/// from `to` belongs to a film if no ball of the diameter `film` fits into `from` below it.
-///
-/// What this lets through is measured on damaged parts in `tests/films.rs`. Places that are not `counted` do not count.
-/// Returns the distance and its place.
-pub fn deviation(
-    from: &SurfaceMesh,
-    to: &SurfaceMesh,
-    film: f64,
-    counted: impl Fn(&Vec3) -> bool,
-) -> (f64, Vec3) {
-    const NEAR_CORNER: f64 = 0.9;
-    let bvh = SurfaceBvh::new(to);
-    let inside = WindingNumber::new(from);
-    let own = SurfaceBvh::new(from);
-    let mut worst = (0.0, Vec3::zeros());
-    for t in 0..from.triangles.len() {
-        let [a, b, c] = from.corners(t);
-        if measure::triangle_area(a, b, c) == 0.0 {
-            continue;
-        }
-        let below = measure::triangle_normal(a, b, c) * film;
-        // The ball itself, and one as deep again: near an edge the first may not fit.
-        let is_thick = |p: &Vec3| {
-            [0.5, 1.0].into_iter().map(|depth| p - below * depth).any(|middle| {
-                own.closest(&middle).distance >= ROUND * film / 2.0 && inside.contains(&middle)
-            })
-        };
-        let centre = from.centroid(t);
-        let near = [a, b, c].map(|corner| centre + (corner - centre) * NEAR_CORNER);
-        for p in near.into_iter().chain([centre]) {
-            let distance = bvh.closest(&p).distance;
-            if distance > worst.0 && counted(&p) && (distance <= film || is_thick(&p)) {
-                worst = (distance, p);
-            }
-        }
-    }
-    worst
 }
 
 /// Other pieces of the mold cavity are films of rounding between touching faces.

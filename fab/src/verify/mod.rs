@@ -32,6 +32,7 @@ mod closed_mold;
 mod collars;
 mod copies;
 mod demolding;
+mod deviation;
 mod filling;
 mod fit;
 mod holding;

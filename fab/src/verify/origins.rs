@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mesh::io::{read_surface, read_tets};
 use mesh::{SurfaceMesh, topology};
 
-use super::{Against, fit};
+use super::{Against, deviation};
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar, FittedTube};
 use crate::body::files::BodyFiles;
@@ -64,7 +64,7 @@ impl Origins {
             Some(model) if of_model => read_surface(model).map_err(|e| e.to_string())?,
             _ => boundary_of(&self.design)?,
         };
-        Ok(fit::placed(surface, report))
+        Ok(deviation::placed(surface, report))
     }
 
     fn read(&self, report: &MoldReport, casts: Casts) -> Result<Boundary, String> {
@@ -89,7 +89,7 @@ impl Origins {
                 Casts::Model => boundary_of(&self.design),
             }
         };
-        Some(read().map(|surface| fit::placed(surface, report)))
+        Some(read().map(|surface| deviation::placed(surface, report)))
     }
 }
 
@@ -101,8 +101,8 @@ pub fn boundary_of(path: &Path) -> Result<SurfaceMesh, String> {
 
 /// A body and its collars, in the mold's millimetres.
 fn collared(boundary: Boundary, report: &MoldReport) -> Result<SurfaceMesh, String> {
-    let cores = boundary.cores.into_iter().map(|core| fit::placed(core.surface, report));
+    let cores = boundary.cores.into_iter().map(|core| deviation::placed(core.surface, report));
     let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
-    collar::cast(&fit::placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
+    collar::cast(&deviation::placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
         .map_err(|e| e.to_string())
 }

@@ -1,0 +1,65 @@
+//! What was read of bodies from elsewhere, and what was changed of them.
+
+use serde::Serialize;
+
+use crate::report::Input;
+
+/// What was read and what was changed, for `model.json`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Record {
+    /// The files.
+    pub files: Vec<Source>,
+    /// In the order in which it was done, in words.
+    changes: Vec<String>,
+}
+
+impl Record {
+    /// Logs and keeps a change.
+    pub fn change(&mut self, text: String) {
+        log::info!("{text}");
+        self.changes.push(text);
+    }
+}
+
+/// How the unit of a file is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Known {
+    /// The file says it.
+    Stated,
+    /// The user says it.
+    Given,
+    /// By its size.
+    Guessed,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, Serialize)]
+pub struct Source {
+    #[serde(flatten)]
+    /// The file and its hash.
+    pub input: Input,
+    /// Its unit.
+    pub unit: String,
+    /// How that is known.
+    pub unit_is: Known,
+    /// Number of its triangles.
+    pub triangles: usize,
+    /// From corner to corner [m].
+    pub diagonal: f64,
+}
+
+impl Source {
+    /// Its size, and how its unit is known, in words.
+    #[must_use]
+    pub fn described(&self) -> String {
+        let size = format!("{:.4} mm from corner to corner", self.diagonal * 1e3);
+        match self.unit_is {
+            Known::Stated => format!("{size}; the file states its unit"),
+            Known::Given => format!("{size}, in {} as --unit says", self.unit),
+            Known::Guessed => {
+                format!("no unit is stated: taken for {}, {size}; --unit says otherwise", self.unit)
+            }
+        }
+    }
+}
