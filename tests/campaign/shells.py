@@ -46,7 +46,8 @@ def round_shell(random, size, wall, closed=False):
     model.add("cavity", ellipsoid((0, 0, height), inner))
     model.cavity_above(wall)
     seat = radii[:2].min() * math.sqrt(1 - (height / radii[2]) ** 2)
-    inlet = None if closed else bore(random, model, inner[:2].min(), seat, wall, height)
+    # the inlet ends in the chamber, whose floor may be above the middle
+    inlet = None if closed else bore(random, model, inner[:2].min(), seat, wall, max(height, 2 * wall))
     model.chamber("cavity")
     return Body("round", model, size=2 * radii.max(), wall=0.95 * wall, inlet=inlet)
 
