@@ -126,7 +126,7 @@ fn zeros(len: usize) -> State {
     State::new(vec![0.0; len], vec![0.0; len])
 }
 
-/// Of the adjoint system of a step.
+/// Solution of the adjoint system of a step.
 struct Solution {
     /// λ, on the fixed degrees of freedom ∂J/∂r.
     lambda: Vec<f64>,

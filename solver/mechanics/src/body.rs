@@ -83,7 +83,7 @@ pub struct Body {
     pub planes: Vec<Plane>,
     /// Facets with one tetrahedron, oriented out of the solid.
     skin: Vec<[usize; 3]>,
-    /// Those of them that are in no plane of symmetry.
+    /// Facets of the skin that are in no plane of symmetry.
     boundary: Vec<[usize; 3]>,
 }
 

@@ -45,7 +45,7 @@ pub struct Stretches {
 }
 
 impl Stretches {
-    /// Of the displacement u.
+    /// Stretches at the displacement u.
     #[must_use]
     pub fn of(space: &FunctionSpace, rest: &[Vec3], u: &[f64], limits: Limits) -> Self {
         let mut found = Self {

@@ -59,7 +59,7 @@ enum Shape {
     Tet,
     /// A block with a chamber.
     Hollow,
-    /// The same, three times as long as it is wide.
+    /// A block with a chamber, three times as long as it is wide.
     Bar,
     /// A block that hits another.
     Blocks,

@@ -57,7 +57,7 @@ pub struct BoxTree {
 }
 
 impl BoxTree {
-    /// Of at most 2³² boxes.
+    /// A tree of at most 2³² boxes.
     #[must_use]
     pub fn new(boxes: &[Bounds]) -> Self {
         let order = along_curve(boxes);

@@ -174,7 +174,7 @@ impl<const N: usize> Corners for [usize; N] {
 }
 
 impl<'a> Search<'a> {
-    /// Of what does not move, without a budget: nothing is listed but close pairs.
+    /// A search in what does not move, without a budget: nothing is listed but close pairs.
     fn at_rest(x: &'a [Vec3], radius: f64) -> Self {
         let (radius, budget) = (radius + rounding(x, x), usize::MAX);
         Self { x0: x, x1: x, radius, budget, seen: 0.into() }

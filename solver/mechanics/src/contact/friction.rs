@@ -54,11 +54,11 @@ impl LaggedContact {
 /// Cotangents of a [`LaggedContact`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaggedContactCotangent {
-    /// Of the coefficients.
+    /// Cotangents of the coefficients.
     pub coefficients: [f64; 4],
-    /// Of the normal n, a unit vector with 𝒯 𝒯ᵀ = I − n nᵀ.
+    /// Cotangent of the normal n, a unit vector with 𝒯 𝒯ᵀ = I − n nᵀ.
     pub normal: Vec3,
-    /// Of the normal force [1/N of the unit of J].
+    /// Cotangent of the normal force [1/N of the unit of J].
     pub force: f64,
 }
 
@@ -118,9 +118,9 @@ pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
 
 /// Cotangents of a state, given those of its lagged contacts.
 pub struct LaggedStateCotangent {
-    /// Of positions x of the collision vertices.
+    /// Cotangents of positions x of the collision vertices.
     pub positions: Vec<Vec3>,
-    /// Of their rest positions X, for x that moves along with X.
+    /// Cotangents of their rest positions X, for x that moves along with X.
     pub rest: Vec<Vec3>,
 }
 

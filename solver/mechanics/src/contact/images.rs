@@ -13,7 +13,7 @@ use crate::symmetry::Plane;
 /// A collision vertex as the image of another: x ↦ R x + s.
 #[derive(Clone, Debug)]
 pub(super) struct Image {
-    /// Of which vertex.
+    /// The vertex of which it is the image.
     pub of: usize,
     /// The diagonal of R.
     pub signs: Vec3,
@@ -85,7 +85,7 @@ pub(super) fn share(planes: &[Plane]) -> f64 {
 /// The images of all vertices.
 pub(super) struct Images<'a> {
     planes: &'a [Plane],
-    /// Of each vertex the planes that it is in, as bits.
+    /// Planes that each vertex is in, as bits.
     within: Vec<usize>,
     /// Number of each image by the vertex and the copy.
     ids: BTreeMap<(usize, usize), usize>,

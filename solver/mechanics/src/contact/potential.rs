@@ -54,10 +54,10 @@ use crate::parallel::map_merge;
 pub enum Partners {
     /// All of which one can move, those of one body included, through its solid or not.
     All,
-    /// Of those the ones that are apart at rest: not through the [solid](super::solid) of
+    /// Features of [`Self::All`] that are apart at rest: not through the [solid](super::solid) of
     /// one body, and with a [rest offset](super::rest_offset) within one body.
     ThroughAir,
-    /// Those of different bodies.
+    /// Features of different bodies.
     OtherBodies,
 }
 
@@ -217,7 +217,7 @@ impl Contacts<'_> {
         self.add_blocks(|local, weight| local.hessian() * weight, out);
     }
 
-    /// The same with the second derivative of each stencil made positive semidefinite.
+    /// Adds Wᵀ ∂²B/∂x² W with the second derivative of each stencil made positive semidefinite.
     pub fn add_projected_hessian(&self, out: &mut BlockMatrix) {
         self.add_blocks(Local::projected_hessian, out);
     }

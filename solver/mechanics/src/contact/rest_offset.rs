@@ -31,7 +31,7 @@ pub struct Offset {
 }
 
 impl Offset {
-    /// That of a pair of one body at rest positions of all collision vertices [m]; none
+    /// The offset of a pair of one body at rest positions of all collision vertices [m]; none
     /// where the pair is out of range.
     #[must_use]
     pub fn of(pair: &Pair, rest: &[Vec3], repulsion: &Repulsion) -> Option<Self> {

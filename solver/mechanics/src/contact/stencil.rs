@@ -72,7 +72,7 @@ impl Stencil {
         Self { corners, region, mollified: true, offset: None }
     }
 
-    /// The same with the activation of a pair's rest distance.
+    /// This stencil with the activation of a pair's rest distance.
     #[must_use]
     pub fn with_offset(self, offset: Option<Offset>) -> Self {
         Self { offset: offset.map(|o| o.pair), ..self }

@@ -57,7 +57,7 @@ pub struct BodyForce {
 pub struct Surface {
     /// Rows of W: nodes and weights, empty for vertices of obstacles.
     rows: Vec<Vec<(usize, f64)>>,
-    /// Of which collision vertex each is the image, and how.
+    /// The collision vertex of which each is the image, and how.
     images: Vec<Image>,
     /// Share of the bodies in the whole of which the surface is.
     share: f64,
@@ -334,7 +334,7 @@ impl Surface {
 struct Lattice<'a> {
     space: &'a FunctionSpace,
     split: usize,
-    /// Of a point by the vertices it lies between, each with its share.
+    /// Id of a point by the vertices it lies between, each with its share.
     ids: BTreeMap<[(usize, usize); 3], usize>,
     rows: Vec<Vec<(usize, f64)>>,
 }

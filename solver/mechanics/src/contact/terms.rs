@@ -154,7 +154,7 @@ struct Collector<'a> {
 struct Part {
     feature: usize,
     part: usize,
-    /// Of which close pair; they are in a fixed order.
+    /// Index of its close pair; the pairs are in a fixed order.
     of: usize,
 }
 

@@ -20,7 +20,7 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    /// Of the nodes of all elements, one after the other.
+    /// Incidence for the nodes of all elements, one after the other.
     ///
     /// # Panics
     /// When these are 2³² or more.

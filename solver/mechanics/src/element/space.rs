@@ -47,7 +47,7 @@ impl FunctionSpace {
         Self::with_quadrature(degree, quadrature::DEFAULT_DEGREE, vertex_count, tets)
     }
 
-    /// The same with volume quadrature exact to the degree `exact`. Facet
+    /// The space of a degree with volume quadrature exact to the degree `exact`. Facet
     /// quadrature is exact to at least 2p + 1, for which the volume behind a
     /// wall, of degree 3p − 2, is exact for p ≤ 3.
     ///

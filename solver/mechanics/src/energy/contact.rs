@@ -65,7 +65,7 @@ impl Contact {
         Self { potential, neighbours: NeighbourList::default(), certify: false }
     }
 
-    /// The same, and of accepted states it is proved that they have no
+    /// This barrier; of accepted states it is also proved that they have no
     /// intersection.
     #[must_use]
     pub fn certified(self) -> Self {

@@ -104,7 +104,8 @@ impl Elastic {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 
-    /// The same with mean dilatation; none where the law has no term of the change of volume alone.
+    /// This energy with mean dilatation; none where the law has no term of the change of volume
+    /// alone.
     #[must_use]
     pub fn with_mean_dilatation(self) -> Option<Self> {
         let split = self.material.split()?;

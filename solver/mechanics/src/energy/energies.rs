@@ -13,7 +13,7 @@ use crate::material::Material;
 /// The terms of the potential energy of some bodies. A copy shares the large terms.
 #[derive(Clone, Default)]
 pub struct Energies {
-    /// Those of each body.
+    /// Terms of each body.
     pub bodies: Vec<BodyEnergies>,
     /// Thin sheets on facets.
     pub membranes: Vec<Membrane>,
@@ -60,7 +60,7 @@ pub struct NamedChamber {
 pub struct ChamberId(usize);
 
 impl ChamberId {
-    /// That of a chamber by its place among all.
+    /// The id of a chamber by its place among all.
     #[must_use]
     pub fn of(place: usize) -> Self {
         Self(place)
@@ -190,14 +190,14 @@ impl Energies {
         Self { bodies, ..Self::default() }
     }
 
-    /// The same with another chamber.
+    /// These energies with another chamber.
     #[must_use]
     pub fn with_chamber(mut self, name: impl Into<String>, chamber: Chamber) -> Self {
         self.chambers.push(NamedChamber { name: name.into(), chamber });
         self
     }
 
-    /// The same with a term that no scene has.
+    /// These energies with a term that no scene has.
     #[must_use]
     pub fn with(mut self, term: impl Energy + 'static) -> Self {
         self.others.push(Arc::new(term));
@@ -234,7 +234,7 @@ impl Energies {
         statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
     }
 
-    /// The same without their kinds.
+    /// The terms without their kinds.
     pub fn iter(&self) -> impl Iterator<Item = &dyn Energy> {
         self.terms().map(|term| term.energy)
     }
@@ -285,7 +285,7 @@ impl Energies {
 /// λᵀ ∂²E/∂u∂p for the numbers p that the terms are made with, in each time step.
 #[derive(Clone, Debug, Default)]
 pub struct ParameterGradients {
-    /// Of each time step, of each term that has parameters.
+    /// Gradients of each time step, of each term that has parameters.
     steps: Vec<Vec<(ParameterId, Vec<f64>)>>,
 }
 

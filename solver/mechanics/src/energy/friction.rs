@@ -48,7 +48,7 @@ impl Friction {
         Self { surface, coefficient, full_speed }
     }
 
-    /// The same with another coefficient.
+    /// This friction with another coefficient.
     #[must_use]
     pub fn with_coefficient(self, coefficient: f64) -> Self {
         Self { coefficient, ..self }

@@ -53,7 +53,7 @@ pub struct Iterate<'a> {
     /// Load parameter: the time t [s]; in a static scene the fraction of the
     /// full load.
     pub load: f64,
-    /// Of the chambers with a prescribed volume.
+    /// Multipliers of the chambers with a prescribed volume.
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.
     pub step: Option<&'a TimeStep>,
@@ -78,13 +78,13 @@ pub struct TimeStep {
 /// Cotangents (adjoint variables) of the past in a [`TimeStep`].
 #[derive(Clone, Debug, Default)]
 pub struct PastCotangent {
-    /// Of the history, three components per node.
+    /// Cotangents of the history, three components per node.
     pub history: Vec<f64>,
-    /// Of the free flight, three components per node.
+    /// Cotangents of the free flight, three components per node.
     pub free_flight: Vec<f64>,
-    /// Of the lagged contacts, in their order; empty if nothing depends on them.
+    /// Cotangents of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
-    /// Of the relaxed stresses; empty if nothing depends on them.
+    /// Cotangents of the relaxed stresses; empty if nothing depends on them.
     pub relaxed: Vec<f64>,
 }
 

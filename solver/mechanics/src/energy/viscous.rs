@@ -67,9 +67,9 @@ pub struct Viscous {
 
 /// What cotangents of relaxed stresses make of the state that they are of.
 pub struct RelaxedCotangent {
-    /// Of Z° [1/Pa], six for each point.
+    /// Cotangents of Z° [1/Pa], six for each point.
     pub past: Vec<f64>,
-    /// Of the parameters.
+    /// Cotangents of the parameters.
     pub parameters: Vec<f64>,
 }
 

@@ -71,7 +71,7 @@ impl Wall {
         Self::cut_by(&[], space, facets)
     }
 
-    /// The same of a body that is cut by planes of symmetry.
+    /// A wall of a body that is cut by planes of symmetry.
     #[must_use]
     pub fn cut_by(planes: &[Plane], space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
         let mut origin = Vec3::zeros();

@@ -72,7 +72,7 @@ pub(super) fn pull_supports(
     approach(&released, workspace, state, newton, springs, residuals)
 }
 
-/// The same where supports are released.
+/// Pulls the supports as [`pull_supports`] does, where they are released.
 fn approach(
     released: &Problem,
     workspace: &mut Workspace,

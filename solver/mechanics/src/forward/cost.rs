@@ -17,9 +17,9 @@ use crate::math::linear::product_speed;
 
 /// Newton iterations of a static scene.
 const STATIC: f64 = 9.0;
-/// Of a time step without contact.
+/// Newton iterations of a time step without contact.
 const STEP: f64 = 4.0;
-/// Of a time step with contact.
+/// Newton iterations of a time step with contact.
 const CONTACT_STEP: f64 = 7.0;
 /// Operations at a quadrature point for each pair of nodes: a.
 const ASSEMBLY: f64 = 1500.0;

@@ -29,13 +29,13 @@ impl Dirichlet {
         Self { fixed: fixed.to_vec(), supports, free, motion: None }
     }
 
-    /// The same with supports that move.
+    /// These conditions with supports that move.
     #[must_use]
     pub fn with_motion(self, motion: Motion) -> Self {
         Self { motion: Some(motion), ..self }
     }
 
-    /// The same with other degrees of freedom fixed.
+    /// These conditions with other degrees of freedom fixed.
     #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
         Self { motion: self.motion.clone(), ..Self::new(fixed) }

@@ -31,7 +31,7 @@ pub enum Modification {
     /// Elastic tangents and contacts projected, by conjugate gradients with an earlier
     /// factor or factored.
     Projected,
-    /// The same with a multiple of the identity added.
+    /// The projected Hessian with a multiple of the identity added.
     Shifted,
 }
 

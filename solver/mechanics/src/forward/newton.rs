@@ -48,7 +48,7 @@ pub struct Newton {
     pub relative: f64,
     /// Residual below which any state counts as an equilibrium [N].
     pub absolute: f64,
-    /// The same where forces of `PREVAIL` times as much were to balance [N].
+    /// Residual that suffices where forces of `PREVAIL` times as much were to balance [N].
     pub negligible: f64,
 }
 
@@ -168,7 +168,8 @@ impl Newton {
         self.trace(problem, workspace, state, &mut Vec::new())
     }
 
-    /// The same, with the residual of every iterate [N] added to `residuals`.
+    /// Moves the displacement to an equilibrium, and adds the residual of every iterate [N] to
+    /// `residuals`.
     ///
     /// # Errors
     /// [`Failure`]; the displacement is then that of the last iterate.

@@ -26,7 +26,7 @@ pub struct Problem {
     pub energies: Energies,
     /// Degrees of freedom that are fixed.
     pub dirichlet: Arc<Dirichlet>,
-    /// Of the chambers with a prescribed volume, before the first step.
+    /// Multipliers of the chambers with a prescribed volume, before the first step.
     pub multipliers: Vec<Multiplier>,
     /// Whether an equilibrium may have elements that are turned inside out between their
     /// quadrature points.
@@ -64,13 +64,13 @@ impl Problem {
         self.with_motion(move |load| full.iter().map(|u| load * u).collect())
     }
 
-    /// The same problem with other degrees of freedom fixed.
+    /// This problem with other degrees of freedom fixed.
     #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
         Self { dirichlet: Arc::new(self.dirichlet.with_fixed(fixed)), ..self.clone() }
     }
 
-    /// The same problem with springs that pull released supports.
+    /// This problem with springs that pull released supports.
     #[must_use]
     pub fn with_springs(&self, springs: Springs) -> Self {
         let mut pulled = self.clone();
@@ -97,7 +97,7 @@ impl Problem {
         self.value_by(|term| term.energy.value(at))
     }
 
-    /// The same, with the value of each term by `value`.
+    /// Total potential energy [J], with the value of each term by `value`.
     pub(super) fn value_by(&self, value: impl FnMut(Term) -> f64) -> f64 {
         self.energies.terms().map(value).sum()
     }
@@ -110,7 +110,7 @@ impl Problem {
         self.gradient_by(|term, out| term.energy.add_gradient(at, out))
     }
 
-    /// The same, with the gradient of each term added by `add`.
+    /// Results of [`Self::gradient`], with the gradient of each term added by `add`.
     pub(super) fn gradient_by(&self, mut add: impl FnMut(Term, &mut [f64])) -> (Vec<f64>, f64) {
         let mut total = vec![0.0; self.dofs()];
         let mut scale = 0.0_f64;
@@ -184,7 +184,7 @@ pub struct Configuration<'a> {
     pub step: Option<&'a Arc<TimeStep>>,
     /// Displacement u [m], three components per node.
     pub u: Vec<f64>,
-    /// Of the chambers with a prescribed volume.
+    /// Multipliers of the chambers with a prescribed volume.
     pub multipliers: Vec<Multiplier>,
 }
 

@@ -47,7 +47,7 @@ impl SoftestMode {
         self.stiffness.is_some_and(|stiffness| stiffness < none * self.largest)
     }
 
-    /// Of a state; forces are those that the step to the load `next` adds.
+    /// The softest mode of a state; forces are those that the step to the load `next` adds.
     pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate, next: f64) -> Self {
         let mut hessian = workspace.hessian(problem, at, Hessian::Exact);
         let entries = workspace.diagonal().iter().map(|&d| hessian.lower[d]);

@@ -58,7 +58,7 @@ pub struct LoadStep {
     /// Displacement [m], three components per node.
     #[serde(skip)]
     pub u: Vec<f64>,
-    /// Of the chambers with a prescribed volume.
+    /// Multipliers of the chambers with a prescribed volume.
     #[serde(skip)]
     pub multipliers: Vec<Multiplier>,
     /// The time step that it is in, if there is one.

@@ -46,7 +46,7 @@ pub struct Reached {
     pub load: f64,
     /// Displacement [m].
     pub u: Vec<f64>,
-    /// Of the chambers with a prescribed volume.
+    /// Multipliers of the chambers with a prescribed volume.
     pub multipliers: Vec<Multiplier>,
 }
 
@@ -101,7 +101,7 @@ impl TimeStepper {
         Self { stepping, progress, guide: None, step: None }
     }
 
-    /// The same, next to a run through the same time steps.
+    /// This stepper, next to a run through the same time steps.
     #[must_use]
     pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
         Self { guide, ..self }
@@ -363,7 +363,7 @@ fn merit(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> f64 {
 struct Guess {
     /// Displacement [m].
     u: Vec<f64>,
-    /// Of the multipliers of prescribed volumes [Pa].
+    /// Pressures of the multipliers of prescribed volumes [Pa].
     pressures: Vec<f64>,
 }
 

@@ -14,7 +14,7 @@ use crate::energy::Kind;
 pub struct Time {
     /// On the clock [s].
     pub wall_s: f64,
-    /// Of all threads together [s].
+    /// Time of all threads together [s].
     pub processor_s: f64,
 }
 
@@ -62,7 +62,7 @@ pub struct Timings {
     pub ordering: Time,
     /// Values, gradients and Hessians of all energies but contact and friction.
     pub assembly: Time,
-    /// Those of contact and friction, and the search for close pairs.
+    /// Values, gradients and Hessians of contact and friction, and the search for close pairs.
     pub contact: Time,
     /// Numerical factorisation.
     pub factor: Time,

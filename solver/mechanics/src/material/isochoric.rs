@@ -11,7 +11,7 @@ use super::isotropic::{Invariants, Isotropic, Partials};
 pub struct Isochoric(Arc<dyn Isotropic>);
 
 impl Isochoric {
-    /// That of a law.
+    /// The isochoric part of a law.
     #[must_use]
     pub fn new(law: impl Isotropic + 'static) -> Self {
         Self(Arc::new(law))

@@ -30,7 +30,7 @@ impl Split {
         Self { pointwise: Arc::new(pointwise), volumetric: Arc::new(volumetric) }
     }
 
-    /// Of a law and its U.
+    /// The two parts of a law, from the law and its U.
     pub(super) fn by_difference(
         law: impl Material + 'static,
         volumetric: impl Isotropic + Clone + 'static,

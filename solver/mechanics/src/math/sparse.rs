@@ -35,7 +35,7 @@ struct Scatter {
 }
 
 impl Scatter {
-    /// Of elements by the targets of their pairs, for a number of blocks.
+    /// The places of the pairs of elements by their targets, for a number of blocks.
     fn new(targets: &[u32], pairs: usize, blocks: usize) -> Self {
         let part_len = part_len(blocks);
         let part = |target: u32| (target >> 1) as usize / part_len;
@@ -208,7 +208,8 @@ impl<'a> BlockMatrix<'a> {
         });
     }
 
-    /// The same for blocks that are multiples of the identity, given by their factors.
+    /// Adds blocks as [`Self::add_elements`] does, which are multiples of the identity and are
+    /// given by their factors.
     pub fn add_multiples_of_identity(&mut self, elements: Range<usize>, parts: &[&[f64]]) {
         self.add_pairs(elements, parts, |target, factor, _| {
             for i in [0, 4, 8] {

@@ -3,11 +3,11 @@
 //!
 //! Operators + − * / ^ with the usual precedence (−x^2 is −(x^2), ^ groups from
 //! the right), parentheses, numbers, `pi`, and the functions of [`FUNCTIONS`](super::FUNCTIONS).
-//! Of `if(c, a, b)` only the branch that is chosen is evaluated.
+//! Only the branch of `if(c, a, b)` that is chosen is evaluated.
 //!
-//! Of the parsers among the libraries, those with functions of three arguments
-//! have no derivatives, which the adjoint needs, and exmex, which has them, no
-//! such functions.
+//! Parsers among the libraries that have functions of three arguments have no
+//! derivatives, which the adjoint needs. The parser exmex has derivatives, but
+//! no such functions.
 
 use std::collections::BTreeMap;
 
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Of the worm of Gjoka et al. 2024: nothing until 0.1 s, then a ramp.
+    /// The load of the worm of Gjoka et al. 2024: nothing until 0.1 s, then a ramp.
     #[test]
     fn a_condition_is_a_number() {
         let ramp = Expression::parse("if(t-0.1,t-0.1,0)").expect("sound");

@@ -14,7 +14,7 @@ pub struct Jet {
 }
 
 impl Jet {
-    /// The same everywhere.
+    /// A value that is the same everywhere.
     #[must_use]
     pub fn constant(value: f64) -> Self {
         Self { value, gradient: Vec3::zeros() }

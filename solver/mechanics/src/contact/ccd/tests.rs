@@ -214,7 +214,7 @@ fn hitting(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
     [-t, 1.0 - t].map(|t| std::array::from_fn(|i| x[i] + t * v[i]))
 }
 
-/// The same in one plane.
+/// Features in touch at one time, all in one plane.
 fn coplanar(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
     let mut flat = random.clone();
     random.uniform();

@@ -49,7 +49,7 @@ pub(super) struct Mean<S: Simd> {
 }
 
 impl<S: Simd> Mean<S> {
-    /// Of the elements of a batch.
+    /// U and its derivatives for the elements of a batch.
     #[inline(always)]
     pub(super) fn new<const N: usize>(batch: &Batch<S, N>, split: &Split) -> Self {
         let simd = batch.simd;

@@ -129,7 +129,7 @@ fn a_homogeneous_deformation_is_that_of_the_standard_element() {
     }
 }
 
-/// Of degree 1 both are the same, to the last bit.
+/// Both elements are the same for degree 1, to the last bit.
 #[test]
 fn linear_elements_do_not_change() {
     let case = Case::new(1, 0.03);

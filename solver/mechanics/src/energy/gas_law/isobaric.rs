@@ -18,7 +18,7 @@ pub(super) const ROW: Row = Row {
     build: |_, pressure, _| Box::new(Isobaric { pressure }),
 };
 
-/// The same gauge pressure at any volume.
+/// A gauge pressure that is the same at any volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isobaric {
     /// Gauge pressure [Pa].

@@ -79,7 +79,7 @@ pub trait GasLaw: Debug + Send + Sync {
     /// The one number that it follows over time, the parameter p: pressure, fill, change
     /// or factor.
     fn schedule(&self) -> &Schedule;
-    /// The same, to be changed.
+    /// The schedule of that number, to be changed.
     fn schedule_mut(&mut self) -> &mut Schedule;
     /// Key of that number in `[[chamber]]`.
     fn key(&self) -> &'static str;

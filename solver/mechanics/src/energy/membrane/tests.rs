@@ -19,7 +19,7 @@ struct Case {
     membrane: Membrane,
 }
 
-/// Of Taylor tests: no point comes to another state [m].
+/// Step of Taylor tests: no point comes to another state [m].
 const SIZE: f64 = 5e-5;
 
 /// What is the same for all points of the sheets: λ₁ and λ₂ in the plane.

@@ -18,7 +18,7 @@ use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, cross_matrix};
 
 impl Wall {
-    /// The same with plugs in all that is open.
+    /// This wall with plugs in all that is open.
     #[must_use]
     pub fn plugged(self) -> Self {
         Self { plugged: true, ..self }

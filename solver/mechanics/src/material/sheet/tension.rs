@@ -144,7 +144,7 @@ impl Sheet for TensionField {
         self.0.parameter_count()
     }
 
-    /// Of the strip, ∂σ/∂p = ∂S₁/∂p − D₁₂/D₂₂ ∂S₂/∂p at the same strains.
+    /// The strip has ∂σ/∂p = ∂S₁/∂p − D₁₂/D₂₂ ∂S₂/∂p at the same strains.
     fn add_parameter_vjp(&self, e: &Strain, s_bar: &Strain, out: &mut [f64]) {
         match state(&*self.0, e) {
             State::Taut => self.0.add_parameter_vjp(e, s_bar, out),

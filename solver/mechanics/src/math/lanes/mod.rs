@@ -41,7 +41,7 @@ impl<S: Simd> Lanes<S> {
     /// Number of lanes.
     pub const COUNT: usize = S::F64_LANES;
 
-    /// The same number in all lanes.
+    /// A number that is the same in all lanes.
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
         Self { simd, values: simd.splat_f64s(x) }

@@ -149,8 +149,8 @@ fn lift_3<S: Simd>(block: &Tensor<S>, gate: Lanes<S>) -> Tensor<S> {
     lift
 }
 
-/// The same of a 2×2 block M with the eigenvalues m ± s: the projectors are
-/// (M − (m ∓ s) I) / ±2s.
+/// What makes a symmetric 2×2 block M with the eigenvalues m ± s positive semidefinite, times
+/// the gate: the projectors are (M − (m ∓ s) I) / ±2s.
 #[inline(always)]
 fn lift_2<S: Simd>(block: &[[Lanes<S>; 2]; 2], gate: Lanes<S>) -> [[Lanes<S>; 2]; 2] {
     let [[a, b], [_, c]] = *block;

@@ -10,7 +10,7 @@ use crate::math::tensor::Mat3;
 /// A 3×3 tensor in each lane; `[i][j]` is row i, column j.
 pub type Tensor<S> = [[Lanes<S>; 3]; 3];
 
-/// The same tensor in all lanes.
+/// A tensor that is the same in all lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, a: &Mat3) -> Tensor<S> {
     let mut t = [[Lanes::splat(simd, 0.0); 3]; 3];

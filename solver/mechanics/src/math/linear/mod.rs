@@ -165,7 +165,7 @@ impl SparseSolver {
         self.fronts.flops()
     }
 
-    /// Of these, the operations of supernodes that must follow one another.
+    /// Part of [`Self::factor_flops`] in supernodes that must follow one another.
     #[must_use]
     pub fn chain_flops(&self) -> f64 {
         self.fronts.chain_flops()

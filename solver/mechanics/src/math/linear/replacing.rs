@@ -39,7 +39,7 @@ pub fn cholesky<T: Scalar>(mut a: MatMut<T>, scale: f64, par: Par) -> usize {
     replaced
 }
 
-/// The same for one panel, column by column.
+/// Factors one panel column by column, as [`cholesky`] does the matrix.
 fn eliminate<T: Scalar>(mut a: MatMut<T>, scale: f64) -> usize {
     let n = a.nrows();
     let mut replaced = 0;

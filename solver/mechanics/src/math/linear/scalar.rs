@@ -10,7 +10,7 @@ pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> 
     const ROUNDING: f64;
     /// The nearest number.
     fn narrow(value: f64) -> Self;
-    /// The same number.
+    /// This number in double precision.
     fn widen(self) -> f64;
 }
 

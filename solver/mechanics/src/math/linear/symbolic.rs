@@ -24,8 +24,8 @@ pub struct Symbolic {
     pub supernodes: Vec<(Range<usize>, Vec<usize>)>,
 }
 
-/// Of a lower triangle in compressed columns, whose unknowns are eliminated group by group:
-/// up to changes that leave the fill alone, in the order given.
+/// Symbolic factorisation of a lower triangle in compressed columns, whose unknowns are eliminated
+/// group by group: up to changes that leave the fill alone, in the order given.
 ///
 /// # Panics
 /// When the groups are not all unknowns, each once, when unknowns of a group have different

@@ -144,7 +144,7 @@ fn shell(levels: usize, inner: f64, outer: f64) -> TetMesh {
 }
 
 impl Scene {
-    /// The same with contact between all pairs.
+    /// This scene with contact between all pairs.
     fn with_all_pairs(mut self, barrier: Barrier) -> Self {
         self.contact = Contact::new(Arc::clone(self.contact.surface()), Partners::All, barrier);
         self
