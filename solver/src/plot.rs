@@ -47,7 +47,7 @@ pub struct Axes {
 pub enum Style {
     /// A line of a width in pixels, in the colour of its turn.
     Line(u8),
-    /// The same with a dot at each point.
+    /// A line of a width in pixels, in the colour of its turn, with a dot at each point.
     Dotted(u8),
     /// Grey circles of a radius in pixels.
     Circles(u8),

@@ -23,7 +23,7 @@ pub const THIN: f64 = 0.1;
 pub struct Solid {
     /// What our scene calls it.
     pub name: String,
-    /// Of its material.
+    /// Id of its material.
     pub volume: i64,
     /// In metres, where it belongs.
     pub mesh: TetMesh,

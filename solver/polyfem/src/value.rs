@@ -27,7 +27,7 @@ pub struct Clock {
 /// A value that may change with time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Amount {
-    /// The same at all times.
+    /// One number at all times.
     Number(f64),
     /// In t, x, y and z.
     Expression(String),

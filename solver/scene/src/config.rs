@@ -174,7 +174,7 @@ impl SimConfig {
         }
     }
 
-    /// The same to be changed.
+    /// Contact and friction, if there are any, to be changed.
     pub fn contact_mut(&mut self) -> Option<&mut ContactConfig> {
         match &mut self.contact {
             Some(ContactChoice::Barrier(contact)) => Some(contact),

@@ -157,7 +157,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The same scene with the degree and the time steps of a level of a design.
+    /// This scene with the degree and the time steps of a level of a design.
     ///
     /// # Errors
     /// When they do not fit the scene.
@@ -437,7 +437,7 @@ impl Scene {
         NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
     }
 
-    /// Of all materials, at rest [Pa].
+    /// Largest shear modulus of all materials, at rest [Pa].
     fn largest_shear_modulus(&self) -> f64 {
         self.laws.iter().map(|law| law.material.moduli().shear).fold(0.0, f64::max)
     }

@@ -80,7 +80,7 @@ impl Supports {
     /// As [`Self::new`], but no connected part can move as a rigid body.
     ///
     /// # Errors
-    /// The same, or when a part can.
+    /// As [`Self::new`], or when a part can.
     pub fn without_rigid_motions(
         configs: &[Fixed],
         times: &[f64],

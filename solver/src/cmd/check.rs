@@ -431,7 +431,7 @@ mod tests {
         assert!(!found(j, 0.0).passes());
     }
 
-    /// Of 4e-11 of the term and less.
+    /// The remainders are 4e-11 of the term and less.
     #[test]
     fn small_remainders_that_fall_as_they_should_have_a_slope() {
         let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;

@@ -47,7 +47,7 @@ impl Verb {
     /// Does it.
     ///
     /// # Errors
-    /// Of the verb.
+    /// Errors of the verb.
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),

@@ -150,7 +150,7 @@ impl DesignMap {
         self.load_variables(theta).iter().map(|own| own / self.mean_edge).collect()
     }
 
-    /// Of θ the variables of the loads [m].
+    /// Variables of the loads in θ [m].
     #[must_use]
     pub fn load_variables<'a>(&self, theta: &'a [f64]) -> &'a [f64] {
         &theta[self.shape_variables()..]
@@ -179,7 +179,7 @@ impl DesignMap {
         largest
     }
 
-    /// The same, or the equivalent in a variable of a load if that is larger [m].
+    /// [`Self::vertex_motion`], or the equivalent in a variable of a load if that is larger [m].
     #[must_use]
     pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
         let largest = self.vertex_motion(a, b);

@@ -70,7 +70,7 @@ impl Geodesics {
         self.within(sources, f64::INFINITY)
     }
 
-    /// The same for vertices up to a distance [m]; those beyond are infinitely far.
+    /// Distances of vertices up to `reach` [m]; those beyond are infinitely far.
     #[must_use]
     pub fn within(&self, sources: &[usize], reach: f64) -> Vec<f64> {
         let mut distance = vec![f64::INFINITY; self.around.len()];

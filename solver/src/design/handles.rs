@@ -136,7 +136,7 @@ fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
 }
 
 impl Handles {
-    /// The same handles with another motion.
+    /// These handles with another motion.
     #[must_use]
     pub fn with(self, motion: HandleMotion) -> Self {
         Self { motion, ..self }

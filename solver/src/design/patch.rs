@@ -20,7 +20,7 @@ pub enum Patch {
 pub struct FreeVertices {
     /// Vertex ids off the rim, ascending.
     vertices: Vec<usize>,
-    /// Of each variable the index of its vertex and its direction.
+    /// Index of the vertex and direction of each variable.
     ways: Vec<(usize, Vec3)>,
 }
 

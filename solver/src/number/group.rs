@@ -20,7 +20,7 @@ pub enum Change {
 /// Numbers that change together by one.
 #[derive(Clone)]
 pub struct Group {
-    /// Those of a scene.
+    /// Numbers of a scene.
     pub numbers: Vec<Number>,
     /// How.
     pub change: Change,

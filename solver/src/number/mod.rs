@@ -68,7 +68,7 @@ pub struct Swept<'a> {
 }
 
 impl<'a> Swept<'a> {
-    /// Of a scene that ran, and the problem that was solved.
+    /// Derivatives for a scene that ran, and the problem that was solved.
     #[must_use]
     pub fn new(
         scene: &'a Scene,

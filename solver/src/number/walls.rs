@@ -42,7 +42,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// Those of a body, or of several.
+    /// Moves of the walls of a body, or of several bodies.
     ///
     /// # Errors
     /// When an element is so flat that the interior cannot follow.

@@ -42,7 +42,7 @@ pub struct Checkpoint {
     pub objective: f64,
     /// Weighted terms at θ.
     pub terms: BTreeMap<String, f64>,
-    /// The same at the start of the level.
+    /// Weighted terms at the start of the level.
     #[serde(default)]
     pub first_terms: BTreeMap<String, f64>,
     /// Weights of the terms in all levels; none before the first solve.
@@ -56,7 +56,7 @@ pub struct Checkpoint {
     pub progress: LevelProgress,
     /// Computing time of the level so far [s].
     pub spent_s: f64,
-    /// The same of all levels [s].
+    /// Computing time of all levels so far [s].
     pub total_s: f64,
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,

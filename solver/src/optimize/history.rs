@@ -15,7 +15,7 @@ pub struct History {
 }
 
 impl History {
-    /// That of a folder.
+    /// The history of a folder.
     #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self { path: folder.join("history.jsonl") }

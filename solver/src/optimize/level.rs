@@ -30,7 +30,7 @@ use crate::report::failure::Diagnosis;
 pub struct Evaluation {
     /// Rest vertex positions [m].
     pub rest: Vec<Vec3>,
-    /// Of each scenario.
+    /// Run of each scenario.
     pub runs: Vec<Run>,
     /// What is minimised, the sum of the terms.
     pub objective: f64,
@@ -48,7 +48,7 @@ pub struct Evaluation {
 pub enum Start<'a> {
     /// From rest.
     Rest,
-    /// Of a scene without time the equilibria next to displacements [m], one for each scenario.
+    /// Equilibria of a scene without time next to displacements [m], one for each scenario.
     Next(&'a [Vec<f64>]),
     /// From rest through time, next to the runs of another evaluation.
     Guided(&'a [Run]),

@@ -31,7 +31,7 @@ impl Other {
 }
 
 impl Meshes {
-    /// Those of a design, with `read` for the bodies of a scene on the mesh of a level.
+    /// The meshes of a design, with `read` for the bodies of a scene on the mesh of a level.
     ///
     /// # Errors
     /// When one cannot be read, or is not of the same body.

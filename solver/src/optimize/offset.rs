@@ -23,7 +23,7 @@ pub struct Offset {
 }
 
 impl Offset {
-    /// Of a body; none where no wall is off.
+    /// The map for a body; none where no wall is off.
     ///
     /// # Errors
     /// When a tag is missing, or an element is so flat that the interior cannot follow.

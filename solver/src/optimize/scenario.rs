@@ -37,8 +37,8 @@ use crate::report::results::{displacements, grid_with_fields};
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
 const NEARBY: usize = 12;
-/// The same in a load step of a run next to another, where bodies hit each other: simulated
-/// from rest, the worm took at most 22, the gripper 11.
+/// Newton iterations in a load step of a run next to another, where bodies hit each other:
+/// simulated from rest, the worm took at most 22, the gripper 11.
 const NEARBY_IN_TIME: usize = 30;
 /// Smallest load step of such a run, as a fraction of a time step.
 const NEARBY_INCREMENT: f64 = 0.25;
@@ -53,13 +53,13 @@ pub struct Rejected(pub String);
 pub enum Near<'a> {
     /// From rest.
     Rest,
-    /// Of a scene without time the one equilibrium, next to a displacement [m]: keeps a
+    /// The one equilibrium of a scene without time, next to a displacement [m]: keeps a
     /// search on one branch of equilibria, and is several times cheaper.
     Displacement(&'a [f64]),
     /// From rest through time, next to the states of another run.
     Run(&'a Arc<Trajectory>),
-    /// The same with the patience of a run from rest, or the one equilibrium next to the end of the
-    /// run: it is one of another mesh.
+    /// From rest through time, next to the states of a run on another mesh, with the patience of a
+    /// run from rest; without time, the one equilibrium next to the end of that run.
     Carried(&'a Arc<Trajectory>),
 }
 

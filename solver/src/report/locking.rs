@@ -35,7 +35,7 @@ pub const FIRM_ENOUGH: &str = "100 to 1000 times, poisson = 0.4950 to 0.4995, wh
      1 to 0.1 % of the shear strain";
 /// What to do about elements of degree 2 that hardly change their volume at each point.
 pub const AS_A_WHOLE: &str = "[solver] dilatation = \"mean\"";
-/// The same beyond which Newton's method is slow.
+/// Bulk modulus in shear moduli beyond which Newton's method is slow.
 const SLOW: f64 = 1e4;
 /// Change of the displacement beyond which a state is not to be trusted.
 const LARGE: f64 = 0.05;
@@ -120,7 +120,7 @@ pub fn bulk_over_shear(scene: &Scene) -> f64 {
 }
 
 impl Estimate {
-    /// Of a state of a scene's bodies.
+    /// The estimate for a state of a scene's bodies.
     ///
     /// # Errors
     /// Where there is too little memory, or no step with the next degree.

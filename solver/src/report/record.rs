@@ -42,12 +42,12 @@ pub struct Checkpoint {
     pub work: Work,
     /// Time spent so far.
     pub timings: Timings,
-    /// The same, from the first step on [s].
+    /// Wall time from the first step on [s].
     pub elapsed_s: f64,
 }
 
 impl Checkpoint {
-    /// That of a folder, if there is one.
+    /// The checkpoint of a folder, if there is one.
     ///
     /// # Errors
     /// When it cannot be read or belongs to other inputs.
@@ -203,7 +203,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Of lines as they are written.
+/// SHA-256 of lines as they are written.
 fn sha256(lines: &[Value]) -> String {
     let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
     program::sha256(text.as_bytes())

@@ -286,7 +286,7 @@ pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64
     write_arrays(folder, &space.node_positions(rest), u)
 }
 
-/// The same from the positions of the nodes at rest [m].
+/// Writes nodes and displacements exactly, from the positions of the nodes at rest [m].
 ///
 /// # Errors
 /// When a file cannot be written.

@@ -36,7 +36,7 @@ impl Writer {
 /// takes their work.
 ///
 /// # Errors
-/// Those of the recorder, else those of the computation.
+/// Errors of the recorder, else errors of the computation.
 pub fn write_beside<T>(
     recorder: &mut Recorder,
     compute: impl FnOnce(&mut Writer) -> Result<T>,

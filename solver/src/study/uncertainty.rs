@@ -34,7 +34,7 @@ use crate::study::sensitivity::sensitivities;
 pub struct ErrorBars {
     /// As the probe is.
     pub value: f64,
-    /// Of the value and of all changes.
+    /// Unit of the value and of all changes.
     pub unit: &'static str,
     /// Root of the sum of squares of the bars that are not part of another.
     pub together: f64,

@@ -12,7 +12,7 @@
 //!
 //! ∂(A m²)/∂a = m² n − 2 m (d − (n·d) n)
 //!
-//! Of a part of a symmetric body it is that part's share.
+//! J of a part of a symmetric body is that part's share.
 
 use std::path::Path;
 

@@ -63,7 +63,7 @@ impl Case {
         self.check_near(objective, 1e-4);
     }
 
-    /// The same within a distance `near` of the state, in sizes of the body.
+    /// Tests of [`Self::check`] within a distance `near` of the state, in sizes of the body.
     pub fn check_near(&self, objective: &dyn Objective, near: f64) {
         let at = self.at();
         let (mut by_u, mut by_rest) = (vec![0.0; self.u.len()], vec![0.0; 3 * self.rest.len()]);

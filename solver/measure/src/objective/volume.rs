@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::objective::tests::Case;
 
-    /// Of a whole body, and of an open wall, the rim of which moves.
+    /// The volume of a whole body, and that behind an open wall, the rim of which moves.
     #[test]
     fn derivatives_belong_to_the_value() {
         for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {

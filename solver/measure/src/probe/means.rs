@@ -18,15 +18,15 @@ use crate::objective::{Equilibrium, Measure, Objective};
 /// Means over a tag; as a derivative, the partial derivatives by them.
 #[derive(Clone, Copy, Debug)]
 pub struct Means {
-    /// Of X [m].
+    /// Mean of X [m].
     pub rest: Vec3,
-    /// Of u [m].
+    /// Mean of u [m].
     pub u: Vec3,
-    /// Of X Xᵀ [m²].
+    /// Mean of X Xᵀ [m²].
     pub rest_rest: Mat3,
-    /// Of u Xᵀ [m²].
+    /// Mean of u Xᵀ [m²].
     pub u_rest: Mat3,
-    /// Of |u| [m].
+    /// Mean of |u| [m].
     pub length: f64,
 }
 

@@ -16,7 +16,7 @@ const CLOSED: f64 = 1e-6;
 pub(super) struct Normal(Wall);
 
 impl Normal {
-    /// That of a tag.
+    /// The normal of a tag.
     ///
     /// # Errors
     /// When there is no such tag, or its normals cancel at rest.

@@ -42,7 +42,7 @@ pub struct VolumeMaterial {
 }
 
 impl VolumeMaterial {
-    /// The same as it is written for a whole body.
+    /// This material as it is written for a whole body.
     ///
     /// # Errors
     /// When there are keys beside `silicone`.

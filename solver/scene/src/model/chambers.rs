@@ -65,7 +65,7 @@ impl Scene {
         Ok(chambers)
     }
 
-    /// Of the prescribed volumes at rest, with a penalty well above what a wall
+    /// Multipliers of the prescribed volumes at rest, with a penalty well above what a wall
     /// in a large block resists to a change of volume: 4/3 of its shear modulus
     /// per volume.
     pub(super) fn multipliers(

@@ -12,9 +12,9 @@ use super::{Run, Scenario};
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
 /// them.
 pub(super) struct Forces {
-    /// Of contact and friction.
+    /// Forces of contact and friction.
     pub contact: Vec<f64>,
-    /// Of supports.
+    /// Forces of supports.
     pub reaction: Vec<f64>,
 }
 

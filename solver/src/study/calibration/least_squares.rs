@@ -90,7 +90,7 @@ pub enum Failure {
 /// sees each iteration's numbers and residuals.
 ///
 /// # Errors
-/// Of the model; [`Failure`] within.
+/// Errors of the model; a [`Failure`] is in the inner result.
 pub fn minimise(
     start: &[f64],
     mut model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,

@@ -117,7 +117,7 @@ pub struct Calibration {
     pub set: Vec<String>,
     /// What the numbers stand for in each scene, in their order; none where it lacks them.
     groups: Vec<Vec<Option<Group>>>,
-    /// Of each scene, where walls are moved.
+    /// Walls of each scene; none where no walls are moved.
     walls: Vec<Option<Walls>>,
 }
 
@@ -130,7 +130,7 @@ impl Calibration {
         Self::read_with(path, &Changes::default())
     }
 
-    /// The same with other values; those of `scene.` are for all its scenes.
+    /// Reads a calibration with other values; those of `scene.` are for all its scenes.
     ///
     /// # Errors
     /// With the file, what was found and what is needed.
