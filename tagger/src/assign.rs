@@ -28,7 +28,7 @@ pub struct Assignment {
 pub struct Tally {
     /// Facets that the selector holds.
     pub selected: usize,
-    /// Those of them that an earlier tag already had.
+    /// Selected facets that an earlier tag already had.
     pub contested: usize,
     /// Single facets that were missing inside the selection and were added.
     pub pinholes: usize,

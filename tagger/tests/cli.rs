@@ -80,7 +80,7 @@ impl Scene {
         Self::of(&block())
     }
 
-    /// The same of a block that was bent a little.
+    /// A folder with the volume.msh and three patches of a block that was bent a little.
     fn of(mesh: &TetMesh) -> Self {
         let scene = Self { dir: tempfile::tempdir().unwrap() };
         scene.write_volume(mesh);

@@ -67,7 +67,7 @@ fn sides(x: &[Vec3], facet: &[usize; 3], k: usize) -> [Vec3; 2] {
     [1, 2].map(|i| x[facet[(k + i) % 3]] - x[facet[k]])
 }
 
-/// Of the facets at a vertex.
+/// The quadric of the facets at a vertex.
 #[derive(Default)]
 struct Quadric {
     /// Σ w n nᵀ.

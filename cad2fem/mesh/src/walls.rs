@@ -76,8 +76,8 @@ pub fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
     Walls::new(surface).thinnest()
 }
 
-/// The same with given outward unit normals of the triangles, for surfaces with needles, whose own
-/// normals say little.
+/// The thinnest wall with given outward unit normals of the triangles, for surfaces with needles,
+/// whose own normals say little.
 #[must_use]
 pub fn thinnest_along(surface: &SurfaceMesh, normals: &[Vec3]) -> Option<(f64, Vec3)> {
     let (bvh, normals) = (SurfaceBvh::new(surface), normals.to_vec());

@@ -63,7 +63,7 @@ fn shape_files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Of `level-2.gripper.msh`: 2 and `gripper`; of `design.msh`: neither.
+/// Level and part of `level-2.gripper.msh`: 2 and `gripper`; of `design.msh`: neither.
 fn level_and_part(file: &str) -> (Option<usize>, Option<String>) {
     let stem = file.strip_suffix(".msh").unwrap_or(file);
     let (first, part) = stem.split_once('.').map_or((stem, None), |(a, b)| (a, Some(b.to_owned())));

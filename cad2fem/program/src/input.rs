@@ -26,7 +26,7 @@ impl InputFile {
         Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
     }
 
-    /// The same for a report in `folder`.
+    /// This input for a report in `folder`.
     #[must_use]
     pub fn seen_from(&self, folder: &Path) -> Self {
         Self { path: relative(&self.path, folder), sha256: self.sha256.clone() }

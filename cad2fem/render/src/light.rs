@@ -233,7 +233,7 @@ impl DepthMap {
             + v * ((1.0 - u) * open(TEXELS) + u * open(TEXELS + 1))
     }
 
-    /// The same over a square of 5 × 5 places.
+    /// Mean of [`Self::visible`] over a square of 5 × 5 places.
     fn blurred(&self, [x, y]: [f32; 2], depth: f32) -> f32 {
         let reach = 2.0 * BLUR + 1.0;
         let block = |v: f32| v.clamp(0.0, TEXELS as f32 - 1.0) as usize / BLOCK;

@@ -37,12 +37,12 @@ pub struct Args {
 #[derive(Debug, Serialize)]
 struct Info {
     file: String,
-    /// Of the lengths in the file; all below are in metres.
+    /// Unit of the lengths in the file; all below are in metres.
     unit: Unit,
     vertices: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     tets: Option<usize>,
-    /// Of the surface or of the boundary.
+    /// Number of triangles of the surface or of the boundary.
     triangles: usize,
     components: usize,
     open_edges: usize,

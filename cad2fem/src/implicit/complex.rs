@@ -20,7 +20,7 @@ pub struct Complex {
     pub vertices: Vec<Vec3>,
     /// Bit k of a vertex: it is on the surface of side k, or at the [`RIM`].
     pub on: Vec<u64>,
-    /// Of positive volume.
+    /// Tetrahedra of positive volume.
     pub tets: Vec<[u32; 4]>,
 }
 

@@ -386,7 +386,7 @@ impl Model {
         self.bounds_of(&self.solid)
     }
 
-    /// The same around what is taken out of the body; `None` if nothing is.
+    /// Such a box around what is taken out of the body; `None` if nothing is.
     #[must_use]
     pub fn cavity_bounds(&self) -> Option<Bounds> {
         (!self.cavity.is_empty()).then(|| self.bounds_of(&self.cavity))

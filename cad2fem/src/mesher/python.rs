@@ -10,7 +10,7 @@ use crate::checkout::{checkout, unchanged};
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
 
-/// That of a checkout.
+/// Path of the Python of a checkout.
 const PYTHON: &str = ".venv/bin/python";
 
 /// A Python interpreter.

@@ -16,7 +16,8 @@ pub struct Weight {
 }
 
 impl Weight {
-    /// That of a volume [mm³] of silicone around chambers of an area [mm²], with its density [kg/m³].
+    /// The weight of a volume [mm³] of silicone around chambers of an area [mm²], with its density
+    /// [kg/m³].
     #[must_use]
     pub fn new(volume: f64, area: f64, density: f64) -> Self {
         // 1 kg/m³ is 10⁻⁶ g/mm³.
@@ -38,7 +39,7 @@ impl Weight {
     }
 }
 
-/// That of several castings together.
+/// The weight of several castings together.
 impl std::iter::Sum for Weight {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
         let none = Self { mass: 0.0, per_tenth: 0.0 };

@@ -161,7 +161,7 @@ impl Task {
     /// A result whose error names the mesh.
     ///
     /// # Errors
-    /// That of the result.
+    /// The error of the result.
     pub fn named<T, E>(&self, result: Result<T, E>) -> Result<T>
     where
         Result<T, E>: Context<T, E>,

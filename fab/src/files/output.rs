@@ -19,7 +19,7 @@ use crate::mold::Purpose;
 /// All parts where they are in the closed mold.
 pub const ASSEMBLY: &str = "assembly.3mf";
 
-/// The same with the cast, for ParaView.
+/// All parts where they are in the closed mold, with the cast, for ParaView.
 pub const GRID: &str = "reference/assembly.vtu";
 
 /// Picture of the closed mold, cut open.

@@ -177,7 +177,7 @@ pub struct Holding {
     pub limit: f64,
     /// Motion of its farthest point on the stub alone [mm].
     pub alone: f64,
-    /// The same with its pins [mm].
+    /// Motion of its farthest point with its pins [mm].
     pub held: f64,
     /// Thickness of the silicone at each of its pins, in the order of `features` [mm].
     pub lengths: Vec<f64>,

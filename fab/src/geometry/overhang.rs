@@ -27,7 +27,7 @@ pub struct Overhangs {
 }
 
 impl Overhangs {
-    /// That of a part as it lies in its file [mm], printed with overhangs of up to
+    /// Overhangs of a part as it lies in its file [mm], printed with overhangs of up to
     /// `steepest` from the vertical [degrees]; `shapes` says which facets shape the silicone.
     #[must_use]
     pub fn new(printed: &SurfaceMesh, steepest: f64, shapes: impl Fn(usize) -> bool) -> Self {

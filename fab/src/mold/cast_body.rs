@@ -16,7 +16,7 @@ const SEAT: f64 = 2e-3;
 pub struct CastBody {
     /// With its chambers filled.
     pub surface: SurfaceMesh,
-    /// The same as a solid.
+    /// The filled surface as a solid.
     pub filled: Solid,
     /// What is cast.
     pub cast: Solid,

@@ -33,7 +33,7 @@ pub struct Hold {
     pub limit: f64,
     /// Motion of its farthest point on the stub alone [m].
     pub alone: f64,
-    /// The same with its pins [m].
+    /// Motion of its farthest point with its pins [m].
     pub held: f64,
     /// Thickness of the silicone at each pin [m].
     pub lengths: Vec<f64>,

@@ -170,7 +170,7 @@ pub fn loosest(body: &SurfaceMesh, up: &Vec3, portion: Portion) -> Option<Choice
     choices.min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
 }
 
-/// Of the planes that contain `up`, the one that leaves least in undercuts.
+/// The plane that contains `up` and leaves least in undercuts.
 #[must_use]
 pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
     let across = usable(up).into_iter().filter(|pull| pull.dot(up).abs() < 1e-9);

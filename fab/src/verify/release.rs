@@ -2,7 +2,7 @@
 //!
 //! When a core is pulled out, the inlet is stretched over it. The girth of the inlet is that of
 //! the core just inside of it, and the largest girth of the core across the pull has to pass.
-//! The same holds for every neck of the chamber and for what lies behind it. Soluble and molten
+//! This also holds for every neck of the chamber and for what lies behind it. Soluble and molten
 //! cores can always be removed.
 
 use library::silicones;

@@ -65,7 +65,8 @@ pub fn wall_line(name: &str, surface: &SurfaceMesh, least: f64) -> Line {
     wall_line_with(name, (surface, Casts::Mesh), None, least)
 }
 
-/// The same, measured on the other one of model and mesh, too, if there is one: the surface or why it cannot be read.
+/// A wall as in [`wall_line`], measured on the other one of model and mesh, too, if there is one:
+/// the surface or why it cannot be read.
 pub fn wall_line_with(
     name: &str,
     cast: (&SurfaceMesh, Casts),

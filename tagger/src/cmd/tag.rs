@@ -17,7 +17,7 @@ use crate::volumes;
 /// Selection distance where the tag file gives none [envelope of the mesher].
 const REACH: f64 = 4.0 / 3.0;
 
-/// The same where no report of the mesher is found [diagonal].
+/// Selection distance where no report of the mesher is found either [diagonal].
 const LEAST: f64 = 1e-3;
 
 /// Gives every boundary facet to the first selection that holds its centroid.

@@ -162,7 +162,7 @@ struct Build<'a> {
     shapes: Vec<Shape>,
     /// Items and components.
     followed: usize,
-    /// Of all shapes.
+    /// Number of triangles of all shapes.
     triangles: usize,
 }
 

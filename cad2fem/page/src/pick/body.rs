@@ -314,7 +314,7 @@ pub(crate) mod tests {
         body_with_air(5.0)
     }
 
-    /// The same box, whose air begins at x [mm]. A negative x opens the air to the outside.
+    /// Box of [`hollow`], whose air begins at x [mm]. A negative x opens the air to the outside.
     pub(crate) fn body_with_air(x: f64) -> TempDir {
         let cube = |low: Vec3, high: Vec3| Solid::cube(&(1e-3 * low), &(1e-3 * high));
         let outer = cube(Vec3::zeros(), Vec3::new(40.0, 20.0, 10.0));

@@ -53,7 +53,7 @@ pub fn one_of_these<'a>(words: impl IntoIterator<Item = &'a str>) -> Schema {
     schemars::json_schema!({ "type": "string", "enum": words })
 }
 
-/// The same schema for a table that may have any part of the keys, all definitions written out.
+/// `schema` for a table that may have any part of the keys, all definitions written out.
 #[must_use]
 pub fn partial(schema: &Schema, definitions: &Map<String, Value>) -> Schema {
     let mut value = schema.clone().to_value();

@@ -25,7 +25,8 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Those of the file itself, and those of the scene that it names, whose paths begin with `scene.`.
+    /// Changes of the file itself, and changes of the scene that it names, whose paths begin with
+    /// `scene.`.
     #[must_use]
     pub fn own_and_scene(&self) -> (Vec<Change>, Vec<Change>) {
         let (mut own, mut scene) = (Vec::new(), Vec::new());

@@ -38,7 +38,7 @@ pub fn overlay<'a>(
     }
 }
 
-/// The same table from a text that begins later.
+/// A table as from a text that begins later.
 pub fn shifted(table: DeTable, by: usize) -> DeTable {
     let mut moved = DeTable::new();
     for (key, value) in table {
@@ -49,7 +49,7 @@ pub fn shifted(table: DeTable, by: usize) -> DeTable {
     moved
 }
 
-/// The same value from a text that begins later.
+/// A value as from a text that begins later.
 pub fn shifted_value(value: Spanned<DeValue>, by: usize) -> Spanned<DeValue> {
     let place = value.span();
     let moved = match value.into_inner() {

@@ -126,7 +126,7 @@ impl Settings {
     /// What `read` makes of it; its errors have their place, as for [`Settings::place`].
     ///
     /// # Errors
-    /// Of `read`.
+    /// Errors of `read`.
     pub fn checked<T>(&self, read: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
         read(self).map_err(|error| self.place(error))
     }

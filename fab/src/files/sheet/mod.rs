@@ -66,7 +66,7 @@ pub struct Pour {
     pub mix: Option<String>,
     /// What to mix [g], if the density is known.
     pub mass_g: Option<f64>,
-    /// Of parts A and B [g], if density and mix are known.
+    /// Masses of parts A and B [g], if density and mix are known.
     pub parts_g: Option<[f64; 2]>,
     /// Time to pour after mixing [min], if known.
     pub pot_life_min: Option<f64>,

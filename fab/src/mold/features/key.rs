@@ -26,7 +26,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Those of a configuration.
+    /// The sizes of a configuration.
     #[must_use]
     pub fn of(config: &Config) -> Self {
         let clearance = config.key_clearance();

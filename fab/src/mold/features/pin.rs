@@ -68,7 +68,7 @@ pub struct Pin {
     pub shell: usize,
     /// The pin, from the pit's bottom into its shell.
     pub frustum: Frustum,
-    /// The same with the play around it, as wide as the pit in the core.
+    /// The pin with the play around it, as wide as the pit in the core.
     pub pit: Frustum,
     /// Where it holds the core.
     pub contact: Contact,
@@ -357,7 +357,7 @@ mod tests {
         with_bar(4e-3, near, radius, look)
     }
 
-    /// The same with half of the width of the bar.
+    /// The site of [`with_site`], given half of the width of the bar.
     fn with_bar<T>(
         half: f64,
         near: Option<Vec3>,

@@ -83,7 +83,7 @@ impl Sag {
 }
 
 impl Stand {
-    /// That of `core`, held at `inlet` by `stub` with `clearance` around it [m], in
+    /// The stand of `core`, held at `inlet` by `stub` with `clearance` around it [m], in
     /// silicone of the given density [kg/m³].
     #[must_use]
     pub fn new(

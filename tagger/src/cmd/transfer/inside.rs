@@ -139,7 +139,7 @@ fn sorted(mut places: [Place; 3]) -> [Place; 3] {
     places
 }
 
-/// The same facet, seen from the same side, its least corner first.
+/// The facet seen from the same side, its least corner first.
 fn turned(mut places: [Place; 3]) -> [Place; 3] {
     let least = (0..3).min_by_key(|&k| places[k]).unwrap_or(0);
     places.rotate_left(least);

@@ -68,7 +68,7 @@ struct Raw {
     tets: Vec<([u64; 4], i32)>,
     /// Number and name of the physical groups of dimension 2.
     names: Vec<(i32, String)>,
-    /// The same of dimension 3.
+    /// Number and name of the physical groups of dimension 3.
     volume_names: Vec<(i32, String)>,
 }
 
