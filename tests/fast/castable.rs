@@ -31,6 +31,7 @@ fn verdicts(dir: &Workdir) -> Vec<Value> {
 }
 
 #[test]
+#[ignore = "many seconds: runs in make test-all"]
 fn the_history_tells_how_each_shape_can_be_cast() {
     let dir = folder("", "");
     let run = dir.solver("optimize design.toml -o out");
