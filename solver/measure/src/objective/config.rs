@@ -1,5 +1,5 @@
 //! `[[objective]]`: a term of the objective function of a design. Its kinds are rows of
-//! [`KINDS`](crate::objective::KINDS).
+//! [`KINDS`](super::KINDS).
 
 use std::borrow::Cow;
 use std::path::Path;

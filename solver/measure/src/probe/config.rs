@@ -1,5 +1,5 @@
 //! `[[probe]]`: a number that is measured at every reported step. Its kinds are rows of
-//! [`KINDS`](crate::probe::KINDS).
+//! [`KINDS`](super::KINDS).
 
 use std::borrow::Cow;
 use std::sync::Arc;

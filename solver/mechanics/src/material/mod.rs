@@ -28,7 +28,7 @@ pub use isochoric::Isochoric;
 pub use isotropic::{Invariants, Isotropic, Partials};
 pub use kinematics::Kinematics;
 pub use lame::Lame;
-pub use law::{BULK_RATIO, Law, Moduli, Parameter};
+pub use law::{BULK_RATIO, Law, Moduli, NotPositive, Parameter};
 pub use linear_elastic::LinearElastic;
 pub use mooney_rivlin::MooneyRivlin;
 pub use mooney_rivlin_quadratic::MooneyRivlinQuadratic;
