@@ -39,7 +39,7 @@ pub struct Source {
     #[serde(flatten)]
     /// The file and its hash.
     pub input: Input,
-    /// Its unit.
+    /// The unit of its lengths.
     pub unit: String,
     /// How that is known.
     pub unit_is: Known,
@@ -50,7 +50,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Its size, and how its unit is known, in words.
+    /// Says how large the body is and how the unit is known.
     #[must_use]
     pub fn described(&self) -> String {
         let size = format!("{:.4} mm from corner to corner", self.diagonal * 1e3);

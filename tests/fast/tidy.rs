@@ -10,6 +10,23 @@ use tests::workdir::repository;
 /// Longest source file [lines].
 const LONGEST: usize = 500;
 
+/// The packages of programs and libraries.
+const PACKAGES: [&str; 13] = [
+    "cad2fem",
+    "cad2fem/library",
+    "cad2fem/mesh",
+    "cad2fem/page",
+    "cad2fem/program",
+    "cad2fem/render",
+    "tagger",
+    "solver",
+    "solver/measure",
+    "solver/mechanics",
+    "solver/polyfem",
+    "solver/scene",
+    "fab",
+];
+
 /// All files below a folder with an extension, built ones left out.
 fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -62,22 +79,7 @@ fn naming(word: &str, files: &[PathBuf]) -> BTreeSet<String> {
 /// Sources of the programs and libraries, without tests.
 fn sources() -> Vec<PathBuf> {
     let top = repository();
-    let folders = [
-        "cad2fem/src",
-        "cad2fem/library/src",
-        "cad2fem/mesh/src",
-        "cad2fem/page/src",
-        "cad2fem/program/src",
-        "cad2fem/render/src",
-        "tagger/src",
-        "solver/src",
-        "solver/measure/src",
-        "solver/mechanics/src",
-        "solver/polyfem/src",
-        "solver/scene/src",
-        "fab/src",
-    ];
-    let all = folders.iter().flat_map(|folder| files(&top.join(folder), "rs"));
+    let all = PACKAGES.iter().flat_map(|package| files(&top.join(package).join("src"), "rs"));
     all.filter(|path| !is_test(path)).collect()
 }
 
@@ -176,7 +178,7 @@ fn uses_only_those_before(package: &str) {
 /// At any depth: of two modules beside each other at most one uses the other, also through others.
 #[test]
 fn no_modules_use_each_other() {
-    for package in sources_of_packages() {
+    for package in PACKAGES {
         let uses = uses_between(&repository().join(package).join("src"));
         let within = |start: &Vec<String>| {
             let (mut open, mut reached) = (vec![start], BTreeSet::new());
@@ -190,24 +192,6 @@ fn no_modules_use_each_other() {
         let circle: Vec<&Vec<String>> = uses.keys().filter(|module| within(module)).collect();
         assert!(circle.is_empty(), "{package}: {circle:?}");
     }
-}
-
-/// Folders of all packages with sources.
-fn sources_of_packages() -> [&'static str; 12] {
-    [
-        "cad2fem",
-        "cad2fem/library",
-        "cad2fem/mesh",
-        "cad2fem/page",
-        "cad2fem/program",
-        "cad2fem/render",
-        "tagger",
-        "solver",
-        "solver/mechanics",
-        "solver/measure",
-        "solver/scene",
-        "fab",
-    ]
 }
 
 /// Which modules use which: of each pair the parts of their paths from where these part.

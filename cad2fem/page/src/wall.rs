@@ -36,7 +36,7 @@ pub fn of<'a>(walls: &'a [Wall], hashes: &[&str]) -> Option<(&'a Wall, usize)> {
     })
 }
 
-/// The wall of a plan in millimetres; plans of older programs have none.
+/// The wall of a plan, whose numbers are millimetres; none where it measured no wall.
 fn of_plan(plan: &Value) -> Option<Wall> {
     let wall = &plan["wall"];
     let along = |c: usize| wall["at"][c].as_f64();

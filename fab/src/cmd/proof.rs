@@ -155,9 +155,9 @@ fn laid_in(layers: &[Layer], mold: &Mold, name: &str) -> Result<Vec<LaidIn>> {
 
 /// A mold as it is written.
 pub struct MoldFiles {
-    /// Its surfaces, in the order of the files of the report [mm].
+    /// The surfaces of the parts, in the order of the files of the report [mm].
     pub surfaces: Vec<SurfaceMesh>,
-    /// What is said of it.
+    /// What mold.json has.
     pub report: MoldReport,
 }
 

@@ -48,7 +48,7 @@ pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
 
-const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters"] };
+const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters", "numbers"] };
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -109,6 +109,10 @@ pub struct SimConfig {
     /// Numbers that expressions may name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
+    /// Values of numbers by their paths, as `solver list --numbers` explains them, in place of those that the
+    /// tables give.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub numbers: BTreeMap<String, f64>,
     /// Time steps; without them the loads grow together from nothing.
     pub time: Option<TimeConfig>,
     /// Numerical settings.

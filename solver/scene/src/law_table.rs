@@ -188,7 +188,8 @@ pub fn schema<M: ?Sized>(law: &Law<M>) -> Schema {
     schema
 }
 
-fn number(value: &Value) -> Option<f64> {
+/// A number as TOML has it, with or without a decimal point.
+pub(crate) fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
 }
 

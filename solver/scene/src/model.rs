@@ -207,9 +207,11 @@ impl Scene {
     /// The discrete problem on a body with this scene's tags, and what solving it needs.
     ///
     /// # Errors
-    /// When a tag is missing, a pressure wall is open with a free rim, or the
-    /// memory is too small.
+    /// When a tag is missing, a pressure wall is open with a free rim, the memory is too small, or
+    /// `[numbers]` of the scene are not applied yet (`solver::number::read` does).
     pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
+        let path = self.path.display();
+        ensure!(self.config.numbers.is_empty(), "{path}: its [numbers] have not been applied");
         self.file.checked(|_| self.discretised(body))
     }
 

@@ -19,8 +19,8 @@ use crate::study::calibration::{Calibration, Experiment, Sought};
 /// Find numbers of your scenes from measurements on your own device
 ///
 /// CONFIG names scenes, measured tables of their probes with standard uncertainties, and the
-/// numbers that are sought: factors on modulus and density, offsets of pressures and walls, or
-/// parameters of a law. Writes to the output folder calibration.json, with standard errors,
+/// numbers that are sought: factors on modulus and density, offsets of pressures and walls,
+/// parameters of a law, or any number of the scene by its path. Writes to the output folder calibration.json, with standard errors,
 /// correlations and what each experiment tells; residuals.svg; and, where the material was
 /// sought, material.toml, to be included by a scene.
 #[derive(clap::Args)]

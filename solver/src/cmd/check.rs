@@ -40,8 +40,8 @@ const QUADRATIC: usize = 5;
 
 /// Check the gradients of a design problem against its objective
 ///
-/// For each term of the objective and each group of parameters (shape, loads,
-/// materials, densities, friction, velocities at the start) prints the remainders
+/// For each term of the objective and each group of parameters (shape, loads, and the
+/// numbers of the scene, as `solver list --numbers` explains them) prints the remainders
 /// |J(θ + εq) − J(θ) − ε g·q| along the gradient of the whole objective and along
 /// random directions; their slope against ε is 2 when the gradient is exact. Where
 /// remainders are within rounding there is no slope: such a test passes if the term does

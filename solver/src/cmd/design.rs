@@ -9,6 +9,8 @@ use mechanics::body::Body;
 use scene::Scene;
 use scene::config::{ProbeConfig, beside};
 
+use crate::number;
+
 /// Part of a wanted value that counts as 1 in the objective.
 const SCALE: f64 = 0.05;
 
@@ -62,7 +64,7 @@ fn target(text: &str) -> Result<Target, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let scene = Scene::read(&arguments.scene)?;
+    let scene = number::read(&arguments.scene, &[], &[])?;
     let place = || arguments.scene.display().to_string();
     ensure!(
         arguments.wall > 0.0 && arguments.wall.is_finite(),

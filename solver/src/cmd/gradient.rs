@@ -73,7 +73,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "objective": at.objective,
         "terms": at.terms,
         "by": by,
-        "units": "J per metre for shape and loads, per m/s for velocities, else per relative change",
+        "units": "J per metre for shape and loads, per m/s for velocities, per part of the largest pressure for what is added \
+                  to a chamber, per part of the largest component of gravity for what is added to it, else per \
+                  relative change",
     });
     program::write_json(&folder.join("gradient.json"), &report)
 }

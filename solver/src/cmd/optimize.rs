@@ -11,6 +11,7 @@ use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
 use serde_json::{Value, json};
 
+use crate::number;
 use crate::optimize::{
     Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
@@ -133,7 +134,7 @@ pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Resu
     let (own, of_scene) = changes.own_and_scene();
     let file = DesignConfig::settings(path, &own)?;
     let design = DesignConfig::of(&file)?;
-    let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
+    let scene = number::read(&beside(path, &design.scene), others, &of_scene)?;
     Ok(Problem { file, design, scene })
 }
 
@@ -144,7 +145,7 @@ fn meshes(arguments: &Arguments, design: &DesignConfig, scene: &Scene) -> Result
         check_body(level, scene)?;
         let path = level.mesh.iter().map(|path| beside(&arguments.design, path));
         let others: Vec<_> = path.map(|path| (level.body.clone(), path)).collect();
-        Ok(Scene::read_with(&scene.path, &others, &of_scene)?.body)
+        Ok(number::read(&scene.path, &others, &of_scene)?.body)
     })
 }
 
@@ -270,15 +271,17 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
     write_parameters(folder, finished)
 }
 
-/// The designed parameters as the table that a scene would have.
+/// The designed parameters and numbers as the tables that a scene would have.
 fn write_parameters(folder: &Path, finished: &Finished) -> Result<()> {
-    let mut parameters = finished.last.0.map().parameters(&finished.theta);
-    // numbers by their paths are none of [parameters]
-    parameters.retain(|name, _| !name.contains('.'));
-    if parameters.is_empty() {
+    let all = finished.last.0.map().parameters(&finished.theta);
+    if all.is_empty() {
         return Ok(());
     }
-    let text = toml::to_string(&BTreeMap::from([("parameters", parameters)]))?;
+    let (numbers, parameters): (BTreeMap<_, _>, BTreeMap<_, _>) =
+        all.into_iter().partition(|(name, _)| name.contains('.'));
+    let tables = [("parameters", parameters), ("numbers", numbers)];
+    let tables = tables.into_iter().filter(|(_, table)| !table.is_empty());
+    let text = toml::to_string(&tables.collect::<BTreeMap<_, _>>())?;
     mesh::io::write_atomic(&folder.join("parameters.toml"), |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }

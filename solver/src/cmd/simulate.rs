@@ -15,11 +15,10 @@ use mechanics::forward::{
 use mechanics::stretch::Stretches;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
-use scene::law_table;
-use scene::memory;
-use scene::{Scene, log_share};
+use scene::{Scene, law_table, log_share, memory};
 use serde_json::{Value, json};
 
+use crate::number;
 use crate::report::crossing::Crossing;
 use crate::report::curve::CURVE;
 use crate::report::failure::{self, Diagnosis};
@@ -76,7 +75,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     if arguments.curve {

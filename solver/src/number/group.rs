@@ -4,7 +4,7 @@ use anyhow::Result;
 use scene::Scene;
 use scene::config::is_pressure;
 
-use super::{Number, Swept, Walls};
+use super::{KINDS, Number, Swept, Walls};
 
 /// How the numbers of a group change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Group {
     /// All parameters that are stresses, of all laws or of those of a body or volume, by one factor.
     #[must_use]
     pub fn modulus(scene: &Scene, on: Option<&str>) -> Self {
-        Self::factor(scene, "material", |number| {
+        Self::of(scene, "material", Change::Factor, |number| {
             let law = &scene.laws[number.owner()];
             number.unit == "Pa" && on.is_none_or(|on| scene.is_law_of(law, on))
         })
@@ -39,7 +39,7 @@ impl Group {
     /// The density of all bodies, or of a body or volume, by one factor.
     #[must_use]
     pub fn density(scene: &Scene, on: Option<&str>) -> Self {
-        Self::factor(scene, "density", |number| {
+        Self::of(scene, "density", Change::Factor, |number| {
             on.is_none_or(|on| scene.is_law_of(&scene.laws[number.owner()], on))
         })
     }
@@ -48,7 +48,7 @@ impl Group {
     /// proportion to it as they are to their modulus.
     #[must_use]
     pub fn membrane(scene: &Scene, on: Option<&str>) -> Self {
-        Self::factor(scene, "membrane", |number| {
+        Self::of(scene, "membrane", Change::Factor, |number| {
             let own = on.is_none_or(|on| scene.membranes[number.owner()].config.on == on);
             own && number.path.ends_with(".thickness")
         })
@@ -58,38 +58,37 @@ impl Group {
     #[must_use]
     pub fn modulus_of(scene: &Scene, law: usize) -> Self {
         let own = |number: &Number| number.unit == "Pa" && number.owner() == law;
-        Self::factor(scene, "material", own)
+        Self::of(scene, "material", Change::Factor, own)
     }
 
     /// The coefficient of friction, by a factor.
     #[must_use]
     pub fn friction(scene: &Scene) -> Self {
-        Self::factor(scene, "contact", |_| true)
+        Self::of(scene, "contact", Change::Factor, |_| true)
     }
 
     /// The pressure or fill of all chambers, or of that with a tag, by one offset.
     #[must_use]
     pub fn pressure(scene: &Scene, on: Option<&str>) -> Self {
         let chamber = |number: &Number| &scene.config.chamber[number.owner()];
-        let numbers = Number::all(scene).into_iter().filter(|number| {
-            number.word() == "chamber"
-                && is_pressure(chamber(number).gas.key())
-                && on.is_none_or(|on| chamber(number).on == on)
-        });
-        Self { numbers: numbers.collect(), change: Change::Offset }
+        Self::of(scene, "chamber", Change::Offset, |number| {
+            let own = chamber(number);
+            is_pressure(own.gas.key()) && on.is_none_or(|on| own.on == on)
+        })
     }
 
     /// The number with a path; nothing where the scene does not have it.
     #[must_use]
     pub fn of_path(scene: &Scene, path: &str) -> Self {
-        let numbers = Number::all(scene).into_iter().filter(|number| number.path == path);
-        Self { numbers: numbers.collect(), change: Change::Value }
+        let word = path.split('.').next().unwrap_or_default();
+        Self::of(scene, word, Change::Value, |number| number.path == path)
     }
 
-    fn factor(scene: &Scene, word: &str, wanted: impl Fn(&Number) -> bool) -> Self {
-        let numbers = Number::all(scene).into_iter();
-        let numbers = numbers.filter(|number| number.word() == word && wanted(number)).collect();
-        Self { numbers, change: Change::Factor }
+    /// Those numbers of a kind that are wanted.
+    fn of(scene: &Scene, word: &str, change: Change, wanted: impl Fn(&Number) -> bool) -> Self {
+        let kinds = KINDS.iter().filter(|kind| kind.word() == word);
+        let numbers = kinds.flat_map(|kind| kind.numbers(scene)).filter(wanted).collect();
+        Self { numbers, change }
     }
 
     /// Unit of what they change by, and what it is in the scene as it was read.

@@ -10,7 +10,10 @@ mod laws;
 mod loads;
 mod walls;
 
-use anyhow::{Result, bail};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
 use mechanics::adjoint::Gradient;
 use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
@@ -80,7 +83,7 @@ impl<'a> Swept<'a> {
         Self { scene, problem, by, by_walls }
     }
 
-    /// By the numbers that the energies are made with.
+    /// Derivatives by the numbers that the energies are made with.
     #[must_use]
     pub fn parameters(&self) -> &ParameterGradients {
         &self.by.parameters
@@ -188,6 +191,38 @@ impl Number {
     pub fn derivative(&self, swept: &Swept) -> f64 {
         (self.kind.derivative)(swept, self.place)
     }
+}
+
+/// Reads a scene, with other meshes and values as [`Scene::read_with`] does, and gives its `[numbers]`
+/// their values.
+///
+/// # Errors
+/// With the file, what was found and what was needed.
+pub fn read(
+    path: &Path,
+    others: &[(Option<String>, PathBuf)],
+    changes: &[program::Change],
+) -> Result<Scene> {
+    let mut scene = Scene::read_with(path, others, changes)?;
+    let values = std::mem::take(&mut scene.config.numbers);
+    let context = || format!("{}: [numbers]", path.display());
+    set(&mut scene, &values).with_context(context)?;
+    Ok(scene)
+}
+
+/// Gives numbers of a scene values by their paths.
+///
+/// # Errors
+/// When the scene does not have a number, or does not admit a value.
+pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
+    let find = |(path, value): (&String, &f64)| Ok((Number::find(scene, path)?, *value));
+    let numbers = values.iter().map(find).collect::<Result<Vec<_>>>()?;
+    let walls = Walls::of(numbers.iter().map(|(number, _)| number), &scene.body)?;
+    for (number, value) in &numbers {
+        ensure!(value.is_finite(), "{} = {value}: must be finite", number.path);
+        number.set(scene, walls.as_ref(), *value)?;
+    }
+    numbers.iter().try_for_each(|(number, _)| number.check(scene))
 }
 
 /// Every value is admitted.

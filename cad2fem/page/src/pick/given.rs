@@ -37,13 +37,13 @@ pub struct Given {
 /// A tag as the page has it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Tag {
-    /// Its name.
+    /// What people call it.
     pub name: String,
     /// Whether it is the wall of a chamber.
     pub chamber: bool,
     /// Whether plugs close that chamber.
     pub plug: bool,
-    /// Its table, if the page cannot show what it selects.
+    /// The table as TOML, if the page cannot show what the tag selects.
     pub kept: Option<String>,
     /// Names of such tags among those that hold its opening.
     pub rim: Vec<String>,

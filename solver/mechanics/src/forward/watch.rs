@@ -16,7 +16,7 @@ pub enum Event<'a> {
     },
     /// An equilibrium was accepted with a residual above the wanted one, as rounding allows no less.
     AtRoundingFloor {
-        /// Its time [s].
+        /// Time of the equilibrium [s].
         time: f64,
         /// Norm of the unbalanced force [N].
         residual: f64,

@@ -12,6 +12,8 @@ use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value as Json, json};
 use toml::{Table, Value};
 
+use crate::law_table;
+
 /// The law that the keys of a `[[chamber]]` select, `on` left out.
 ///
 /// # Errors
@@ -66,8 +68,8 @@ fn select(keys: &Table) -> Result<(&'static Row, &'static Key)> {
 }
 
 fn number(key: &Key, value: &Value) -> Result<f64> {
-    let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
-    number.ok_or_else(|| wrong(key, value, &format!("expected a number [{}]", key.unit)))
+    law_table::number(value)
+        .ok_or_else(|| wrong(key, value, &format!("expected a number [{}]", key.unit)))
 }
 
 fn wrong(key: &Key, value: &Value, what: &str) -> anyhow::Error {

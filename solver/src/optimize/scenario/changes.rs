@@ -4,7 +4,7 @@ use anyhow::{Context, Result, ensure};
 use scene::config::{FactorConfig, ScenarioConfig};
 use scene::{Scene, SceneLaw};
 
-use crate::number::{Group, Number};
+use crate::number::{self, Group, Number};
 
 /// The scene under a scenario, without what it says of walls: they are moved with the shape of a
 /// level.
@@ -52,11 +52,11 @@ pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
         ensure!(known, "pressure: no [[chamber]] of the scene has a pressure or fill");
         group.apply(&mut changed, None, *difference)?;
     }
-    for (path, value) in &scenario.numbers {
-        let number = Number::find(scene, path).context("numbers")?;
-        ensure!(number.word() != "wall", "numbers: {path}: expected wall = … of the scenario");
-        Group::from(number).apply(&mut changed, None, *value).context("numbers")?;
+    for path in scenario.numbers.keys() {
+        let is_wall = Number::find(scene, path).context("numbers")?.word() == "wall";
+        ensure!(!is_wall, "numbers: {path}: expected wall = … of the scenario");
     }
+    number::set(&mut changed, &scenario.numbers).context("numbers")?;
     Ok(changed)
 }
 

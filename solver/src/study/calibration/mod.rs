@@ -21,7 +21,7 @@ use scene::config::beside;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::{Group, Number, Swept, Walls};
+use crate::number::{self, Group, Number, Swept, Walls};
 use crate::study::sensitivity::sensitivities;
 use crate::study::validation::table::{Table, unit};
 pub use sought::Sought;
@@ -153,7 +153,7 @@ impl Calibration {
             let known = paths.iter().position(|known| *known == scene);
             let index = known.unwrap_or(scenes.len());
             if known.is_none() {
-                scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
+                scenes.push(number::read(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
             let title = format!("[[experiment]] \"{}\"", own.name);

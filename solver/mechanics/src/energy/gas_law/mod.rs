@@ -22,7 +22,7 @@ pub const GAS_LAWS: &[Row] = &[isobaric::ROW, ideal_gas::ROW, prescribed_volume:
 
 /// A gas law: what to write, what it means, how to build it.
 pub struct Row {
-    /// Its name.
+    /// What lists call it.
     pub name: &'static str,
     /// The potential Φ or the pressure P.
     pub formula: &'static str,
@@ -51,7 +51,7 @@ pub struct Key {
 /// A gas that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// Its constants are out of range.
+    /// A constant of the gas is out of range.
     #[error(
         "ambient = {ambient} Pa must be positive, exponent = {exponent} at least 1, both finite"
     )]
@@ -61,7 +61,7 @@ pub enum Refused {
         /// Polytropic exponent [1].
         exponent: f64,
     },
-    /// It is filled to less than a vacuum.
+    /// The fill is below a vacuum.
     #[error("ambient + fill = {full} Pa at t = {t} must be positive")]
     Vacuum {
         /// Absolute pressure [Pa].
