@@ -3,8 +3,14 @@
 //! Source: Karypis and Kumar 1998, "A fast and high quality multilevel scheme
 //! for partitioning irregular graphs", doi:10.1137/S1064827595287997.
 
+use std::sync::{Mutex, PoisonError};
+
+/// METIS draws its random numbers from the `rand` of the C library, which all threads share and which each call
+/// seeds: of two calls at a time, neither order could be had again.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// Nested-dissection order of an undirected graph in adjacency form without
-/// self-loops: `order[i]` is the vertex eliminated at position `i`.
+/// self-loops: `order[i]` is the vertex eliminated at position `i`. It depends on the graph alone.
 ///
 /// # Panics
 /// When METIS reports an error, which it does only for a malformed graph or
@@ -24,6 +30,7 @@ pub fn nested_dissection(adjacency: &[Vec<usize>]) -> Vec<usize> {
     }
     let (mut order, mut position) = (vec![0_i32; n], vec![0_i32; n]);
     let mut count = index(n);
+    let alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     // SAFETY: all pointers are to live buffers of the lengths METIS documents:
     // n + 1 offsets, offsets[n] neighbours, n entries for both results; null
     // asks for unit weights and default options.
@@ -39,6 +46,7 @@ pub fn nested_dissection(adjacency: &[Vec<usize>]) -> Vec<usize> {
             position.as_mut_ptr(),
         )
     };
+    drop(alone);
     assert!(status == metis_sys::rstatus_et_METIS_OK, "METIS failed with status {status}");
     order
         .into_iter()
@@ -57,5 +65,35 @@ mod tests {
         let mut order = nested_dissection(&ring);
         order.sort_unstable();
         assert_eq!(order, (0..n).collect::<Vec<_>>());
+    }
+
+    /// A grid has many separators that are as good as each other.
+    #[test]
+    fn orders_made_at_the_same_time_are_the_same() {
+        let side = 12;
+        let at = |x: usize, y: usize, z: usize| x + side * (y + side * z);
+        let mut grid = vec![Vec::new(); side.pow(3)];
+        let mut join = |a: usize, b: usize| {
+            grid[a].push(b);
+            grid[b].push(a);
+        };
+        for (z, y, x) in
+            (0..side).flat_map(|z| (0..side).flat_map(move |y| (1..side).map(move |x| (z, y, x))))
+        {
+            join(at(x - 1, y, z), at(x, y, z));
+            join(at(y, x - 1, z), at(y, x, z));
+            join(at(y, z, x - 1), at(y, z, x));
+        }
+        let alone = nested_dissection(&grid);
+        let orders = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4)
+                .map(|_| scope.spawn(|| (0..5).map(|_| nested_dissection(&grid)).collect()))
+                .collect();
+            threads
+                .into_iter()
+                .flat_map(|t| -> Vec<_> { t.join().expect("no panic") })
+                .collect::<Vec<_>>()
+        });
+        assert!(orders.iter().all(|order| *order == alone));
     }
 }
