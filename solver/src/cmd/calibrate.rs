@@ -6,6 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use mechanics::math::least_squares::Residuals;
 use program::{Changes, FolderLock, Unusable};
 use scene::SceneMembrane;
 use scene::config::MembraneConfig;
@@ -13,7 +14,7 @@ use scene::law_table;
 use serde_json::{Value, json};
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::study::calibration::least_squares::{Failure, Minimum, Residuals, minimise};
+use crate::study::calibration::least_squares::{Failure, Minimum, minimise};
 use crate::study::calibration::{Calibration, Experiment, Sought};
 
 /// Find numbers of your scenes from measurements on your own device
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         let named = calibration.numbers.iter().zip(values);
         let named: Vec<_> = named.map(|(n, v)| format!("{} {v:.5e}", n.title())).collect();
-        log::info!("iteration {iteration}  χ² {:.4e}  {}", residuals.chi2(), named.join("  "));
+        log::info!("iteration {iteration}  χ² {:.4e}  {}", residuals.sum(), named.join("  "));
     };
     let found = minimise(&start, |values| calibration.residuals(values), observe)?;
     let found = found.map_err(|failure| {
@@ -114,7 +115,7 @@ fn degrees_of_freedom(found: &Minimum) -> usize {
 fn table(calibration: &Calibration, found: &Minimum) -> Result<String> {
     let mut text = String::new();
     let over = degrees_of_freedom(found);
-    let chi2 = found.residuals.chi2();
+    let chi2 = found.residuals.sum();
     writeln!(
         text,
         "measurements: {}, numbers: {}, iterations: {}, χ² {chi2:.3} for {over} degrees of freedom",
@@ -216,7 +217,7 @@ fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value
         "set": calibration.set,
         "numbers": (0..count).map(one).collect::<Vec<_>>(),
         "correlations": (0..count).map(row).collect::<Vec<_>>(),
-        "chi2": found.residuals.chi2(),
+        "chi2": found.residuals.sum(),
         "degrees_of_freedom": degrees_of_freedom(found),
         "iterations": found.iterations,
         "experiments": points,

@@ -275,7 +275,7 @@ impl<'a> Problem<'a> {
                 jacobian[(row, column)] = gradient[i];
             }
         }
-        (r, jacobian)
+        Residuals { r, jacobian }
     }
 }
 

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::forward::TimeStepper;
+use mechanics::math::least_squares::Residuals;
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_area, triangle_normal};
 use mesh::{SurfaceMesh, Vec3};
@@ -26,7 +27,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::number::Walls;
-use crate::study::calibration::least_squares::{Failure, Residuals, minimise};
+use crate::study::calibration::least_squares::{Failure, minimise};
 use crate::study::sensitivity::sensitivities;
 
 /// Step of the differences of gauges [m].
@@ -381,7 +382,7 @@ fn found(scene: &Scene, measured: &Measured, path: &Path) -> Result<AsCast> {
     let observe = |iteration: usize, offsets: &[f64], residuals: &Residuals| {
         let walls = tags.iter().zip(offsets).map(|(tag, d)| format!("{tag} {:+.4} mm", 1e3 * d));
         let walls = walls.collect::<Vec<_>>().join("  ");
-        log::info!("as cast: iteration {iteration}  χ² {:.3e}  {walls}", residuals.chi2());
+        log::info!("as cast: iteration {iteration}  χ² {:.3e}  {walls}", residuals.sum());
     };
     let minimum = match minimise(&before, |offsets| model.residuals(offsets), observe)? {
         Ok(minimum) => minimum,

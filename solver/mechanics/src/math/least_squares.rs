@@ -1,15 +1,106 @@
 //! Nonlinear least squares by the method of Levenberg and Marquardt.
 //!
-//! min ½|r(x)|²: (JᵀJ + λ diag JᵀJ) Δx = −Jᵀr, with λ lowered after a step that
+//! min |r(x)|²: (JᵀJ + λ diag JᵀJ) Δx = −Jᵀr, with λ lowered after a step that
 //! helps and raised after one that does not.
 //!
 //! Source: Marquardt 1963, doi:10.1137/0111030. Own code: the published crate
 //! needs a second nalgebra, and dense problems of six unknowns need no more.
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals r(x) and Jacobian ∂r/∂x.
-pub type Residuals = (DVector<f64>, DMatrix<f64>);
+/// λ of the first step, and the smallest.
+const DAMPING: [f64; 2] = [1e-3, 1e-15];
+/// Factors of λ after a step that helps, and after one that does not.
+const LOWER: f64 = 0.1;
+const HIGHER: f64 = 10.0;
+
+/// Residuals r(x) and their Jacobian ∂r/∂x.
+#[derive(Clone, Debug)]
+pub struct Residuals {
+    /// r.
+    pub r: DVector<f64>,
+    /// ∂r/∂x.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Residuals {
+    /// |r|².
+    #[must_use]
+    pub fn sum(&self) -> f64 {
+        self.r.norm_squared()
+    }
+
+    /// JᵀJ.
+    #[must_use]
+    pub fn normal(&self) -> DMatrix<f64> {
+        self.jacobian.tr_mul(&self.jacobian)
+    }
+
+    /// Δx; none where the damped matrix is singular.
+    fn step(&self, damping: f64) -> Option<DVector<f64>> {
+        let mut normal = self.normal();
+        for i in 0..normal.nrows() {
+            // a column of zeros must not make the matrix singular
+            normal[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE.sqrt());
+        }
+        Some(-normal.cholesky()?.solve(&self.jacobian.tr_mul(&self.r)))
+    }
+}
+
+/// Where an iteration is.
+#[derive(Clone, Debug)]
+pub struct LevenbergMarquardt {
+    /// x.
+    pub x: Vec<f64>,
+    /// There.
+    pub residuals: Residuals,
+    /// λ of the next step.
+    pub damping: f64,
+}
+
+/// What came of a step that was tried.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    /// |Δx| / |x|; infinite where there was no step.
+    pub length: f64,
+    /// Whether |r|² is smaller there, so that the iteration went there.
+    pub helped: bool,
+}
+
+impl LevenbergMarquardt {
+    /// Begins at x, with the residuals there.
+    #[must_use]
+    pub fn new(x: &[f64], residuals: Residuals) -> Self {
+        Self { x: x.to_vec(), residuals, damping: DAMPING[0] }
+    }
+
+    /// Tries a step. `model` has no residuals where x is not admissible, where no step goes.
+    ///
+    /// # Errors
+    /// Errors of the model.
+    pub fn advance<E>(
+        &mut self,
+        model: impl FnOnce(&[f64]) -> Result<Option<Residuals>, E>,
+    ) -> Result<Trial, E> {
+        let Some(step) = self.residuals.step(self.damping) else {
+            self.damping *= HIGHER;
+            return Ok(Trial { length: f64::INFINITY, helped: false });
+        };
+        let size = self.x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let x: Vec<f64> = self.x.iter().zip(step.iter()).map(|(x, d)| x + d).collect();
+        let there = model(&x)?.filter(|there| there.sum() < self.residuals.sum());
+        let helped = there.is_some();
+        if let Some(residuals) = there {
+            (self.x, self.residuals) = (x, residuals);
+            self.damping = (self.damping * LOWER).max(DAMPING[1]);
+        } else {
+            self.damping *= HIGHER;
+        }
+        Ok(Trial { length: step.norm() / size, helped })
+    }
+}
 
 /// Where the iteration ended.
 #[derive(Clone, Debug)]
@@ -20,7 +111,7 @@ pub struct Minimum {
     pub sum: f64,
 }
 
-/// Minimises |r|² from `start`; `residuals` gives nothing where x is not
+/// Minimises |r|² from `start` to rounding; `residuals` gives nothing where x is not
 /// admissible, which a step then never enters.
 ///
 /// Gives nothing when `start` is not admissible.
@@ -29,34 +120,14 @@ pub fn levenberg_marquardt(
     residuals: impl Fn(&[f64]) -> Option<Residuals>,
 ) -> Option<Minimum> {
     const ITERATIONS: usize = 500;
-    let mut x = DVector::from_column_slice(start);
-    let (mut r, mut jacobian) = residuals(x.as_slice())?;
-    let mut damping = 1e-3;
+    let mut iteration = LevenbergMarquardt::new(start, residuals(start)?);
     for _ in 0..ITERATIONS {
-        let gradient = jacobian.transpose() * &r;
-        let mut normal = jacobian.transpose() * &jacobian;
-        for i in 0..x.len() {
-            // a column of zeros must not make the matrix singular
-            normal[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE.sqrt());
-        }
-        let step = normal.cholesky().map(|factor| factor.solve(&-gradient));
-        let moved = step.as_ref().is_none_or(|s| s.norm() > 1e-12 * x.norm());
-        let trial = step.map(|step| &x + step);
-        let better = trial.and_then(|trial| {
-            let new = residuals(trial.as_slice())?;
-            (new.0.norm() < r.norm()).then_some((trial, new))
-        });
-        if let Some(better) = better {
-            (x, (r, jacobian)) = better;
-            damping = (damping * 0.2).max(1e-15);
-        } else {
-            damping *= 4.0;
-        }
-        if !moved || damping > 1e15 {
+        let Ok(trial) = iteration.advance(|x| Ok::<_, Infallible>(residuals(x)));
+        if trial.length <= 1e-12 || iteration.damping > 1e15 {
             break;
         }
     }
-    Some(Minimum { x: x.as_slice().to_vec(), sum: r.norm_squared() })
+    Some(Minimum { sum: iteration.residuals.sum(), x: iteration.x })
 }
 
 #[cfg(test)]
@@ -67,7 +138,8 @@ mod tests {
     fn rosenbrock_is_solved() {
         let problem = |x: &[f64]| {
             let r = DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
-            Some((r, DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0])))
+            let jacobian = DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]);
+            Some(Residuals { r, jacobian })
         };
         let minimum = levenberg_marquardt(&[-1.2, 1.0], problem).expect("admissible");
         assert!((minimum.x[0] - 1.0).abs() < 1e-9 && (minimum.x[1] - 1.0).abs() < 1e-9);
@@ -79,7 +151,7 @@ mod tests {
         // the minimum of (x + 1)² over x > 0 is at the border
         let problem = |x: &[f64]| {
             let r = DVector::from_element(1, x[0] + 1.0);
-            (x[0] > 0.0).then(|| (r, DMatrix::from_element(1, 1, 1.0)))
+            (x[0] > 0.0).then(|| Residuals { r, jacobian: DMatrix::from_element(1, 1, 1.0) })
         };
         let minimum = levenberg_marquardt(&[2.0], problem).expect("admissible");
         assert!(minimum.x[0] > 0.0 && minimum.x[0] < 1e-6, "{minimum:?}");

@@ -1,17 +1,15 @@
 //! Weighted least squares by the Levenberg–Marquardt method.
 //!
 //! min χ²(p) = Σ_i r_i²,   r_i = (simulated_i(p) − measured_i) / σ_i
-//! (JᵀJ + λ diag JᵀJ) δ = −Jᵀ r,   λ → 0 as steps succeed
 //! C = (JᵀJ)⁻¹ max(1, χ²/ν)
 //!
 //! σ_i   standard uncertainty of measurement i
 //! C     covariance of the p; ν = measurements less numbers, and the factor counts scatter beyond
 //!       the σ_i (Birge 1932, doi:10.1103/PhysRev.40.207)
-//!
-//! Source: Marquardt 1963, doi:10.1137/0111030.
 
 use anyhow::Result;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use mechanics::math::least_squares::{LevenbergMarquardt, Residuals};
+use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Iterations, at most.
 const ITERATIONS: usize = 50;
@@ -19,31 +17,10 @@ const ITERATIONS: usize = 50;
 const SETTLED: f64 = 1e-6;
 /// A step of this part that lowers χ² no more is rounding of the simulations.
 const ROUNDING: f64 = 1e-3;
-/// λ of the first step, and the one at which shorter steps are given up.
-const DAMPING: [f64; 2] = [1e-3, 1e9];
+/// λ at which shorter steps are given up.
+const DAMPED: f64 = 1e9;
 /// Smallest eigenvalue of JᵀJ with a diagonal of ones at which numbers count as determined.
 const DETERMINED: f64 = 1e-9;
-
-/// Residuals r and their derivatives J by the numbers.
-#[derive(Clone, Debug)]
-pub struct Residuals {
-    /// r.
-    pub r: DVector<f64>,
-    /// J.
-    pub jacobian: DMatrix<f64>,
-}
-
-impl Residuals {
-    /// χ².
-    #[must_use]
-    pub fn chi2(&self) -> f64 {
-        self.r.norm_squared()
-    }
-
-    fn normal(&self) -> DMatrix<f64> {
-        self.jacobian.tr_mul(&self.jacobian)
-    }
-}
 
 /// Numbers at the minimum.
 #[derive(Clone, Debug)]
@@ -59,15 +36,11 @@ pub struct Minimum {
 }
 
 impl Minimum {
-    /// From (JᵀJ)⁻¹ at the numbers.
-    fn new(
-        numbers: Vec<f64>,
-        residuals: Residuals,
-        inverse: DMatrix<f64>,
-        iterations: usize,
-    ) -> Self {
+    /// With (JᵀJ)⁻¹ where the iteration ended.
+    fn new(at: LevenbergMarquardt, inverse: DMatrix<f64>, iterations: usize) -> Self {
+        let LevenbergMarquardt { x: numbers, residuals, .. } = at;
         let over = residuals.r.len().saturating_sub(numbers.len());
-        let scatter = if over > 0 { (residuals.chi2() / over as f64).max(1.0) } else { 1.0 };
+        let scatter = if over > 0 { (residuals.sum() / over as f64).max(1.0) } else { 1.0 };
         Self { numbers, residuals, covariance: inverse * scatter, iterations }
     }
 }
@@ -96,48 +69,32 @@ pub fn minimise(
     mut model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,
     mut observe: impl FnMut(usize, &[f64], &Residuals),
 ) -> Result<Result<Minimum, Failure>> {
-    let Some(mut here) = model(start)? else { return Ok(Err(Failure::Start)) };
-    let (mut p, mut damping) = (start.to_vec(), DAMPING[0]);
+    let Some(first) = model(start)? else { return Ok(Err(Failure::Start)) };
+    let mut at = LevenbergMarquardt::new(start, first);
     for iterations in 0..=ITERATIONS {
-        observe(iterations, &p, &here);
-        let free = undetermined(&here.normal());
+        observe(iterations, &at.x, &at.residuals);
+        let normal = at.residuals.normal();
+        let free = undetermined(&normal);
         if !free.is_empty() {
             return Ok(Err(Failure::Undetermined(free)));
         }
-        let inverse = here.normal().try_inverse().expect("regular, as its eigenvalues say");
-        let whole = -(&inverse * here.jacobian.tr_mul(&here.r));
+        let inverse = normal.try_inverse().expect("regular, as its eigenvalues say");
+        let whole = -(&inverse * at.residuals.jacobian.tr_mul(&at.residuals.r));
         let within =
-            |part: f64| (0..p.len()).all(|k| whole[k].abs() <= part * inverse[(k, k)].sqrt());
+            |part: f64| (0..whole.len()).all(|k| whole[k].abs() <= part * inverse[(k, k)].sqrt());
         if within(SETTLED) {
-            return Ok(Ok(Minimum::new(p, here, inverse, iterations)));
+            return Ok(Ok(Minimum::new(at, inverse, iterations)));
         }
-        loop {
-            let step = damped(&here, damping);
-            let trial: Vec<f64> = p.iter().zip(step.iter()).map(|(p, d)| p + d).collect();
-            match model(&trial)?.filter(|there| there.chi2() < here.chi2()) {
-                Some(there) => {
-                    (p, here, damping) = (trial, there, 0.1 * damping);
-                    break;
-                }
-                None if within(ROUNDING) => {
-                    return Ok(Ok(Minimum::new(p, here, inverse, iterations)));
-                }
-                None if damping > DAMPING[1] => return Ok(Err(Failure::Unsettled(iterations))),
-                None => damping *= 10.0,
+        while !at.advance(&mut model)?.helped {
+            if within(ROUNDING) {
+                return Ok(Ok(Minimum::new(at, inverse, iterations)));
+            }
+            if at.damping > DAMPED {
+                return Ok(Err(Failure::Unsettled(iterations)));
             }
         }
     }
     Ok(Err(Failure::Unsettled(ITERATIONS)))
-}
-
-/// δ.
-fn damped(here: &Residuals, damping: f64) -> DVector<f64> {
-    let mut normal = here.normal();
-    for k in 0..normal.nrows() {
-        normal[(k, k)] *= 1.0 + damping;
-    }
-    let cholesky = normal.cholesky().expect("positive definite, as it is regular");
-    -cholesky.solve(&here.jacobian.tr_mul(&here.r))
 }
 
 /// The numbers of which some combination changes nothing.
@@ -159,6 +116,8 @@ fn undetermined(normal: &DMatrix<f64>) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
+
     use super::*;
 
     /// y = a exp(b x) at some x, with σ = 0.1.
@@ -183,7 +142,7 @@ mod tests {
         let y: Vec<f64> = (0..8).map(|i| 2.5 * (-0.7 * 0.2 * f64::from(i)).exp()).collect();
         let found = fit(&y);
         assert!((found.numbers[0] - 2.5).abs() < 1e-7 && (found.numbers[1] + 0.7).abs() < 1e-7);
-        assert!(found.residuals.chi2() < 1e-10);
+        assert!(found.residuals.sum() < 1e-10);
     }
 
     /// A mean of n values has the standard error σ/√n, and s/√n where they scatter by s > σ.

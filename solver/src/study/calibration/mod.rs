@@ -11,9 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use least_squares::Residuals;
 use measure::probe::Probe;
 use mechanics::forward::TimeStepper;
+use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
 use program::{Change, Changes, Keys, Settings};
 use scene::Scene;
