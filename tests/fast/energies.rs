@@ -2,8 +2,8 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Chamber, Elastic, Energy, GasLaw, Hessian, IdealGas, Inertia, Isobaric, Iterate, Multiplier,
-    PrescribedVolume, TimeStep, Wall,
+    Chamber, Elastic, Energy, FreeFlight, GasLaw, Hessian, IdealGas, Inertia, Isobaric, Iterate,
+    Multiplier, PrescribedVolume, TimeStep, Wall,
 };
 use mechanics::material::MooneyRivlin;
 use mechanics::math::random::Random;
@@ -90,7 +90,8 @@ fn cases() -> Vec<Case> {
                     Box::new(Chamber { wall, gas, multiplier: (name == "volume").then_some(0) })
                 }
             };
-            let free_flight = Some(mask.iter().map(|m| m * 1e-3 * random.uniform()).collect());
+            let at = mask.iter().map(|m| m * 1e-3 * random.uniform()).collect();
+            let free_flight = Some(FreeFlight { at, square: 1e-4 });
             let step = TimeStep { h: 0.01, free_flight, ..TimeStep::default() };
             cases.push(Case { name, space, rest, u, energy, mask, step });
         }

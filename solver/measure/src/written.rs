@@ -79,6 +79,8 @@ pub enum MethodSchema {
     Bdf2,
     /// Third order.
     Bdf3,
+    /// Implicit Newmark of average acceleration: second order, damps nothing.
+    Newmark,
 }
 
 /// How pairs are weighted.

@@ -4,20 +4,22 @@
 //! Step n solves G(u_n; X, past_n, p) = ∂E/∂u = 0 on the free degrees of freedom,
 //! where the past is that of a [`TimeStep`](crate::energy::TimeStep):
 //!
-//! history = Σ αᵢ u₋ᵢ      free flight = Σ αᵢ (u₋ᵢ + h v₋ᵢ)
-//! lagged contacts:   a function of u₋₁ and X      v_n = (u_n − history) / h
-//! relaxed stresses:  Σ αᵢ Z₋ᵢ, each a function of u, X, p and the past of its own step
+//! history, free flight, relaxed past:   sums over the states before, with the weights of a formula
+//! lagged contacts:                      a function of u₋₁ and X
+//! v_n = (u_n − history) / h             a_n = (u_n − free flight) / s
+//! relaxed stresses:                     functions of u, X, p and the relaxed past
 //!
-//! With ū_n, v̄_n the cotangents of the state that later steps and the objective have
+//! With ū_n, v̄_n, ā_n the cotangents of the state that later steps and the objective have
 //! gathered, from the last step to the first:
 //!
-//! H λ = −(ū_n + v̄_n / h)      X̄ += λᵀ ∂²E/∂u∂X      p̄ += λᵀ ∂²E/∂u∂p
-//! past̄ = λᵀ ∂²E/∂u∂past,  of the history also − v̄_n / h,  on to the states before
+//! H λ = −(ū_n + v̄_n / h + ā_n / s)      X̄ += λᵀ ∂²E/∂u∂X      p̄ += λᵀ ∂²E/∂u∂p
+//! past̄ = λᵀ ∂²E/∂u∂past,  of the history also − v̄_n / h, of the free flight − ā_n / s,
+//! on to the states before by the same weights
 //!
 //! with the exact Hessian H = ∂²E/∂u². The pressure of a prescribed volume V(u, X) = V*,
 //! its Lagrange multiplier, is unknown, too; with G = ∂V/∂u and a number μ for each of them
 //!
-//! H λ + G μ = −(ū_n + v̄_n / h)      Gᵀ λ = 0      X̄ += μ ∂(V − V*)/∂X
+//! H λ + G μ = −(ū_n + v̄_n / h + ā_n / s)      Gᵀ λ = 0      X̄ += μ ∂(V − V*)/∂X
 //!
 //! An objective may also depend on the forces
 //! f = −∂E_c/∂u of contact and friction; its ∂J/∂f acts like −λ in those terms. It may depend
@@ -33,9 +35,11 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
 use crate::energy::{
-    Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term,
+    Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term, TimeStep,
 };
-use crate::forward::{Linearization, Problem, State, Trajectory, Workspace, solve_multipliers};
+use crate::forward::{
+    Formula, Linearization, Problem, State, Trajectory, Workspace, solve_multipliers,
+};
 use crate::math::linear::{dot, norm};
 
 /// Relative residual of the adjoint system that is too large.
@@ -98,7 +102,7 @@ pub fn sweep(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        let State { u, v, relaxed } = states[n].take().unwrap_or_else(|| zeros(len));
+        let State { u, v, a, relaxed } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials::new(u);
         partials(&problem.space, n, &mut own);
         let (state, step) = (run.state(n), run.step(problem, rest, n));
@@ -108,13 +112,13 @@ pub fn sweep(
         let at = Iterate { multipliers: &multipliers, ..at };
         let into = (&mut own.by_u[..], &mut rest_bar[..], &mut parameters);
         let before = pull_back_relaxed(problem, &at, &relaxed, n - 1, into);
-        let moment = Moment { at, h: step.h, by_velocity: v, partials: own };
+        let moment = Moment { at, step: &step, by_velocity: v, by_acceleration: a, partials: own };
         let linearization = linearization.filter(|_| n == steps);
         let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
         let mut past = moment.pull_back(problem, &solution, n - 1, into);
         add_where_any(&mut past.relaxed, &before, 1.0);
-        pull_back_past(problem, (rest, run, n), (&past, step.h), &mut states, &mut rest_bar);
+        pull_back_past(problem, (rest, run, n), &past, &mut states, &mut rest_bar);
     }
     let State { u, v, .. } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials::new(u);
@@ -137,13 +141,19 @@ struct Solution {
 /// Where a step ends, and what is known there before its adjoint system is solved.
 struct Moment<'a> {
     at: Iterate<'a>,
-    /// h of the step [s].
-    h: f64,
+    step: &'a TimeStep,
     by_velocity: Vec<f64>,
+    /// Empty where later steps do not depend on the acceleration.
+    by_acceleration: Vec<f64>,
     partials: Partials,
 }
 
 impl Moment<'_> {
+    /// Displacement by acceleration [s²].
+    fn square(&self) -> f64 {
+        self.step.free_flight.as_ref().map_or(f64::INFINITY, |flight| flight.square)
+    }
+
     fn solve(
         &self,
         problem: &Problem,
@@ -155,8 +165,10 @@ impl Moment<'_> {
         let through = workspace.contact_hessian_times(problem, at, by_contact);
         let held = workspace.support_hessian_times(problem, at, by_reaction);
         let part = |product: &Option<Vec<f64>>, d: usize| product.as_ref().map_or(0.0, |t| t[d]);
+        let by_acceleration =
+            |d: usize| self.by_acceleration.get(d).map_or(0.0, |a| a / self.square());
         let sum = |d: usize| {
-            let own = by_u[d] + self.by_velocity[d] / self.h;
+            let own = by_u[d] + self.by_velocity[d] / self.step.h + by_acceleration(d);
             -(own - part(&through, d) + part(&held, d))
         };
         let rhs = problem.restrict(&(0..at.u.len()).map(sum).collect::<Vec<_>>());
@@ -192,10 +204,14 @@ impl Moment<'_> {
             energy.add_mixed_vjp(at, lambda, rest_bar);
             energy.add_past_vjp(at, lambda, &mut past);
             let mut by = energy.parameter_vjp(at, lambda);
-            by.extend(energy.constraint_vjp(at, mu, rest_bar));
+            if let Kind::Chamber(id) = kind {
+                by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, rest_bar));
+            }
             add_parameters(problem, kind, step, by, parameters);
         }
-        past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / self.h);
+        let (h, square) = (self.step.h, self.square());
+        past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
+        past.free_flight.iter_mut().zip(&self.by_acceleration).for_each(|(p, a)| *p -= a / square);
         past
     }
 }
@@ -286,24 +302,33 @@ fn eliminate_constraints(
     Ok(mu)
 }
 
-/// Adds the cotangent of the past of step n, which has this h [s], to those of the states
-/// before it.
+/// Adds the cotangent of the past of step n to those of the states before it.
 fn pull_back_past(
     problem: &Problem,
     (rest, run, n): (&[Vec3], &Trajectory, usize),
-    (past, h): (&PastCotangent, f64),
+    past: &PastCotangent,
     states: &mut [Option<State>],
     rest_bar: &mut [f64],
 ) {
-    let (len, integrator) = (problem.dofs(), run.past(n));
-    for (i, alpha) in integrator.formula().0.iter().enumerate() {
+    let len = problem.dofs();
+    let Formula { h, past: weights, .. } = run.past(n).formula(run.times[n] - run.times[n - 1]);
+    for (i, weights) in weights.iter().enumerate() {
         let state = states[n - 1 - i].get_or_insert_with(|| zeros(len));
+        let [by_u, by_v, by_a] = weights.history;
+        let [flight_by_v, flight_by_a] = weights.velocity.map(|by| by * h);
+        if by_a != 0.0 || flight_by_a != 0.0 {
+            state.a.resize(len, 0.0);
+        }
         for d in 0..len {
             let flight = past.free_flight[d];
-            state.u[d] += alpha * (past.history[d] + flight);
-            state.v[d] += alpha * h * flight;
+            let history = past.history[d] + flight;
+            state.u[d] += by_u * history;
+            state.v[d] += by_v * history + flight_by_v * flight;
+            if let Some(a) = state.a.get_mut(d) {
+                *a += by_a * history + flight_by_a * flight;
+            }
         }
-        add_where_any(&mut state.relaxed, &past.relaxed, *alpha);
+        add_where_any(&mut state.relaxed, &past.relaxed, weights.relaxed);
     }
     if past.lagged_contacts.is_empty() {
         return;
@@ -311,8 +336,8 @@ fn pull_back_past(
     let last = run.state(n - 1);
     let before = problem.iterate(rest, &last.u, run.times[n - 1]);
     let state = states[n - 1].get_or_insert_with(|| zeros(len));
-    for energy in problem.energies.iter() {
-        energy.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
+    if let Some(contact) = &problem.energies.contact {
+        contact.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
     }
 }
 

@@ -21,7 +21,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use measure::probe::{Probe, measure};
 use mechanics::element::{HIGHEST_DEGREE, at, elevate};
-use mechanics::energy::{Iterate, TimeStep};
+use mechanics::energy::{FreeFlight, Iterate, TimeStep};
 use mechanics::forward::{Problem, newton_step};
 use scene::Scene;
 use scene::config::{Dilatation, Locking};
@@ -212,7 +212,10 @@ fn elevated(step: &TimeStep, (from, to): (&Problem, &Problem)) -> Result<TimeSte
     };
     Ok(TimeStep {
         history: lift(&step.history),
-        free_flight: step.free_flight.as_ref().map(lift),
+        free_flight: step
+            .free_flight
+            .as_ref()
+            .map(|flight| FreeFlight { at: lift(&flight.at), square: flight.square }),
         ..step.clone()
     })
 }

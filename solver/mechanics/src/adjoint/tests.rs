@@ -431,6 +431,9 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
     case(Method::Bdf2, 2, Shape::Tet, Inside::Pressure);
     case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
     case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
+    case(Method::Newmark, 1, Shape::Tet, Inside::Gas);
+    case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
+    case(Method::Newmark, 3, Shape::Hollow, Inside::Factor);
     case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
     case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
     case(Method::Bdf2, 2, Shape::Hollow, Inside::Gas);
@@ -438,9 +441,13 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    for steps in [1, 2, 5] {
+    for (method, steps) in [
+        (Method::ImplicitEuler, 1),
+        (Method::ImplicitEuler, 2),
+        (Method::ImplicitEuler, 5),
+        (Method::Newmark, 4),
+    ] {
         let (degree, dt) = (1, 2e-3);
-        let method = Method::ImplicitEuler;
         check(
             &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },
             true,

@@ -56,6 +56,17 @@ impl Chamber {
     pub fn rest_volume(&self, iterate: &Iterate) -> f64 {
         self.wall.volume(iterate.space, rest_positions(iterate))
     }
+
+    /// Adds μ_i ∂(V − V*)/∂X of the volume i that it prescribes, three components per
+    /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
+    pub fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
+        let mu = mu[self.multiplier?];
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?;
+        self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
+        let rest = rest_positions(iterate);
+        self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
+        Some(-mu * wanted.by_parameter)
+    }
 }
 
 impl Energy for Chamber {
@@ -126,15 +137,6 @@ impl Energy for Chamber {
         self.wall.add_volume_gradient(iterate.space, x, gas.stiffness * along, out);
         let rest = rest_positions(iterate);
         self.wall.add_volume_gradient(iterate.space, rest, -gas.pressure_by_rest * along, out);
-    }
-
-    fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
-        let mu = mu[self.multiplier?];
-        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?;
-        self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
-        let rest = rest_positions(iterate);
-        self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
-        Some(-mu * wanted.by_parameter)
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -154,6 +154,59 @@ impl Contact {
         let [air, solid] = pairs;
         ccd::max_step(air, start, end, minimum).min(ccd::max_step(solid, start, end, 0.0))
     }
+
+    /// Largest step length α in [0, 1] for which nothing on the straight path, in u and the load, from
+    /// one iterate to another of the same rest shape comes closer than d₀ before α.
+    #[must_use]
+    pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
+        let (start, whole, rest) = (self.positions(from), self.positions(to), self.rest(from));
+        if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
+            return self.free_share([&list.pairs, &list.through_solid], &start, &whole);
+        }
+        let minimum = self.potential.repulsion().minimum;
+        let mut share = 1.0;
+        // a step that sweeps through too much is searched in part
+        while share > SHORTEST {
+            let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
+            let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();
+            if let Ok(pairs) = self.potential.candidates(&start, &end, minimum) {
+                // without a thickness it makes no difference what is between them
+                let [air, solid] = match minimum {
+                    0.0 => [pairs, Vec::new()],
+                    _ => self.neighbours.partition(&self.potential, &rest, pairs),
+                };
+                return share * self.free_share([&air, &solid], &start, &end);
+            }
+            share *= 0.5;
+        }
+        0.0
+    }
+
+    /// What intersects, if it is to be proved that nothing does.
+    #[must_use]
+    pub fn objection(&self, at: &Iterate) -> Option<String> {
+        let found = self.certify.then(|| self.intersection(&self.positions(at))).flatten();
+        found.map(|intersection| intersection.to_string())
+    }
+
+    /// The contacts whose friction acts in the next step (lagged friction).
+    #[must_use]
+    pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
+        self.contacts(at).lagged()
+    }
+
+    /// Adds to `by_u` and `by_rest` what cotangents of [`Self::lagged_contacts`] make of this state.
+    pub fn add_lagged_contacts_vjp(
+        &self,
+        at: &Iterate,
+        cotangents: &[LaggedContactCotangent],
+        by_u: &mut [f64],
+        by_rest: &mut [f64],
+    ) {
+        let state = self.contacts(at).lagged_vjp(cotangents);
+        self.surface().add_to_nodes(&state.positions, by_u);
+        self.surface().add_to_rest(at.space, &state.rest, by_rest);
+    }
 }
 
 impl Energy for Contact {
@@ -196,54 +249,9 @@ impl Energy for Contact {
         self.surface().couplings(&corners)
     }
 
-    fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        let (start, whole, rest) = (self.positions(from), self.positions(to), self.rest(from));
-        if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
-            return self.free_share([&list.pairs, &list.through_solid], &start, &whole);
-        }
-        let minimum = self.potential.repulsion().minimum;
-        let mut share = 1.0;
-        // a step that sweeps through too much is searched in part
-        while share > SHORTEST {
-            let along = |(a, b): (&Vec3, &Vec3)| a + share * (b - a);
-            let end: Vec<Vec3> = start.iter().zip(&whole).map(along).collect();
-            if let Ok(pairs) = self.potential.candidates(&start, &end, minimum) {
-                // without a thickness it makes no difference what is between them
-                let [air, solid] = match minimum {
-                    0.0 => [pairs, Vec::new()],
-                    _ => self.neighbours.partition(&self.potential, &rest, pairs),
-                };
-                return share * self.free_share([&air, &solid], &start, &end);
-            }
-            share *= 0.5;
-        }
-        0.0
-    }
-
-    fn objection(&self, at: &Iterate) -> Option<String> {
-        let found = self.certify.then(|| self.intersection(&self.positions(at))).flatten();
-        found.map(|intersection| intersection.to_string())
-    }
-
-    fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
-        self.contacts(at).lagged()
-    }
-
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let by_rest = self.contacts(at).shape_vjp(&self.surface().trace(lambda));
         self.surface().add_to_rest(at.space, &by_rest, out);
-    }
-
-    fn add_lagged_contacts_vjp(
-        &self,
-        at: &Iterate,
-        cotangents: &[LaggedContactCotangent],
-        by_u: &mut [f64],
-        by_rest: &mut [f64],
-    ) {
-        let state = self.contacts(at).lagged_vjp(cotangents);
-        self.surface().add_to_nodes(&state.positions, by_u);
-        self.surface().add_to_rest(at.space, &state.rest, by_rest);
     }
 }
 

@@ -249,6 +249,12 @@ impl Energies {
         self.chambers.iter().enumerate().map(|(i, named)| (ChamberId(i), named))
     }
 
+    /// One chamber.
+    #[must_use]
+    pub fn chamber(&self, id: ChamberId) -> &Chamber {
+        &self.chambers[id.0].chamber
+    }
+
     /// Gives a chamber another gas law.
     pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
         self.chambers[id.0].chamber.gas = gas;

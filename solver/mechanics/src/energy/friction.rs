@@ -12,7 +12,7 @@
 //! rest shape: the mixed derivative vanishes. The normal forces, closest points and
 //! weights at the start of the step change with the rest shape and with the last
 //! state: `add_past_vjp` says how the forces follow them, and the contact that
-//! made them ([`Energy::add_lagged_contacts_vjp`]) how they follow its state.
+//! made them ([`Contact::add_lagged_contacts_vjp`](super::Contact::add_lagged_contacts_vjp)) how they follow its state.
 //!
 //! Its one parameter is μ.
 //!

@@ -1,11 +1,11 @@
 //! Inertia in one step in time, from the incremental potential.
 //!
-//! E(u; X) = 1/(2 h²) (u − ũ)ᵀ M (u − ũ)     M_ab = ∫ ρ φ_a φ_b dX
-//! ∂E/∂u   = M (u − ũ) / h²                  ∂²E/∂u² = M / h²
-//! δ(λ·∂E/∂u) = Σ_T (ρ/h²) (λᵀ m (u − ũ))_T δ|T|
+//! E(u; X) = 1/(2 s) (u − ũ)ᵀ M (u − ũ)     M_ab = ∫ ρ φ_a φ_b dX
+//! ∂E/∂u   = M (u − ũ) / s                  ∂²E/∂u² = M / s
+//! δ(λ·∂E/∂u) = Σ_T (ρ/s) (λᵀ m (u − ũ))_T δ|T|
 //!
 //! ρ   density [kg/m³]
-//! h   β Δt of the step [s];   ũ   where it would go without forces [m]
+//! ũ   where it would go without forces [m], s what it goes per acceleration [s²]: [`FreeFlight`](super::FreeFlight)
 //! m   mass matrix of a tetrahedron with volume and density 1 [1]
 //!
 //! Where inertia is neglected, bodies without enough supports are regularised by a tiny
@@ -48,7 +48,7 @@ pub struct Inertia {
     reference: Vec<f64>,
 }
 
-/// 1/h² [1/s²] and u − ũ [m].
+/// 1/s [1/s²] and u − ũ [m].
 type Deviation = (f64, Vec<f64>);
 
 impl Inertia {
@@ -70,13 +70,14 @@ impl Inertia {
         self.tiny
     }
 
-    /// 1/h² and ũ.
+    /// 1/s and ũ.
     fn frame<'a>(&self, iterate: &Iterate<'a>) -> Option<(f64, &'a [f64])> {
         let step = iterate.step?;
         if self.tiny {
             return Some((REGULARIZATION, &step.history));
         }
-        Some((1.0 / (step.h * step.h), step.free_flight.as_ref()?))
+        let flight = step.free_flight.as_ref()?;
+        Some((1.0 / flight.square, &flight.at))
     }
 
     fn deviation(&self, iterate: &Iterate) -> Option<Deviation> {

@@ -59,20 +59,39 @@ pub struct Iterate<'a> {
     pub step: Option<&'a TimeStep>,
 }
 
-/// A step in time with a backward differentiation formula: v = (u − history) / h.
+/// A step in time: where it leads by what velocity and acceleration.
 #[derive(Clone, Debug, Default)]
 pub struct TimeStep {
-    /// β Δt [s].
+    /// h of the velocity v = (u − history) / h at the end [s].
     pub h: f64,
-    /// Σ αᵢ u₋ᵢ over the last states [m].
+    /// Where a body would be that stops, from the last states [m].
     pub history: Vec<f64>,
-    /// ũ = Σ αᵢ (u₋ᵢ + h v₋ᵢ), where the body would go without forces [m]; none
-    /// where inertia is neglected.
-    pub free_flight: Option<Vec<f64>>,
+    /// Where bodies would go without forces; none where inertia is neglected.
+    pub free_flight: Option<FreeFlight>,
     /// Contacts with friction, lagged: as they were at the start of the step.
     pub lagged_contacts: Vec<LaggedContact>,
-    /// Σ αᵢ Z₋ᵢ of the relaxed stresses of [`Viscous`] terms [Pa]; empty where all are zero.
+    /// h of the rates (Z − Z°) / h of relaxed stresses at the end [s].
+    pub relaxed_h: f64,
+    /// Z° of the relaxed stresses of [`Viscous`] terms, from the last states [Pa]; empty where all are
+    /// zero.
     pub relaxed: Vec<f64>,
+}
+
+/// Where the bodies of a step would go without forces, so that a = (u − at) / square.
+#[derive(Clone, Debug)]
+pub struct FreeFlight {
+    /// Displacement [m].
+    pub at: Vec<f64>,
+    /// Displacement by acceleration at the end of the step [s²].
+    pub square: f64,
+}
+
+impl FreeFlight {
+    /// The acceleration at a displacement [m/s²].
+    #[must_use]
+    pub fn acceleration(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().zip(&self.at).map(|(u, at)| (u - at) / self.square).collect()
+    }
 }
 
 /// Cotangents (adjoint variables) of the past in a [`TimeStep`].
@@ -159,19 +178,6 @@ pub trait Energy: Send + Sync {
     fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
         Vec::new()
     }
-    /// Largest step length α in [0, 1] for which the straight path, in u and the load,
-    /// from one iterate to another of the same rest shape is admissible up to α.
-    fn max_step(&self, _from: &Iterate, _to: &Iterate) -> f64 {
-        1.0
-    }
-    /// Why the state must not be accepted although E is defined there, if so.
-    fn objection(&self, _: &Iterate) -> Option<String> {
-        None
-    }
-    /// The contacts here whose friction acts in the next step (lagged friction).
-    fn lagged_contacts(&self, _: &Iterate) -> Vec<LaggedContact> {
-        Vec::new()
-    }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {
         None
@@ -180,21 +186,6 @@ pub trait Energy: Send + Sync {
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
     /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts, relaxed stresses).
     fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
-    /// Adds to `by_u` and `by_rest` what cotangents of its [`Self::lagged_contacts`] make
-    /// of this state; of all terms of a system at most one has lagged contacts.
-    fn add_lagged_contacts_vjp(
-        &self,
-        _at: &Iterate,
-        _cotangents: &[LaggedContactCotangent],
-        _by_u: &mut [f64],
-        _by_rest: &mut [f64],
-    ) {
-    }
-    /// Adds μ_i ∂(V − V*)/∂X of the volume i that it prescribes, three components per
-    /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
-    fn constraint_vjp(&self, _at: &Iterate, _mu: &[f64], _out: &mut [f64]) -> Option<f64> {
-        None
-    }
     /// λᵀ ∂²E/∂u∂p for the numbers p that the term was made with, in the order that
     /// its type documents.
     fn parameter_vjp(&self, _at: &Iterate, _lambda: &[f64]) -> Vec<f64> {

@@ -5,8 +5,8 @@
 //! stress (second Piola–Kirchhoff), and Z follows it, τ Ż = S − Z, from 0 at rest. The law alone is
 //! what is left after a long time; at once the isochoric part is 1 + Σ γ times as stiff.
 //!
-//! With the formula of the time step, h = β Δt and a = h/τ, from the relaxed stresses
-//! Z° = Σ αᵢ Z₋ᵢ of the last states:
+//! With the formula of the time step, Ż = (Z − Z°) / h and a = h/τ, from what the relaxed stresses of the
+//! last states make, Z°:
 //!
 //! Z = (Z° + a S) / (1 + a)        γ (S − Z) = c (S − Z°),  c = γ / (1 + a)
 //!
@@ -181,7 +181,10 @@ impl Viscous {
     ) -> impl Iterator<Item = (f64, Mat3)> {
         self.branches.iter().enumerate().map(move |(i, branch)| {
             let past = step.relaxed.get(self.at(points, i, place));
-            (branch.overstress / (1.0 + step.h / branch.time), past.map_or(Mat3::zeros(), tensor))
+            (
+                branch.overstress / (1.0 + step.relaxed_h / branch.time),
+                past.map_or(Mat3::zeros(), tensor),
+            )
         })
     }
 
@@ -225,7 +228,7 @@ impl Viscous {
             }
         });
         let of_branch = |(i, branch): (usize, &Branch)| -> Vec<f64> {
-            let a = step.h / branch.time;
+            let a = step.relaxed_h / branch.time;
             let begin = self.at(points, i, 0).start;
             let past = |k: usize| step.relaxed.get(begin + k).copied().unwrap_or(0.0);
             stresses.iter().enumerate().map(|(k, s)| (past(k) + a * s) / (1.0 + a)).collect()
@@ -259,7 +262,7 @@ impl Viscous {
                 let mut s_bar = Mat3::zeros();
                 for (i, branch) in self.branches.iter().enumerate() {
                     let place = self.at(points, i, point.place);
-                    let (bar, a) = (&cotangents[place.clone()], step.h / branch.time);
+                    let (bar, a) = (&cotangents[place.clone()], step.relaxed_h / branch.time);
                     let past = step.relaxed.get(place.clone()).map_or(Mat3::zeros(), tensor);
                     let to = place.start - self.first;
                     out.past[to..to + SIX]
@@ -427,7 +430,7 @@ impl Energy for Viscous {
                 let branches = self.branches_at(step, points, point.place);
                 for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
                     let along = (stress - point.k.f * past).dot(&bar);
-                    let a = step.h / branch.time;
+                    let a = step.relaxed_h / branch.time;
                     sum[law + 2 * i] += along / (1.0 + a);
                     // ∂c/∂τ = c a / (τ (1 + a))
                     sum[law + 2 * i + 1] += c * a / (branch.time * (1.0 + a)) * along;

@@ -31,7 +31,7 @@ mod workspace;
 pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
-pub use integrator::{Integrator, Method, State};
+pub use integrator::{Formula, Integrator, Method, State, Weights};
 pub use newton::{Converged, Failure, Newton};
 pub use problem::{Configuration, Problem};
 pub use softest_mode::SoftestMode;

@@ -144,20 +144,20 @@ impl Problem {
     /// The contacts at a state whose friction acts in the next step.
     #[must_use]
     pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
-        self.energies.iter().flat_map(|energy| energy.lagged_contacts(at)).collect()
+        self.energies.contact.as_ref().map_or_else(Vec::new, |contact| contact.lagged_contacts(at))
     }
 
     /// Largest step length in [0, 1] from one iterate to another, straight in u and the
-    /// load, that no energy forbids.
+    /// load, on which surfaces stay apart.
     #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        self.energies.iter().map(|energy| energy.max_step(from, to)).fold(1.0, f64::min)
+        self.energies.contact.as_ref().map_or(1.0, |contact| contact.max_step(from, to))
     }
 
     /// Why a state must not be accepted, if so.
     #[must_use]
     pub fn objection(&self, at: &Iterate) -> Option<String> {
-        self.energies.iter().find_map(|energy| energy.objection(at))
+        self.energies.contact.as_ref()?.objection(at)
     }
 
     /// The free part of a vector.

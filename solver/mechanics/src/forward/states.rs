@@ -23,8 +23,8 @@ pub struct States {
 #[derive(Debug)]
 enum Kept {
     Here(State),
-    /// Where in the file, and the numbers of degrees of freedom and relaxed stresses.
-    There(u64, [usize; 2]),
+    /// Where in the file, and the lengths of [`parts`].
+    There(u64, [usize; 4]),
 }
 
 impl States {
@@ -78,29 +78,32 @@ impl States {
         }
         let mut file = self.file.as_ref().expect("made above");
         let at = file.seek(SeekFrom::End(0))?;
-        let numbers = state.u.iter().chain(&state.v).chain(&state.relaxed);
+        let numbers = parts(state).into_iter().flatten();
         let bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
         if let Err(error) = file.write_all(&bytes) {
             file.set_len(at)?;
             return Err(error);
         }
-        Ok(Kept::There(at, [state.u.len(), state.relaxed.len()]))
+        Ok(Kept::There(at, parts(state).map(Vec::len)))
     }
 }
 
-fn bytes(state: &State) -> usize {
-    8 * (state.u.len() + state.v.len() + state.relaxed.len())
+fn parts(state: &State) -> [&Vec<f64>; 4] {
+    [&state.u, &state.v, &state.a, &state.relaxed]
 }
 
-fn read(mut file: &File, at: u64, [len, relaxed]: [usize; 2]) -> std::io::Result<State> {
-    let mut bytes = vec![0; 8 * (2 * len + relaxed)];
+fn bytes(state: &State) -> usize {
+    8 * parts(state).iter().map(|part| part.len()).sum::<usize>()
+}
+
+fn read(mut file: &File, at: u64, lengths: [usize; 4]) -> std::io::Result<State> {
+    let mut bytes = vec![0; 8 * lengths.iter().sum::<usize>()];
     file.seek(SeekFrom::Start(at))?;
     file.read_exact(&mut bytes)?;
-    let numbers = bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes")));
-    let mut u: Vec<f64> = numbers.collect();
-    let mut v = u.split_off(len);
-    let relaxed = v.split_off(len);
-    Ok(State { u, v, relaxed })
+    let mut numbers =
+        bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes")));
+    let [u, v, a, relaxed] = lengths.map(|len| numbers.by_ref().take(len).collect());
+    Ok(State { u, v, a, relaxed })
 }
 
 #[cfg(test)]
@@ -110,7 +113,7 @@ mod tests {
     fn state(n: usize) -> State {
         let numbers = |by: f64| (0..5).map(|i| by / (1.0 + (i + n) as f64)).collect();
         let relaxed = if n == 0 { Vec::new() } else { numbers(3.0) };
-        State { u: numbers(0.1), v: numbers(-1e-300), relaxed }
+        State { u: numbers(0.1), v: numbers(-1e-300), a: Vec::new(), relaxed }
     }
 
     #[test]

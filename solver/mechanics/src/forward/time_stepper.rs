@@ -321,7 +321,7 @@ impl TimeStepper {
     /// along a line in the load through the last two states. And along a parabola through
     /// the last three. The first state is the rest shape, where inertia is neglected.
     fn extrapolations(&self, last: &Iterate, load: f64, begins: bool) -> Vec<Guess> {
-        let flight = last.step.and_then(|step| step.free_flight.as_ref());
+        let flight = last.step.and_then(|step| step.free_flight.as_ref()).map(|flight| &flight.at);
         let guided = self.guide.as_ref().and_then(|g| g.motion(last.load, load));
         let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
         let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());

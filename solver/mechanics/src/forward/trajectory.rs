@@ -97,7 +97,7 @@ impl Trajectory {
     /// What step n ≥ 1 looked back to, as when it was made.
     #[must_use]
     pub fn past(&self, n: usize) -> Integrator {
-        let count = n.min(self.method.order());
+        let count = n.min(self.method.states());
         let states = (1..=count).map(|i| self.state(n - i).into_owned()).collect();
         Integrator { method: self.method, states }
     }

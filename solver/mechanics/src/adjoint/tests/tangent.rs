@@ -28,6 +28,7 @@ impl Tangent<'_> {
             if let Some(change) = changes.get(n) {
                 add(&mut state.u, &change.u);
                 add(&mut state.v, &change.v);
+                add(&mut state.a, &change.a);
             }
             state
         };
@@ -59,13 +60,18 @@ impl Tangent<'_> {
             let rhs: Vec<f64> = problem.restrict(&force).iter().map(|f| -f).collect();
             let du = adjoint::solve(workspace, rhs).expect("regular");
             let du = problem.prolong(&du);
-            let history = Self::slope(|e| {
-                let run = self.run(&changes, e);
-                run.past(n).step(end - run.times[n - 1]).history
-            });
-            let h = step.h;
-            let v = du.iter().zip(&history).map(|(u, past)| (u - past) / h).collect();
-            changes.push(State::new(du, v));
+            // what the integrator makes of the state and of the states before it
+            let end_state = |of: fn(&State) -> &Vec<f64>| {
+                Self::slope(|e| {
+                    let mut past = self.run(&changes, e).past(n);
+                    let step = past.step(end - self.run.times[n - 1]);
+                    let moved: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + e * du).collect();
+                    past.accept(&step, &moved, Vec::new());
+                    of(past.last()).clone()
+                })
+            };
+            let (v, a) = (end_state(|s| &s.v), end_state(|s| &s.a));
+            changes.push(State { a, ..State::new(du.clone(), v) });
         }
         changes
     }
@@ -97,6 +103,7 @@ fn the_adjoint_is_the_tangent_the_other_way_round() {
         (Method::Quasistatic, 2, 2, Shape::Blocks, Inside::Pressure),
         (Method::ImplicitEuler, 2, 2, Shape::Tet, Inside::Pressure),
         (Method::Bdf3, 1, 5, Shape::Hollow, Inside::Gas),
+        (Method::Newmark, 1, 4, Shape::Blocks, Inside::Pressure),
     ] {
         let case = Case { method, degree, steps, dt, body, inside };
         let [adjoint, tangent] = both_ways(&case, case.hits());

@@ -7,7 +7,7 @@ use crate::contact::barrier::{Barrier, Form};
 use crate::contact::potential::Partners;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
-use crate::energy::{Contact, Energies, Energy, Inertia, TimeStep};
+use crate::energy::{Contact, Energies, Energy, FreeFlight, Inertia, TimeStep};
 use crate::forward::stepping::{Failed, attempt};
 use crate::forward::{Failure, LoadStep};
 use crate::material::{Lame, NeoHookean};
@@ -54,7 +54,7 @@ fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher 
     energies.contact =
         Some(Arc::new(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier).certified()));
     let still = vec![0.0; fixed.len()];
-    let free_flight = h.map(|_| still.clone());
+    let free_flight = h.map(|h| FreeFlight { at: still.clone(), square: h * h });
     let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, ..TimeStep::default() };
     let up: Vec<f64> = (0..fixed.len()).map(|d| if d % 3 == 2 { distance } else { 0.0 }).collect();
     let problem = Problem::new(space, energies, &fixed).with_displacement(&up);

@@ -1,0 +1,235 @@
+//! Time integration: each state from those before it, by a linear formula with one new acceleration.
+//!
+//! uₙ = ũₙ + h vₙ          ũ: history              vₙ = (uₙ − history) / h
+//! vₙ = ṽₙ + k aₙ          ṽ: past velocity        aₙ = (uₙ − free flight) / (h k)
+//! Zₙ = Z̃ₙ + h_Z Żₙ        Z: relaxed stresses     free flight = history + h ṽ
+//!
+//! History, past velocity and relaxed past are sums over the last states, with the [`Weights`] of a
+//! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
+
+mod bdf;
+mod newmark;
+
+use serde::{Deserialize, Serialize};
+
+use crate::energy::{FreeFlight, TimeStep};
+
+/// Time integration of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Inertia is neglected: an equilibrium at every time.
+    Quasistatic,
+    /// First order; damps what the step does not resolve.
+    #[default]
+    ImplicitEuler,
+    /// Second order.
+    Bdf2,
+    /// Third order.
+    Bdf3,
+    /// Implicit Newmark of average acceleration: second order, damps nothing.
+    Newmark,
+}
+
+impl Method {
+    /// Number of earlier states in the formula, at most.
+    #[must_use]
+    pub fn states(self) -> usize {
+        match self {
+            Self::Quasistatic | Self::ImplicitEuler => 1,
+            Self::Bdf2 | Self::Newmark => 2,
+            Self::Bdf3 => 3,
+        }
+    }
+
+    /// Whether masses resist acceleration.
+    #[must_use]
+    pub fn has_inertia(self) -> bool {
+        self != Self::Quasistatic
+    }
+
+    /// Whether states have their accelerations, as the formula needs them.
+    fn keeps_acceleration(self) -> bool {
+        self == Self::Newmark
+    }
+}
+
+/// The linear formula of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    /// Displacement by velocity at the end of the step, h [s].
+    pub h: f64,
+    /// Velocity by acceleration at the end of the step, k [s].
+    pub k: f64,
+    /// Relaxed stress by its rate at the end of the step [s].
+    pub relaxed_h: f64,
+    /// How the last states count, the latest first.
+    pub past: Vec<Weights>,
+}
+
+/// How an earlier state counts in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Weights {
+    /// Its displacement [1], velocity [s] and acceleration [s²] in the history.
+    pub history: [f64; 3],
+    /// Its velocity [1] and acceleration [s] in the past velocity.
+    pub velocity: [f64; 2],
+    /// Its relaxed stresses in theirs [1].
+    pub relaxed: f64,
+}
+
+/// A displacement and its velocity, three components per node, and what bodies remember.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Displacement [m].
+    pub u: Vec<f64>,
+    /// Velocity [m/s].
+    pub v: Vec<f64>,
+    /// Acceleration [m/s²]; empty where the method does not need it, and at the start.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub a: Vec<f64>,
+    /// Relaxed stresses of all viscous terms [Pa]; empty where all are zero.
+    #[serde(default)]
+    pub relaxed: Vec<f64>,
+}
+
+impl State {
+    /// Without acceleration and relaxed stresses.
+    #[must_use]
+    pub fn new(u: Vec<f64>, v: Vec<f64>) -> Self {
+        Self { u, v, ..Self::default() }
+    }
+}
+
+/// The past that the next step needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Integrator {
+    /// The formula.
+    pub method: Method,
+    /// The last states, the latest first.
+    pub states: Vec<State>,
+}
+
+impl Integrator {
+    /// Begins at a state.
+    #[must_use]
+    pub fn new(method: Method, start: State) -> Self {
+        Self { method, states: vec![start] }
+    }
+
+    /// The last state.
+    #[must_use]
+    pub fn last(&self) -> &State {
+        &self.states[0]
+    }
+
+    /// The formula of the next step, of length Δt [s]. The first steps use as many states as there are.
+    #[must_use]
+    pub fn formula(&self, dt: f64) -> Formula {
+        match self.method {
+            Method::Newmark if !self.last().a.is_empty() => newmark::formula(dt),
+            // the acceleration at the start is not known
+            Method::Newmark => bdf::formula(1, dt),
+            method => bdf::formula(self.states.len().min(method.states()), dt),
+        }
+    }
+
+    /// The next step, of length Δt [s], without contacts.
+    #[must_use]
+    pub fn step(&self, dt: f64) -> TimeStep {
+        let Formula { h, k, relaxed_h, past } = self.formula(dt);
+        let states = || past.iter().zip(&self.states);
+        let terms = states().flat_map(|(w, s)| w.history.into_iter().zip([&s.u, &s.v, &s.a]));
+        let history = sum(terms);
+        let free_flight = self.method.has_inertia().then(|| {
+            let terms = states().flat_map(|(w, s)| w.velocity.into_iter().zip([&s.v, &s.a]));
+            let velocity = sum(terms);
+            let at = history.iter().zip(&velocity).map(|(u, v)| u + h * v).collect();
+            FreeFlight { at, square: h * k }
+        });
+        let relaxed = sum(states().map(|(w, s)| (w.relaxed, &s.relaxed)));
+        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), relaxed_h, relaxed }
+    }
+
+    /// Goes to the end `u` [m] of a step, with the relaxed stresses there [Pa].
+    pub fn accept(&mut self, step: &TimeStep, u: &[f64], relaxed: Vec<f64>) {
+        let v = u.iter().zip(&step.history).map(|(u, past)| (u - past) / step.h).collect();
+        let flight = step.free_flight.as_ref().filter(|_| self.method.keeps_acceleration());
+        let a = flight.map_or_else(Vec::new, |flight| flight.acceleration(u));
+        self.states.insert(0, State { u: u.to_vec(), v, a, relaxed });
+        self.states.truncate(self.method.states());
+    }
+}
+
+/// Sum of vectors, each with its factor; those that are empty are zero.
+fn sum<'a>(terms: impl Iterator<Item = (f64, &'a Vec<f64>)>) -> Vec<f64> {
+    let terms: Vec<(f64, &Vec<f64>)> = terms.filter(|(w, x)| *w != 0.0 && !x.is_empty()).collect();
+    let len = terms.first().map_or(0, |(_, x)| x.len());
+    (0..len).map(|d| terms.iter().map(|(w, x)| w * x[d]).sum()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// u'' = −u has the solution sin t.
+    #[test]
+    fn formulas_have_their_order() {
+        for (method, order) in [
+            (Method::ImplicitEuler, 1.0),
+            (Method::Bdf2, 2.0),
+            (Method::Bdf3, 3.0),
+            (Method::Newmark, 2.0),
+        ] {
+            let error = |steps: usize| {
+                let dt = 1.0 / steps as f64;
+                let exact = |t: f64| State::new(vec![t.sin()], vec![t.cos()]);
+                let mut integrator = Integrator::new(method, exact(0.0));
+                // states before the start, so that the first steps are as good as the others
+                let before = (1..method.states()).map(|i| exact(-dt * i as f64));
+                integrator.states.extend(before);
+                for _ in 0..steps {
+                    let step = integrator.step(dt);
+                    // (u − flight) / (h k) = −u
+                    let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
+                    integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+                }
+                (integrator.last().u[0] - 1.0_f64.sin()).abs()
+            };
+            let slope = (error(40) / error(80)).log2();
+            assert!((slope - order).abs() < 0.15, "{method:?}: {slope}");
+        }
+    }
+
+    #[test]
+    fn free_fall_follows_the_recursion_of_implicit_euler() {
+        let (dt, g) = (0.01, -9.8);
+        let mut integrator =
+            Integrator::new(Method::ImplicitEuler, State::new(vec![0.0], vec![0.0]));
+        for n in 1..=20 {
+            let step = integrator.step(dt);
+            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
+            let u = at[0] + square * g;
+            integrator.accept(&step, &[u], Vec::new());
+            let expected = 0.5 * g * dt * dt * f64::from(n * (n + 1));
+            assert!((integrator.last().u[0] / expected - 1.0).abs() < 1e-13);
+        }
+    }
+
+    /// A spring and a mass swing on for a hundred periods with the same energy.
+    #[test]
+    fn newmark_keeps_the_energy_of_a_swing() {
+        let energy = |s: &State| 0.5 * (s.u[0].powi(2) + s.v[0].powi(2));
+        let mut integrator = Integrator::new(Method::Newmark, State::new(vec![1.0], vec![0.0]));
+        let mut energies = Vec::new();
+        for _ in 0..2000 {
+            let step = integrator.step(std::f64::consts::TAU / 20.0);
+            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
+            integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+            energies.push(energy(integrator.last()));
+        }
+        // the first step is one of implicit Euler
+        assert!(energies[0] < 0.5);
+        assert!(energies.iter().all(|e| (e / energies[0] - 1.0).abs() < 1e-11));
+    }
+}
