@@ -53,8 +53,7 @@ fn kinds() -> Vec<Kind> {
 
 /// A scene with its laws, which a program builds when it has the mesh.
 fn read_scene(path: &Path) -> Result<()> {
-    let mut scene = SimConfig::read(path)?;
-    scene.check()?;
+    let scene = SimConfig::read(path)?.bound()?;
     for body in scene.bodies()? {
         match body.material {
             MaterialConfig::Volumes(volumes) => {

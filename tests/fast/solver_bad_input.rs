@@ -322,31 +322,13 @@ fn two_pressures_on_one_wall() {
     refuse("simulate", "p1.toml", &[("[[chamber]]", twice, &["\"cavity\""])]);
 }
 
-/// The three tables of older scenes, and the one of older designs.
 #[test]
-fn tables_of_older_programs() {
-    const NOW: &str = "is now [[chamber]]: write\n\n[[chamber]]\non = \"cavity\"\n";
-    refuse(
-        "simulate",
-        "p1.toml",
-        &[
-            ("[[chamber]]", "[[pressure]]", &["[[pressure]]", NOW, "\npressure = 8000.0"]),
-            (
-                "[[chamber]]\non = \"cavity\"\npressure = 8e3",
-                "[[volume]]\non = \"cavity\"\nfactor = \"1 + t\"",
-                &["[[volume]]", NOW, "\nvolume_factor = \"1 + t\""],
-            ),
-        ],
-    );
-    refuse(
-        "optimize",
-        "design.toml",
-        &[(
-            "[shape]",
-            "[[pressure]]\non = \"cavity\"\nslope = [-1e3, 1e3]\n\n[shape]",
-            &["[[pressure]]", NOW, "slope = [-1000.0, 1000.0]"],
-        )],
-    );
+fn pressures_outside_of_chambers() {
+    let told =
+        |written| ("[[chamber]]", written, &["[[chamber]]", "--set chamber.TAG.pressure"][..]);
+    refuse("simulate", "p1.toml", &[told("[[pressure]]"), told("[[volume]]"), told("[[gas]]")]);
+    let design = "[[pressure]]\non = \"cavity\"\nslope = [-1e3, 1e3]\n\n[shape]";
+    refuse("optimize", "design.toml", &[("[shape]", design, &["pressure:", "[[chamber]]"])]);
 }
 
 /// The program ran, but there is no result: exit code 1 and a report that says so.

@@ -119,9 +119,6 @@ fn columns_of_runs_are_drawn() {
     assert!(png.starts_with(b"\x89PNG"));
     let run = dir.solver(&format!("{plot} --points measured.csv:load,volum"));
     run.assert_refused(2, &["measured.csv", "no column \"volum\"; there are: load, volume"]);
-    // as older programs called it
-    let run = dir.solver("plot out/report.json --y walls.cavity.volume -o none.svg");
-    run.assert_refused(2, &["is now \"chambers.cavity.volume\""]);
 }
 
 /// Gas keeps to P V = const, and presses less than a supply once it has spread.

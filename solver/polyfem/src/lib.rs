@@ -123,8 +123,8 @@ impl Imported {
         design: Option<Design>,
     ) -> Result<Self> {
         let context = || format!("{}: the scene that it describes", documents[0].0.path.display());
-        let mut config: SimConfig = toml::from_str(&scene.text).with_context(context)?;
-        config.check().with_context(context)?;
+        let config: SimConfig = toml::from_str(&scene.text).with_context(context)?;
+        let config = config.bound().with_context(context)?;
         for body in config.bodies().with_context(context)? {
             body.material.specification().with_context(context)?;
         }

@@ -59,9 +59,8 @@ fn read(json: &Value, options: &Options) -> Result<(Imported, SimConfig)> {
     std::fs::write(at("plain.json"), plain.to_string()).expect("writable");
     std::fs::write(at("scene.json"), json.to_string()).expect("writable");
     let imported = super::read(&at("scene.json"), options)?;
-    let mut config: SimConfig = toml::from_str(&imported.scene.text).expect("checked");
-    config.check().expect("checked");
-    Ok((imported, config))
+    let config: SimConfig = toml::from_str(&imported.scene.text).expect("checked");
+    Ok((imported, config.bound().expect("checked")))
 }
 
 /// The scene with the value at a pointer replaced, or added to a list or object.

@@ -12,7 +12,6 @@ mod material;
 mod membrane;
 mod relaxation;
 mod scenario;
-mod superseded;
 mod symmetry;
 mod uncertainty;
 
@@ -142,7 +141,7 @@ impl SimConfig {
     /// # Errors
     /// With the file, what was found and what is needed.
     pub fn of(settings: &Settings) -> Result<Self> {
-        superseded::refuse_in_scene(settings)?;
+        refuse_outside_of_chambers(settings)?;
         settings.parse()
     }
 
@@ -411,4 +410,19 @@ impl Default for SolverConfig {
 #[must_use]
 pub fn beside(from: &Path, path: &Path) -> PathBuf {
     from.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
+}
+/// Refuses pressures, gases and volumes that are in no `[[chamber]]`.
+///
+/// # Errors
+/// With where they belong.
+fn refuse_outside_of_chambers(settings: &Settings) -> Result<()> {
+    let file: toml::Table = settings.parse()?;
+    let found = ["pressure", "gas", "volume"].into_iter().find(|key| file.contains_key(*key));
+    let Some(key) = found else { return Ok(()) };
+    bail!(
+        "{}: {key}: a pressure, gas or volume is that of a chamber: expected [[chamber]] with on = \"TAG\" and \
+         pressure = …, or another key that `solver list --gas-laws` explains; from outside \
+         --set chamber.TAG.pressure=…",
+        settings.file().path.display()
+    )
 }

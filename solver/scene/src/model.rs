@@ -92,9 +92,8 @@ impl Scene {
     }
 
     fn of(file: &Settings, path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
-        let mut config = SimConfig::of(file)?;
         let context = || path.display().to_string();
-        config.check().with_context(context)?;
+        let config = SimConfig::of(file)?.bound().with_context(context)?;
         let bodies = config.bodies().with_context(context)?;
         let stands_for = |other: &Option<String>, body: &BodyConfig| match other {
             None => bodies.len() == 1,
@@ -172,7 +171,7 @@ impl Scene {
             *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
         }
         let context = || format!("{}, as a [[shape.level]] has it", self.path.display());
-        scene.config.check().with_context(context)?;
+        scene.config = scene.config.bound().with_context(context)?;
         Ok(scene)
     }
 

@@ -5,13 +5,6 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// Columns that older programs called otherwise: the old name and the one of today.
-const RENAMED: [[&str; 2]; 3] = [
-    ["walls", "chambers"],
-    ["energies.pressure", "energies.chamber"],
-    ["force_balance.pressure", "force_balance.chamber"],
-];
-
 /// The rows of a run: lines of a history.jsonl or steps.jsonl, the steps of a report.json, or the
 /// runs in a file of compare.
 ///
@@ -58,9 +51,8 @@ fn one_number(row: &Value, column: &str) -> Result<f64> {
             Value::Array(items) => key.parse().ok().and_then(|i: usize| items.get(i)),
             _ => value.get(key),
         };
-        value = next.with_context(|| {
-            format!("no {key:?} of {keys:?}; there are: {}{}", known(value), renamed(keys))
-        })?;
+        value =
+            next.with_context(|| format!("no {key:?} of {keys:?}; there are: {}", known(value)))?;
         left = rest;
     }
     let number = value.as_f64().with_context(|| format!("{keys:?} is {value}, not a number"))?;
@@ -74,23 +66,6 @@ fn first_key<'a>(value: &Value, keys: &'a str) -> (&'a str, &'a str) {
     let mut splits = std::iter::once((keys, "")).chain(dots.rev());
     let shortest = keys.split_once('.').unwrap_or((keys, ""));
     splits.find(|(key, _)| value.get(key).is_some()).unwrap_or(shortest)
-}
-
-/// Where a column of older results is now, and the other way round.
-fn renamed(keys: &str) -> String {
-    for [old, new] in RENAMED {
-        let begins = |with: &str| {
-            let rest = keys.strip_prefix(with)?;
-            (rest.is_empty() || rest.starts_with('.')).then_some(rest)
-        };
-        if let Some(rest) = begins(old) {
-            return format!("; {keys:?} is now \"{new}{rest}\"");
-        }
-        if let Some(rest) = begins(new) {
-            return format!("; in results of older programs it is \"{old}{rest}\"");
-        }
-    }
-    String::new()
 }
 
 /// What a value holds.
@@ -122,18 +97,5 @@ mod tests {
         assert_eq!(number(&row, "a+b").expect("a key"), 1.0);
         let text = number(&row, "terms.throat + terms.feet").expect_err("no such key").to_string();
         assert!(text.contains("no \"feet\""), "{text}");
-    }
-
-    #[test]
-    fn columns_of_older_programs_are_named_anew() {
-        let old = serde_json::json!({"walls": {"left": {"pressure": 1.0}}, "energies": {"pressure": 2.0}});
-        let new = serde_json::json!({"chambers": {"left": {"pressure": 1.0}}, "energies": {"chamber": 2.0}});
-        let why = |row, column| number(row, column).expect_err("no such key").to_string();
-        let now = "\"walls.left.pressure\" is now \"chambers.left.pressure\"";
-        assert!(why(&new, "walls.left.pressure").contains(now));
-        assert!(why(&new, "energies.pressure*2").contains("is now \"energies.chamber\""));
-        let before = "in results of older programs it is \"walls.left.pressure\"";
-        assert!(why(&old, "chambers.left.pressure").contains(before));
-        assert!(!why(&old, "wallsome").contains("now"));
     }
 }

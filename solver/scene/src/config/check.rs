@@ -14,12 +14,20 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// Checks all settings that can be checked without a body, and passes the end of
-    /// the first time step to the schedules.
+    /// This configuration, whose schedules have the values of `[parameters]` and the end of the first time
+    /// step, if all settings that can be checked without a body are sound. One that was read or changed has no
+    /// other way to be used.
     ///
     /// # Errors
     /// With what was found and what is needed.
-    pub fn check(&mut self) -> Result<()> {
+    pub fn bound(mut self) -> Result<Self> {
+        self.check()?;
+        self.bind()?;
+        self.check_parts()?;
+        Ok(self)
+    }
+
+    fn check(&self) -> Result<()> {
         ensure!(
             (1..=HIGHEST_DEGREE).contains(&self.degree),
             "degree = {}: must be 1, 2 or 3",
@@ -50,6 +58,10 @@ impl SimConfig {
             );
             ensure!(value.is_finite(), "[parameters]: {name} = {value} must be finite");
         }
+        Ok(())
+    }
+
+    fn bind(&mut self) -> Result<()> {
         let (first, moments) = (self.times()[0], self.moments());
         let parameters = self.parameters.clone();
         for (name, may_use_position, schedule) in self.schedules() {
@@ -61,6 +73,11 @@ impl SimConfig {
                 schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
             }
         }
+        Ok(())
+    }
+
+    /// Checks what schedules are a part of.
+    fn check_parts(&self) -> Result<()> {
         self.check_symmetry()?;
         self.check_membranes()?;
         self.check_relaxation()?;
@@ -224,9 +241,10 @@ impl TimeConfig {
             _ => bail!("[time]: expected either end [s] and steps, or at, a list of times [s]"),
         }
         ensure!(
-            self.method.order() == 1 || self.at.is_none(),
-            "[time]: method of order {} needs steps of equal length: give end and steps, not at",
-            self.method.order()
+            self.method.states() == 1 || self.at.is_none(),
+            "[time]: this method uses {} earlier states, which needs steps of equal length: give end and steps, not \
+             at",
+            self.method.states()
         );
         Ok(())
     }

@@ -12,7 +12,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig, scenario, superseded,
+    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig,
+    refuse_outside_of_chambers, scenario,
 };
 
 const KEYS: Keys = Keys { paths: &["scene", "target", "config", "mesh"], named: &[] };
@@ -253,7 +254,7 @@ impl DesignConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn of(settings: &Settings) -> Result<Self> {
-        superseded::refuse_in_design(settings)?;
+        refuse_outside_of_chambers(settings)?;
         let design: Self = settings.parse()?;
         settings.checked(|_| design.check())?;
         Ok(design)

@@ -26,7 +26,7 @@ pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
         );
         own.insert(name.clone(), *value);
     }
-    changed.config.check()?;
+    changed.config = changed.config.bound()?;
     type Of = fn(&Scene, Option<&str>) -> Group;
     let factors: [(&str, &Option<FactorConfig>, Of); 3] = [
         ("modulus", modulus, Group::modulus),
