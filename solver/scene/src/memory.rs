@@ -7,7 +7,17 @@
 
 use std::path::Path;
 
+use mechanics::memory::Need;
 use mesh::io::read_own_text;
+use program::Unusable;
+
+/// Whether a factorisation fits into the memory that is left.
+///
+/// # Errors
+/// [`Unusable`] if it does not: the input may be sound, and another machine can run it.
+pub fn require(need: Need) -> Result<(), Unusable> {
+    need.check(available()).map_err(|too_large| Unusable(too_large.to_string()))
+}
 
 /// Memory that this process may still take [B]; none where the system does not
 /// report it.
@@ -95,6 +105,16 @@ mod tests {
         assert_eq!(found(), Some(1_476_000));
         file("sys/devices/system/cpu/cpu0/cache/index3/size", "4K\n");
         assert_eq!(found(), Some(1_476_000 - 8192));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_no_error_of_the_input() {
+        let need = |bytes| Need { unknowns: 9, factor_entries: 45, bytes };
+        assert!(require(need(1)).is_ok());
+        if available().is_some() {
+            let Unusable(message) = require(need(usize::MAX)).expect_err("does not fit");
+            assert!(message.contains("a machine with more memory"), "{message}");
+        }
     }
 
     #[test]

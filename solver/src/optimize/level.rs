@@ -425,5 +425,5 @@ impl Level {
 fn check_memory(scenarios: &[Scenario]) -> Result<()> {
     let need: Need = scenarios.iter().map(|s| s.workspace().memory()).sum();
     let count = scenarios.len();
-    need.check(memory::available()).with_context(|| format!("{count} scenarios at the same time"))
+    memory::require(need).with_context(|| format!("{count} scenarios at the same time"))
 }
