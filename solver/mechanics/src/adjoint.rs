@@ -4,10 +4,10 @@
 //! Step n solves G(u_n; X, past_n, p) = ∂E/∂u = 0 on the free degrees of freedom,
 //! where the past is that of a [`TimeStep`](crate::energy::TimeStep):
 //!
-//! history, free flight, relaxed past:   sums over the states before, with the weights of a formula
-//! lagged contacts:                      a function of u₋₁ and X
+//! history, free flight, Z°:   sums over the states before, with the weights of a formula
+//! lagged contacts:            a function of u₋₁ and X
 //! v_n = (u_n − history) / h             a_n = (u_n − free flight) / s
-//! relaxed stresses:                     functions of u, X, p and the relaxed past
+//! internal variables Z:       functions of u, X, p and Z°
 //!
 //! With ū_n, v̄_n, ā_n the cotangents of the state that later steps and the objective have
 //! gathered, from the last step to the first:
@@ -102,7 +102,7 @@ pub fn sweep(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        let State { u, v, a, relaxed } = states[n].take().unwrap_or_else(|| zeros(len));
+        let State { u, v, a, internal } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials::new(u);
         partials(&problem.space, n, &mut own);
         let (state, step) = (run.state(n), run.step(problem, rest, n));
@@ -111,13 +111,13 @@ pub fn sweep(
         let multipliers = solve_multipliers(problem, workspace, &at);
         let at = Iterate { multipliers: &multipliers, ..at };
         let into = (&mut own.by_u[..], &mut rest_bar[..], &mut parameters);
-        let before = pull_back_relaxed(problem, &at, &relaxed, n - 1, into);
+        let before = pull_back_internal(problem, &at, &internal, n - 1, into);
         let moment = Moment { at, step: &step, by_velocity: v, by_acceleration: a, partials: own };
         let linearization = linearization.filter(|_| n == steps);
         let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
         let mut past = moment.pull_back(problem, &solution, n - 1, into);
-        add_where_any(&mut past.relaxed, &before, 1.0);
+        add_where_any(&mut past.internal, &before, 1.0);
         pull_back_past(problem, (rest, run, n), &past, &mut states, &mut rest_bar);
     }
     let State { u, v, .. } = states[0].take().unwrap_or_else(|| zeros(len));
@@ -216,10 +216,10 @@ impl Moment<'_> {
     }
 }
 
-/// What cotangents of the relaxed stresses of a state make of it; adds them to those of the state,
-/// the rest shape and the parameters in a time step counted from 0. The result is that of the past of
-/// the step; nothing where there are none.
-fn pull_back_relaxed(
+/// Pulls back cotangents of the internal variables of a state to the state, the rest shape and the
+/// parameters in a time step counted from 0, to which it adds. The result is the cotangent of Z° of the
+/// step; empty where there are none.
+fn pull_back_internal(
     problem: &Problem,
     at: &Iterate,
     cotangents: &[f64],
@@ -230,10 +230,11 @@ fn pull_back_relaxed(
     if cotangents.is_empty() {
         return past;
     }
-    for (body, viscous) in problem.energies.viscous() {
-        let by = viscous.add_relaxed_vjp(at, cotangents, by_u, rest_bar);
+    for Term { kind, energy } in problem.energies.terms() {
+        let Some(variables) = energy.internal_variables() else { continue };
+        let by = variables.add_vjp(at, cotangents, by_u, rest_bar);
         past.extend(by.past);
-        add_parameters(problem, Kind::Viscous(body), step, by.parameters, parameters);
+        add_parameters(problem, kind, step, by.parameters, parameters);
     }
     past
 }
@@ -328,7 +329,7 @@ fn pull_back_past(
                 *a += by_a * history + flight_by_a * flight;
             }
         }
-        add_where_any(&mut state.relaxed, &past.relaxed, weights.relaxed);
+        add_where_any(&mut state.internal, &past.internal, weights.internal);
     }
     if past.lagged_contacts.is_empty() {
         return;

@@ -20,7 +20,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{BodyEnergies, BodyForce, ChamberId, Energies, Inertia, Traction};
+use mechanics::energy::{
+    BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
+};
 use mechanics::forward::{Event, Integrator, Newton, Problem, State, Stepping, Watch, Workspace};
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
@@ -230,7 +232,7 @@ impl Scene {
         }
         let mut workspace = Workspace::new(&problem);
         workspace.watch = Some(watch());
-        workspace.memory().check(memory::available()).with_context(context)?;
+        memory::require(workspace.memory()).with_context(context)?;
         Ok((problem, workspace))
     }
 
@@ -352,11 +354,11 @@ impl Scene {
         supports: &Supports,
     ) -> Result<Vec<BodyEnergies>> {
         let mut bodies: Vec<BodyEnergies> = Vec::new();
-        let mut relaxed = 0;
+        let mut internal = 0;
         for law in &self.laws {
             let mut own = self.law_energies(law, body, space, supports)?;
-            own.viscous = self.overstress(law, law.elements(body), relaxed);
-            relaxed += own.viscous.as_ref().map_or(0, |viscous| viscous.len(space));
+            own.viscous = self.overstress(law, law.elements(body), internal);
+            internal += own.viscous.as_ref().map_or(0, |of| InternalVariables::count(of, space));
             bodies.push(own);
         }
         Ok(bodies)

@@ -202,10 +202,8 @@ fn richer(scene: &Scene) -> Scene {
 
 /// A step in time for the next degree.
 fn elevated(step: &TimeStep, (from, to): (&Problem, &Problem)) -> Result<TimeStep> {
-    let length = |problem: &Problem| -> usize {
-        problem.energies.viscous().map(|(_, viscous)| viscous.len(&problem.space)).sum()
-    };
-    ensure!(length(from) == length(to), "[relaxation]: stresses at other points of degree 1");
+    let count = |problem: &Problem| problem.energies.internal_count(&problem.space);
+    ensure!(count(from) == count(to), "[[relaxation]]: stresses at other points of degree 1");
     let lift = |field: &Vec<f64>| match &field[..] {
         [] => Vec::new(),
         field => elevate(&from.space, &to.space, field),

@@ -22,6 +22,7 @@ use crate::schedule::{Field, Schedule};
 use crate::testing::{check_gradient, cube, flat, points};
 
 mod dilatation;
+mod internal;
 mod membrane;
 mod tangent;
 mod viscous;
@@ -224,16 +225,10 @@ impl Case {
         rest: &[Vec3],
         start: State,
     ) -> Trajectory {
-        let integrator = Integrator::new(self.method, start);
-        let mut run = Trajectory::begin(&integrator, ON_DISK);
-        let mut stepper = TimeStepper::new(TIGHT, integrator);
-        for n in 1..=self.steps {
-            let end = self.dt * n as f64;
-            let outcome = stepper.advance(problem, workspace, rest, end, |_| ());
-            outcome.expect("an equilibrium");
-            run.push(end, stepper.progress.integrator.last().clone());
-        }
-        run
+        let times: Vec<f64> = (1..=self.steps).map(|n| self.dt * n as f64).collect();
+        let mut stepper = TimeStepper::new(TIGHT, Integrator::new(self.method, start));
+        let run = stepper.run(problem, workspace, rest, &times, ON_DISK, |_| ());
+        run.expect("an equilibrium")
     }
 
     /// At rest, the upper body in motion.
@@ -431,7 +426,6 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
     case(Method::Bdf2, 2, Shape::Tet, Inside::Pressure);
     case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
     case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
-    case(Method::Newmark, 1, Shape::Tet, Inside::Gas);
     case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
     case(Method::Newmark, 3, Shape::Hollow, Inside::Factor);
     case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
@@ -441,12 +435,8 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    for (method, steps) in [
-        (Method::ImplicitEuler, 1),
-        (Method::ImplicitEuler, 2),
-        (Method::ImplicitEuler, 5),
-        (Method::Newmark, 4),
-    ] {
+    use Method::{ImplicitEuler as Euler, Newmark};
+    for (method, steps) in [(Euler, 1), (Euler, 2), (Euler, 5), (Newmark, 4)] {
         let (degree, dt) = (1, 2e-3);
         check(
             &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },

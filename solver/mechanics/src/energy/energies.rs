@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
 use super::{Iterate, Springs, Traction, Viscous};
+use crate::element::FunctionSpace;
 use crate::material::Material;
 
 /// The terms of the potential energy of some bodies. A copy shares the large terms.
@@ -265,17 +266,18 @@ impl Energies {
         self.bodies.iter().filter_map(|body| body.inertia.as_ref()).filter(|i| !i.is_tiny())
     }
 
-    /// The relaxed stresses of all viscous terms at the end of a step [Pa], one term after the
-    /// other; empty where there is none.
+    /// The internal variables of all terms at the end of a step, one term after the other; empty where
+    /// there are none.
     #[must_use]
-    pub fn relaxed(&self, at: &Iterate) -> Vec<f64> {
-        self.viscous().flat_map(|(_, viscous)| viscous.relaxed(at)).collect()
+    pub fn internal(&self, at: &Iterate) -> Vec<f64> {
+        let variables = self.iter().filter_map(Energy::internal_variables);
+        variables.flat_map(|variables| variables.values(at)).collect()
     }
 
-    /// The viscous terms, with their bodies.
-    pub fn viscous(&self) -> impl Iterator<Item = (usize, &Viscous)> {
-        let bodies = self.bodies.iter().enumerate();
-        bodies.filter_map(|(i, body)| Some((i, body.viscous.as_ref()?)))
+    /// Number of internal variables of all terms.
+    #[must_use]
+    pub fn internal_count(&self, space: &FunctionSpace) -> usize {
+        self.iter().filter_map(Energy::internal_variables).map(|of| of.count(space)).sum()
     }
 
     /// Nodal forces of contact and friction, −∂E/∂u [N], three components per node.

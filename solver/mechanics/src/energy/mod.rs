@@ -31,7 +31,7 @@ pub use membrane::{Membrane, MembraneSummary};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;
-pub use viscous::{Branch, RelaxedCotangent, Viscous};
+pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 
 use mesh::Vec3;
@@ -70,11 +70,10 @@ pub struct TimeStep {
     pub free_flight: Option<FreeFlight>,
     /// Contacts with friction, lagged: as they were at the start of the step.
     pub lagged_contacts: Vec<LaggedContact>,
-    /// h of the rates (Z − Z°) / h of relaxed stresses at the end [s].
-    pub relaxed_h: f64,
-    /// Z° of the relaxed stresses of [`Viscous`] terms, from the last states [Pa]; empty where all are
-    /// zero.
-    pub relaxed: Vec<f64>,
+    /// h of the rates (Z − Z°) / h of internal variables at the end [s].
+    pub internal_h: f64,
+    /// Z° of the internal variables of all terms, from the last states; empty where all are zero.
+    pub internal: Vec<f64>,
 }
 
 /// Where the bodies of a step would go without forces, so that a = (u − at) / square.
@@ -103,8 +102,8 @@ pub struct PastCotangent {
     pub free_flight: Vec<f64>,
     /// Cotangents of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
-    /// Cotangents of the relaxed stresses; empty if nothing depends on them.
-    pub relaxed: Vec<f64>,
+    /// Cotangents of Z°; empty if nothing depends on them.
+    pub internal: Vec<f64>,
 }
 
 impl PastCotangent {
@@ -158,6 +157,33 @@ pub struct RankOne {
     pub vector: Vec<f64>,
 }
 
+/// Internal variables Z of a term, such as those of viscosity or damage: at the end of a step functions of u,
+/// X, the numbers of the term, and of Z° and h of the step, with which their rates are (Z − Z°) / h. A term
+/// knows where its own begin among those of all terms, which follow each other in the order of
+/// [`Energies::terms`].
+pub trait InternalVariables {
+    /// How many there are.
+    fn count(&self, space: &FunctionSpace) -> usize;
+    /// Z at the end of the step that leads to an iterate.
+    fn values(&self, at: &Iterate) -> Vec<f64>;
+    /// Adds to `by_u` and `by_rest` what cotangents of Z, of all terms, make of the state.
+    fn add_vjp(
+        &self,
+        at: &Iterate,
+        cotangents: &[f64],
+        by_u: &mut [f64],
+        by_rest: &mut [f64],
+    ) -> InternalCotangent;
+}
+
+/// What cotangents of the [`InternalVariables`] of a term make of the rest that they depend on.
+pub struct InternalCotangent {
+    /// Cotangents of Z° of the term.
+    pub past: Vec<f64>,
+    /// Cotangents of its numbers, in the order of [`Energy::parameter_vjp`].
+    pub parameters: Vec<f64>,
+}
+
 /// One term E(u; X) of the potential energy with all its derivatives.
 pub trait Energy: Send + Sync {
     /// Kind of the term, as reports call it.
@@ -178,13 +204,17 @@ pub trait Energy: Send + Sync {
     fn couplings(&self, _: &Iterate, _reach: f64) -> Vec<[usize; 2]> {
         Vec::new()
     }
+    /// What the term remembers from step to step, if anything.
+    fn internal_variables(&self) -> Option<&dyn InternalVariables> {
+        None
+    }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {
         None
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
-    /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts, relaxed stresses).
+    /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts, Z°).
     fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
     /// λᵀ ∂²E/∂u∂p for the numbers p that the term was made with, in the order that
     /// its type documents.

@@ -32,7 +32,9 @@ use mesh::Vec3;
 use nalgebra::SVector;
 
 use super::elastic::{Element, corner_gradients};
-use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
+use super::{
+    Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent, TimeStep,
+};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::{Isochoric, Kinematics, Material};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
@@ -63,14 +65,6 @@ pub struct Viscous {
     elements: Range<usize>,
     /// Where its relaxed stresses begin among those of all terms.
     first: usize,
-}
-
-/// What cotangents of relaxed stresses make of the state that they are of.
-pub struct RelaxedCotangent {
-    /// Cotangents of Z° [1/Pa], six for each point.
-    pub past: Vec<f64>,
-    /// Cotangents of the parameters.
-    pub parameters: Vec<f64>,
 }
 
 /// A quadrature point of an element.
@@ -129,12 +123,6 @@ impl Viscous {
         Self { law: Arc::new(law), branches, elements, first }
     }
 
-    /// Number of its relaxed stresses, six for each point of each branch.
-    #[must_use]
-    pub fn len(&self, space: &FunctionSpace) -> usize {
-        SIX * self.branches.len() * self.elements.len() * points(space).len()
-    }
-
     /// Number of parameters of the law, which come first.
     #[must_use]
     pub fn law_parameters(&self) -> usize {
@@ -180,9 +168,9 @@ impl Viscous {
         place: usize,
     ) -> impl Iterator<Item = (f64, Mat3)> {
         self.branches.iter().enumerate().map(move |(i, branch)| {
-            let past = step.relaxed.get(self.at(points, i, place));
+            let past = step.internal.get(self.at(points, i, place));
             (
-                branch.overstress / (1.0 + step.relaxed_h / branch.time),
+                branch.overstress / (1.0 + step.internal_h / branch.time),
                 past.map_or(Mat3::zeros(), tensor),
             )
         })
@@ -211,13 +199,15 @@ impl Viscous {
     fn isochoric_stress(&self, point: &Point) -> Mat3 {
         point.inverse() * self.law.first_piola(&point.k)
     }
+}
 
-    /// Z at all points at the end of a step [Pa].
-    ///
-    /// # Panics
-    /// Without a step.
-    #[must_use]
-    pub fn relaxed(&self, iterate: &Iterate) -> Vec<f64> {
+/// The relaxed stresses [Pa], six for each point of each branch.
+impl InternalVariables for Viscous {
+    fn count(&self, space: &FunctionSpace) -> usize {
+        SIX * self.branches.len() * self.elements.len() * points(space).len()
+    }
+
+    fn values(&self, iterate: &Iterate) -> Vec<f64> {
         let step = iterate.step.expect("stresses relax in a step in time");
         let points = points(iterate.space).len();
         let stresses = fill(self.elements.len(), SIX * points, 0.0, |range, out| {
@@ -228,30 +218,25 @@ impl Viscous {
             }
         });
         let of_branch = |(i, branch): (usize, &Branch)| -> Vec<f64> {
-            let a = step.relaxed_h / branch.time;
+            let a = step.internal_h / branch.time;
             let begin = self.at(points, i, 0).start;
-            let past = |k: usize| step.relaxed.get(begin + k).copied().unwrap_or(0.0);
+            let past = |k: usize| step.internal.get(begin + k).copied().unwrap_or(0.0);
             stresses.iter().enumerate().map(|(k, s)| (past(k) + a * s) / (1.0 + a)).collect()
         };
         self.branches.iter().enumerate().flat_map(of_branch).collect()
     }
 
-    /// Adds to `by_u` and `by_rest` what cotangents of the relaxed stresses of all terms, at the
-    /// end of a step, make of the state there.
-    ///
-    /// # Panics
-    /// Without a step.
-    pub fn add_relaxed_vjp(
+    fn add_vjp(
         &self,
         iterate: &Iterate,
         cotangents: &[f64],
         by_u: &mut [f64],
         by_rest: &mut [f64],
-    ) -> RelaxedCotangent {
+    ) -> InternalCotangent {
         let step = iterate.step.expect("stresses relax in a step in time");
         let points = points(iterate.space).len();
-        let mut out = RelaxedCotangent {
-            past: vec![0.0; self.len(iterate.space)],
+        let mut out = InternalCotangent {
+            past: vec![0.0; self.count(iterate.space)],
             parameters: vec![0.0; self.law_parameters() + 2 * self.branches.len()],
         };
         for e in self.elements.clone() {
@@ -262,8 +247,8 @@ impl Viscous {
                 let mut s_bar = Mat3::zeros();
                 for (i, branch) in self.branches.iter().enumerate() {
                     let place = self.at(points, i, point.place);
-                    let (bar, a) = (&cotangents[place.clone()], step.relaxed_h / branch.time);
-                    let past = step.relaxed.get(place.clone()).map_or(Mat3::zeros(), tensor);
+                    let (bar, a) = (&cotangents[place.clone()], step.internal_h / branch.time);
+                    let past = step.internal.get(place.clone()).map_or(Mat3::zeros(), tensor);
                     let to = place.start - self.first;
                     out.past[to..to + SIX]
                         .iter_mut()
@@ -398,9 +383,13 @@ impl Energy for Viscous {
         }
     }
 
+    fn internal_variables(&self) -> Option<&dyn InternalVariables> {
+        Some(self)
+    }
+
     fn add_past_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
-        let Some(step) = iterate.step.filter(|step| !step.relaxed.is_empty()) else { return };
-        out.relaxed.resize(step.relaxed.len(), 0.0);
+        let Some(step) = iterate.step.filter(|step| !step.internal.is_empty()) else { return };
+        out.internal.resize(step.internal.len(), 0.0);
         let points = points(iterate.space).len();
         for e in self.elements.clone() {
             let (element, own) = self.each_point(iterate, e);
@@ -408,7 +397,7 @@ impl Energy for Viscous {
                 let grad_l = point.gradient(&element, lambda);
                 let by = by_six(&(-point.weight * (point.k.f.transpose() * grad_l)));
                 for (i, (c, _)) in self.branches_at(step, points, point.place).enumerate() {
-                    let to = &mut out.relaxed[self.at(points, i, point.place)];
+                    let to = &mut out.internal[self.at(points, i, point.place)];
                     to.iter_mut().zip(by).for_each(|(to, by)| *to += c * by);
                 }
             }
@@ -430,7 +419,7 @@ impl Energy for Viscous {
                 let branches = self.branches_at(step, points, point.place);
                 for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
                     let along = (stress - point.k.f * past).dot(&bar);
-                    let a = step.relaxed_h / branch.time;
+                    let a = step.internal_h / branch.time;
                     sum[law + 2 * i] += along / (1.0 + a);
                     // ∂c/∂τ = c a / (τ (1 + a))
                     sum[law + 2 * i + 1] += c * a / (branch.time * (1.0 + a)) * along;

@@ -89,7 +89,7 @@ impl States {
 }
 
 fn parts(state: &State) -> [&Vec<f64>; 4] {
-    [&state.u, &state.v, &state.a, &state.relaxed]
+    [&state.u, &state.v, &state.a, &state.internal]
 }
 
 fn bytes(state: &State) -> usize {
@@ -102,8 +102,8 @@ fn read(mut file: &File, at: u64, lengths: [usize; 4]) -> std::io::Result<State>
     file.read_exact(&mut bytes)?;
     let mut numbers =
         bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes")));
-    let [u, v, a, relaxed] = lengths.map(|len| numbers.by_ref().take(len).collect());
-    Ok(State { u, v, a, relaxed })
+    let [u, v, a, internal] = lengths.map(|len| numbers.by_ref().take(len).collect());
+    Ok(State { u, v, a, internal })
 }
 
 #[cfg(test)]
@@ -112,8 +112,8 @@ mod tests {
 
     fn state(n: usize) -> State {
         let numbers = |by: f64| (0..5).map(|i| by / (1.0 + (i + n) as f64)).collect();
-        let relaxed = if n == 0 { Vec::new() } else { numbers(3.0) };
-        State { u: numbers(0.1), v: numbers(-1e-300), a: Vec::new(), relaxed }
+        let internal = if n == 0 { Vec::new() } else { numbers(3.0) };
+        State { u: numbers(0.1), v: numbers(-1e-300), a: Vec::new(), internal }
     }
 
     #[test]

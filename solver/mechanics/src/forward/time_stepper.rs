@@ -219,8 +219,8 @@ impl TimeStepper {
         progress.indefinite_starts = workspace.indefinite_starts;
         if step.ends_time_step {
             let made = self.step.as_ref().expect("it was begun");
-            let relaxed = problem.energies.relaxed(&step.iterate(problem, rest));
-            progress.integrator.accept(made, &step.u, relaxed);
+            let internal = problem.energies.internal(&step.iterate(problem, rest));
+            progress.integrator.accept(made, &step.u, internal);
             progress.time = step.load;
             progress.done = 0.0;
         }

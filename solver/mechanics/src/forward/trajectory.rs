@@ -38,7 +38,7 @@ impl Trajectory {
         let mut integrator = self.past(self.times.len());
         let step = integrator.step(time - self.times[self.steps()]);
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
-        integrator.accept(&step, u, problem.energies.relaxed(&at));
+        integrator.accept(&step, u, problem.energies.internal(&at));
         self.push(time, integrator.last().clone());
     }
 

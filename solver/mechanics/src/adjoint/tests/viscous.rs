@@ -4,11 +4,15 @@ use super::*;
 use crate::energy::{Branch, Viscous};
 use crate::material::Material;
 
-const BRANCHES: [Branch; 2] =
+pub(super) const BRANCHES: [Branch; 2] =
     [Branch { overstress: 0.6, time: 0.03 }, Branch { overstress: 0.3, time: 0.4 }];
 
 /// The problem of a case with overstress.
-fn problem(case: &Case, numbers: &Numbers, branches: &[Branch]) -> (Problem, Workspace, Vec<Vec3>) {
+pub(super) fn problem(
+    case: &Case,
+    numbers: &Numbers,
+    branches: &[Branch],
+) -> (Problem, Workspace, Vec<Vec3>) {
     let (mut problem, _, rest) = case.problem(numbers);
     let [c1, c2, c3, d1] = numbers.law;
     let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
@@ -108,7 +112,7 @@ fn stress_relaxes_as_the_formula_says() {
             let at = Iterate { step: Some(&step), ..at };
             let (gradient, _) = problem.gradient(&at);
             force = top.iter().map(|&i| gradient[3 * i]).sum();
-            integrator.accept(&step, &shear, problem.energies.relaxed(&at));
+            integrator.accept(&step, &shear, problem.energies.internal(&at));
         }
         force
     };

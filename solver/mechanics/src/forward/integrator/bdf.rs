@@ -20,7 +20,7 @@ const FORMULAS: [(&[f64], f64); 3] = [
 /// The formula with 1, 2 or 3 states, for a step of length Δt [s].
 pub fn formula(states: usize, dt: f64) -> Formula {
     let (alpha, beta) = FORMULAS[states - 1];
-    let weights = |&a: &f64| Weights { history: [a, 0.0, 0.0], velocity: [a, 0.0], relaxed: a };
+    let weights = |&a: &f64| Weights { history: [a, 0.0, 0.0], velocity: [a, 0.0], internal: a };
     let h = beta * dt;
-    Formula { h, k: h, relaxed_h: h, past: alpha.iter().map(weights).collect() }
+    Formula { h, k: h, internal_h: h, past: alpha.iter().map(weights).collect() }
 }

@@ -2,9 +2,9 @@
 //!
 //! uₙ = ũₙ + h vₙ          ũ: history              vₙ = (uₙ − history) / h
 //! vₙ = ṽₙ + k aₙ          ṽ: past velocity        aₙ = (uₙ − free flight) / (h k)
-//! Zₙ = Z̃ₙ + h_Z Żₙ        Z: relaxed stresses     free flight = history + h ṽ
+//! Zₙ = Z°ₙ + h_Z Żₙ        Z: internal variables    free flight = history + h ṽ
 //!
-//! History, past velocity and relaxed past are sums over the last states, with the [`Weights`] of a
+//! History, past velocity and Z° are sums over the last states, with the [`Weights`] of a
 //! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
 
 mod bdf;
@@ -61,8 +61,8 @@ pub struct Formula {
     pub h: f64,
     /// Velocity by acceleration at the end of the step, k [s].
     pub k: f64,
-    /// Relaxed stress by its rate at the end of the step [s].
-    pub relaxed_h: f64,
+    /// Internal variables by their rates at the end of the step, h_Z [s].
+    pub internal_h: f64,
     /// How the last states count, the latest first.
     pub past: Vec<Weights>,
 }
@@ -74,8 +74,8 @@ pub struct Weights {
     pub history: [f64; 3],
     /// Its velocity [1] and acceleration [s] in the past velocity.
     pub velocity: [f64; 2],
-    /// Its relaxed stresses in theirs [1].
-    pub relaxed: f64,
+    /// Its internal variables in Z° [1].
+    pub internal: f64,
 }
 
 /// A displacement and its velocity, three components per node, and what bodies remember.
@@ -88,13 +88,13 @@ pub struct State {
     /// Acceleration [m/s²]; empty where the method does not need it, and at the start.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub a: Vec<f64>,
-    /// Relaxed stresses of all viscous terms [Pa]; empty where all are zero.
+    /// Internal variables of all terms; empty where all are zero.
     #[serde(default)]
-    pub relaxed: Vec<f64>,
+    pub internal: Vec<f64>,
 }
 
 impl State {
-    /// Without acceleration and relaxed stresses.
+    /// Without acceleration and internal variables.
     #[must_use]
     pub fn new(u: Vec<f64>, v: Vec<f64>) -> Self {
         Self { u, v, ..Self::default() }
@@ -137,7 +137,7 @@ impl Integrator {
     /// The next step, of length Δt [s], without contacts.
     #[must_use]
     pub fn step(&self, dt: f64) -> TimeStep {
-        let Formula { h, k, relaxed_h, past } = self.formula(dt);
+        let Formula { h, k, internal_h, past } = self.formula(dt);
         let states = || past.iter().zip(&self.states);
         let terms = states().flat_map(|(w, s)| w.history.into_iter().zip([&s.u, &s.v, &s.a]));
         let history = sum(terms);
@@ -147,16 +147,16 @@ impl Integrator {
             let at = history.iter().zip(&velocity).map(|(u, v)| u + h * v).collect();
             FreeFlight { at, square: h * k }
         });
-        let relaxed = sum(states().map(|(w, s)| (w.relaxed, &s.relaxed)));
-        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), relaxed_h, relaxed }
+        let internal = sum(states().map(|(w, s)| (w.internal, &s.internal)));
+        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), internal_h, internal }
     }
 
-    /// Goes to the end `u` [m] of a step, with the relaxed stresses there [Pa].
-    pub fn accept(&mut self, step: &TimeStep, u: &[f64], relaxed: Vec<f64>) {
+    /// Goes to the end `u` [m] of a step, with the internal variables there.
+    pub fn accept(&mut self, step: &TimeStep, u: &[f64], internal: Vec<f64>) {
         let v = u.iter().zip(&step.history).map(|(u, past)| (u - past) / step.h).collect();
         let flight = step.free_flight.as_ref().filter(|_| self.method.keeps_acceleration());
         let a = flight.map_or_else(Vec::new, |flight| flight.acceleration(u));
-        self.states.insert(0, State { u: u.to_vec(), v, a, relaxed });
+        self.states.insert(0, State { u: u.to_vec(), v, a, internal });
         self.states.truncate(self.method.states());
     }
 }

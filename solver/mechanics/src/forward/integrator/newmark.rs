@@ -9,7 +9,7 @@
 //! history       = uₙ₋₁ + Δt (1 − β/γ) vₙ₋₁ + Δt² (½ − β/γ) aₙ₋₁
 //! past velocity = vₙ₋₁ + Δt (1 − γ) aₙ₋₁
 //!
-//! Relaxed stresses go by the backward formula of two states, also of second order, as their
+//! Internal variables go by the backward formula of two states, also of second order, as their
 //! rates are not kept.
 //!
 //! Source: Newmark 1959, "A Method of Computation for Structural Dynamics",
@@ -23,13 +23,13 @@ const GAMMA: f64 = 0.5;
 /// The formula of a step of length Δt [s] from a state with its acceleration.
 pub fn formula(dt: f64) -> Formula {
     let ratio = BETA / GAMMA;
-    let relaxation = bdf::formula(2, dt);
-    let mut past: Vec<Weights> = relaxation
+    let backward = bdf::formula(2, dt);
+    let mut past: Vec<Weights> = backward
         .past
         .iter()
-        .map(|of| Weights { relaxed: of.relaxed, ..Weights::default() })
+        .map(|of| Weights { internal: of.internal, ..Weights::default() })
         .collect();
     past[0].history = [1.0, dt * (1.0 - ratio), dt * dt * (0.5 - ratio)];
     past[0].velocity = [1.0, dt * (1.0 - GAMMA)];
-    Formula { h: ratio * dt, k: GAMMA * dt, relaxed_h: relaxation.h, past }
+    Formula { h: ratio * dt, k: GAMMA * dt, internal_h: backward.h, past }
 }
