@@ -14,7 +14,7 @@ use mesh::{SurfaceMesh, TetMesh, Vec3};
 const MIN_AREA: f64 = 1e-3;
 /// Vertices of a planar face are this close to its plane [diagonal]; binary STL
 /// rounds to 6e-8.
-const FLAT: f64 = 5e-7;
+const OFF_PLANE: f64 = 5e-7;
 /// A tetrahedron may lose this part of its radius ratio.
 const MAX_LOSS: f64 = 0.5;
 
@@ -91,7 +91,8 @@ impl Faces {
         // The largest triangles know their plane best.
         let mut seeds: Vec<usize> = (0..areas.len()).collect();
         seeds.sort_by(|&s, &t| areas[t].total_cmp(&areas[s]));
-        let (edges, flat) = (edge_facets(&surface.triangles), FLAT * diagonal(&surface.vertices));
+        let (edges, flat) =
+            (edge_facets(&surface.triangles), OFF_PLANE * diagonal(&surface.vertices));
         let least = MIN_AREA * area(surface);
         let mut faces = Self { planes: Vec::new(), of: vec![None; areas.len()], rims: Vec::new() };
         let mut tried = vec![false; areas.len()];

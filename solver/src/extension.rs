@@ -78,9 +78,9 @@ impl Extension {
     /// The transpose: moves the cotangents of the interior entries of `bar`, a
     /// list over all vertices, to the boundary entries and clears them, and those across
     /// planes of symmetry.
-    pub fn pull_back(&self, bar: &mut [Vec3]) {
+    pub fn vjp(&self, bar: &mut [Vec3]) {
         for (k, &system) in self.of_component.iter().enumerate() {
-            self.systems[system].pull_back(k, bar);
+            self.systems[system].vjp(k, bar);
         }
         symmetry::project(&self.planes, bar);
     }
@@ -129,7 +129,7 @@ impl System {
     }
 
     /// The transpose of the same.
-    fn pull_back(&self, k: usize, bar: &mut [Vec3]) {
+    fn vjp(&self, k: usize, bar: &mut [Vec3]) {
         let pulls = self.solve(self.interior.iter().map(|&v| bar[v][k]).collect());
         self.interior.iter().for_each(|&v| bar[v][k] = 0.0);
         for (row, pull) in self.coupling.iter().zip(pulls) {
@@ -209,7 +209,7 @@ mod tests {
 
     /// ⟨E d, b⟩ = ⟨d, Eᵀ b⟩ for boundary data d and any b.
     #[test]
-    fn pull_back_is_the_transpose() {
+    fn the_vjp_is_the_transpose() {
         let mesh = cube(5, 0.2);
         let extension = Extension::new(&body(&mesh)).unwrap();
         let interior = &extension.systems[0].interior;
@@ -222,7 +222,7 @@ mod tests {
 
         let (mut extended, mut pulled) = (data.clone(), bar.clone());
         extension.apply(&mut extended);
-        extension.pull_back(&mut pulled);
+        extension.vjp(&mut pulled);
         let (left, right) = (inner(&extended, &bar), inner(&data, &pulled));
         assert!((left - right).abs() < 1e-12 * left.abs().max(1.0), "{left} {right}");
         assert!(interior.iter().all(|&v| pulled[v] == Vec3::zeros()));

@@ -15,7 +15,7 @@ use crate::Vec3;
 
 /// Directions in which normals vary by less than this part of the most are not moved in:
 /// normals within 20° count as one.
-const FLAT: f64 = 0.03;
+const SMALLEST_EIGENVALUE: f64 = 0.03;
 
 /// Moves per distance of the vertices of facets, which turn their normals outward.
 #[must_use]
@@ -29,7 +29,7 @@ pub fn shifts(x: &[Vec3], facets: &[[usize; 3]]) -> BTreeMap<usize, Vec3> {
 pub fn add_shifts_vjp(x: &[Vec3], facets: &[[usize; 3]], bar: &[Vec3], out: &mut [Vec3]) {
     let quadrics = quadrics(x, facets);
     let bars: BTreeMap<usize, (Matrix3<f64>, Vec3)> =
-        quadrics.iter().map(|(&v, quadric)| (v, quadric.pull_back(&bar[v]))).collect();
+        quadrics.iter().map(|(&v, quadric)| (v, quadric.vjp(&bar[v]))).collect();
     for facet in facets {
         let (normal, length) = normal(x, facet);
         let mut normal_bar = Vec3::zeros();
@@ -103,7 +103,7 @@ impl Quadric {
 
     /// Cotangents of A and s for that of d: Ā = V (F ∘ (Vᵀd̄)(Vᵀs)ᵀ) Vᵀ with the divided
     /// differences F of f (Daleckii and Krein 1965), s̄ = f(A) d̄.
-    fn pull_back(&self, bar: &Vec3) -> (Matrix3<f64>, Vec3) {
+    fn vjp(&self, bar: &Vec3) -> (Matrix3<f64>, Vec3) {
         let SymmetricEigen { eigenvalues: l, eigenvectors: v } = self.matrix.symmetric_eigen();
         let f = inverses(&l);
         let (a, b) = (v.transpose() * bar, v.transpose() * self.sum);
@@ -120,7 +120,7 @@ impl Quadric {
 /// f of eigenvalues.
 fn inverses(eigenvalues: &Vec3) -> Vec3 {
     let largest = eigenvalues.max();
-    eigenvalues.map(|l| if l > FLAT * largest { 1.0 / l } else { 0.0 })
+    eigenvalues.map(|l| if l > SMALLEST_EIGENVALUE * largest { 1.0 / l } else { 0.0 })
 }
 
 #[cfg(test)]

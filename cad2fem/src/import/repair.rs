@@ -45,7 +45,7 @@ const SAMPLES: usize = 60_000;
 const SHOWN: usize = 8;
 
 /// Triangles that enclose less are no body [diagonal³].
-const FLAT: f64 = 1e-7;
+const SMALLEST_VOLUME: f64 = 1e-7;
 
 /// How far repair may go.
 #[derive(Debug)]
@@ -251,7 +251,7 @@ fn require_volume(surface: &SurfaceMesh) -> Result<()> {
         triangles: surface.triangles.clone(),
     };
     let (volume, least) = (enclosed_volume(&around).abs(), diagonal(&surface.vertices).powi(3));
-    if volume > FLAT * least {
+    if volume > SMALLEST_VOLUME * least {
         return Ok(());
     }
     Err(Unusable(format!(

@@ -111,14 +111,14 @@ pub fn sweep(
         let multipliers = solve_multipliers(problem, workspace, &at);
         let at = Iterate { multipliers: &multipliers, ..at };
         let into = (&mut own.by_u[..], &mut rest_bar[..], &mut parameters);
-        let before = pull_back_internal(problem, &at, &internal, n - 1, into);
+        let before = internal_vjp(problem, &at, &internal, n - 1, into);
         let moment = Moment { at, step: &step, by_velocity: v, by_acceleration: a, partials: own };
         let linearization = linearization.filter(|_| n == steps);
         let solution = moment.solve(problem, workspace, linearization)?;
         let into = (&mut rest_bar[..], &mut parameters);
-        let mut past = moment.pull_back(problem, &solution, n - 1, into);
+        let mut past = moment.vjp(problem, &solution, n - 1, into);
         add_where_any(&mut past.internal, &before, 1.0);
-        pull_back_past(problem, (rest, run, n), &past, &mut states, &mut rest_bar);
+        past_vjp(problem, (rest, run, n), &past, &mut states, &mut rest_bar);
     }
     let State { u, v, .. } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials::new(u);
@@ -188,7 +188,7 @@ impl Moment<'_> {
 
     /// The cotangent of the past; adds those of the rest shape and of the parameters in
     /// a time step counted from 0.
-    fn pull_back(
+    fn vjp(
         &self,
         problem: &Problem,
         Solution { lambda, mu }: &Solution,
@@ -219,7 +219,7 @@ impl Moment<'_> {
 /// Pulls back cotangents of the internal variables of a state to the state, the rest shape and the
 /// parameters in a time step counted from 0, to which it adds. The result is the cotangent of Z° of the
 /// step; empty where there are none.
-fn pull_back_internal(
+fn internal_vjp(
     problem: &Problem,
     at: &Iterate,
     cotangents: &[f64],
@@ -304,7 +304,7 @@ fn eliminate_constraints(
 }
 
 /// Adds the cotangent of the past of step n to those of the states before it.
-fn pull_back_past(
+fn past_vjp(
     problem: &Problem,
     (rest, run, n): (&[Vec3], &Trajectory, usize),
     past: &PastCotangent,

@@ -15,7 +15,7 @@ use mesh::{TetMesh, Vec3, facet_key};
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// Distance from its plane at which a vertex of a cut, or of a flat face, still counts as in it, in
 /// mean edges of the cut or face [1]. Vertices of a cut are moved into the plane.
-pub const FLAT: f64 = 1e-3;
+pub const OFF_PLANE: f64 = 1e-3;
 
 /// Facets that are no cut of a body in a plane of symmetry.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -127,7 +127,7 @@ impl Plane {
         let facets: BTreeSet<[usize; 3]> = cut.iter().map(|&f| facet_key(f)).collect();
         let vertices: BTreeSet<usize> = cut.iter().flatten().copied().collect();
         let vertices: Vec<usize> = vertices.into_iter().collect();
-        let tolerance = FLAT * mean_edge(x, cut);
+        let tolerance = OFF_PLANE * mean_edge(x, cut);
         let (axis, level) = across(x, cut, &vertices, tolerance)?;
         let mut plane =
             Self { tags: tags.to_vec(), axis, level, side: 1.0, tolerance, facets, vertices };

@@ -32,7 +32,7 @@ use rayon::prelude::*;
 use super::laplacian::{Rows, cotangent_laplacian};
 
 /// Violation of a bound that counts as rounding [1].
-const ROUNDING: f64 = 1e-9;
+const WEIGHT_ROUNDING: f64 = 1e-9;
 /// Accuracy of a quadratic program [1]; what is left is clamped.
 const ACCURACY: f64 = 1e-10;
 /// Sum of a vertex's raw weights below which nothing moves it [1].
@@ -166,7 +166,7 @@ impl Problem {
     /// is within them. It is clamped to them where the quadratic program, on a surface with
     /// slivers, has no accurate solution: not the smoothest weights, but weights.
     fn bounded(&self, ones: &[usize], mut w: Vec<f64>) -> Vec<f64> {
-        if w.iter().any(|x| !(-ROUNDING..=1.0 + ROUNDING).contains(x)) {
+        if w.iter().any(|x| !(-WEIGHT_ROUNDING..=1.0 + WEIGHT_ROUNDING).contains(x)) {
             match self.quadratic_program(ones) {
                 Ok(within) => w = within,
                 Err(status) => log::warn!(

@@ -190,15 +190,15 @@ impl DesignMap {
 
     /// dJ by the variables of the shape from dJ/dX, three components per vertex.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], by_rest: &[f64]) -> Vec<f64> {
+    pub fn vjp(&self, theta: &[f64], by_rest: &[f64]) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
         if let (Some(extension), Interior::Extended) = (&self.extension, self.interior) {
-            extension.pull_back(&mut bar);
+            extension.vjp(&mut bar);
         }
         for (patch, own) in self.each_patch(theta) {
             let on_patch: Vec<Vec3> = patch.vertices().iter().map(|&v| bar[v]).collect();
-            gradient.extend(patch.pull_back(own, &self.rest, &on_patch));
+            gradient.extend(patch.vjp(own, &self.rest, &on_patch));
         }
         gradient
     }
@@ -209,7 +209,7 @@ impl DesignMap {
     pub fn on_boundary(&self, by_rest: &[f64]) -> Vec<f64> {
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
         if let Some(extension) = &self.extension {
-            extension.pull_back(&mut bar);
+            extension.vjp(&mut bar);
         }
         bar.iter().flat_map(|b| [b.x, b.y, b.z]).collect()
     }

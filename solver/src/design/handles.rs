@@ -186,7 +186,7 @@ impl Handles {
 
     /// (∂v'/∂θ)ᵀ `bar` for cotangents of the patch vertices.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
+    pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         assert_eq!(bar.len(), self.vertices.len(), "one cotangent per patch vertex");
         let mut bar = bar.to_vec();
         self.project(&mut bar);
@@ -324,18 +324,18 @@ mod tests {
     }
 
     #[test]
-    fn pull_back_is_the_gradient() {
+    fn the_vjp_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
         let handles =
             sample_handles(x, (&surface.triangles, Held::default()), 3, Spread::RePick).unwrap();
-        check_pull_back(&handles, x);
+        check_vjp(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);
-        check_pull_back(&translated, x);
+        check_vjp(&translated, x);
     }
 
-    fn check_pull_back(handles: &Handles, x: &[Vec3]) {
+    fn check_vjp(handles: &Handles, x: &[Vec3]) {
         let theta: Vec<f64> =
             Random::new(32).numbers(handles.variables()).iter().map(|t| 0.4 * t).collect();
         // J = Σ (aᵥ·v' + ½ |v'|²)
@@ -347,6 +347,6 @@ mod tests {
         };
         let moved = handles.apply(&theta, x);
         let bar: Vec<Vec3> = moved.iter().zip(&a).map(|(v, a)| a + v).collect();
-        check_gradient(&theta, &handles.pull_back(&theta, x, &bar), 1e-2, value);
+        check_gradient(&theta, &handles.vjp(&theta, x, &bar), 1e-2, value);
     }
 }

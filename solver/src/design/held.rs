@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
-use mechanics::symmetry::{FLAT, Plane};
+use mechanics::symmetry::{OFF_PLANE, Plane};
 use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3};
 use scene::config::KeepConfig;
@@ -30,7 +30,7 @@ impl Flat {
     /// plane is not flat.
     pub fn find(keep: &KeepConfig, body: &Body, moving: &[[usize; 3]]) -> Result<Self> {
         let rest = &body.mesh.vertices;
-        let tolerance = FLAT * mean_edge(rest, moving);
+        let tolerance = OFF_PLANE * mean_edge(rest, moving);
         let (normal, level) = match keep {
             KeepConfig::Across { axis, at } => (Vec3::ith(*axis as usize, 1.0), *at),
             KeepConfig::Plane { normal, at } => (Vec3::from(*normal).normalize(), *at),
@@ -234,7 +234,7 @@ mod tests {
                 moved.iter().zip(&along).map(|(x, a)| x.dot(a) + 0.5 * x.norm_squared()).sum()
             };
             let bar: Vec<Vec3> = moved.iter().zip(&along).map(|(x, a)| a + x).collect();
-            check_gradient(&theta, &patch.pull_back(&theta, rest, &bar), 1e-2, value);
+            check_gradient(&theta, &patch.vjp(&theta, rest, &bar), 1e-2, value);
         }
     }
 }

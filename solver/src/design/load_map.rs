@@ -293,18 +293,18 @@ impl LoadMap {
 
     /// dJ/dθ from dJ/dp.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], swept: &Swept) -> Vec<f64> {
+    pub fn vjp(&self, theta: &[f64], swept: &Swept) -> Vec<f64> {
         let by_parameters = swept.parameters();
         let mut gradient = Vec::with_capacity(self.variables());
         let steps = 0..by_parameters.steps();
         for Curve { curve, chamber, .. } in &self.curves {
             let by = |step: usize| by_parameters.chamber(step, *chamber);
-            gradient.extend(curve.pull_back(&steps.clone().map(by).collect::<Vec<_>>()));
+            gradient.extend(curve.vjp(&steps.clone().map(by).collect::<Vec<_>>()));
         }
         let bound = self.bound(theta);
         for Designed { name, number, scalar, .. } in &self.numbers {
             if let Some(number) = number {
-                gradient.push(scalar.pull_back(number.derivative(swept)));
+                gradient.push(scalar.vjp(number.derivative(swept)));
                 continue;
             }
             let in_step = |(step, &t): (usize, &f64)| -> f64 {
@@ -314,7 +314,7 @@ impl LoadMap {
                 bound.iter().map(by).sum()
             };
             let bar: f64 = steps.clone().zip(&self.times[1..]).map(in_step).sum();
-            gradient.push(scalar.pull_back(bar));
+            gradient.push(scalar.vjp(bar));
         }
         gradient
     }

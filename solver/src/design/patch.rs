@@ -86,9 +86,9 @@ impl Patch {
 
     /// Cotangents of the variables for those of its vertices' positions.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
+    pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
-            Self::Handles(handles) => handles.pull_back(theta, rest, bar),
+            Self::Handles(handles) => handles.vjp(theta, rest, bar),
             Self::Vertices(free) => free.ways.iter().map(|(i, way)| way.dot(&bar[*i])).collect(),
         }
     }
@@ -153,6 +153,6 @@ mod tests {
             .zip(a.chunks_exact(3))
             .map(|(v, a)| Vec3::from_column_slice(a) + v)
             .collect();
-        check_gradient(&theta, &patch.pull_back(&theta, x, &bar), 1e-2, value);
+        check_gradient(&theta, &patch.vjp(&theta, x, &bar), 1e-2, value);
     }
 }

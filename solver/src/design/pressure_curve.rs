@@ -61,7 +61,7 @@ impl PressureCurve {
 
     /// Cotangents of the variables for those of P_1, …, P_N.
     #[must_use]
-    pub fn pull_back(&self, bar: &[f64]) -> Vec<f64> {
+    pub fn vjp(&self, bar: &[f64]) -> Vec<f64> {
         let mut later = 0.0;
         let mut by: Vec<f64> = (0..bar.len())
             .rev()
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slopes_add_up_and_pull_back() {
+    fn slopes_add_up_and_have_their_transpose() {
         let (times, values) = ([0.0, 0.1, 0.4, 0.5], [0.0, 100.0, -50.0, 0.0]);
         let curve = PressureCurve::new(&times, &values, [-2e3, 3e3], 500.0, 1e-3);
         assert_eq!(curve.values(&[0.0; 3]), values);
@@ -115,6 +115,6 @@ mod tests {
             .enumerate()
             .map(|(n, p)| 2.0 * (n + 1) as f64 * p)
             .collect();
-        check_gradient(&y, &curve.pull_back(&bar), 1e-4, value);
+        check_gradient(&y, &curve.vjp(&bar), 1e-4, value);
     }
 }

@@ -38,7 +38,7 @@ impl Scalar {
 
     /// Cotangent of y for that of p.
     #[must_use]
-    pub fn pull_back(&self, bar: f64) -> f64 {
+    pub fn vjp(&self, bar: f64) -> f64 {
         self.unit * bar
     }
 
@@ -67,6 +67,6 @@ mod tests {
         // an edge is a tenth of the range, and 4 kPa are half an edge
         assert!((scalar.value(1e-3) - 28e3).abs() < 1e-9);
         assert!((scalar.variable_change(4e3) - 0.5e-3).abs() < 1e-15);
-        assert!((scalar.pull_back(2.0) - (scalar.value(2.0) - scalar.value(0.0))).abs() < 1e-6);
+        assert!((scalar.vjp(2.0) - (scalar.value(2.0) - scalar.value(0.0))).abs() < 1e-6);
     }
 }

@@ -79,7 +79,7 @@ impl<'a> Swept<'a> {
         walls: Option<&'a Walls>,
         by: &'a Gradient,
     ) -> Self {
-        let by_walls = walls.map(|walls| (walls, walls.pull_back(&by.rest)));
+        let by_walls = walls.map(|walls| (walls, walls.vjp(&by.rest)));
         Self { scene, problem, by, by_walls }
     }
 

@@ -70,9 +70,9 @@ impl Walls {
     }
 
     /// The derivative by moves of surface vertices, from that by all rest vertices.
-    pub(super) fn pull_back(&self, by_rest: &[f64]) -> Vec<Vec3> {
+    pub(super) fn vjp(&self, by_rest: &[f64]) -> Vec<Vec3> {
         let mut bar: Vec<Vec3> = by_rest.chunks_exact(3).map(Vec3::from_column_slice).collect();
-        self.extension.pull_back(&mut bar);
+        self.extension.vjp(&mut bar);
         bar
     }
 

@@ -328,7 +328,7 @@ impl Level {
     /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let swept = self.sweep(at, None)?;
-        Ok(self.pull_back(theta, &swept))
+        Ok(self.vjp(theta, &swept))
     }
 
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario
@@ -353,8 +353,8 @@ impl Level {
 
     /// dJ/dθ from what was swept at θ.
     #[must_use]
-    pub fn pull_back(&self, theta: &[f64], swept: &[Gradient]) -> Vec<f64> {
-        let mut gradient = self.map.pull_back(theta, &sum(swept.iter().map(|by| &by.rest)));
+    pub fn vjp(&self, theta: &[f64], swept: &[Gradient]) -> Vec<f64> {
+        let mut gradient = self.map.vjp(theta, &sum(swept.iter().map(|by| &by.rest)));
         let loads = self.map.load_variables(theta);
         let by_loads = self.scenarios.iter().zip(swept);
         let by_loads = by_loads.map(|(scenario, by)| scenario.by_loads(loads, by));

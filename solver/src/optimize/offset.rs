@@ -60,7 +60,7 @@ impl Offset {
     /// Adds to the cotangent of X_s, three components per vertex, what makes it that of X.
     pub fn add_vjp(&self, designed: &[Vec3], bar: &mut [f64]) {
         let mut moves_bar: Vec<Vec3> = (0..designed.len()).map(|v| at(bar, v)).collect();
-        self.extension.pull_back(&mut moves_bar);
+        self.extension.vjp(&mut moves_bar);
         let mut by_designed = vec![Vec3::zeros(); designed.len()];
         for (facets, distance) in &self.walls {
             let scaled: Vec<Vec3> = moves_bar.iter().map(|b| *distance * b).collect();

@@ -81,7 +81,7 @@ impl Parameter {
     #[must_use]
     pub fn gradient(&self, scene: &Scene, level: &Level, swept: &[Gradient]) -> Vec<f64> {
         let shape = level.map().shape_variables();
-        let by_variables = || level.pull_back(&vec![0.0; level.variables()], swept);
+        let by_variables = || level.vjp(&vec![0.0; level.variables()], swept);
         match self {
             Self::Shape => by_variables()[..shape].to_vec(),
             Self::Loads => by_variables()[shape..].to_vec(),

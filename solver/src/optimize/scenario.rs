@@ -428,7 +428,7 @@ impl Scenario {
     /// dJ by the variables of the loads, which have these values.
     #[must_use]
     pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
-        self.loads.pull_back(loads, &self.swept(gradient))
+        self.loads.vjp(loads, &self.swept(gradient))
     }
 
     /// Mean displacement of each tag over its rest area [m].

@@ -12,7 +12,7 @@ use mesh::{Tags, TetMesh, Vec3, facet_key};
 
 /// Distance from the plane at which a point of a grid counts as in it, in diagonals of
 /// the grid [1].
-const ROUNDING: f64 = 1e-12;
+const OFF_PLANE: f64 = 1e-12;
 
 /// A mesh with its mirror image. Vertices of the cut are shared, and its tags vanish.
 #[must_use]
@@ -37,7 +37,7 @@ pub fn mirror_body(mesh: &TetMesh, tags: &Tags, plane: &Plane) -> (TetMesh, Tags
 /// are shared; vectors and tensors are mirrored.
 #[must_use]
 pub fn mirror_grid(grid: &Grid, axis: usize, level: f64) -> Grid {
-    let near = ROUNDING * mesh::measure::diagonal(&grid.points);
+    let near = OFF_PLANE * mesh::measure::diagonal(&grid.points);
     let in_plane = |p: usize| (grid.points[p][axis] - level).abs() <= near;
     let (points, image) = with_images(&grid.points, in_plane, |mut x| {
         x[axis] = 2.0 * level - x[axis];

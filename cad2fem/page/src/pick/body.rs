@@ -21,7 +21,7 @@ use crate::store::Store;
 const SMOOTH: f64 = 20.0;
 
 /// A face is flat if the mean of its normals is as long.
-const FLAT: f64 = 0.9999;
+const FLAT_FACE_NORMAL: f64 = 0.9999;
 
 /// A face, which can be chosen as a whole.
 #[derive(Clone, Debug)]
@@ -138,7 +138,7 @@ impl Body {
             normal += part * triangle_normal(a, b, c);
         }
         let normal = normal / area;
-        let flat = (normal.norm() > FLAT).then(|| normal.normalize());
+        let flat = (normal.norm() > FLAT_FACE_NORMAL).then(|| normal.normalize());
         let kind = kind.unwrap_or_else(|| if flat.is_some() { "plane" } else { "curved" }.into());
         let file = Some(format!("{name}.stl"));
         Face {

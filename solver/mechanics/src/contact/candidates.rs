@@ -39,7 +39,7 @@ pub fn budget(features: &Features) -> usize {
 }
 
 /// Rounding of positions, in units of the largest coordinate.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const POSITION_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// There are more pairs than memory is meant for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -124,7 +124,7 @@ pub fn closest_between([a, b]: &[Features; 2], x: &[Vec3]) -> Option<(Pair, Clos
     let nearest = a.vertices.iter().map(|&v| surface.closest(&x[v]).distance);
     let bound = nearest.fold(f64::INFINITY, f64::min);
     // no pair but the closest ones is nearer than any vertex is
-    let radius = bound * (1.0 + ROUNDING) + rounding(x, x);
+    let radius = bound * (1.0 + POSITION_ROUNDING) + rounding(x, x);
     let pairs = close_between(a, b, x, radius).into_iter();
     let closest = pairs.map(|pair| (pair, pair.closest(&pair.gather(x))));
     closest.min_by(|(_, one), (_, other)| one.d2.total_cmp(&other.d2))
@@ -143,7 +143,7 @@ fn edge_edge(&[p, q]: &[usize; 2], &[r, s]: &[usize; 2]) -> Option<Pair> {
 /// How far positions may be off in the comparisons below [m].
 fn rounding(x0: &[Vec3], x1: &[Vec3]) -> f64 {
     let largest = |x: &[Vec3]| x.par_iter().map(Vec3::amax).reduce(|| 0.0, f64::max);
-    ROUNDING * largest(x0).max(largest(x1))
+    POSITION_ROUNDING * largest(x0).max(largest(x1))
 }
 
 /// A search for candidates.

@@ -86,11 +86,7 @@ impl Rim {
     }
 
     /// `scale` (∂c/∂x_v)ᵀ `bar` of each of its vertices.
-    pub fn pull_back_apex(
-        &self,
-        scale: f64,
-        mut bar: Vec3,
-    ) -> impl Iterator<Item = (usize, Vec3)> + '_ {
+    pub fn apex_vjp(&self, scale: f64, mut bar: Vec3) -> impl Iterator<Item = (usize, Vec3)> + '_ {
         let n = self.vertices.len();
         self.ends.iter().for_each(|&(axis, _)| bar[axis] = 0.0);
         let of = move |i: usize| {

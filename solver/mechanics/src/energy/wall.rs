@@ -214,7 +214,7 @@ impl Wall {
                 add_at(out, edge[i], &(sixth * k * nodes[j].cross(&c)));
                 add_at(out, edge[j], &(sixth * k * c.cross(&nodes[i])));
             }
-            let by_apex = rim.pull_back_apex(sixth, swept(&nodes));
+            let by_apex = rim.apex_vjp(sixth, swept(&nodes));
             by_apex.for_each(|(v, by)| add_at(out, v, &by));
         });
     }

@@ -8,8 +8,8 @@
 //! doi:10.1137/0719025).
 //!
 //! **The end at the rounding floor.** More iterations cannot help when the predicted
-//! decrease of the energy is below [`NEGLIGIBLE`] of it, and in addition the residual has not
-//! halved for [`FLAT`] iterations or no iteration is left; or when there is no step at all.
+//! decrease of the energy is below [`ENERGY_ROUNDING`] of it, and in addition the residual has not
+//! halved for [`STALLED_ITERATIONS`] iterations or no iteration is left; or when there is no step at all.
 //! The best state is then accepted if its residual is at most
 //! [`Workspace::rounding_floor`], and [`Converged::floor`] is that floor; else the
 //! result is [`Failure::Stagnated`]. The floor is
@@ -27,17 +27,17 @@ use crate::math::linear::{dot, norm};
 /// Relative accuracy of inexact steps, at most and at least.
 const FORCING: (f64, f64) = (1e-2, 1e-6);
 /// Residual that the linear system may leave, relative to the wanted one.
-const ENOUGH: f64 = 0.1;
+const LINEAR_RESIDUAL: f64 = 0.1;
 /// Iterations without a residual of half the smallest before.
-const FLAT: usize = 3;
+const STALLED_ITERATIONS: usize = 3;
 /// Ratio of residuals that tells one stage of the iteration from another.
-const A_LOT: f64 = 10.0;
+const STAGE_RATIO: f64 = 10.0;
 /// Steps with a modified Hessian before the exact one is tried again.
-const PATIENCE: usize = 8;
+const MODIFIED_STEPS: usize = 8;
 /// How many times as large as a negligible residual the forces must have been.
-const PREVAIL: f64 = 1e6;
+const PREVAILING_FORCES: f64 = 1e6;
 /// Predicted decrease of the energy, relative to it, that is within rounding.
-const NEGLIGIBLE: f64 = 1e-12;
+const ENERGY_ROUNDING: f64 = 1e-12;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ pub struct Newton {
     pub relative: f64,
     /// Residual below which any state counts as an equilibrium [N].
     pub absolute: f64,
-    /// Residual that suffices where forces of `PREVAIL` times as much were to balance [N].
+    /// Residual that suffices where forces of `PREVAILING_FORCES` times as much were to balance [N].
     pub negligible: f64,
 }
 
@@ -232,7 +232,7 @@ impl Newton {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             // no more accurate than the tolerance needs
-            let enough = (ENOUGH * wanted / residual).clamp(FORCING.1, FORCING.0);
+            let enough = (LINEAR_RESIDUAL * wanted / residual).clamp(FORCING.1, FORCING.0);
             let forcing = (residual / before).powi(2).clamp(enough, FORCING.0);
             before = residual;
             let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
@@ -243,11 +243,11 @@ impl Newton {
                 workspace.indefinite_starts = match (from, by) {
                     (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),
                     (_, by) if by < Modification::Projected => 0,
-                    _ => PATIENCE,
+                    _ => MODIFIED_STEPS,
                 };
             }
-            within_rounding = decrease <= NEGLIGIBLE * now.energy.abs();
-            if within_rounding && (step.is_none() || flat.iterations >= FLAT) {
+            within_rounding = decrease <= ENERGY_ROUNDING * now.energy.abs();
+            if within_rounding && (step.is_none() || flat.iterations >= STALLED_ITERATIONS) {
                 *now = flat.best;
                 return self.stagnated(problem, workspace, at, now, iterations, peak);
             }
@@ -270,7 +270,7 @@ impl Newton {
     /// Residual of an equilibrium [N] where forces of a scale balance, and of `peak` at most were to.
     /// Without loads only the residual itself is left to compare with, so that the past counts.
     pub(super) fn wanted(&self, scale: f64, peak: f64) -> f64 {
-        let negligible = self.negligible.min(peak / PREVAIL);
+        let negligible = self.negligible.min(peak / PREVAILING_FORCES);
         (self.relative * scale).max(self.absolute).max(negligible)
     }
 
@@ -319,8 +319,8 @@ impl Flat {
 ///
 /// A residual that has grown a lot although the energy fell means crushed elements or a
 /// new contact. After a step with a modified Hessian, the next one is of the same kind
-/// until the residual has fallen a lot, or for [`PATIENCE`] steps. Where the method began with
-/// an indefinite Hessian, it is taken to do so the next [`PATIENCE`] times, too
+/// until the residual has fallen a lot, or for [`MODIFIED_STEPS`] steps. Where the method began with
+/// an indefinite Hessian, it is taken to do so the next [`MODIFIED_STEPS`] times, too
 /// ([`Workspace::indefinite_starts`]): loads grow from one time step to the next.
 ///
 /// What it gave (Newton iterations / factorisations, of which failed; before and with it,
@@ -346,11 +346,11 @@ impl Indefinite {
     /// The modification to begin with.
     fn modification(&mut self, residual: f64) -> Modification {
         self.least = self.least.min(residual);
-        let lasts = self.steps < PATIENCE && residual * A_LOT > self.found;
+        let lasts = self.steps < MODIFIED_STEPS && residual * STAGE_RATIO > self.found;
         if lasts {
             return Modification::Projected;
         }
-        if std::mem::take(&mut self.expected) || residual > A_LOT * self.least {
+        if std::mem::take(&mut self.expected) || residual > STAGE_RATIO * self.least {
             (self.found, self.steps) = (residual, 0);
             return Modification::Projected;
         }
@@ -409,7 +409,7 @@ fn step(
         }
         log::debug!("no {modification:?} step");
         // other directions have no digits to compare either
-        from = modification.next().filter(|_| predicted > NEGLIGIBLE * energy.abs());
+        from = modification.next().filter(|_| predicted > ENERGY_ROUNDING * energy.abs());
     }
     (None, by, predicted)
 }

@@ -19,7 +19,7 @@ use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
 
 /// Relative difference of displacements that is nothing but rounding.
-const ROUNDING: f64 = 1e-13;
+const SUPPORT_ROUNDING: f64 = 1e-13;
 
 /// Gaps up to this many times the distance at which surfaces begin to interact
 /// get entries in the Hessian, so that it need not be made for every new contact.
@@ -335,7 +335,7 @@ impl Workspace {
             motion[dof] = wanted[dof] - u[dof];
         }
         let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        if size(&motion) > ROUNDING * size(&u).max(f64::MIN_POSITIVE) {
+        if size(&motion) > SUPPORT_ROUNDING * size(&u).max(f64::MIN_POSITIVE) {
             let du = self.follow_supports(problem, at, &motion).unwrap_or(motion);
             u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
         }

@@ -11,7 +11,7 @@ use crate::supports::Supports;
 /// Penalty of a prescribed volume in shear moduli per rest volume.
 const PENALTY: f64 = 10.0;
 /// Height of a rim over its extent up to which it lies in a plane.
-const FLAT: f64 = 1e-9;
+const OFF_PLANE: f64 = 1e-9;
 
 impl Scene {
     /// The chambers of a body, by the tags of their walls, in the order of the scene.
@@ -128,7 +128,7 @@ fn slides(rim: &Rim, axis: usize, supports: &Supports, space: &FunctionSpace, bo
     let x = &body.mesh.vertices;
     let first = x[rim.vertices[0]];
     let size = rim.vertices.iter().map(|&v| (x[v] - first).norm()).fold(0.0, f64::max);
-    let flat = rim.vertices.iter().all(|&v| (x[v][axis] - first[axis]).abs() < FLAT * size);
+    let flat = rim.vertices.iter().all(|&v| (x[v][axis] - first[axis]).abs() < OFF_PLANE * size);
     let stays = |edge: [usize; 2]| {
         let mut nodes = edge.into_iter().chain(space.edge_nodes(edge));
         nodes.all(|n| supports.stays(n, axis))

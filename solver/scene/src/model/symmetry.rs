@@ -12,7 +12,7 @@ use super::Scene;
 use crate::config::{Fixed, ObstacleConfig};
 
 /// How far an obstacle may be off its mirror image, in its diagonals [1].
-const ROUNDING: f64 = 1e-6;
+const OFF_PLANE: f64 = 1e-6;
 
 impl Scene {
     /// All supports of a body: those of the scene, then those in planes of symmetry.
@@ -113,7 +113,7 @@ impl Scene {
     ) -> Result<(SurfaceMesh, Vec<MirroredObstacle>)> {
         let mut mirrored = Vec::new();
         for plane in &body.planes {
-            let near = ROUNDING * mesh::measure::diagonal(&surface.vertices);
+            let near = OFF_PLANE * mesh::measure::diagonal(&surface.vertices);
             let heights = surface.vertices.iter().map(|x| x[plane.axis] - plane.level);
             let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
             if low >= -near || high <= near {

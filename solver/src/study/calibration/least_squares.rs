@@ -14,11 +14,11 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Iterations, at most.
 const ITERATIONS: usize = 50;
 /// A step is the last if it is this part of the standard errors of all numbers, or less.
-const SETTLED: f64 = 1e-6;
+const SETTLED_STEP: f64 = 1e-6;
 /// A step of this part that lowers χ² no more is rounding of the simulations.
-const ROUNDING: f64 = 1e-3;
+const SIMULATION_ROUNDING: f64 = 1e-3;
 /// λ at which shorter steps are given up.
-const DAMPED: f64 = 1e9;
+const LARGEST_DAMPING: f64 = 1e9;
 /// Smallest eigenvalue of JᵀJ with a diagonal of ones at which numbers count as determined.
 const DETERMINED: f64 = 1e-9;
 
@@ -82,14 +82,14 @@ pub fn minimise(
         let whole = -(&inverse * at.residuals.jacobian.tr_mul(&at.residuals.r));
         let within =
             |part: f64| (0..whole.len()).all(|k| whole[k].abs() <= part * inverse[(k, k)].sqrt());
-        if within(SETTLED) {
+        if within(SETTLED_STEP) {
             return Ok(Ok(Minimum::new(at, inverse, iterations)));
         }
         while !at.advance(&mut model)?.helped {
-            if within(ROUNDING) {
+            if within(SIMULATION_ROUNDING) {
                 return Ok(Ok(Minimum::new(at, inverse, iterations)));
             }
-            if at.damping > DAMPED {
+            if at.damping > LARGEST_DAMPING {
                 return Ok(Err(Failure::Unsettled(iterations)));
             }
         }

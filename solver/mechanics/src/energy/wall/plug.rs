@@ -93,7 +93,7 @@ impl Wall {
                 let k = -scale * k / 6.0;
                 let [yi, yj] = [i, j].map(|n| cross_matrix(&(x(edge[n]) - self.origin)));
                 add(edge[i], edge[j], -k * cross_matrix(&c));
-                for (v, share) in rim.pull_back_apex(1.0, Vec3::repeat(1.0)) {
+                for (v, share) in rim.apex_vjp(1.0, Vec3::repeat(1.0)) {
                     let share = Mat3::from_diagonal(&share);
                     add(edge[i], v, k * yj * share);
                     add(edge[j], v, -k * yi * share);

@@ -6,7 +6,7 @@
 use super::{dot, norm};
 
 /// Steps without progress after which a solution has come to rounding.
-const PATIENCE: usize = 3;
+const STALLED_STEPS: usize = 3;
 
 /// Solves A x = b from zero, with `multiply` for A and `precondition` for an approximate
 /// inverse.
@@ -41,7 +41,7 @@ pub fn conjugate_gradients(
             best = (x.clone(), residual);
             since = 0;
         }
-        if best.1 <= stop.tolerance || since >= PATIENCE || stop.is_hopeless(step, best.1) {
+        if best.1 <= stop.tolerance || since >= STALLED_STEPS || stop.is_hopeless(step, best.1) {
             break;
         }
         z = precondition(&r);

@@ -66,7 +66,7 @@ pub struct Pivot {
 }
 
 /// Relative residual of a solution that has come to rounding.
-const ROUNDING: f64 = 1e-14;
+const SMALLEST_RESIDUAL: f64 = 1e-14;
 
 /// Refinement steps of a solution, at most.
 const REFINEMENTS: usize = 40;
@@ -308,7 +308,7 @@ impl SparseSolver {
     /// Without a factorisation.
     pub fn solve(&self, rhs: &mut [f64]) -> f64 {
         let b = rhs.to_vec();
-        self.solve_to(rhs, ROUNDING);
+        self.solve_to(rhs, SMALLEST_RESIDUAL);
         // conjugate gradients only update theirs
         norm(&self.residual(&b, rhs)) / norm(&b).max(f64::MIN_POSITIVE)
     }

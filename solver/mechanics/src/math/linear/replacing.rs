@@ -45,7 +45,7 @@ fn eliminate<T: Scalar>(mut a: MatMut<T>, scale: f64) -> usize {
     let mut replaced = 0;
     for j in 0..n {
         let mut pivot = a[(j, j)].widen();
-        if pivot.is_nan() || pivot <= T::ROUNDING * scale {
+        if pivot.is_nan() || pivot <= T::PIVOT_ROUNDING * scale {
             pivot = scale.max(pivot.abs());
             replaced += 1;
         }

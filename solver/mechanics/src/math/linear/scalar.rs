@@ -7,7 +7,7 @@ use faer::traits::RealField;
 /// Precision of a factor.
 pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> {
     /// Relative error of a pivot by rounding, about.
-    const ROUNDING: f64;
+    const PIVOT_ROUNDING: f64;
     /// The nearest number.
     fn narrow(value: f64) -> Self;
     /// This number in double precision.
@@ -15,7 +15,7 @@ pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> 
 }
 
 impl Scalar for f64 {
-    const ROUNDING: f64 = 1e-15;
+    const PIVOT_ROUNDING: f64 = 1e-15;
 
     fn widen(self) -> f64 {
         self
@@ -27,7 +27,7 @@ impl Scalar for f64 {
 }
 
 impl Scalar for f32 {
-    const ROUNDING: f64 = 1e-6;
+    const PIVOT_ROUNDING: f64 = 1e-6;
 
     fn widen(self) -> f64 {
         f64::from(self)
