@@ -64,7 +64,8 @@ pub fn max_step(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], thickness: f64) -> f64
     f64::from_bits(least.into_inner())
 }
 
-/// The lesser of `limit` and the time of impact.
+/// The lesser of `limit` and the time of impact, bit for bit: the way there does not depend on `limit`, which
+/// other pairs have found, in an order of their own.
 fn time_within(limit: f64, pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64) -> f64 {
     // as seen from the first corner
     let moved = |i: usize| end[i] - start[i];
@@ -84,7 +85,7 @@ fn time_within(limit: f64, pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thick
             return limit;
         }
         if stride > straight {
-            let next_t = limit.min(t + stride);
+            let next_t = (t + stride).min(1.0);
             let next_x = at(next_t);
             let next = Separation::new(pair, &next_x);
             if apart.gap_while_turning(&next, pair, &x, &next_x) >= kept {

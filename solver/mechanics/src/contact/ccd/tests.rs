@@ -324,6 +324,11 @@ fn check(path: &Path, all: &mut Outcome) {
         all.left[1] = all.left[1].max(left);
     }
     all.ratios.extend(touching.map(|contact| t / contact));
+    // what other pairs have found so far changes nothing
+    for limit in [0.2 * t, 0.9 * t, 0.999 * t, (1.1 * t).min(1.0), 0.5 * (1.0 + t)] {
+        let within = time_within(limit, pair, &start, &end, thickness);
+        assert_eq!(within.to_bits(), limit.min(t).to_bits(), "{limit} {within} {}", said());
+    }
 }
 
 /// No step goes through a contact, and none ends before the gap is used up, on
