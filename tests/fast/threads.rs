@@ -94,17 +94,18 @@ fn a_simulation_is_the_same_to_its_tolerance() {
 #[test]
 fn an_optimisation_takes_the_same_way() {
     let dir = chamber::workdir();
-    let run = |threads: usize| -> Vec<f64> {
-        let command = format!("--threads {threads} optimize design.toml -o t{threads}");
+    let run = |threads: usize, out: &str| -> Vec<f64> {
+        let command = format!("--threads {threads} optimize design.toml -o {out}");
         dir.solver(&command).assert_good();
-        let history = dir.text(&format!("t{threads}/history.jsonl"));
+        let history = dir.text(&format!("{out}/history.jsonl"));
         let objective = |line: &str| {
             serde_json::from_str::<serde_json::Value>(line).unwrap()["objective"].as_f64().unwrap()
         };
         history.lines().map(objective).collect()
     };
-    let (one, two) = (run(1), run(2));
+    let (one, two) = (run(1, "one"), run(2, "two"));
     assert_eq!(one.len(), two.len());
+    assert_eq!(run(2, "again"), two, "two runs have the same bits");
     // six steps amplify the last digits of the equilibria
     for (a, b) in one.iter().zip(&two) {
         assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
