@@ -1,7 +1,7 @@
 //! The number of threads changes no bit of what is assembled, and solutions only within
 //! rounding.
 
-use measure::objective::Equilibrium;
+use measure::quantity::{Equilibrium, Partials};
 use mechanics::energy::Hessian;
 use mechanics::math::random::Random;
 use mesh::Vec3;
@@ -48,12 +48,13 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
         reaction: &[],
     };
     for term in builder.build(&scene, &scene.body, &problem.space).unwrap() {
-        let (mut du, mut drest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
-        let value = term.objective.value(&at);
-        term.objective.add_du(&at, term.weight, &mut du);
-        term.objective.add_drest(&at, term.weight, &mut drest);
-        let name = term.objective.name().to_owned();
-        found.push((name, [vec![value], du, drest].concat()));
+        let [mut du, mut contact, mut reaction] = [0, 1, 2].map(|_| vec![0.0; u.len()]);
+        let mut drest = vec![0.0; 3 * rest.len()];
+        let value = term.quantity.value(&at);
+        let (rest, contact, reaction) = (&mut drest[..], &mut contact[..], &mut reaction[..]);
+        let mut partials = Partials { u: &mut du, rest, contact, reaction };
+        term.quantity.add_partials(&at, term.weight, &mut partials);
+        found.push((term.name, [vec![value], du, drest].concat()));
     }
     let bits = |numbers: Vec<f64>| numbers.into_iter().map(f64::to_bits).collect();
     found.into_iter().map(|(name, numbers)| (name, bits(numbers))).collect()

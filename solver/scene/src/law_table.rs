@@ -176,7 +176,7 @@ pub fn schema<M: ?Sized>(law: &Law<M>) -> Schema {
         law.formula, law.shear, law.bulk, law.limits, law.source
     );
     let mut schema = schemars::json_schema!({ "type": "object", "additionalProperties": false });
-    add_kind(&mut schema, law.key, &about, &[]);
+    add_kind(&mut schema, law.key, &about);
     for parameter in law.parameters {
         let mut value = json!({ "type": "number" });
         if parameter.list {

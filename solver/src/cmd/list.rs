@@ -5,10 +5,12 @@ mod silicones;
 use std::io::Write;
 
 use anyhow::Result;
-use measure::objective::{self, Kind};
-use measure::probe;
+use measure::kinds;
+use measure::quantity::{Kind, List};
 use mechanics::energy::gas_law::{GAS_LAWS, Row};
 use mechanics::material::{LAWS, Law, sheet};
+use program::schema::Key;
+use scene::config::{ObjectiveConfig, ProbeConfig};
 use scene::silicone;
 use serde_json::{Value, json};
 
@@ -52,13 +54,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = if numbers {
         rows(number::KINDS, (json, number_json), |kinds| joined(kinds, number_text))?
     } else if objectives {
-        rows(objective::KINDS, (json, kind_json), |kinds| {
-            joined(kinds, kind_text) + "\nall\n" + &keys_text(&objective::COMMON_KEYS)
-        })?
+        quantities(List::Objective, &ObjectiveConfig::common_keys(), json)?
     } else if probes {
-        rows(probe::KINDS, (json, probe_json), |kinds| {
-            joined(kinds, probe_text) + "\nall\n" + &keys_text(&probe::COMMON_KEYS)
-        })?
+        quantities(List::Probe, &ProbeConfig::common_keys(), json)?
     } else if sheets {
         rows(sheet::LAWS, (json, law_json), |laws| joined(laws, law_text))?
     } else if gas_laws {
@@ -89,11 +87,20 @@ fn pretty(rows: Vec<Value>) -> Result<String> {
     Ok(serde_json::to_string_pretty(&rows)? + "\n")
 }
 
-fn kind_text(kind: &Kind) -> String {
-    let sense = if kind.may_be_maximised { "; maximised by a negative weight" } else { "" };
-    let mut text = format!("{} [{}{sense}]\n", kind.key, kind.unit);
-    text += &wrapped("", kind.formula);
-    text + &keys_text(kind.keys)
+/// The kinds of a list, with the keys that all of its entries have.
+fn quantities(list: List, common: &[Key], json: bool) -> Result<String> {
+    if json {
+        return pretty(kinds::of(list).map(|kind| kind_json(kind, list)).collect());
+    }
+    let kinds: Vec<String> = kinds::of(list).map(|kind| kind_text(kind, list)).collect();
+    Ok(kinds.join("\n") + "\nall\n" + &keys_text(common))
+}
+
+fn kind_text(kind: &Kind, list: List) -> String {
+    let maximised = list == List::Objective && kind.may_be_maximised;
+    let sense = if maximised { "; maximised by a negative weight" } else { "" };
+    let head = format!("{} [{}{sense}]\n", kind.key, kind.unit);
+    head + &wrapped("", kind.formula) + &keys_text(&kind.keys())
 }
 
 fn number_text(kind: &number::Kind) -> String {
@@ -104,36 +111,23 @@ fn number_json(kind: &number::Kind) -> Value {
     json!({ "path": kind.path, "meaning": kind.meaning })
 }
 
-fn probe_text(kind: &probe::Kind) -> String {
-    format!("{} [{}]\n", kind.key, kind.unit) + &wrapped("", kind.formula) + &keys_text(kind.keys)
-}
-
 /// Keys with their meanings, one under the other.
-fn keys_text(keys: &[(&str, &str)]) -> String {
-    keys.iter().map(|(key, meaning)| wrapped(&format!("  {key:12} "), meaning)).collect()
+fn keys_text(keys: &[Key]) -> String {
+    keys.iter().map(|key| wrapped(&format!("  {:12} ", key.name), &key.meaning)).collect()
 }
 
-fn keys_json(keys: &[(&str, &str)]) -> Value {
-    keys.iter().map(|(key, meaning)| json!({ "key": key, "meaning": meaning })).collect()
-}
-
-fn probe_json(kind: &probe::Kind) -> Value {
-    json!({
+fn kind_json(kind: &Kind, list: List) -> Value {
+    let keys = kind.keys().into_iter();
+    let mut row = json!({
         "kind": kind.key,
         "formula": kind.formula,
         "unit": kind.unit,
-        "keys": keys_json(kind.keys),
-    })
-}
-
-fn kind_json(kind: &Kind) -> Value {
-    json!({
-        "kind": kind.key,
-        "formula": kind.formula,
-        "unit": kind.unit,
-        "keys": keys_json(kind.keys),
-        "may_be_maximised": kind.may_be_maximised,
-    })
+        "keys": keys.map(|key| json!({ "key": key.name, "meaning": key.meaning })).collect::<Value>(),
+    });
+    if list == List::Objective {
+        row["may_be_maximised"] = json!(kind.may_be_maximised);
+    }
+    row
 }
 
 fn gas_law_text(law: &Row) -> String {

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::Result;
-use measure::objective::Equilibrium;
 use measure::probe::measure;
+use measure::quantity::{Equilibrium, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, interpolate};
@@ -109,7 +109,7 @@ impl Scenario {
         let (problem, workspace) = scene.problem(body)?;
         let mut terms = objectives.build(&scene, body, &problem.space)?;
         for term in &mut terms {
-            let name = term.objective.name();
+            let name = &term.name;
             let factor = |of: &BTreeMap<String, f64>| of.get(name).copied().unwrap_or(1.0);
             term.factor = factor(&level.weights) * factor(&config.weights);
         }
@@ -160,7 +160,7 @@ impl Scenario {
 
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
-        self.terms.iter().map(|term| term.objective.name())
+        self.terms.iter().map(|term| term.name.as_str())
     }
 
     /// What messages begin with.
@@ -195,9 +195,8 @@ impl Scenario {
         validity::check(&rest, body, moving).map_err(|e| self.reject(e))?;
         // a term without weight is none
         for term in self.terms.iter().filter(|term| term.weight * term.factor != 0.0) {
-            let name = term.objective.name();
-            let admitted = term.objective.admit(&rest);
-            admitted.map_err(|e| self.reject(format!("\"{name}\": {e}")))?;
+            let admitted = term.quantity.admit(&rest);
+            admitted.map_err(|e| self.reject(format!("\"{}\": {e}", term.name)))?;
         }
         Ok(())
     }
@@ -394,19 +393,19 @@ impl Scenario {
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
         let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
-        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.objective.name());
+        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
         let mut by_rest = vec![0.0; 3 * rest.len()];
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let (state, load) = (states.state(n), states.times[n]);
             let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
             let here = Equilibrium { space, rest, u, load, contact, reaction };
+            let adjoint::Partials { by_u, by_contact, by_reaction } = out;
+            let (u, contact, reaction) = (by_u, by_contact, by_reaction);
+            let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
             for term in self.terms.iter().filter(wanted) {
                 let factor = factor * term.weight * term.factor * term.factors[n];
                 if factor != 0.0 {
-                    term.objective.add_du(&here, factor, &mut out.by_u);
-                    term.objective.add_dcontact(&here, factor, &mut out.by_contact);
-                    term.objective.add_dreaction(&here, factor, &mut out.by_reaction);
-                    term.objective.add_drest(&here, factor, &mut by_rest);
+                    term.quantity.add_partials(&here, factor, &mut out);
                 }
             }
         };

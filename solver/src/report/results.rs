@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
-use measure::probe::{Kind, Probe, measure};
+use measure::probe::{Probe, measure};
+use measure::quantity::Kind;
 use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};

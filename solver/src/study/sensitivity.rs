@@ -2,8 +2,8 @@
 //! a [`number`](crate::number) of the scene, its row gives the derivative.
 
 use anyhow::{Result, anyhow};
-use measure::objective::Equilibrium;
 use measure::probe::Probe;
+use measure::quantity::{Equilibrium, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Problem, Trajectory, Workspace, solve_multipliers};
@@ -31,18 +31,18 @@ pub fn sensitivities(
     let here = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
     let mut found = Vec::new();
     for probe in probes {
-        let q = &probe.quantity;
+        let (q, mut by_rest) = (&probe.quantity, vec![0.0; 3 * rest.len()]);
         let partials = |_: &_, moment: usize, out: &mut adjoint::Partials| {
             if moment == n {
-                q.add_du(&here, 1.0, &mut out.by_u);
-                q.add_dcontact(&here, 1.0, &mut out.by_contact);
-                q.add_dreaction(&here, 1.0, &mut out.by_reaction);
+                let adjoint::Partials { by_u: u, by_contact: contact, by_reaction: reaction } = out;
+                let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
+                q.add_partials(&here, 1.0, &mut out);
             }
         };
         let on = (rest, run);
         let mut swept = adjoint::sweep(problem, workspace, on, linearization.as_ref(), partials)
             .map_err(|e| anyhow!("derivatives of the probe \"{}\": {e}", probe.name))?;
-        q.add_drest(&here, 1.0, &mut swept.rest);
+        swept.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         found.push((q.value(&here), swept));
     }
     Ok(found)

@@ -2,6 +2,7 @@
 //! editors complete and check what people write.
 
 mod finish;
+mod keys;
 mod markdown;
 mod tables;
 
@@ -12,6 +13,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
+pub use keys::{Key, key_names, keys_of};
 pub use markdown::markdown;
 pub use tables::{add_keys, add_kind, one_of, one_of_these, partial};
 

@@ -25,17 +25,10 @@ fn add_to(table: &mut Map<String, Value>, keys: &[(&str, Value, bool)]) {
     }
 }
 
-/// Makes a table of the kind that its key `kind` says, and gives its keys their meanings.
-pub fn add_kind(schema: &mut Schema, kind: &str, about: &str, meanings: &[(&str, &str)]) {
-    let table = schema.ensure_object();
-    table.insert("title".into(), kind.into());
-    table.insert("description".into(), about.into());
-    if let Some(Value::Object(properties)) = table.get_mut("properties") {
-        for (key, meaning) in meanings {
-            let value = properties.get_mut(*key).and_then(Value::as_object_mut);
-            value.map(|value| value.insert("description".into(), (*meaning).into()));
-        }
-    }
+/// Makes a table of the kind that its key `kind` says.
+pub fn add_kind(schema: &mut Schema, kind: &str, about: &str) {
+    schema.insert("title".into(), kind.into());
+    schema.insert("description".into(), about.into());
     add_keys(schema, &[("kind", json!({ "const": kind, "type": "string" }), true)]);
 }
 

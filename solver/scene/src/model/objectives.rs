@@ -1,9 +1,10 @@
 //! From the terms of a design file to objectives.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow, ensure};
-use measure::objective::{Builder, Context, Law, Objective};
+use measure::quantity::{Quantity, Targets};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 
@@ -12,35 +13,31 @@ use crate::config::{Dilatation, ObjectiveConfig, Weight};
 
 /// A term with its factors.
 pub struct Weighted {
+    /// As reports call it.
+    pub name: String,
     /// Factor of the term; that of one with a share is 1 until a level weighs it.
     pub weight: f64,
     /// Factor on it in a level and a scenario.
     pub factor: f64,
     /// ω of each moment, that of rest first: Σ ω J is the term over time.
     pub factors: Vec<f64>,
-    /// The term.
-    pub objective: Box<dyn Objective>,
+    /// What is minimised.
+    pub quantity: Arc<dyn Quantity>,
 }
 
 /// Builds objectives; files are read once for all levels.
 pub struct ObjectiveBuilder<'a> {
-    terms: Vec<Term<'a>>,
-}
-
-/// A term whose files have been read.
-struct Term<'a> {
-    config: &'a ObjectiveConfig,
-    build: Builder,
+    terms: &'a [ObjectiveConfig],
+    targets: Targets,
 }
 
 impl<'a> ObjectiveBuilder<'a> {
-    /// Reads the files that the terms of a design file name.
+    /// Checks the terms of a design file.
     ///
     /// # Errors
-    /// When a file cannot be read or a setting is not admissible.
-    pub fn new(design: &Path, configs: &'a [ObjectiveConfig], scene: &'a Scene) -> Result<Self> {
-        let folder = design.parent().unwrap_or(Path::new(""));
-        let term = |config: &'a ObjectiveConfig| {
+    /// When a setting is not admissible.
+    pub fn new(design: &Path, terms: &'a [ObjectiveConfig], scene: &Scene) -> Result<Self> {
+        for config in terms {
             let context = || design.display().to_string();
             config.check().with_context(context)?;
             let name = config.name();
@@ -54,7 +51,8 @@ impl<'a> ObjectiveBuilder<'a> {
                 scene.path.display()
             );
             ensure!(
-                scene.config.solver.dilatation == Dilatation::Pointwise || !config.reads_stress(),
+                scene.config.solver.dilatation == Dilatation::Pointwise
+                    || !config.kind().reads_stress,
                 "{}: objective \"{name}\": {}: it is made with the stress of the law at each point, which \
                  elements with [solver] dilatation = \"mean\" do not have; expected \"pointwise\" in {}, or \
                  another objective",
@@ -62,9 +60,9 @@ impl<'a> ObjectiveBuilder<'a> {
                 config.kind().key,
                 scene.path.display()
             );
-            Ok(Term { config, build: config.prepare(folder)? })
-        };
-        Ok(Self { terms: configs.iter().map(term).collect::<Result<_>>()? })
+        }
+        let targets = Targets::new(design.parent().unwrap_or(Path::new("")));
+        Ok(Self { terms, targets })
     }
 
     /// Checks that the times of all terms are times of a scene.
@@ -72,7 +70,7 @@ impl<'a> ObjectiveBuilder<'a> {
     /// # Errors
     /// When a time step is missing.
     pub fn check_times(&self, scene: &Scene) -> Result<()> {
-        self.terms.iter().try_for_each(|term| factors(term.config, scene).map(drop))
+        self.terms.iter().try_for_each(|term| factors(term, scene).map(drop))
     }
 
     /// The terms on one body, over the times of a scene.
@@ -85,31 +83,19 @@ impl<'a> ObjectiveBuilder<'a> {
         body: &Body,
         space: &FunctionSpace,
     ) -> Result<Vec<Weighted>> {
-        let name = |part: usize| scene.parts[part].config.name.as_str();
-        let bodies: Vec<&str> = (0..scene.parts.len()).map(name).collect();
-        let laws = scene.laws.iter().map(|law| Law {
-            body: name(law.part),
-            name: scene.law_name(law),
-            material: &law.material,
-            elements: law.elements(body),
-        });
-        let laws: Vec<Law> = laws.collect();
-        let ends = scene.times();
-        let probes = scene.probes(body, space)?;
-        let probes = probes.into_iter().map(|probe| (probe.name, probe.quantity)).collect();
-        let build = |term: &Term| {
-            let (name, factors) = (term.config.name(), factors(term.config, scene)?);
+        let mut site = scene.site(body, space, self.targets.clone())?;
+        let (ends, probes) = (scene.times(), scene.probes(body, space)?);
+        site.probes = probes.into_iter().map(|probe| (probe.name, probe.quantity)).collect();
+        let build = |term: &ObjectiveConfig| {
+            let factors = factors(term, scene)?;
             let times = [0.0].iter().chain(&ends).zip(&factors);
-            let times: Vec<f64> = times.filter(|(_, f)| **f != 0.0).map(|(t, _)| *t).collect();
-            let (bodies, laws) = (&bodies[..], &laws[..]);
-            let context = Context { body, space, bodies, laws, times: &times, probes: &probes };
-            let objective =
-                (term.build)(name, &context).with_context(|| format!("objective \"{name}\""))?;
-            let weight = match term.config.weight() {
+            site.times = times.filter(|(_, f)| **f != 0.0).map(|(t, _)| *t).collect();
+            let weight = match term.weight() {
                 Weight::Factor(factor) => factor,
                 Weight::Share(_) => 1.0,
             };
-            Ok(Weighted { weight, factor: 1.0, factors, objective })
+            let (name, quantity) = (term.name().to_owned(), term.build(&site)?);
+            Ok(Weighted { name, weight, factor: 1.0, factors, quantity })
         };
         self.terms.iter().map(build).collect()
     }

@@ -1,7 +1,10 @@
-//! The probes of a scene.
+//! What the probes of a scene, and the objectives of a design, are built on.
+
+use std::collections::BTreeMap;
 
 use anyhow::Result;
-use measure::probe::{Probe, Site};
+use measure::probe::Probe;
+use measure::quantity::{Law, Site, Targets};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 
@@ -9,6 +12,37 @@ use super::Scene;
 use crate::supports::Supports;
 
 impl Scene {
+    /// What quantities are built on: a body with this scene's tags, laws, supports and times.
+    ///
+    /// # Errors
+    /// When a tag is missing.
+    pub(super) fn site<'a>(
+        &'a self,
+        body: &'a Body,
+        space: &'a FunctionSpace,
+        targets: Targets,
+    ) -> Result<Site<'a>> {
+        let (fixed, moments) = (self.fixed(body), self.config.moments());
+        let supports = Supports::new(&fixed, &moments, body, space)?.by_tag();
+        let name = |part: usize| self.parts[part].config.name.as_str();
+        let laws = self.laws.iter().map(|law| Law {
+            body: name(law.part),
+            name: self.law_name(law),
+            material: &law.material,
+            elements: law.elements(body),
+        });
+        Ok(Site {
+            body,
+            space,
+            bodies: (0..self.parts.len()).map(name).collect(),
+            laws: laws.collect(),
+            supports,
+            times: self.times(),
+            probes: BTreeMap::new(),
+            targets,
+        })
+    }
+
     /// The probes on a body with this scene's tags, in the order of the scene.
     ///
     /// # Errors
@@ -17,18 +51,13 @@ impl Scene {
         if self.config.probe.is_empty() {
             return Ok(Vec::new());
         }
-        self.file.checked(|_| self.built_probes(body, space))
-    }
-
-    fn built_probes(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Probe>> {
-        let (fixed, moments) = (self.fixed(body), self.config.moments());
-        let supports = Supports::new(&fixed, &moments, body, space)?.by_tag();
-        let site = Site { body, space, supports: &supports };
-        let probes = self.config.probe.iter().map(|config| {
-            let (name, kind, quantity) =
-                (config.name().to_owned(), config.kind(), config.build(&site)?);
-            Ok(Probe { name, kind, quantity })
-        });
-        probes.collect()
+        self.file.checked(|_| {
+            let site = self.site(body, space, Targets::default())?;
+            let probes = self.config.probe.iter().map(|config| {
+                let (name, kind) = (config.name().to_owned(), config.kind());
+                Ok(Probe { name, kind, quantity: config.build(&site)? })
+            });
+            probes.collect()
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use measure::objective::{Equilibrium, Objective};
+use measure::quantity::{Equilibrium, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
@@ -46,8 +46,7 @@ impl Scenario {
         let values = self.values_of(run, |term| term.weight * term.factor != 0.0);
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
-            let name = term.objective.name().to_owned();
-            *terms.entry(name).or_insert(0.0) += term.weight * term.factor * value;
+            *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
         terms
     }
@@ -64,7 +63,7 @@ impl Scenario {
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {
-                    *value += factor * term.objective.value(&at);
+                    *value += factor * term.quantity.value(&at);
                 }
             }
         }
@@ -74,11 +73,11 @@ impl Scenario {
     /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
     pub(super) fn forces(&mut self, run: &Run, n: usize) -> Forces {
         let Run { problem, rest, states, .. } = run;
-        let looks = |uses: fn(&dyn Objective) -> bool| {
-            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.objective))
+        let looks = |uses: fn(&dyn Quantity) -> bool| {
+            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.quantity))
         };
         let (uses_contact, uses_reaction) =
-            (looks(|o| o.uses_contact()), looks(|o| o.uses_reaction()));
+            (looks(|q| q.uses_contact()), looks(|q| q.uses_reaction()));
         let none = |wanted: bool| if wanted { vec![0.0; problem.dofs()] } else { Vec::new() };
         let mut forces = Forces { contact: none(uses_contact), reaction: none(uses_reaction) };
         if n == 0 || !uses_contact && !uses_reaction {

@@ -1,0 +1,82 @@
+//! The keys of a table with what they mean, from its type: names and order are what serde reads,
+//! meanings the documentation of the fields.
+
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::de::value::Error;
+use serde::de::{DeserializeOwned, Deserializer, Error as _, Visitor};
+use serde::forward_to_deserialize_any;
+
+/// A key with what it means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
+    /// What it means.
+    pub meaning: String,
+}
+
+/// The names of a table's keys, in the order of its type.
+#[must_use]
+pub fn key_names<T: DeserializeOwned>() -> &'static [&'static str] {
+    let mut names: &[&str] = &[];
+    // ends with an error as soon as the type has said its names
+    drop(T::deserialize(Names(&mut names)));
+    names
+}
+
+/// The keys of a table, in the order of its type.
+#[must_use]
+pub fn keys_of<T: DeserializeOwned + JsonSchema>() -> Vec<Key> {
+    let schema = T::json_schema(&mut SchemaGenerator::default()).to_value();
+    let meaning = |name: &str| schema["properties"][name]["description"].as_str();
+    let key = |&name| Key { name, meaning: meaning(name).unwrap_or_default().replace('\n', " ") };
+    key_names::<T>().iter().map(key).collect()
+}
+
+/// Asks a type for the names of its fields.
+struct Names<'a>(&'a mut &'static [&'static str]);
+
+impl<'de> Deserializer<'de> for Names<'_> {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
+        Err(Error::custom("names only"))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        *self.0 = fields;
+        self.deserialize_any(visitor)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
+        unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(serde::Deserialize, JsonSchema)]
+    #[expect(dead_code, reason = "described, never built")]
+    struct Table {
+        /// What it is
+        /// about.
+        on: String,
+        /// How far [m].
+        away: Option<f64>,
+    }
+
+    #[test]
+    fn keys_are_in_the_order_of_the_type() {
+        let found: Vec<_> = keys_of::<Table>().into_iter().map(|k| (k.name, k.meaning)).collect();
+        let wanted = [("on", "What it is about."), ("away", "How far [m].")];
+        assert_eq!(found, wanted.map(|(name, meaning)| (name, meaning.to_owned())));
+    }
+}

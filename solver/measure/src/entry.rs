@@ -1,0 +1,150 @@
+//! An entry of a list of quantities: keys that all of the list have, a kind, and its own keys.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, anyhow};
+use program::schema::{Key, add_keys, key_names, keys_of, one_of};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{DeserializeOwned, Error as _};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use toml::Table;
+
+use crate::kinds;
+use crate::quantity::{Kind, List, Quantity, Site, Specification};
+
+/// Keys that all entries of a list have, besides `kind`.
+pub trait Common: Clone + Serialize + DeserializeOwned + JsonSchema {
+    /// The list.
+    const LIST: List;
+    /// What reports call the entry.
+    fn name(&self) -> &str;
+    /// Checks that there are as many keys as must be.
+    ///
+    /// # Errors
+    /// With what was expected.
+    fn complete(&self) -> Result<()> {
+        Ok(())
+    }
+    /// Checks what can be checked without a body, for a quantity that may be maximised or not.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    fn check(&self, may_be_maximised: bool) -> Result<()>;
+    /// Adds to the schema of a kind what the types of the keys do not say.
+    fn describe(_schema: &mut Schema) {}
+}
+
+/// A quantity with the keys of its list.
+#[derive(Clone, Debug)]
+pub struct Entry<C> {
+    pub(crate) common: C,
+    kind: &'static Kind,
+    /// The keys of its kind ...
+    pub(crate) own: Arc<dyn Specification>,
+    /// ... and the same with all defaults written.
+    pub(crate) keys: Table,
+}
+
+impl<C: Common> Entry<C> {
+    /// What reports call it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.common.name()
+    }
+
+    /// Its row of the table.
+    #[must_use]
+    pub fn kind(&self) -> &'static Kind {
+        self.kind
+    }
+
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> String {
+        C::LIST.title(self.name())
+    }
+
+    /// Checks what can be checked without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check(&self) -> Result<()> {
+        let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
+        let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
+        checked.map_err(|what| anyhow!("{}: {what:#}", self.title()))
+    }
+
+    /// Builds the quantity on bodies.
+    ///
+    /// # Errors
+    /// When a tag, a body or a file is missing, or does not fit.
+    pub fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        self.own.build(site).with_context(|| self.title())
+    }
+
+    /// The keys that all entries of the list have, with what they mean.
+    #[must_use]
+    pub fn common_keys() -> Vec<Key> {
+        keys_of::<C>()
+    }
+
+    fn read(mut keys: Table) -> Result<Self> {
+        let kind = keys.remove("kind").context("missing field `kind`")?;
+        let kind = kind.as_str().with_context(|| format!("kind = {kind}: a name"))?;
+        let (kind, names) = (kinds::find(C::LIST, kind)?, key_names::<C>());
+        let (common, own): (Table, Table) =
+            keys.into_iter().partition(|(key, _)| names.contains(&key.as_str()));
+        let (own, keys) = kind.read(own, names)?;
+        let common: C = common.try_into()?;
+        common.complete()?;
+        Ok(Self { common, kind, own, keys })
+    }
+}
+
+impl<C: Common> Serialize for Entry<C> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Written<'a, C> {
+            kind: &'a str,
+            #[serde(flatten)]
+            common: &'a C,
+            #[serde(flatten)]
+            own: &'a Table,
+        }
+        Written { kind: self.kind.key, common: &self.common, own: &self.keys }.serialize(serializer)
+    }
+}
+
+impl<'de, C: Common> Deserialize<'de> for Entry<C> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let keys = Table::deserialize(deserializer)?;
+        let name = keys.get("name").and_then(|name| name.as_str()).map(str::to_owned);
+        Self::read(keys).map_err(|what| {
+            let title = name.map_or_else(String::new, |name| C::LIST.title(&name) + ": ");
+            D::Error::custom(format!("{title}{}", format!("{what:#}").trim_end()))
+        })
+    }
+}
+
+impl<C: Common> JsonSchema for Entry<C> {
+    fn schema_name() -> Cow<'static, str> {
+        C::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let common = C::json_schema(generator).to_value();
+        let needed = |key: &str| {
+            common["required"].as_array().is_some_and(|all| all.iter().any(|name| name == key))
+        };
+        let keys = key_names::<C>();
+        let keys = keys.iter().map(|&key| (key, common["properties"][key].clone(), needed(key)));
+        let keys: Vec<_> = keys.collect();
+        one_of(kinds::of(C::LIST).map(|kind| {
+            let mut schema = kind.schema(generator);
+            add_keys(&mut schema, &keys);
+            C::describe(&mut schema);
+            schema
+        }))
+    }
+}

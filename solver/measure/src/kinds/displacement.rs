@@ -1,0 +1,59 @@
+//! Mean displacement of a tag, and how far it moves, whichever way.
+//!
+//! q = a · (1/A) ∫ u dA      over the rest area A, a the unit vector along the axis   [m]
+//! q = (1/A) ∫ |u| dA                                                                 [m]
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Axis, Kind, List, Means, OfMeans, Quantity, Site, Specification};
+
+pub(super) const ALONG: Kind = Kind {
+    key: "displacement",
+    formula: "mean displacement of a tag along an axis, a · ∫ u dA / A over its rest area",
+    unit: "m",
+    example: "on = 'top'\naxis = [1, 0, 2]",
+    ..Kind::of::<Keys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// tag
+    on: String,
+    /// a, of any length but 0
+    axis: Axis,
+}
+
+impl Specification for Keys {
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let a = self.axis.unit();
+        let along = move |m: &[Means]| (a.dot(&m[0].u), vec![Means { u: a, ..Means::ZERO }]);
+        let tags = [site.body.facets(&self.on)?];
+        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(along))))
+    }
+}
+
+pub(super) const MAGNITUDE: Kind = Kind {
+    key: "displacement-magnitude",
+    formula: "mean length of a tag's displacement, ∫ |u| dA / A over its rest area",
+    unit: "m",
+    example: "on = 'top'",
+    ..Kind::of::<MagnitudeKeys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct MagnitudeKeys {
+    /// tag
+    on: String,
+}
+
+impl Specification for MagnitudeKeys {
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let length = |m: &[Means]| (m[0].length, vec![Means { length: 1.0, ..Means::ZERO }]);
+        let tags = [site.body.facets(&self.on)?];
+        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(length))))
+    }
+}

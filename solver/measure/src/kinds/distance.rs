@@ -1,0 +1,41 @@
+//! Distance of two tags.
+//!
+//! q = |x̄₁ − x̄₂|      x̄ the mean deformed position over the tag's rest area   [m]
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Kind, List, Means, OfMeans, Quantity, Site, Specification};
+
+pub(super) const KIND: Kind = Kind {
+    key: "distance",
+    formula: "distance of the mean positions of two tags",
+    unit: "m",
+    example: "on = 'top'\nto = 'left'",
+    ..Kind::of::<Keys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// tag
+    on: String,
+    /// the other tag
+    to: String,
+}
+
+impl Specification for Keys {
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let tags = [site.body.facets(&self.on)?, site.body.facets(&self.to)?];
+        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(distance))))
+    }
+}
+
+fn distance(m: &[Means]) -> (f64, Vec<Means>) {
+    let apart = m[0].x() - m[1].x();
+    let by = apart.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+    (apart.norm(), vec![Means::by_x(by), Means::by_x(-by)])
+}

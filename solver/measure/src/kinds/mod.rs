@@ -1,0 +1,78 @@
+//! All quantities: one a file, with its keys and its row; one line per row in [`KINDS`].
+
+mod angle;
+mod bending;
+mod clearance;
+mod contact_force;
+mod contact_proxy;
+mod curvature;
+mod displacement;
+mod distance;
+mod draft;
+mod gap;
+mod motion;
+mod point;
+mod reaction;
+mod smoothness;
+mod strain_limit;
+mod stress;
+mod target;
+#[cfg(test)]
+mod tests;
+mod volume;
+mod wall_thickness;
+mod wanted;
+
+use anyhow::{Context as _, Result};
+
+use crate::quantity::{Kind, List};
+
+pub use contact_proxy::PartsTouch;
+pub use wall_thickness::SidesTouch;
+
+/// All kinds, in the order in which they are listed.
+pub const KINDS: &[Kind] = &[
+    displacement::ALONG,
+    displacement::MAGNITUDE,
+    point::KIND,
+    bending::KIND,
+    angle::KIND,
+    distance::KIND,
+    gap::KIND,
+    curvature::KIND,
+    volume::CHAMBER,
+    contact_force::ALONG,
+    reaction::KIND,
+    target::KIND,
+    motion::DISPLACEMENT,
+    motion::POSITION,
+    contact_force::KIND,
+    contact_proxy::KIND,
+    wall_thickness::KIND,
+    smoothness::KIND,
+    clearance::KIND,
+    volume::KIND,
+    stress::KIND,
+    strain_limit::KIND,
+    wanted::KIND,
+    draft::KIND,
+];
+
+/// The kinds that a list may have.
+pub fn of(list: List) -> impl Iterator<Item = &'static Kind> + Clone {
+    KINDS.iter().filter(move |kind| kind.lists.contains(&list))
+}
+
+/// The kind of a list that is called so.
+///
+/// # Errors
+/// When there is none; the message lists those there are.
+pub fn find(list: List, key: &str) -> Result<&'static Kind> {
+    of(list).find(|kind| kind.key == key).with_context(|| {
+        let known: Vec<String> = of(list).map(|kind| format!("`{}`", kind.key)).collect();
+        let (known, option) = (known.join(", "), list.option());
+        format!(
+            "unknown kind `{key}`, expected one of {known}\n  `solver list {option}` explains them"
+        )
+    })
+}

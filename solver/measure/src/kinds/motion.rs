@@ -1,0 +1,178 @@
+//! Displacement or position of a part of the surface against a wanted one (trajectory
+//! tracking).
+//!
+//! J(u, X) = ∫_Γ Σ_k (u_k − w_k)² dA     displacement
+//! J(u, X) = ∫_Γ Σ_k (x_k − w_k)² dA     position, x = ΠX + u
+//!
+//! k        the axes that count
+//! w(X, t)  wanted displacement or position [m], as it is written, from t = 0 on
+//!
+//! J is in m⁴; over time it makes a point follow a trajectory. Rest shape and
+//! displacement also enter through the area, see
+//! [`surface_integral`](super::Patch).
+//!
+//! Source: Gjoka et al. 2024, the worm's and the walker's objective.
+
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::schedule::{Field, axes};
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::surface_integral::{Density, Place};
+use crate::quantity::{
+    Equilibrium, Kind, List, Measure, Partials, Patch, Quantity, Site, Specification,
+};
+use crate::written::{FieldSchema, Names};
+
+pub(super) const DISPLACEMENT: Kind = Kind {
+    key: "displacement",
+    formula: "∫ Σ (u_i − w_i)² dA",
+    unit: "m⁴",
+    example: "on = ['top', 'left']\ndisplacement = [0.03, '0.1*t', 0]",
+    ..Kind::of::<DisplacementKeys>(&[List::Objective])
+};
+
+pub(super) const POSITION: Kind = Kind {
+    key: "position",
+    formula: "∫ Σ (x_i − w_i)² dA, x = X + u",
+    unit: "m⁴",
+    example: "on = 'top'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
+    ..Kind::of::<PositionKeys>(&[List::Objective])
+};
+
+/// Keys, one of which is called as what is wanted.
+macro_rules! keys {
+    ($name:ident, $wanted:ident, $compared:expr) => {
+        #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+        struct $name {
+            /// tag, body, or list of them
+            on: Names,
+            /// w [m]: numbers, expressions in t, x, y, z, or tables
+            #[schemars(with = "FieldSchema")]
+            $wanted: Field,
+            /// axes that count, such as "xz" ("xyz")
+            #[serde(default = "all_axes")]
+            components: String,
+            /// "rest" (default) or "deformed"
+            #[serde(default)]
+            measure: Measure,
+        }
+
+        impl Specification for $name {
+            fn check(&self) -> Result<()> {
+                check_components(&self.components)
+            }
+
+            fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+                let facets = site.facets(&self.on)?;
+                site.check_wanted(stringify!($wanted), &self.$wanted, &facets)?;
+                let patch = Patch::new(site.space, &facets, self.measure);
+                let (wanted, axes) = (self.$wanted.clone(), axes(&self.components));
+                Ok(Arc::new(Motion { patch, compared: $compared, wanted, axes }))
+            }
+        }
+    };
+}
+
+keys!(DisplacementKeys, displacement, Compared::Displacement);
+keys!(PositionKeys, position, Compared::Position);
+
+fn all_axes() -> String {
+    "xyz".to_owned()
+}
+
+fn check_components(components: &str) -> Result<()> {
+    let count = axes(components).iter().filter(|axis| **axis).count();
+    ensure!(
+        components.len() == count && !components.is_empty(),
+        "components = \"{components}\": must be some of x, y, z, each once"
+    );
+    Ok(())
+}
+
+/// What of a point is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Compared {
+    /// u.
+    Displacement,
+    /// ΠX + u.
+    Position,
+}
+
+/// Squared distance of a patch to a wanted displacement or position [m] along some axes.
+struct Motion {
+    patch: Patch,
+    compared: Compared,
+    wanted: Field,
+    axes: [bool; 3],
+}
+
+impl Motion {
+    fn density(&self, place: &Place, time: f64) -> Density {
+        let is_place = f64::from(u8::from(self.compared == Compared::Position));
+        let (mut value, mut by_u, mut by_rest) = (0.0, Vec3::zeros(), Vec3::zeros());
+        for k in (0..3).filter(|&k| self.axes[k]) {
+            let wanted = self.wanted.0[k].as_written(place.rest, time);
+            let gap = place.u[k] + is_place * place.rest[k] - wanted.value;
+            value += gap * gap;
+            by_u[k] += 2.0 * gap;
+            by_rest[k] += 2.0 * gap * is_place;
+            by_rest -= 2.0 * gap * wanted.gradient;
+        }
+        Density { value, by_u, by_rest }
+    }
+}
+
+impl Quantity for Motion {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.patch.value(at, &|place| self.density(place, at.load))
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        self.patch.add_partials(at, &|place| self.density(place, at.load), weight, out);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    const AXES: [bool; 3] = [true, false, true];
+
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
+            let case = Case::cube(degree, scale);
+            let expression = format!("t*y*(1 + x/{scale})");
+            let wanted = Field([expression.parse().unwrap(), 7.0.into(), (0.1 * scale).into()]);
+            for measure in [Measure::Rest, Measure::Deformed] {
+                for compared in [Compared::Displacement, Compared::Position] {
+                    let patch = Patch::new(&case.space, &case.facets, measure);
+                    case.check(&Motion { patch, compared, wanted: wanted.clone(), axes: AXES });
+                }
+            }
+        }
+    }
+
+    /// The top of a cube that is lifted by 0.3 where 0.1 + 0.2 t is wanted, with
+    /// t = 0.7, and shifted along x, where nothing is wanted of it.
+    #[test]
+    fn a_shifted_face_has_its_closed_form() {
+        let mut case = Case::cube(2, 1.0);
+        case.u.chunks_exact_mut(3).for_each(|u| u.copy_from_slice(&[0.0, 0.9, 0.3]));
+        let top = case.facets_where(|x| x.z > 0.99);
+        let value = |compared, wanted: &str| {
+            let wanted = Field([0.0.into(), 0.0.into(), wanted.parse().unwrap()]);
+            let patch = Patch::new(&case.space, &top, Measure::Deformed);
+            Motion { patch, compared, wanted, axes: [false, false, true] }.value(&case.at())
+        };
+        let expected = (0.3_f64 - 0.24).powi(2);
+        assert!((value(Compared::Displacement, "0.1 + 0.2*t") - expected).abs() < 1e-15);
+        assert!((value(Compared::Position, "1.1 + 0.2*t") - expected).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,141 @@
+//! Penalty on principal stretches beyond the limits of a material.
+//!
+//! J(u, X) = ∫ Σ_i (λ_i − λ⁺)₊² + (λ⁻ − λ_i)₊² dX
+//!
+//! λ_i   principal stretches, the singular values of F = I + ∇u [1]
+//! λ⁺    largest, λ⁻ smallest stretch that costs nothing [1]
+//!
+//! J is in m³: the volume that is strained too much, each point by the square of
+//! how much. It is zero within the limits and once continuously differentiable,
+//! also where stretches coincide, as the sum over all three is symmetric in them:
+//! ∂J/∂F = Σ_i g′(λ_i) n_i N_iᵀ with F N_i = λ_i n_i.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::math::tensor::Mat3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{
+    Equilibrium, Kind, List, Partials, Quantity, Site, Specification, solid_integral,
+};
+
+pub(super) const KIND: Kind = Kind {
+    key: "strain-limit",
+    formula: "∫ Σ (λ_i − largest)₊² + (smallest − λ_i)₊² dX of the principal stretches",
+    unit: "m³",
+    example: "largest = 1.05\nsmallest = 0.95",
+    ..Kind::of::<Keys>(&[List::Objective, List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// body; all if not given
+    on: Option<String>,
+    /// largest principal stretch that costs nothing [1]
+    largest: f64,
+    /// smallest principal stretch that costs nothing [1] (0)
+    #[serde(default)]
+    smallest: f64,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let Self { largest, smallest, .. } = self;
+        ensure!(
+            (0.0..1.0).contains(smallest) && largest.is_finite() && *largest > 1.0,
+            "largest = {largest}, smallest = {smallest}: stretches, the largest must be above 1 \
+             and the smallest from 0 to 1"
+        );
+        Ok(())
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let parts = site.parts(self.on.as_deref())?.into_iter();
+        let elements = parts.map(|(_, elements)| elements).collect();
+        Ok(Arc::new(StrainLimit::new(elements, [self.smallest, self.largest])))
+    }
+}
+
+/// Penalty on large and small stretches.
+pub struct StrainLimit {
+    elements: Vec<Range<usize>>,
+    smallest: f64,
+    largest: f64,
+}
+
+impl StrainLimit {
+    /// The penalty in some elements, beyond a `smallest` and a `largest` stretch.
+    #[must_use]
+    pub fn new(elements: Vec<Range<usize>>, [smallest, largest]: [f64; 2]) -> Self {
+        Self { elements, smallest, largest }
+    }
+
+    fn density(&self, grad_u: &Mat3) -> (f64, Mat3) {
+        let f = Mat3::identity() + grad_u;
+        let eigen = (f.transpose() * f).symmetric_eigen();
+        let (mut value, mut by_f) = (0.0, Mat3::zeros());
+        for i in 0..3 {
+            let stretch = eigen.eigenvalues[i].max(0.0).sqrt();
+            let beyond = (stretch - self.largest).max(0.0) - (self.smallest - stretch).max(0.0);
+            if beyond != 0.0 {
+                let direction = eigen.eigenvectors.column(i);
+                let slope = 2.0 * beyond / stretch.max(f64::MIN_POSITIVE);
+                value += beyond * beyond;
+                by_f += slope * (f * direction) * direction.transpose();
+            }
+        }
+        (value, by_f)
+    }
+}
+
+impl Quantity for StrainLimit {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let one = |elements| solid_integral::value(at, elements, &|h| self.density(h));
+        self.elements.iter().map(one).sum()
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        for elements in &self.elements {
+            solid_integral::add_partials(at, elements, &|h| self.density(h), weight, out);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh::Vec3;
+
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
+            let case = Case::cube(degree, scale);
+            for limits in [[0.9, 1.1], [0.0, 1.02], [0.98, 1e3]] {
+                let term = StrainLimit::new(vec![0..20, 20..48], limits);
+                // where a stretch passes its limit, curvature jumps
+                case.check_near(&term, 1e-5);
+            }
+        }
+    }
+
+    /// Whatever the rotation, and where two stretches are the same.
+    #[test]
+    fn stretches_count_from_their_limits_on() {
+        let q = nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0).into_inner();
+        let term = StrainLimit::new(vec![], [0.8, 2.0]);
+        let value = |stretches: [f64; 3]| {
+            let f = q * Mat3::from_diagonal(&Vec3::from(stretches)) * q * q;
+            term.density(&(f - Mat3::identity())).0
+        };
+        assert!(value([1.9, 0.9, 0.81]) == 0.0);
+        assert!((value([2.5, 2.5, 0.5]) - (0.25 + 0.25 + 0.09)).abs() < 1e-12);
+        let f = Mat3::from_diagonal_element(2.5) * q;
+        let slope = term.density(&(f - Mat3::identity())).1;
+        assert!((slope - 2.0 * 0.5 * q).norm() < 1e-12);
+    }
+}

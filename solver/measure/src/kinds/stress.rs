@@ -1,0 +1,154 @@
+//! The p-norm of the stress in bodies, to the power q.
+//!
+//! J(u, X) = ∫ |P|^q dX      P = ∂ψ/∂F, |·| the Frobenius norm
+//!
+//! J is in Pa^q m³. With q = 2 it is a mean over the volume; the larger q, the
+//! more the largest stress counts: (J/V)^(1/q) tends to it.
+//!
+//! Source: the p-norm of stresses, Duysinx and Sigmund 1998,
+//! doi:10.2514/6.1998-4906, with the stress per rest area in place of the true
+//! one.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::material::{Kinematics, Material};
+use mechanics::math::tensor::{Mat3, vec9};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{
+    Equilibrium, Kind, List, Partials, Quantity, Site, Specification, solid_integral,
+};
+
+pub(super) const KIND: Kind = Kind {
+    key: "stress",
+    formula: "∫ |P|^q dX, P the force per rest area; the larger q, the more the largest counts",
+    unit: "Pa^q m³",
+    reads_stress: true,
+    example: "power = 4",
+    ..Kind::of::<Keys>(&[List::Objective])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// body; all if not given
+    on: Option<String>,
+    /// q ≥ 2 (2)
+    #[serde(default = "two")]
+    power: f64,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let power = self.power;
+        ensure!(power.is_finite() && power >= 2.0, "power = {power}: must be 2 or more");
+        Ok(())
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let parts = site.parts(self.on.as_deref())?.into_iter();
+        let parts = parts.map(|(law, elements)| (law.build(), elements)).collect();
+        Ok(Arc::new(Stress::new(parts, self.power)))
+    }
+}
+
+/// A norm of the stress in bodies.
+pub struct Stress {
+    /// Laws with the elements that have them.
+    parts: Vec<(Box<dyn Material>, Range<usize>)>,
+    power: f64,
+}
+
+impl Stress {
+    /// The norm over elements with their laws; the power q is 2 or more, so that
+    /// J is smooth where the stress vanishes.
+    ///
+    /// # Panics
+    /// When the power is less than 2.
+    #[must_use]
+    pub fn new(parts: Vec<(Box<dyn Material>, Range<usize>)>, power: f64) -> Self {
+        assert!(power >= 2.0, "power {power} of the stress: 2 or more is needed");
+        Self { parts, power }
+    }
+
+    fn density(&self, material: &dyn Material, grad_u: &Mat3) -> (f64, Mat3) {
+        let k = Kinematics::new(grad_u);
+        let stress = material.first_piola(&k);
+        let norm = stress.norm();
+        // the tangent is symmetric
+        let by = material.tangent(&k) * vec9(&stress) * (self.power * norm.powf(self.power - 2.0));
+        (norm.powf(self.power), Mat3::from_column_slice(by.as_slice()))
+    }
+}
+
+impl Quantity for Stress {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let one = |(law, elements): &(Box<dyn Material>, Range<usize>)| {
+            solid_integral::value(at, elements, &|h| self.density(&**law, h))
+        };
+        self.parts.iter().map(one).sum()
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        for (law, elements) in &self.parts {
+            solid_integral::add_partials(at, elements, &|h| self.density(&**law, h), weight, out);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mechanics::material::{Lame, MooneyRivlin, NeoHookean};
+    use mesh::Vec3;
+
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    fn soft() -> Box<dyn Material> {
+        Box::new(NeoHookean(Lame::new(2.6, 0.3)))
+    }
+
+    fn silicone() -> Box<dyn Material> {
+        Box::new(MooneyRivlin { c1: 0.8, c2: 0.1, c3: 0.05, d1: 2.0 })
+    }
+
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
+            let mut case = Case::cube(degree, scale);
+            // no element is turned inside out
+            case.u.iter_mut().for_each(|u| *u *= 0.2);
+            for power in [2.0, 5.0] {
+                let parts = vec![(soft(), 0..20), (silicone(), 20..48)];
+                case.check(&Stress::new(parts, power));
+            }
+        }
+    }
+
+    /// Stretched by 1.5 along x alone, a material has the same stress everywhere.
+    #[test]
+    fn a_homogeneous_state_has_its_closed_form() {
+        let mut case = Case::cube(2, 2.0);
+        let nodes = case.space.node_positions(&case.rest);
+        for (n, x) in nodes.iter().enumerate() {
+            case.u[3 * n..3 * n + 3].copy_from_slice(&[0.5 * x.x, 0.0, 0.0]);
+        }
+        let k = Kinematics::new(&Mat3::from_diagonal(&Vec3::new(0.5, 0.0, 0.0)));
+        let stress = soft().first_piola(&k).norm();
+        let value =
+            |power, elements| Stress::new(vec![(soft(), elements)], power).value(&case.at());
+        assert!((value(3.0, 0..48) / (8.0 * stress.powi(3)) - 1.0).abs() < 1e-12);
+        let volume = |tet: &[usize; 4]| {
+            let [a, b, c, d] = tet.map(|v| case.rest[v]);
+            mesh::measure::tet_volume(a, b, c, d)
+        };
+        let part: f64 = case.space.tets()[..6].iter().map(volume).sum();
+        assert!((value(2.0, 0..6) / (part * stress.powi(2)) - 1.0).abs() < 1e-12);
+    }
+}

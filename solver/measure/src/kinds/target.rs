@@ -1,0 +1,124 @@
+//! Distance of a deformed surface to a target surface.
+//!
+//! J(u, X) = ∫_Γ d̃²(x) dA      x = ΠX + u
+//!
+//! d̃² is the smoothly interpolated squared distance of
+//! [`DistanceField`](super::DistanceField) [m²], so J is in m⁴.
+//!
+//! Source: Gjoka et al. 2024, equation (16); the published scenes have the rest
+//! measure.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::surface_integral::{Density, Place};
+use crate::quantity::{
+    DistanceField, DistanceKind, Equilibrium, Kind, List, Measure, Partials, Patch, Quantity, Site,
+    Specification, positive,
+};
+use crate::written::Names;
+
+pub(super) const KIND: Kind = Kind {
+    key: "target",
+    formula: "∫ d̃²(x) dA, d̃ the distance of deformed points to a surface",
+    unit: "m⁴",
+    example: "on = 'top'\ntarget = 'target.stl'\ndistance = 'signed'",
+    ..Kind::of::<Keys>(&[List::Objective])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// tag, body, or list of them
+    on: Names,
+    /// surface file in metres
+    target: PathBuf,
+    /// "squared" (default), "unsigned" (published), "signed" (closed target)
+    #[serde(default)]
+    distance: DistanceKind,
+    /// of the distance's lattice [m] (1e-3)
+    #[serde(default = "a_millimetre")]
+    spacing: f64,
+    /// "rest" (default) or "deformed"
+    #[serde(default)]
+    measure: Measure,
+}
+
+fn a_millimetre() -> f64 {
+    1e-3
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        positive("spacing", self.spacing)
+    }
+
+    fn files(&self) -> Vec<&Path> {
+        vec![&self.target]
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let field = site.targets.field(&self.target, self.spacing, self.distance)?;
+        let patch = Patch::new(site.space, &site.facets(&self.on)?, self.measure);
+        Ok(Arc::new(Target { patch, field }))
+    }
+}
+
+/// Squared distance of a part of the surface to a target surface.
+struct Target {
+    patch: Patch,
+    field: DistanceField,
+}
+
+impl Target {
+    fn density(&self, place: &Place) -> Density {
+        let (value, gradient) = self.field.squared_distance(&place.x());
+        Density { value, by_u: gradient, by_rest: gradient }
+    }
+
+    /// Makes ready for all points at once.
+    fn prepare(&self, at: &Equilibrium) {
+        self.field.prepare(&self.patch.positions(at));
+    }
+}
+
+impl Quantity for Target {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.prepare(at);
+        self.patch.value(at, &|place| self.density(place))
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        self.prepare(at);
+        self.patch.add_partials(at, &|place| self.density(place), weight, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mechanics::testing::sphere;
+
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1.0), (2, 1e-3), (3, 1e-3)] {
+            let case = Case::cube(degree, scale);
+            let mut ball = sphere(2);
+            ball.vertices.iter_mut().for_each(|v| *v *= 0.8 * scale);
+            for kind in [DistanceKind::Squared, DistanceKind::Unsigned, DistanceKind::Signed] {
+                for measure in [Measure::Rest, Measure::Deformed] {
+                    let field = DistanceField::new(&ball, 0.4 * scale, kind);
+                    let patch = Patch::new(&case.space, &case.facets, measure);
+                    // d̃² is once continuously differentiable: small steps keep
+                    // within one cell of its lattice, or cross few of its sides
+                    case.check(&Target { patch, field });
+                }
+            }
+        }
+    }
+}

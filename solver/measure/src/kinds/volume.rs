@@ -1,0 +1,170 @@
+//! Volume of a body, or of the chamber behind a wall.
+//!
+//! J = V            [m³]
+//! J = (V − V*)²    [m⁶]
+//!
+//! with V as in [`Wall`](mechanics::energy::Wall): behind facets and the caps that
+//! close them, of the rest shape or the deformed one. The closed surface of a
+//! body seen from outside encloses −V.
+
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::energy::Wall;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Equilibrium, Kind, List, Measure, Partials, Quantity, Site, Specification};
+
+pub(super) const CHAMBER: Kind = Kind {
+    key: "volume",
+    formula: "volume of a chamber behind its deformed wall, an open one closed by caps",
+    unit: "m³",
+    example: "on = 'top'",
+    ..Kind::of::<ChamberKeys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct ChamberKeys {
+    /// tag of the wall
+    on: String,
+}
+
+impl Specification for ChamberKeys {
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let facets = site.body.facets(&self.on)?;
+        let wall = Wall::cut_by(&site.body.planes, site.space, &facets);
+        Ok(Arc::new(Volume::behind(wall, Measure::Deformed, None)))
+    }
+}
+
+pub(super) const KIND: Kind = Kind {
+    key: "volume",
+    formula: "V, or (V − V*)²",
+    unit: "m³ or m⁶",
+    may_be_maximised: true,
+    example: "on = 'top'\nvolume = 0.3",
+    ..Kind::of::<Keys>(&[List::Objective])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// a tag: the chamber behind it; a body; all bodies if not given
+    on: Option<String>,
+    /// V* [m³]
+    volume: Option<f64>,
+    /// "rest" (default) or "deformed"
+    #[serde(default)]
+    measure: Measure,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let sound = self.volume.is_none_or(|volume| volume.is_finite() && volume > 0.0);
+        ensure!(sound, "volume = {} m³ must be positive", self.volume.unwrap_or_default());
+        Ok(())
+    }
+
+    fn may_be_maximised(&self) -> bool {
+        self.volume.is_none()
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let wall = |facets: &[_]| Wall::cut_by(&site.body.planes, site.space, facets);
+        let Self { measure, volume, .. } = *self;
+        Ok(Arc::new(match self.on.as_ref().filter(|name| !site.is_body(name)) {
+            Some(tag) => Volume::behind(wall(&site.body.facets(tag)?), measure, volume),
+            None => Volume::within(wall(&site.boundary(self.on.as_deref())?), measure, volume),
+        }))
+    }
+}
+
+/// A volume, or its squared difference to a wanted one.
+struct Volume {
+    wall: Wall,
+    /// 1 behind the facets, −1 within them.
+    sign: f64,
+    measure: Measure,
+    wanted: Option<f64>,
+}
+
+impl Volume {
+    /// The chamber behind a wall.
+    fn behind(wall: Wall, measure: Measure, wanted: Option<f64>) -> Self {
+        Self { wall, sign: 1.0, measure, wanted }
+    }
+
+    /// The bodies of which this is the whole boundary.
+    fn within(boundary: Wall, measure: Measure, wanted: Option<f64>) -> Self {
+        Self { sign: -1.0, ..Self::behind(boundary, measure, wanted) }
+    }
+
+    fn volume(&self, at: &Equilibrium) -> f64 {
+        let x = at.nodes(self.measure);
+        self.sign * self.wall.volume(at.space, |n| x[n])
+    }
+
+    /// Adds `weight` ∂J/∂x at the nodes.
+    fn add_by_nodes(&self, at: &Equilibrium, weight: f64, out: &mut [f64]) {
+        let by_volume = self.wanted.map_or(1.0, |wanted| 2.0 * (self.volume(at) - wanted));
+        let scale = weight * by_volume * self.sign;
+        let x = at.nodes(self.measure);
+        self.wall.add_gradient(at.space, |n| x[n], scale, out);
+    }
+}
+
+impl Quantity for Volume {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let volume = self.volume(at);
+        self.wanted.map_or(volume, |wanted| (volume - wanted).powi(2))
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        out.add_by_nodes(at, self.measure, |nodal| self.add_by_nodes(at, weight, nodal));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    /// The volume of a whole body, and that behind an open wall, the rim of which moves.
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
+            let case = Case::cube(degree, scale);
+            let open = case.facets_where(|x| x.z < 0.99);
+            for measure in [Measure::Rest, Measure::Deformed] {
+                for wanted in [None, Some(0.3 * scale.powi(3))] {
+                    let (all, space) = (&case.facets, &case.space);
+                    case.check(&Volume::within(Wall::new(space, all), measure, wanted));
+                    case.check(&Volume::behind(Wall::new(space, &open), measure, wanted));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn volumes_are_of_the_shape_that_was_asked_for() {
+        for degree in 1..=3 {
+            let mut case = Case::cube(degree, 1.0);
+            let nodes = case.space.node_positions(&case.rest);
+            for (n, x) in nodes.iter().enumerate() {
+                case.u[3 * n..3 * n + 3].copy_from_slice(&[x.x, 2.0 * x.y, 4.0 * x.z]);
+            }
+            let value = |measure, wanted| {
+                let (all, space) = (&case.facets, &case.space);
+                Volume::within(Wall::new(space, all), measure, wanted).value(&case.at())
+            };
+            assert!((value(Measure::Rest, None) - 1.0).abs() < 1e-13);
+            assert!((value(Measure::Deformed, None) - 30.0).abs() < 1e-12);
+            assert!((value(Measure::Deformed, Some(32.0)) - 4.0).abs() < 1e-10);
+            // five sides of it, and the cap that closes them
+            let open = case.facets_where(|x| x.z < 0.99);
+            let space = &case.space;
+            let behind = Volume::behind(Wall::new(space, &open), Measure::Deformed, None);
+            assert!((behind.value(&case.at()) + 30.0).abs() < 1e-12);
+        }
+    }
+}

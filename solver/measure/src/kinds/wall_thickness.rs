@@ -1,0 +1,348 @@
+//! Minimum thickness of the wall between parts of the surface.
+//!
+//! quadratic   J = Σ_k m_k (d_k² − d̂²)²                            for d_k < d̂
+//! log         J = Σ_k m_k b(d_k² − d₀², d̂² + 2 d₀ d̂),  +∞ for d_k ≤ d₀,
+//!                                                     acts for d_k < d₀ + d̂
+//!
+//! d_k   distance of pair k: a vertex of one part and a triangle of another,
+//!       or an edge of each [m]
+//! m_k   parallel-edge mollifier, one for vertex–triangle pairs [1]
+//! d̂     activation distance [m];   d₀ minimum distance [m]
+//! b     log barrier of [`density`](mechanics::contact::density) [m⁴]
+//!
+//! J is in m⁴, of the flat triangles between vertices at rest or displaced. Both
+//! forms are in *squared* distances and every pair counts once, as in the
+//! published scenes, so that their weights (10⁶ … 10⁷ m⁻⁴) carry over; near d̂ the
+//! quadratic form is 4 d̂² (d − d̂)². J grows with the number of facets of a thin
+//! region.
+//!
+//! Parts must not touch: next to a common rim every pair would be "thin",
+//! whatever the shape. An open chamber is therefore compared with the outer skin
+//! only, and the seat that holds its rim belongs to neither side.
+//!
+//! Where planes of symmetry cut the body, the parts are those of the whole, and J is the
+//! body's share of it.
+//!
+//! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
+//! the rest shape.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::contact::candidates::{close_between, closest_between};
+use mechanics::contact::density::{Density, Repulsion};
+use mechanics::contact::images::Mirrored;
+use mechanics::contact::pairs::{Features, Pair};
+use mechanics::contact::rest_potential;
+use mechanics::element::at;
+use mechanics::symmetry::Plane;
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{
+    Equilibrium, Kind, List, Measure, Partials, Quantity, Site, Specification, positive,
+};
+use crate::written::{DensitySchema, Names};
+
+pub(super) const KIND: Kind = Kind {
+    key: "wall-thickness",
+    formula: "barrier on walls thinner than minimum + activation",
+    unit: "m⁴",
+    example: "on = 'left'\nagainst = ['right']\nminimum = 0.5\nactivation = 1.0",
+    ..Kind::of::<Keys>(&[List::Objective])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// tag, body, or list of them
+    on: Names,
+    /// tags of the other side, no common vertex; without them, each two of on
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    against: Vec<String>,
+    /// "log" (default), infinite at minimum, or "quadratic", without it
+    #[serde(default)]
+    #[schemars(with = "DensitySchema")]
+    density: Density,
+    /// thinnest wall [m]
+    minimum: Option<f64>,
+    /// [m]
+    activation: f64,
+    /// "rest" (default) or "deformed"
+    #[serde(default)]
+    measure: Measure,
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        self.minimum.map_or(Ok(()), |minimum| positive("minimum", minimum))?;
+        positive("activation", self.activation)?;
+        ensure!(
+            !self.against.is_empty() || self.on.all().len() > 1,
+            "on = {:?}: one side of a wall; name the other by against = [...], or two tags or \
+             more in on",
+            self.on.all()
+        );
+        ensure!(
+            self.minimum.is_some() == (self.density == Density::Log),
+            "density = \"log\" needs a minimum [m], \"quadratic\" has none"
+        );
+        Ok(())
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let Self { density, activation, measure, .. } = *self;
+        let limits = Repulsion { density, minimum: self.minimum.unwrap_or(0.0), activation };
+        let parts = if self.against.is_empty() {
+            site.each(&self.on)?
+        } else {
+            vec![site.facets(&self.on)?, site.facets(&Names::Several(self.against.clone()))?]
+        };
+        Ok(Arc::new(WallThickness::new(&site.body.planes, &parts, limits, measure)?))
+    }
+}
+
+/// Two parts have vertices in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the two sides of the wall share {count} vertices, the first is {first}: no thickness is \
+     defined there; leave the surface that joins them (the seat) out of both sides"
+)]
+pub struct SidesTouch {
+    /// Number of shared vertices.
+    pub count: usize,
+    /// The smallest shared vertex id.
+    pub first: usize,
+}
+
+/// Penalty on thin walls.
+pub struct WallThickness {
+    /// How thin walls may be: β with d₀ and d̂.
+    limits: Repulsion,
+    measure: Measure,
+    whole: Mirrored,
+    /// Parts, each with what it is compared with.
+    sides: Vec<[Features; 2]>,
+}
+
+impl WallThickness {
+    /// The term between each two of several sets of facets.
+    ///
+    /// # Errors
+    /// [`SidesTouch`] if a vertex belongs to two sets.
+    pub fn new(
+        planes: &[Plane],
+        parts: &[Vec<[usize; 3]>],
+        limits: Repulsion,
+        measure: Measure,
+    ) -> Result<Self, SidesTouch> {
+        let (whole, mirrored) = Mirrored::new(planes, parts);
+        let mut sides = Vec::new();
+        for i in 1..parts.len() {
+            check_apart(&parts[i - 1], &parts[i..].concat())?;
+            sides.push([mirrored[i - 1].as_slice(), &mirrored[i..].concat()].map(Features::new));
+        }
+        Ok(Self { limits, measure, whole, sides })
+    }
+
+    /// J at positions of the vertices.
+    #[must_use]
+    pub fn value_at(&self, x: &[Vec3]) -> f64 {
+        let x = self.whole.positions(x);
+        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)
+    }
+
+    /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
+    pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
+        let x = self.whole.positions(x);
+        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
+        rest_potential::add_gradient(&self.pairs(&x), &x, &self.limits, weight, &mut by_x);
+        self.whole.add_to_vertices(&by_x, out);
+    }
+
+    /// Smallest distance between two parts [m]; infinite if there are none.
+    #[must_use]
+    pub fn min_distance(&self, x: &[Vec3]) -> f64 {
+        let x = self.whole.positions(x);
+        let least = |sides| closest_between(sides, &x).map_or(f64::INFINITY, |c| c.1.d2.sqrt());
+        self.sides.iter().map(least).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Pairs at positions of the whole.
+    fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
+        let between = |[a, b]: &[Features; 2]| close_between(a, b, x, self.limits.range());
+        self.sides.iter().flat_map(between).collect()
+    }
+
+    /// Positions of the vertices in the shape that is measured [m].
+    fn vertices(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
+        match self.measure {
+            Measure::Rest => equilibrium.rest.to_vec(),
+            Measure::Deformed => {
+                equilibrium.rest.iter().enumerate().map(|(v, x)| x + at(equilibrium.u, v)).collect()
+            }
+        }
+    }
+}
+
+/// Refuses two sets of facets with a common vertex.
+fn check_apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<(), SidesTouch> {
+    let [inner, outer] = [inner, outer].map(|s| s.iter().flatten().collect::<BTreeSet<_>>());
+    let mut shared = inner.intersection(&outer);
+    let count = shared.clone().count();
+    shared.next().map_or(Ok(()), |&&first| Err(SidesTouch { count, first }))
+}
+
+impl Quantity for WallThickness {
+    fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
+        if self.limits.density == Density::Quadratic || self.measure == Measure::Deformed {
+            return Ok(());
+        }
+        let (found, minimum) = (self.min_distance(rest), self.limits.minimum);
+        if found > minimum {
+            return Ok(());
+        }
+        Err(format!("the wall is {found:.3e} m thin, and must be thicker than {minimum:.3e} m"))
+    }
+
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.value_at(&self.vertices(at))
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        let mut by = vec![0.0; 3 * at.rest.len()];
+        self.add_gradient_at(&self.vertices(at), weight, &mut by);
+        let add = |out: &mut [f64]| out.iter_mut().zip(&by).for_each(|(o, g)| *o += g);
+        add(out.rest);
+        if self.measure == Measure::Deformed {
+            // the first nodes are the vertices
+            add(out.u);
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use mechanics::testing::{check_gradient, flat, points, sphere, square};
+
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    /// Two bumpy squares at a distance of about `gap`.
+    fn plates(gap: f64) -> (Vec<Vec3>, Vec<[usize; 3]>, Vec<[usize; 3]>) {
+        let (a, b) = (square(5, 0.3), square(4, 0.2));
+        let bump = |v: &Vec3| 0.02 * (3.0 * v.x + 2.0 * v.y).sin();
+        let mut x: Vec<Vec3> = a.vertices.iter().map(|v| v + bump(v) * Vec3::z()).collect();
+        let offset = x.len();
+        x.extend(b.vertices.iter().map(|v| v + (gap - bump(v)) * Vec3::z()));
+        let outer = b.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
+        (x, a.triangles, outer)
+    }
+
+    const QUADRATIC: Repulsion =
+        Repulsion { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
+    const LOG: Repulsion = Repulsion { density: Density::Log, minimum: 0.04, activation: 0.12 };
+
+    fn rest(
+        inner: &[[usize; 3]],
+        outer: &[[usize; 3]],
+        limits: Repulsion,
+    ) -> Result<WallThickness, SidesTouch> {
+        let parts = [inner.to_vec(), outer.to_vec()];
+        WallThickness::new(&[], &parts, limits, Measure::Rest)
+    }
+
+    #[test]
+    fn gradient_belongs_to_the_value() {
+        let (x, inner, outer) = plates(0.15);
+        for limits in [QUADRATIC, LOG] {
+            let wall = rest(&inner, &outer, limits).unwrap();
+            let mut gradient = vec![0.0; 3 * x.len()];
+            wall.add_gradient_at(&x, 3.0, &mut gradient);
+            let value = |y: &[f64]| 3.0 * wall.value_at(&points(y));
+            check_gradient(&flat(&x), &gradient, 3e-4, value);
+        }
+    }
+
+    /// One vertex 0.1 above the inside of one triangle, and nothing else in
+    /// range: the closed form of a single pair.
+    #[test]
+    fn a_single_pair_has_its_closed_form() {
+        let x = [
+            [0.0, 0.0, 0.1],
+            [0.0, 0.0, 9.0],
+            [0.1, 0.0, 9.0],
+            [-9.0, -9.0, 0.0],
+            [9.0, -9.0, 0.0],
+            [0.0, 9.0, 0.0],
+        ]
+        .map(Vec3::from);
+        let value = |density, minimum, activation| {
+            let limits = Repulsion { density, minimum, activation };
+            rest(&[[0, 1, 2]], &[[3, 4, 5]], limits).unwrap().value_at(&x)
+        };
+        let quadratic = value(Density::Quadratic, 0.0, 0.12);
+        assert!((quadratic - (0.0144_f64 - 0.01).powi(2)).abs() < 1e-16);
+        // s = 0.01 − 0.0064, ŝ = 0.0016 + 2 · 0.08 · 0.04
+        let (s, activation) = (0.0036_f64, 0.008_f64);
+        let expected = -(s - activation).powi(2) * (s / activation).ln();
+        let log = value(Density::Log, 0.08, 0.04);
+        assert!((log - expected).abs() < 1e-16);
+        assert!(value(Density::Log, 0.11, 0.04).is_infinite());
+    }
+
+    #[test]
+    fn minimum_distance_is_the_gap_of_nested_spheres() {
+        let ball = sphere(3);
+        let offset = ball.vertices.len();
+        let mut x: Vec<Vec3> = ball.vertices.iter().map(|v| v * 0.7).collect();
+        x.extend(&ball.vertices);
+        let outer: Vec<_> = ball.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
+        let wall = rest(&ball.triangles, &outer, QUADRATIC).unwrap();
+        // facets of the outer sphere sag by h²/8 at most, h < 0.22
+        let gap = wall.min_distance(&x);
+        assert!(gap < 0.3 && gap > 0.3 - 0.22_f64.powi(2) / 8.0 * 1.4, "{gap}");
+    }
+
+    #[test]
+    fn sides_that_touch_are_refused() {
+        let surface = square(2, 0.0);
+        let (inner, outer) = surface.triangles.split_at(2);
+        let error = rest(inner, outer, QUADRATIC).err().unwrap();
+        assert_eq!(error, SidesTouch { count: 3, first: 1 });
+    }
+
+    /// Opposite sides of a cube are walls one edge thick.
+    #[test]
+    fn derivatives_by_displacement_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
+            let case = Case::cube(degree, scale);
+            let side = |z: f64| case.facets_where(|x| (x.z - z).abs() < 1e-9);
+            let sides = [side(0.0), side(1.0)];
+            for (density, minimum) in [(Density::Quadratic, 0.0), (Density::Log, 0.8)] {
+                let limits =
+                    Repulsion { density, minimum: minimum * scale, activation: 1.3 * scale };
+                for measure in [Measure::Rest, Measure::Deformed] {
+                    case.check(&WallThickness::new(&[], &sides, limits, measure).unwrap());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn each_two_of_several_parts_are_compared() {
+        let (x, inner, outer) = plates(0.15);
+        let n = x.len();
+        let third: Vec<[usize; 3]> = outer.iter().map(|t| t.map(|v| v + n)).collect();
+        let mut all = x.clone();
+        all.extend(x.iter().map(|v| v + 0.12 * Vec3::z()));
+        let value = |wall: Result<WallThickness, _>| wall.unwrap().value_at(&all);
+        let parts = [inner.clone(), outer.clone(), third.clone()];
+        let among = value(WallThickness::new(&[], &parts, QUADRATIC, Measure::Rest));
+        let pairs = [(&inner, &outer), (&inner, &third), (&outer, &third)];
+        let sum: f64 = pairs.map(|(a, b)| value(rest(a, b, QUADRATIC))).iter().sum();
+        assert!(among > 0.0 && (among - sum).abs() < 1e-12 * sum);
+    }
+}

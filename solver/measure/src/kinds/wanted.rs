@@ -1,0 +1,116 @@
+//! A probe of the scene, or what is left to a wanted value of it.
+//!
+//! J = q / s                 [1]
+//! J = ((q − q*(t)) / s)²    [1]
+//!
+//! q    value of the probe, in its unit; q* the wanted one, as it is written, from t = 0 on
+//! s    scale: a difference that counts as 1
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, anyhow, ensure};
+use mechanics::schedule::Schedule;
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use crate::written::ScheduleSchema;
+
+pub(super) const KIND: Kind = Kind {
+    key: "probe",
+    formula: "q/s, or ((q − q*)/s)², q the value of a probe of the scene",
+    unit: "1",
+    may_be_maximised: true,
+    example: "probe = 'q'\ntarget = '0.1*t'\nscale = 0.5",
+    ..Kind::of::<Keys>(&[List::Objective])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// its name
+    probe: String,
+    /// q*, in the unit of the probe: a number, an expression in t, or a table
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<ScheduleSchema>")]
+    target: Option<Schedule>,
+    /// s, in the unit of the probe (1)
+    #[serde(default = "one")]
+    scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        ensure!(
+            self.scale.is_finite() && self.scale > 0.0,
+            "scale = {}: must be positive, in the unit of the probe",
+            self.scale
+        );
+        if let Some(target) = &self.target {
+            let bound = target.clone().bind(&BTreeMap::new());
+            bound.map_err(|what| anyhow!("target: {what}"))?;
+            ensure!(!target.uses_position(), "target = {target}: must depend on t alone");
+        }
+        Ok(())
+    }
+
+    fn may_be_maximised(&self) -> bool {
+        self.target.is_none()
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let Self { probe, target, scale } = self;
+        let quantity = site.probes.get(probe).with_context(|| {
+            let known: Vec<&str> = site.probes.keys().map(String::as_str).collect();
+            format!(
+                "probe = \"{probe}\": no [[probe]] of the scene is called that; there are: {}",
+                known.join(", ")
+            )
+        })?;
+        if let Some(target) = target {
+            target.check(&site.times, &[]).map_err(|what| anyhow!("target: {what}"))?;
+        }
+        let (quantity, target) = (Arc::clone(quantity), target.clone());
+        Ok(Arc::new(Wanted { quantity, target, scale: *scale }))
+    }
+}
+
+/// A probe over its scale, or the square of what is left to a wanted value.
+struct Wanted {
+    quantity: Arc<dyn Quantity>,
+    target: Option<Schedule>,
+    scale: f64,
+}
+
+impl Wanted {
+    /// J, with ∂J/∂q.
+    fn at(&self, state: &Equilibrium) -> (f64, f64) {
+        let q = self.quantity.value(state);
+        let Some(target) = &self.target else { return (q / self.scale, 1.0 / self.scale) };
+        let left = (q - target.as_written(Vec3::zeros(), state.load).value) / self.scale;
+        (left * left, 2.0 * left / self.scale)
+    }
+}
+
+impl Quantity for Wanted {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.at(at).0
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        self.quantity.add_partials(at, weight * self.at(at).1, out);
+    }
+
+    fn uses_contact(&self) -> bool {
+        self.quantity.uses_contact()
+    }
+
+    fn uses_reaction(&self) -> bool {
+        self.quantity.uses_reaction()
+    }
+}

@@ -1,0 +1,181 @@
+//! A row of the table of quantities.
+
+use std::fmt::Debug;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use program::schema::{Key, add_kind, key_names, keys_of};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Quantity, Site};
+
+/// A list of quantities in a file that people write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum List {
+    /// What is measured in a scene: `[[probe]]`.
+    Probe,
+    /// What a design minimises: `[[objective]]`.
+    Objective,
+}
+
+impl List {
+    /// What messages call an entry with this name.
+    #[must_use]
+    pub fn title(self, name: &str) -> String {
+        match self {
+            Self::Probe => format!("[[probe]] \"{name}\""),
+            Self::Objective => format!("objective \"{name}\""),
+        }
+    }
+
+    /// Option of `solver list` that explains its kinds.
+    #[must_use]
+    pub fn option(self) -> &'static str {
+        match self {
+            Self::Probe => "--probes",
+            Self::Objective => "--objectives",
+        }
+    }
+}
+
+/// A kind of quantity: where it may be used, what to write, what it means, how to read it.
+#[derive(Debug)]
+pub struct Kind {
+    /// `kind` in an entry of its lists.
+    pub key: &'static str,
+    /// What it is.
+    pub formula: &'static str,
+    /// Unit of its value; a weight has the inverse.
+    pub unit: &'static str,
+    /// Lists that it may be an entry of.
+    pub lists: &'static [List],
+    /// Whether its weight may be negative, so that it is maximised.
+    pub may_be_maximised: bool,
+    /// Whether it looks at forces between surfaces, so that it needs `[contact]`.
+    pub needs_contact: bool,
+    /// Whether it is made with the stress of the law at each point.
+    pub reads_stress: bool,
+    /// Its own keys on a cube with a tag for each side, where the tests check its derivatives.
+    pub example: &'static str,
+    /// How its own keys are read.
+    pub(crate) form: Form,
+}
+
+/// The type that the keys of a kind are read into.
+#[derive(Debug)]
+pub(crate) struct Form {
+    /// From a table of them, and the same with all defaults written.
+    read: fn(toml::Table) -> Result<Read>,
+    /// Names of the keys.
+    names: fn() -> &'static [&'static str],
+    /// What the keys mean.
+    keys: fn() -> Vec<Key>,
+    /// As a schema.
+    schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+/// The keys of one kind, and the same as a table.
+pub type Read = (Arc<dyn Specification>, toml::Table);
+
+/// A quantity as it is written, without the keys of all kinds.
+pub trait Specification: Debug + Send + Sync {
+    /// Checks what can be checked without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
+    /// Whether a negative weight has a sense, if it has for this kind.
+    fn may_be_maximised(&self) -> bool {
+        true
+    }
+    /// The files that it names, from the folder of the design.
+    fn files(&self) -> Vec<&Path> {
+        Vec::new()
+    }
+    /// Builds the quantity on bodies.
+    ///
+    /// # Errors
+    /// When a tag, a body or a file is missing, or does not fit.
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>>;
+}
+
+impl Kind {
+    /// A row with the keys `S` that every row completes with what is not so by default.
+    pub(crate) const fn of<S>(lists: &'static [List]) -> Self
+    where
+        S: Specification + Serialize + DeserializeOwned + JsonSchema + 'static,
+    {
+        Self {
+            key: "",
+            formula: "",
+            unit: "",
+            lists,
+            may_be_maximised: false,
+            needs_contact: false,
+            reads_stress: false,
+            example: "",
+            form: Form {
+                read: read::<S>,
+                names: key_names::<S>,
+                keys: keys_of::<S>,
+                schema: S::json_schema,
+            },
+        }
+    }
+
+    /// Its keys besides `kind` and those of the list, with what they mean.
+    #[must_use]
+    pub fn keys(&self) -> Vec<Key> {
+        (self.form.keys)()
+    }
+
+    /// Reads the keys of this kind alone; `common` are those of the list, which were taken out before.
+    ///
+    /// # Errors
+    /// When one is unknown, missing or of the wrong type.
+    pub fn read(&self, keys: toml::Table, common: &[&str]) -> Result<Read> {
+        let (kind, own) = (self.key, (self.form.names)());
+        if let Some(unknown) = keys.keys().find(|name| !own.contains(&name.as_str())) {
+            let known: Vec<String> = common.iter().chain(own).map(|k| format!("`{k}`")).collect();
+            let known = known.join(", ");
+            bail!("kind = \"{kind}\": unknown field `{unknown}`, expected one of {known}");
+        }
+        (self.form.read)(keys).with_context(|| format!("kind = \"{kind}\""))
+    }
+
+    /// The table of this kind, without the keys of the list.
+    #[must_use]
+    pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = (self.form.schema)(generator);
+        schema.insert("additionalProperties".into(), false.into());
+        let sense = if self.may_be_maximised { "; a negative weight maximises it" } else { "" };
+        add_kind(&mut schema, self.key, &format!("{} [{}]{sense}.", self.formula, self.unit));
+        schema
+    }
+}
+
+/// Reads the keys of a kind as `S`, and the same with all defaults written.
+fn read<S>(keys: toml::Table) -> Result<Read>
+where
+    S: Specification + Serialize + DeserializeOwned + 'static,
+{
+    let found: S = keys
+        .try_into()
+        .map_err(|e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))?;
+    let table = toml::Table::try_from(&found)?;
+    Ok((Arc::new(found), table))
+}
+
+/// Refuses a length that is not positive.
+///
+/// # Errors
+/// With its key and its value.
+pub fn positive(key: &str, length: f64) -> Result<()> {
+    anyhow::ensure!(length.is_finite() && length > 0.0, "{key} = {length} m must be positive");
+    Ok(())
+}

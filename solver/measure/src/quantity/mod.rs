@@ -1,0 +1,122 @@
+//! Quantities: numbers q(u, X, t, f, r) of a state, with their partial derivatives.
+//!
+//! A probe is a quantity that is measured at every reported step. An objective is a quantity that is
+//! minimised: it has a weight, and a sum over time.
+
+mod axis;
+mod distance_field;
+mod kind;
+mod means;
+mod normal;
+mod rest_term;
+mod site;
+pub mod solid_integral;
+pub mod surface_integral;
+mod targets;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use mesh::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use mechanics::element::{FunctionSpace, at};
+
+pub use axis::Axis;
+pub use distance_field::{DistanceField, DistanceKind};
+pub use kind::{Kind, List, Read, Specification, positive};
+pub use means::{Means, OfMeans};
+pub use normal::Normal;
+pub use rest_term::RestTerm;
+pub use site::{Law, Site};
+pub use surface_integral::Patch;
+pub use targets::Targets;
+
+/// Which shape areas, volumes and distances are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// That at rest.
+    #[default]
+    Rest,
+    /// The deformed one.
+    Deformed,
+}
+
+/// Everything a quantity may look at: a rest shape and its equilibrium.
+pub struct Equilibrium<'a> {
+    /// Topology and basis; never changes with the design.
+    pub space: &'a FunctionSpace,
+    /// Rest vertex positions X [m].
+    pub rest: &'a [Vec3],
+    /// Nodal displacement [m], three components per node.
+    pub u: &'a [f64],
+    /// The time t [s]; in a static scene 1.
+    pub load: f64,
+    /// Force of contact and friction on each node [N], three components per node;
+    /// empty where no quantity needs it.
+    pub contact: &'a [f64],
+    /// Force of the supports on each node [N], in the components that they fix, three
+    /// components per node; empty where no quantity needs it.
+    pub reaction: &'a [f64],
+}
+
+impl Equilibrium<'_> {
+    /// Positions of the nodes [m].
+    #[must_use]
+    pub fn nodes(&self, measure: Measure) -> Vec<Vec3> {
+        let mut nodes = self.space.node_positions(self.rest);
+        if measure == Measure::Deformed {
+            nodes.iter_mut().enumerate().for_each(|(n, x)| *x += at(self.u, n));
+        }
+        nodes
+    }
+}
+
+/// Where the partial derivatives of quantities are added up.
+pub struct Partials<'a> {
+    /// ∂q/∂u at fixed f and r, three components per node.
+    pub u: &'a mut [f64],
+    /// ∂q/∂X at fixed u, f and r, three components per vertex.
+    pub rest: &'a mut [f64],
+    /// ∂q/∂f by the forces f of contact, three components per node.
+    pub contact: &'a mut [f64],
+    /// ∂q/∂r by the forces r of supports, on the degrees of freedom that they fix.
+    pub reaction: &'a mut [f64],
+}
+
+impl Partials<'_> {
+    /// Adds derivatives by the positions of the nodes in one of the shapes, which `add` adds to a
+    /// list with three components per node.
+    pub fn add_by_nodes(&mut self, at: &Equilibrium, measure: Measure, add: impl Fn(&mut [f64])) {
+        if measure == Measure::Deformed {
+            add(self.u);
+        }
+        let mut nodal = vec![0.0; 3 * at.space.node_count()];
+        add(&mut nodal);
+        at.space.add_to_vertices(&nodal, self.rest);
+    }
+}
+
+/// One number q(u, X, t, f, r) of a state, with its partial derivatives.
+pub trait Quantity: Send + Sync {
+    /// Whether the rest shape alone is admissible.
+    ///
+    /// # Errors
+    /// Why it is not, with numbers.
+    fn admit(&self, _rest: &[Vec3]) -> Result<(), String> {
+        Ok(())
+    }
+    /// Computes q. Infinite where the rest shape is not admissible.
+    fn value(&self, at: &Equilibrium) -> f64;
+    /// Adds `weight` times the partial derivatives of q, which must be finite.
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials);
+    /// Whether it looks at the forces of contact.
+    fn uses_contact(&self) -> bool {
+        false
+    }
+    /// Whether it looks at the forces of supports.
+    fn uses_reaction(&self) -> bool {
+        false
+    }
+}
