@@ -345,7 +345,7 @@ fn outside_programs_and_libraries_are_called_in_one_place() {
     let faer = naming("faer", &sources);
     assert!(!faer.is_empty());
     assert!(faer.iter().all(|p| p.starts_with("solver/mechanics/src/math/linear/")), "{faer:?}");
-    assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid.rs"));
+    assert_eq!(naming("manifold_rust", &sources), one("cad2fem/mesh/src/solid/mod.rs"));
     let programs = naming("Command::new", &sources);
     assert!(!programs.is_empty());
     // the meshers, and our own programs where one asks another
