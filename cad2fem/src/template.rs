@@ -4,7 +4,7 @@
 /// A folder that `cad2fem new` writes.
 #[derive(Debug)]
 pub struct Template {
-    /// Its folder in `pipelines`.
+    /// The folder in `pipelines`.
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
@@ -51,7 +51,7 @@ impl Template {
         })
     }
 
-    /// Its files for results in the folder `results`, as seen from its own, with the version that
+    /// The files for results in the folder `results`, as seen from its own, with the version that
     /// they are written for.
     pub fn files_for(&self, results: &str) -> impl Iterator<Item = (&'static str, String)> {
         let (own, results) = (format!("../../build/{}/", self.name), format!("{results}/"));

@@ -74,7 +74,7 @@ impl Unit {
         }
     }
 
-    /// Its sign, as in "0.8 mm".
+    /// The sign, as in "0.8 mm".
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {

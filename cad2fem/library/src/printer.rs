@@ -10,7 +10,7 @@ use crate::Catalog;
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Printer {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// What it prints.
     pub kind: PrinterKind,

@@ -21,7 +21,7 @@ pub struct Closest {
     pub point: Vec3,
     /// The triangle it lies on.
     pub triangle: usize,
-    /// Its distance from the query point [m].
+    /// The distance from the query point [m].
     pub distance: f64,
 }
 

@@ -35,7 +35,7 @@ impl Process {
         Ok(Self(child))
     }
 
-    /// Its standard error, if that is a pipe; once.
+    /// The standard error, if that is a pipe; once.
     #[must_use]
     pub fn take_stderr(&self) -> Option<ChildStderr> {
         lock(&self.0).stderr.take()

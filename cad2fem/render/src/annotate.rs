@@ -50,7 +50,7 @@ pub enum Key {
     Scale {
         /// Name of the field.
         name: String,
-        /// Its unit; empty if it has none.
+        /// The unit; empty if it has none.
         unit: String,
         /// Range and colours.
         scale: Scale,

@@ -24,7 +24,7 @@ fn shape(barycentric: &[f64], edges: &[[usize; 2]]) -> Vec<f64> {
 /// A quadratic triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Curved {
-    /// Its nodes.
+    /// The nodes.
     pub nodes: [usize; 6],
     /// Field value at each node; NaN for none.
     pub values: [f64; 6],

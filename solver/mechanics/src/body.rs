@@ -92,9 +92,9 @@ pub struct Body {
 pub struct Part {
     /// What scenes call it; nothing if it is the only one.
     pub name: Option<String>,
-    /// Its tetrahedra.
+    /// The tetrahedra.
     pub tets: Range<usize>,
-    /// Its vertices.
+    /// The vertices.
     pub vertices: Range<usize>,
 }
 

@@ -99,7 +99,7 @@ pub struct Plane {
     pub tags: Vec<String>,
     /// Index of the axis across which it lies.
     pub axis: usize,
-    /// Its coordinate on that axis [m].
+    /// The coordinate on that axis [m].
     pub level: f64,
     /// 1 where the body is above the level, −1 below.
     pub side: f64,

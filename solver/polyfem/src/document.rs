@@ -48,7 +48,7 @@ impl Document {
         Ok(Self { path: path.to_path_buf(), sha256, root, fates, entered })
     }
 
-    /// Its outermost object.
+    /// The outermost object.
     #[must_use]
     pub fn root(&self) -> Key<'_> {
         Key { document: self, pointer: String::new(), value: &self.root }
@@ -125,7 +125,7 @@ fn matches_start(pattern: &str, pointer: &str) -> bool {
 pub struct Key<'a> {
     /// The file.
     pub document: &'a Document,
-    /// Its place, such as `/contact/dhat`.
+    /// The place, such as `/contact/dhat`.
     pub pointer: String,
     /// The value.
     pub value: &'a Value,

@@ -37,7 +37,7 @@ pub struct Solid {
 pub struct Obstacle {
     /// What our scene calls it.
     pub name: String,
-    /// Its id, if it is the same everywhere.
+    /// The id, if it is the same everywhere.
     pub id: Option<i64>,
     /// In metres, where it belongs.
     pub surface: SurfaceMesh,

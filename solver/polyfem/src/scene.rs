@@ -38,7 +38,7 @@ const STIFFNESS: f64 = 1e5;
 pub struct Translated {
     /// The text of `sim.toml`.
     pub text: String,
-    /// Its bodies.
+    /// The bodies.
     pub geometry: Geometry,
     /// Whether tags have the name of their body in front.
     pub several: bool,

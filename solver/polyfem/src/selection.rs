@@ -20,9 +20,9 @@ const TAGS: &str = "tags of the mesh";
 /// A part of the boundary.
 #[derive(Clone, Debug)]
 pub struct Facet {
-    /// Its corners in the mesh that we write.
+    /// The corners in the mesh that we write.
     pub corners: [usize; 3],
-    /// Its corners in the mesh that was read, ascending: three, or two in a
+    /// The corners in the mesh that was read, ascending: three, or two in a
     /// plane.
     pub source: Vec<usize>,
     /// Mean of the corners in the mesh that was read, after it was placed [m].

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 pub struct Silicone {
     /// Name in scenes, such as `ecoflex-00-30`.
     pub key: &'static str,
-    /// Its entry in the library.
+    /// The entry in the library.
     pub entry: &'static library::Silicone,
     /// Laws by all sources, the default first.
     pub fits: Vec<Fit>,
@@ -22,7 +22,7 @@ pub struct Silicone {
 pub struct Fit {
     /// Law, parameters and range.
     pub specification: Specification,
-    /// Its entry in the library.
+    /// The entry in the library.
     pub entry: &'static library::Fit,
 }
 

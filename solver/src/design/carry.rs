@@ -27,7 +27,7 @@ const APART: f64 = 1.0;
 /// A mesh with the shape of a design.
 #[derive(Debug)]
 pub struct Carried {
-    /// Its rest vertices [m].
+    /// The rest vertices [m].
     pub vertices: Vec<Vec3>,
     /// Largest motion of a vertex [m].
     pub motion: f64,

@@ -41,7 +41,7 @@ struct Curve {
 
 /// A number that the design sets.
 struct Designed {
-    /// Its name in `[parameters]`, or its path.
+    /// The name in `[parameters]`, or its path.
     name: String,
     /// What has the path.
     number: Option<Number>,

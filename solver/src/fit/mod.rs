@@ -27,7 +27,7 @@ const STABILITY_LIMIT: f64 = 20.0;
 pub struct Fitted {
     /// What was fitted.
     pub candidate: &'static Candidate,
-    /// Its parameters, as the law takes them.
+    /// The parameters, as the law takes them.
     pub values: Vec<f64>,
     /// How well, and where it may be used.
     pub quality: Quality,

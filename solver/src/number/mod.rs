@@ -108,7 +108,7 @@ impl Kind {
         self.path.split('.').next().unwrap_or_default()
     }
 
-    /// Its numbers in a scene.
+    /// The numbers in a scene.
     #[must_use]
     pub fn numbers(&'static self, scene: &Scene) -> Vec<Number> {
         let number = |(name, unit, place): Entry| {
@@ -156,7 +156,7 @@ impl Number {
         self.place[0]
     }
 
-    /// Its value in a scene, in its unit; of what may be a function of time, or of a position,
+    /// The value in a scene, in its unit; of what may be a function of time, or of a position,
     /// what is added to it: 0.
     #[must_use]
     pub fn value(&self, scene: &Scene) -> f64 {

@@ -48,7 +48,7 @@ impl Parameter {
         all
     }
 
-    /// Its name in reports.
+    /// The name in reports.
     #[must_use]
     pub fn name(&self) -> String {
         match self {

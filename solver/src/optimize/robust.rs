@@ -75,7 +75,7 @@ impl Robust {
         }
     }
 
-    /// Its derivatives by the objectives; their sum is 1. Where all objectives are the same, a
+    /// The derivatives by the objectives; their sum is 1. Where all objectives are the same, a
     /// standard deviation has none, and those of the mean are taken.
     #[must_use]
     pub fn derivatives(&self, objectives: &[f64]) -> Vec<f64> {

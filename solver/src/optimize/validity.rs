@@ -27,9 +27,9 @@ pub enum Invalid {
         count: usize,
         /// The worst of them.
         tet: usize,
-        /// Its volume in units of the mean.
+        /// The volume in units of the mean.
         relative: f64,
-        /// Its center [m].
+        /// The center [m].
         at: Vec3,
     },
     /// The body crosses a plane of symmetry.

@@ -82,7 +82,7 @@ pub struct Gauge {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Probed {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// At the end of the run, in the unit of the probe.
     pub value: f64,
@@ -104,7 +104,7 @@ pub struct AsCast {
 /// One wall.
 #[derive(Clone, Debug, Serialize)]
 pub struct Offset {
-    /// Its tag.
+    /// The tag.
     pub on: String,
     /// Outward from the silicone: positive where it is thicker than modelled [m].
     pub offset: f64,

@@ -92,16 +92,16 @@ impl Place {
 /// A named surface and where it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its surface, in coordinates that 32-bit floats hold exactly.
+    /// The surface, in coordinates that 32-bit floats hold exactly.
     pub surface: SurfaceMesh,
     /// From the surface to the whole.
     pub place: Place,
 }
 
 impl Shape {
-    /// Its surface where it stands.
+    /// The surface where it stands.
     #[must_use]
     pub fn placed(&self) -> SurfaceMesh {
         let mut surface = self.surface.clone();

@@ -57,7 +57,7 @@ pub enum SolidError {
 pub struct Origin {
     /// [`Solid::id`] of the input solid.
     pub solid: u32,
-    /// Its label given to [`Solid::from_labelled_surface`]; without labels, the
+    /// The label given to [`Solid::from_labelled_surface`]; without labels, the
     /// number of a coplanar group of triangles.
     pub face: u32,
 }

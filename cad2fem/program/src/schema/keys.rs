@@ -9,7 +9,7 @@ use serde::forward_to_deserialize_any;
 /// A key with what it means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Its name.
+    /// The name.
     pub name: &'static str,
     /// What it means.
     pub meaning: String,

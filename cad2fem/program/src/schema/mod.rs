@@ -25,7 +25,7 @@ pub struct Format {
     pub name: &'static str,
     /// What such a file is called mostly.
     pub file: &'static str,
-    /// Its schema.
+    /// The schema.
     pub schema: fn() -> Value,
 }
 
@@ -52,7 +52,7 @@ fn schema<T: JsonSchema>() -> Value {
 pub struct SchemaArguments {
     /// Which file; without it, those there are are listed
     format: Option<String>,
-    /// Its keys as tables in Markdown in place of the schema
+    /// The keys as tables in Markdown in place of the schema
     #[arg(long, requires = "format")]
     markdown: bool,
 }

@@ -60,7 +60,7 @@ struct Source {
 }
 
 impl Source {
-    /// Its range in the imaginary text, with a place behind its end.
+    /// The range in the imaginary text, with a place behind its end.
     fn range(&self) -> Range<usize> {
         self.start..self.start + self.text.len() + 1
     }
@@ -70,7 +70,7 @@ impl Source {
 enum Origin {
     File {
         path: PathBuf,
-        /// Its folder, as seen from that of the file that was asked for.
+        /// The folder, as seen from that of the file that was asked for.
         folder: PathBuf,
         /// What it includes.
         includes: Vec<usize>,

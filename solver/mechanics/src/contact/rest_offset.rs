@@ -57,9 +57,9 @@ impl Offset {
 pub struct Close {
     /// The pair.
     pub pair: Pair,
-    /// Its closest points.
+    /// The closest points.
     pub closest: Closest,
-    /// Its activation, if that is not the full one.
+    /// The activation, if that is not the full one.
     pub offset: Option<Offset>,
 }
 

@@ -36,7 +36,7 @@ pub type Motion = dyn Fn(Vec3, f64) -> Vec3 + Send + Sync;
 
 /// A rigid surface that is no finite-element body.
 pub struct Obstacle {
-    /// Its triangles.
+    /// The triangles.
     pub surface: SurfaceMesh,
     /// How it moves; none where it is at rest.
     pub motion: Option<Box<Motion>>,

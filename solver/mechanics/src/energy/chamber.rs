@@ -22,9 +22,9 @@ use crate::math::sparse::BlockMatrix;
 /// A chamber with gas.
 #[derive(Clone)]
 pub struct Chamber {
-    /// Its wall.
+    /// The wall.
     pub wall: Wall,
-    /// Its gas.
+    /// The gas.
     pub gas: Box<dyn GasLaw>,
     /// Index of its multiplier, if the law prescribes the volume.
     pub multiplier: Option<usize>,

@@ -52,7 +52,7 @@ pub struct BodyEnergies {
 pub struct NamedChamber {
     /// What the user calls it.
     pub name: String,
-    /// Its wall and gas.
+    /// The wall and gas.
     pub chamber: Chamber,
 }
 

@@ -62,7 +62,7 @@ impl Rim {
         Self { vertices, ends, is_loop: false }
     }
 
-    /// Its edges as vertex ids.
+    /// The edges as vertex ids.
     pub fn edges(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         let n = self.vertices.len();
         (0..self.count()).map(move |i| [self.vertices[i], self.vertices[(i + 1) % n]])

@@ -69,7 +69,7 @@ pub struct Viscous {
 
 /// A quadrature point of an element.
 struct Point {
-    /// Its place among all of the term.
+    /// The place among all of the term.
     place: usize,
     /// Volume that it stands for [m³].
     weight: f64,

@@ -39,7 +39,7 @@ pub enum Uncertified {
     Undecided {
         /// The element.
         element: usize,
-        /// Its centre in the rest shape [m].
+        /// The centre in the rest shape [m].
         at: Vec3,
         /// Lower bound of J.
         bound: f64,

@@ -23,9 +23,9 @@ const ENERGY_DIGITS: f64 = 1e-9;
 pub struct Accepted {
     /// The state [m].
     pub u: Vec<f64>,
-    /// Its energy [J].
+    /// The energy [J].
     pub energy: f64,
-    /// Its gradient [N] and the scale of the forces [N].
+    /// The gradient [N] and the scale of the forces [N].
     pub gradient: Option<(Vec<f64>, f64)>,
 }
 

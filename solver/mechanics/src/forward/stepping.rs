@@ -70,7 +70,7 @@ pub struct LoadStep {
 }
 
 impl LoadStep {
-    /// Its state on a rest shape [m].
+    /// The state on a rest shape [m].
     #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
@@ -106,7 +106,7 @@ pub struct Unreached {
 pub struct Attempt {
     /// The last equilibrium, or the rest shape [m].
     pub reached: Vec<f64>,
-    /// Its multipliers of prescribed volumes.
+    /// The multipliers of prescribed volumes.
     pub multipliers: Vec<Multiplier>,
     /// The time step that fails.
     pub step: Arc<TimeStep>,

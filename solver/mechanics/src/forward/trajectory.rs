@@ -11,7 +11,7 @@ use crate::energy::{Iterate, TimeStep};
 /// A run through time; a static scene is one time step from t = 0 to 1.
 #[derive(Debug)]
 pub struct Trajectory {
-    /// Its time integration.
+    /// The time integration.
     pub method: Method,
     /// t of each state [s], the first 0.
     pub times: Vec<f64>,

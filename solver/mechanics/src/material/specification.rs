@@ -7,7 +7,7 @@ use super::{Law, Material, Moduli};
 pub struct Specification {
     /// The law.
     pub law: &'static Law,
-    /// Its parameters.
+    /// The parameters.
     pub values: Vec<f64>,
     /// Density [kg/m³], if known.
     pub density: Option<f64>,

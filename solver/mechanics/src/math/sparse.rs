@@ -184,7 +184,7 @@ impl<'a> BlockMatrix<'a> {
         Self { pattern, blocks: memory }
     }
 
-    /// Its memory, for the next matrix.
+    /// The memory, for the next matrix.
     #[must_use]
     pub fn into_memory(self) -> Vec<[f64; 9]> {
         self.blocks

@@ -47,9 +47,9 @@ pub struct Design {
 pub struct TargetFile {
     /// Where it was read.
     from: PathBuf,
-    /// Its name in our folder.
+    /// The name in our folder.
     pub name: String,
-    /// Its content.
+    /// The content.
     pub bytes: Vec<u8>,
 }
 

@@ -149,14 +149,14 @@ pub enum KeepConfig {
     Across {
         /// The axis across which it lies.
         axis: Axis,
-        /// Its coordinate on that axis [m].
+        /// The coordinate on that axis [m].
         at: f64,
     },
     /// One at an angle.
     Plane {
-        /// Its normal, of any length but 0.
+        /// The normal, of any length but 0.
         normal: [f64; 3],
-        /// Its distance from the origin along the normal [m].
+        /// The distance from the origin along the normal [m].
         at: f64,
     },
 }
@@ -223,7 +223,7 @@ pub enum Interior {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterDesign {
-    /// Its name in the scene's `[parameters]`, or the path of a number of `solver list --numbers`.
+    /// The name in the scene's `[parameters]`, or the path of a number of `solver list --numbers`.
     pub name: String,
     /// Smallest and largest value.
     pub bounds: [f64; 2],

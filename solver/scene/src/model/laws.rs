@@ -22,7 +22,7 @@ pub struct SceneLaw {
     pub config: MaterialConfig,
     /// Law and parameters.
     pub material: Specification,
-    /// Its overstress.
+    /// The overstress.
     pub branches: Vec<Branch>,
 }
 

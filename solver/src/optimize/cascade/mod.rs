@@ -62,7 +62,7 @@ pub struct Finished {
     pub body: Body,
     /// The last level and its last evaluation.
     pub last: (Level, Evaluation),
-    /// Its variables.
+    /// The variables.
     pub theta: Vec<f64>,
     /// Why each level that ended early did.
     pub stopped: Vec<(usize, String)>,

@@ -49,9 +49,9 @@ pub struct Config {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentConfig {
-    /// Its name in tables and pictures.
+    /// The name in tables and pictures.
     pub name: String,
-    /// Its scene, relative to the file.
+    /// The scene, relative to the file.
     pub scene: PathBuf,
     /// The probe of the scene that was measured.
     pub probe: String,

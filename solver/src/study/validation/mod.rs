@@ -30,7 +30,7 @@ pub struct Config {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// Its name in the table.
+    /// The name in the table.
     pub name: String,
     /// Measured table (CSV), relative to the file.
     pub measured: PathBuf,
@@ -78,9 +78,9 @@ pub struct Condition {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// Its name in tables and pictures.
+    /// The name in tables and pictures.
     pub name: String,
-    /// Its steps: report.json or steps.jsonl, relative to the file.
+    /// The steps: report.json or steps.jsonl, relative to the file.
     pub steps: PathBuf,
     /// Whether parameters of it come from these measurements.
     #[serde(default)]

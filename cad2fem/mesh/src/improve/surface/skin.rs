@@ -23,9 +23,9 @@ const WAYS: [f64; 3] = [1.0, 0.5, 0.25];
 /// A boundary facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
-    /// Its corners, counter-clockwise from outside.
+    /// The corners, counter-clockwise from outside.
     pub corners: [usize; 3],
-    /// Its tag.
+    /// The tag.
     pub tag: Option<u32>,
     /// Whether it may change.
     pub moves: bool,

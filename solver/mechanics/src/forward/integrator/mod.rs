@@ -70,11 +70,11 @@ pub struct Formula {
 /// How an earlier state counts in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weights {
-    /// Its displacement [1], velocity [s] and acceleration [s²] in the history.
+    /// The displacement [1], velocity [s] and acceleration [s²] in the history.
     pub history: [f64; 3],
-    /// Its velocity [1] and acceleration [s] in the past velocity.
+    /// The velocity [1] and acceleration [s] in the past velocity.
     pub velocity: [f64; 2],
-    /// Its internal variables in Z° [1].
+    /// The internal variables in Z° [1].
     pub internal: f64,
 }
 

@@ -56,7 +56,7 @@ pub const LAWS: &[Law<dyn Sheet>] = &[linear::LAW, neo_hookean::LAW];
 pub struct Specification {
     /// The law.
     pub law: &'static Law<dyn Sheet>,
-    /// Its parameters.
+    /// The parameters.
     pub values: Vec<f64>,
 }
 

@@ -57,7 +57,7 @@ pub fn conjugate_gradients(
 pub struct Gradients {
     /// The best x.
     pub x: Vec<f64>,
-    /// Its relative residual.
+    /// The relative residual.
     pub residual: f64,
     /// Whether they met a direction of negative curvature.
     curved: bool,

@@ -57,7 +57,7 @@ pub struct NotPositive {
 /// A pivot L_ii² of a factorisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pivot {
-    /// Its value.
+    /// The value.
     pub value: f64,
     /// The largest one.
     pub largest: f64,
