@@ -2,6 +2,7 @@
 
 use mechanics::body::Body;
 use mechanics::contact::barrier::{Barrier, Form};
+use mechanics::contact::density::Density;
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use tests::motion::{Motion, SILICONE, begin};
@@ -55,8 +56,13 @@ fn floor_force(report: &Value, kind: &str) -> Vec3 {
 /// the potential; the floor has no vertices there, another quarter, and no edges,
 /// half of it.
 fn gap_under(pressure: f64) -> f64 {
-    let barrier =
-        Barrier { form: Form::Convergent, activation: ACTIVATION, stiffness: 1e5, thickness: 0.0 };
+    let barrier = Barrier {
+        form: Form::Convergent,
+        density: Density::Log,
+        activation: ACTIVATION,
+        stiffness: 1e5,
+        thickness: 0.0,
+    };
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
         let gap = f64::midpoint(low, high);

@@ -175,7 +175,6 @@ impl Quantity for ContactProxy {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::contact::density::log_barrier;
     use mechanics::math::random::Random;
     use mechanics::testing::cube;
     use mesh::TetMesh;
@@ -212,7 +211,7 @@ mod tests {
         ContactProxy::new(&[], &case.space, parts, repulsion)
     }
 
-    const DENSITIES: [Density; 2] = [Density::Log, Density::Quadratic];
+    const DENSITIES: [Density; 3] = Density::ALL;
 
     /// With the cubes in line, edges are parallel up to a little noise.
     #[test]
@@ -265,9 +264,12 @@ mod tests {
         case.u.fill(0.0);
         let parts = [vec![[0, 1, 2]], vec![[4, 5, 6]]];
         let (d2, range) = (0.01_f64, 0.12_f64);
+        let gap = d2 - range * range;
+        let log = (d2 / (range * range)).ln();
         for (density, slope) in [
-            (Density::Quadratic, 2.0 * (d2 - range * range)),
-            (Density::Log, log_barrier(d2, range * range)[1]),
+            (Density::Quadratic, 2.0 * gap),
+            (Density::Log, -gap * (2.0 * log + gap / d2)),
+            (Density::LogSquared, 2.0 * gap * log * (log + gap / d2)),
         ] {
             let term = proxy(&case, &parts, density, range).unwrap();
             // a third of the area of the triangle, which is 8, and barycentric

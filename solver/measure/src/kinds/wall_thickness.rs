@@ -85,8 +85,8 @@ impl Specification for Keys {
             self.on.all()
         );
         ensure!(
-            self.minimum.is_some() == (self.density == Density::Log),
-            "density = \"log\" needs a minimum [m], \"quadratic\" has none"
+            self.minimum.is_some() == self.density.is_barrier(),
+            "a density that is a barrier, \"log\" or \"log-squared\", needs a minimum [m], \"quadratic\" has none"
         );
         Ok(())
     }
@@ -196,7 +196,7 @@ fn check_apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<(), SidesTo
 
 impl Quantity for WallThickness {
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        if self.limits.density == Density::Quadratic || self.measure == Measure::Deformed {
+        if !self.limits.density.is_barrier() || self.measure == Measure::Deformed {
             return Ok(());
         }
         let (found, minimum) = (self.min_distance(rest), self.limits.minimum);

@@ -1,7 +1,7 @@
 //! The barrier κ σ b(d²) that keeps simulated surfaces apart: its numbers, and how its
 //! pairs are weighted.
 //!
-//! b is the log barrier of [`density`](super::density).
+//! b is a barrier of [`density`](super::density).
 //!
 //! Sources: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6; scale of the
 //! convergent form: Li et al. 2023, "Convergent Incremental Potential Contact",
@@ -62,6 +62,8 @@ impl Form {
 pub struct Barrier {
     /// How pairs are weighted.
     pub form: Form,
+    /// b.
+    pub density: Density,
     /// d̂ [m].
     pub activation: f64,
     /// κ [Pa]; [J/m⁴] in the plain form.
@@ -75,7 +77,7 @@ impl Barrier {
     #[must_use]
     pub fn repulsion(&self) -> Repulsion {
         let (minimum, activation) = (self.thickness, self.activation);
-        Repulsion { density: Density::Log, minimum, activation }
+        Repulsion { density: self.density, minimum, activation }
     }
 
     /// Distance below which it acts, d₀ + d̂ [m].
@@ -101,8 +103,8 @@ mod tests {
     #[test]
     fn pressures_leave_the_known_gaps_for_any_activation() {
         for activation in [1.0, 1e-3, 5e-5] {
-            let form = Form::Convergent;
-            let barrier = Barrier { form, activation, stiffness: 1e5, thickness: 0.0 };
+            let (form, density) = (Form::Convergent, Density::Log);
+            let barrier = Barrier { form, density, activation, stiffness: 1e5, thickness: 0.0 };
             for (pressure, gap) in [(1e2, 0.9935), (1e3, 0.979), (1e4, 0.934), (6e4, 0.833)] {
                 let force = |gap: f64| {
                     let d = gap * activation;

@@ -1,16 +1,22 @@
 //! Densities of a contact potential: functions of a squared distance s that grow as
 //! surfaces come too close.
 //!
-//! log barrier   b(s, ŝ) = −(s − ŝ)² ln(s/ŝ) for 0 < s < ŝ, +∞ for s ≤ 0, else 0
-//! quadratic     q(s, ŝ) = (s − ŝ)²          for s < ŝ, else 0
+//! log           b(s, ŝ) = −(s − ŝ)² ln(s/ŝ)   for 0 < s < ŝ, +∞ for s ≤ 0, else 0
+//! log-squared   c(s, ŝ) = (s − ŝ)² ln²(s/ŝ)   likewise
+//! quadratic     q(s, ŝ) = (s − ŝ)²            for s < ŝ, else 0
 //!
-//! s, ŝ   squared distance and its activation value [m²];   b, q [m⁴]
+//! s, ŝ   squared distance and its activation value [m²];   b, c, q [m⁴]
 //!
 //! With a minimum distance d₀, s = d² − d₀² and ŝ = d̂² + 2 d₀ d̂, so that b acts
-//! for d₀ < d < d₀ + d̂. b is twice continuously differentiable, q once.
+//! for d₀ < d < d₀ + d̂. b is twice continuously differentiable, c three times, q once.
 //!
-//! ∂b/∂ŝ = 2 (s − ŝ) ln(s/ŝ) + (s − ŝ)²/ŝ      ∂²b/∂s∂ŝ = 2 ln(s/ŝ) + 2 (s − ŝ)(1/s + 1/ŝ)
-//! ∂q/∂ŝ = −2 (s − ŝ)                           ∂²q/∂s∂ŝ = −2
+//! With g = s − ŝ and l = ln(s/ŝ):
+//!
+//! ∂b/∂ŝ = 2 g l + g²/ŝ          ∂²b/∂s∂ŝ = 2 l + 2 g (1/s + 1/ŝ)
+//! ∂c/∂ŝ = −2 g l (l + g/ŝ)      ∂²c/∂s∂ŝ = −2 l² − 4 g l (1/s + 1/ŝ) − 2 g²/(s ŝ)
+//! ∂q/∂ŝ = −2 g                  ∂²q/∂s∂ŝ = −2
+//!
+//! A density is a [`Density`] with its row of functions.
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6.
 
@@ -23,8 +29,43 @@ pub enum Density {
     /// A log barrier, infinite where surfaces touch or come closer than they may.
     #[default]
     Log,
+    /// The same, smoother and weaker where it begins.
+    LogSquared,
     /// (d² − d̂²)².
     Quadratic,
+}
+
+/// The functions of a density.
+struct Row {
+    /// Its value and first two derivatives by s.
+    at: fn(f64, f64) -> [f64; 3],
+    /// Derivatives of its value and of its slope by ŝ.
+    by_activation: fn(f64, f64) -> [f64; 2],
+    /// Whether it is infinite where surfaces touch.
+    is_barrier: bool,
+}
+
+impl Density {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Log, Self::LogSquared, Self::Quadratic];
+
+    const fn row(self) -> Row {
+        match self {
+            Self::Log => Row { at: log, by_activation: log_by_activation, is_barrier: true },
+            Self::LogSquared => {
+                Row { at: log_squared, by_activation: log_squared_by_activation, is_barrier: true }
+            }
+            Self::Quadratic => {
+                Row { at: quadratic, by_activation: quadratic_by_activation, is_barrier: false }
+            }
+        }
+    }
+
+    /// Whether it is infinite where surfaces touch or come closer than they may.
+    #[must_use]
+    pub fn is_barrier(self) -> bool {
+        self.row().is_barrier
+    }
 }
 
 /// β(d²): a density with the distances between which it acts.
@@ -50,10 +91,7 @@ impl Repulsion {
     pub fn at(&self, d2: f64) -> [f64; 3] {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
-        match self.density {
-            Density::Log => log_barrier(s, activation),
-            Density::Quadratic => quadratic(s, activation),
-        }
+        (self.density.row().at)(s, activation)
     }
 
     /// The derivatives of β and ∂β/∂d² by d̂ at a squared distance [m²].
@@ -62,11 +100,7 @@ impl Repulsion {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
         let by = 2.0 * (self.activation + self.minimum);
-        match self.density {
-            Density::Log => log_barrier_by_activation(s, activation),
-            Density::Quadratic => quadratic_by_activation(s, activation),
-        }
-        .map(|d| by * d)
+        (self.density.row().by_activation)(s, activation).map(|d| by * d)
     }
 
     /// Whether a squared distance [m²] is not above the smallest that is allowed.
@@ -77,8 +111,7 @@ impl Repulsion {
 }
 
 /// b, ∂b/∂s and ∂²b/∂s²; b is +∞ with derivatives zero for s ≤ 0.
-#[must_use]
-pub fn log_barrier(s: f64, activation: f64) -> [f64; 3] {
+fn log(s: f64, activation: f64) -> [f64; 3] {
     if s <= 0.0 {
         [f64::INFINITY, 0.0, 0.0]
     } else if s < activation {
@@ -91,20 +124,45 @@ pub fn log_barrier(s: f64, activation: f64) -> [f64; 3] {
     }
 }
 
+/// c, ∂c/∂s and ∂²c/∂s²; c is +∞ with derivatives zero for s ≤ 0.
+fn log_squared(s: f64, activation: f64) -> [f64; 3] {
+    if s <= 0.0 {
+        [f64::INFINITY, 0.0, 0.0]
+    } else if s < activation {
+        let (gap, log) = (s - activation, (s / activation).ln());
+        let (product, slope) = (gap * log, log + gap / s);
+        let curvature =
+            2.0 * log * log + 8.0 * product / s + 2.0 * gap * gap * (1.0 - log) / (s * s);
+        [product * product, 2.0 * product * slope, curvature]
+    } else {
+        [0.0; 3]
+    }
+}
+
 /// q, ∂q/∂s and ∂²q/∂s², which jumps at ŝ.
-#[must_use]
-pub fn quadratic(s: f64, activation: f64) -> [f64; 3] {
+fn quadratic(s: f64, activation: f64) -> [f64; 3] {
     let gap = (s - activation).min(0.0);
     [gap * gap, 2.0 * gap, if gap < 0.0 { 2.0 } else { 0.0 }]
 }
 
 /// ∂b/∂ŝ and ∂²b/∂s∂ŝ; zero where b is infinite.
-fn log_barrier_by_activation(s: f64, activation: f64) -> [f64; 2] {
+fn log_by_activation(s: f64, activation: f64) -> [f64; 2] {
     if s <= 0.0 || s >= activation {
         return [0.0; 2];
     }
     let (gap, log) = (s - activation, (s / activation).ln());
     [gap * (2.0 * log + gap / activation), 2.0 * log + 2.0 * gap * (1.0 / s + 1.0 / activation)]
+}
+
+/// ∂c/∂ŝ and ∂²c/∂s∂ŝ; zero where c is infinite.
+fn log_squared_by_activation(s: f64, activation: f64) -> [f64; 2] {
+    if s <= 0.0 || s >= activation {
+        return [0.0; 2];
+    }
+    let (gap, log) = (s - activation, (s / activation).ln());
+    let both = 1.0 / s + 1.0 / activation;
+    let mixed = -2.0 * log * log - 4.0 * gap * log * both - 2.0 * gap * gap / (s * activation);
+    [-2.0 * gap * log * (log + gap / activation), mixed]
 }
 
 /// ∂q/∂ŝ and ∂²q/∂s∂ŝ, which jumps at ŝ.
@@ -119,8 +177,8 @@ mod tests {
 
     #[test]
     fn derivatives_belong_to_their_functions() {
-        let log = (|s| log_barrier(s, 1.0)) as fn(f64) -> [f64; 3];
-        for function in [log, |s| quadratic(s, 1.0)] {
+        for density in Density::ALL {
+            let function = |s: f64| (density.row().at)(s, 1.0);
             for s in [0.01, 0.3, 0.9, 0.999] {
                 let h = 1e-6 * s;
                 let (low, exact, high) = (function(s - h), function(s), function(s + h));
@@ -132,7 +190,7 @@ mod tests {
                 }
             }
         }
-        for density in [Density::Log, Density::Quadratic] {
+        for density in Density::ALL {
             let at = |activation: f64| Repulsion { density, minimum: 0.2, activation };
             for d2 in [0.05, 0.3, 1.2] {
                 let h = 1e-6;
@@ -146,9 +204,14 @@ mod tests {
                 }
             }
         }
-        assert_eq!(log_barrier(1.0, 1.0), [0.0; 3]);
-        assert!(log_barrier(1.0 - 1e-9, 1.0)[2].abs() < 1e-8, "the curvature is continuous");
-        assert_eq!(quadratic(1.0, 1.0), [0.0; 3]);
-        assert_eq!(log_barrier(0.0, 1.0)[0], f64::INFINITY);
+        for density in Density::ALL {
+            let at = |s| (density.row().at)(s, 1.0);
+            assert_eq!(at(1.0), [0.0; 3]);
+            assert_eq!(at(0.0)[0].is_infinite(), density.is_barrier());
+            let jumps = at(1.0 - 1e-9)[2].abs() > 1e-8;
+            assert_eq!(jumps, density == Density::Quadratic, "the curvature is continuous");
+            // it grows as surfaces come closer
+            assert!(at(0.3)[0] > at(0.5)[0] && at(0.5)[1] < 0.0 && at(0.5)[2] > 0.0);
+        }
     }
 }

@@ -253,6 +253,11 @@ impl TimeConfig {
 impl ContactConfig {
     fn check(&self) -> Result<()> {
         let c = self;
+        ensure!(
+            c.barrier.is_barrier(),
+            "[contact]: barrier = \"quadratic\" lets surfaces through each other: expected \"log\" or \
+             \"log-squared\""
+        );
         for (key, unit, value) in [
             ("activation", "m", c.activation),
             ("stiffness", "Pa", c.stiffness),

@@ -1,9 +1,10 @@
 //! `[contact]`: what happens where surfaces meet.
 
-use measure::written::FormSchema;
+use measure::written::{DensitySchema, FormSchema};
 use std::fmt;
 
 use mechanics::contact::barrier::Form;
+use mechanics::contact::density::Density;
 use mechanics::contact::potential::Partners;
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
@@ -59,6 +60,11 @@ pub struct ContactConfig {
     #[serde(default)]
     #[schemars(with = "FormSchema")]
     pub form: Form,
+    /// The barrier as a function of distance: `"log"`, or `"log-squared"`, which is smoother and weaker
+    /// where it begins.
+    #[serde(default)]
+    #[schemars(with = "DensitySchema")]
+    pub barrier: Density,
     /// Which features repel each other.
     #[serde(default)]
     pub pairs: Pairs,

@@ -92,7 +92,7 @@ impl Scene {
         space: &FunctionSpace,
         body: &Body,
     ) -> Barrier {
-        let &ContactConfig { form, thickness, .. } = config;
+        let &ContactConfig { form, barrier: density, thickness, .. } = config;
         let own = &self.body.mesh.vertices;
         let vertices = if own.len() == space.vertex_count() { own } else { &body.mesh.vertices };
         let by_mesh = || {
@@ -103,7 +103,7 @@ impl Scene {
         let activation = config.activation.unwrap_or_else(by_mesh);
         let stiffness = config.stiffness.unwrap_or_else(|| self.largest_shear_modulus());
         log::debug!("[contact]: activation = {activation:.1e} m, stiffness = {stiffness:.3e}");
-        Barrier { form, activation, stiffness, thickness }
+        Barrier { form, density, activation, stiffness, thickness }
     }
 
     /// Surfaces must be farther apart at rest than they may ever come; what is within the

@@ -7,6 +7,7 @@ use mesh::{TetMesh, Vec3, topology};
 
 use super::*;
 use crate::contact::barrier::{Barrier, Form};
+use crate::contact::density::Density;
 use crate::contact::potential::Partners;
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
@@ -214,7 +215,10 @@ impl Case {
         let on = (&facets[..], &bodies[..]);
         let surface = Surface::new(space, on, Vec::new(), self.degree, fixed);
         let (form, thickness) = (Form::Convergent, 0.0);
-        let barrier = Barrier { form, activation: 1.2e-3, stiffness: 1e5, thickness };
+        // both barriers are tried
+        let newmark = self.method == Method::Newmark;
+        let density = if newmark { Density::LogSquared } else { Density::Log };
+        let barrier = Barrier { form, density, activation: 1.2e-3, stiffness: 1e5, thickness };
         Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)
     }
 

@@ -4,6 +4,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::*;
 use crate::contact::barrier::{Barrier, Form};
+use crate::contact::density::Density;
 use crate::contact::potential::Partners;
 use crate::contact::surface::{Obstacle, Surface};
 use crate::element::FunctionSpace;
@@ -46,7 +47,7 @@ fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher 
     let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
     let surface = Surface::new(&space, (&facets, &bodies), vec![obstacle], degree, &fixed);
     let (form, activation, stiffness) = (Form::Convergent, 2e-4, 1e5);
-    let barrier = Barrier { form, activation, stiffness, thickness: 0.0 };
+    let barrier = Barrier { form, density: Density::Log, activation, stiffness, thickness: 0.0 };
     let elements = 0..space.tets().len();
     let mass = if h.is_some() { Inertia::new } else { Inertia::tiny };
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(1e5, 0.35))));

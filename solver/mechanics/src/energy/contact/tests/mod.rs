@@ -2,6 +2,7 @@ use mesh::{SurfaceMesh, TetMesh};
 
 use super::*;
 use crate::contact::barrier::Form;
+use crate::contact::density::Density;
 use crate::contact::surface::Obstacle;
 use crate::contact::terms::Term;
 use crate::element::{FunctionSpace, at};
@@ -134,7 +135,7 @@ impl Scene {
 
 fn barrier(form: Form, activation: f64) -> Barrier {
     let stiffness = if form == Form::Plain { 1e5 / activation.powi(4) } else { 1e5 };
-    Barrier { form, activation, stiffness, thickness: 0.0 }
+    Barrier { form, density: Density::Log, activation, stiffness, thickness: 0.0 }
 }
 
 /// A block on another, turned by so little that their edges are mollified, and a
