@@ -91,10 +91,10 @@ impl Energy for Dead {
         "dead"
     }
     fn value(&self, at: &Iterate) -> f64 {
-        -at.load * self.force.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()
+        -at.time * self.force.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()
     }
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        out.iter_mut().zip(&self.force).for_each(|(o, f)| *o -= at.load * f);
+        out.iter_mut().zip(&self.force).for_each(|(o, f)| *o -= at.time * f);
     }
     fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {

@@ -78,7 +78,7 @@ fn every_term_has_its_derivatives_for_every_degree() {
         for energy in energies(&body, &space) {
             let name = format!("{} P{degree}", energy.name());
             let iterate = |rest: &[Vec3], u: &[f64], f: &mut dyn FnMut(&Iterate)| {
-                f(&Iterate { space: &space, rest, u, load: 0.8, multipliers: &[], step: None });
+                f(&Iterate { space: &space, rest, u, time: 0.8, multipliers: &[], step: None });
             };
             let value = |u: &[f64]| {
                 let mut value = 0.0;
@@ -134,7 +134,7 @@ fn resultants_are_force_times_volume_and_traction_times_area() {
         let resultant = |energy: &dyn Energy| -> Vec3 {
             let mut g = vec![0.0; u.len()];
             energy.add_gradient(
-                &Iterate { space: &space, rest, u: &u, load: 1.0, multipliers: &[], step: None },
+                &Iterate { space: &space, rest, u: &u, time: 1.0, multipliers: &[], step: None },
                 &mut g,
             );
             -(0..space.node_count()).map(|i| at(&g, i)).sum::<Vec3>()

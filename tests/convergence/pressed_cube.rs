@@ -118,7 +118,7 @@ struct FaceNodes {
 
 fn face_nodes(motion: &Motion) -> FaceNodes {
     let rest = &motion.scene.body.mesh.vertices;
-    let load = motion.stepper.progress.load();
+    let load = motion.stepper.progress.time();
     let state = motion.stepper.iterate(&motion.problem, rest);
     let grid = grid_with_fields(&motion.problem.energies, &state);
     let half = 0.5 * EDGE + 0.99 * ACTIVATION - 0.25 * EDGE * load;

@@ -16,9 +16,9 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
                  [[traction]]\non = \"top\"\ntraction = [\"200*t\", 0, 0]\n";
     let timed = simulate(&format!("{HELD}{loads}"));
     let ends = timed.ends();
-    assert_eq!(ends.iter().map(|s| s.load).collect::<Vec<_>>(), [0.5, 1.0, 3.0]);
+    assert_eq!(ends.iter().map(|s| s.time).collect::<Vec<_>>(), [0.5, 1.0, 3.0]);
     for step in ends {
-        let t = step.load;
+        let t = step.time;
         let pressure = 20e3 * (std::f64::consts::PI * t / 6.0).sin();
         // a number is constant from the first step on
         let loads = format!(
@@ -46,11 +46,11 @@ fn a_table_is_the_expression_of_its_lines() {
     let condition = with("\"if(t - 0.1, if(t - 0.3, 30e3, 150e3*(t - 0.1)), 0)\"");
     for other in [expression, condition] {
         for (a, b) in table.ends().iter().zip(other.ends()) {
-            assert!((a.load - b.load).abs() < 1e-15);
+            assert!((a.time - b.time).abs() < 1e-15);
             // until 0.1 s there is nothing but rounding
-            let gap = if a.load < 0.1 { 0.0 } else { difference(&a.u, &b.u) };
-            eprintln!("table against expression at t = {:.2}: {gap:.1e}", a.load);
-            assert!(gap < SAME, "t = {}", a.load);
+            let gap = if a.time < 0.1 { 0.0 } else { difference(&a.u, &b.u) };
+            eprintln!("table against expression at t = {:.2}: {gap:.1e}", a.time);
+            assert!(gap < SAME, "t = {}", a.time);
         }
     }
     assert!(table.ends()[0].u.iter().all(|u| *u == 0.0), "nothing acts before 0.1 s");
@@ -70,10 +70,10 @@ fn a_time_step_is_cut_where_it_is_too_long() {
     let whole = with("[solver]\nfirst_load_step = 1.0\n");
     assert_eq!(whole.solution.steps.len(), 2, "with 30 iterations no cut is needed");
     let between = cut.solution.steps.iter().filter(|s| !s.ends_time_step);
-    assert!(between.clone().count() > 0 && between.clone().all(|s| s.load > 0.0 && s.load < 4.0));
+    assert!(between.clone().count() > 0 && between.clone().all(|s| s.time > 0.0 && s.time < 4.0));
     for (a, b) in cut.ends().iter().zip(whole.ends()) {
-        assert_eq!(a.load, b.load);
-        assert!(difference(&a.u, &b.u) < SAME, "t = {}", a.load);
+        assert_eq!(a.time, b.time);
+        assert!(difference(&a.u, &b.u) < SAME, "t = {}", a.time);
     }
 }
 
@@ -126,7 +126,7 @@ fn supports_follow_expressions_of_the_position() {
         simulate(&format!("{fixed}[time]\nmethod = \"quasistatic\"\nat = [0.7, 1.5]\n"));
     let nodes = simulated.problem.space.node_positions(&simulated.scene.body.mesh.vertices);
     for step in simulated.ends() {
-        let t = step.load;
+        let t = step.time;
         let exact: Vec<f64> = nodes
             .iter()
             .flat_map(|p| {

@@ -229,7 +229,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
     for step in solution.steps.iter().filter(|s| s.ends_time_step) {
         let (volume, rest, now) = gas.state(&step.iterate(&problem, &body.rest));
         let stretch = (volume / rest).cbrt();
-        assert!((stretch / (1.0 + step.load) - 1.0).abs() < 1e-9, "{stretch}");
+        assert!((stretch / (1.0 + step.time) - 1.0).abs() < 1e-9, "{stretch}");
         let exact = incompressible(mu, stretch);
         let error = 100.0 * (now.pressure / exact - 1.0);
         eprintln!("  {stretch:.2} {:.1} {exact:.1} {error:+.2}", now.pressure);

@@ -35,7 +35,7 @@ fn go(motion: &mut Motion) -> (f64, usize) {
     let rest = motion.scene.body.mesh.vertices.clone();
     let (still, end) = (vec![0.0; motion.problem.dofs()], *motion.scene.times().last().unwrap());
     let from = motion.problem.iterate(&rest, &still, 0.0);
-    let to = Iterate { load: end, ..from };
+    let to = Iterate { time: end, ..from };
     let straight = motion.workspace.move_supports(&motion.problem, &to);
     let free = motion.problem.max_step(&from, &Iterate { u: &straight, ..to });
     let mut load_steps = 0;

@@ -110,7 +110,7 @@ impl Case {
             space: &self.space,
             rest,
             u,
-            load: 0.8,
+            time: 0.8,
             multipliers: &MULTIPLIERS,
             step: Some(&self.step),
         }
@@ -214,7 +214,7 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             space: &space,
             rest: &mesh.vertices,
             u: &u,
-            load: 1.0,
+            time: 1.0,
             multipliers: &[],
             step: None,
         };
@@ -273,7 +273,7 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
         space: &space,
         rest: &body.mesh.vertices,
         u: &u,
-        load: 1.0,
+        time: 1.0,
         multipliers: &[],
         step: None,
     };

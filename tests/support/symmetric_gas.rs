@@ -68,7 +68,7 @@ impl SymmetricGas {
         let rest = self.volume(iterate.space, |n| iterate.space.node_position(iterate.rest, n));
         let volume = self.volume(iterate.space, deformed(iterate));
         let multiplier = iterate.multipliers.first().map_or_else(Multiplier::default, |m| *m);
-        (volume, rest, self.gas.at(volume, rest, iterate.load, multiplier))
+        (volume, rest, self.gas.at(volume, rest, iterate.time, multiplier))
     }
 }
 
@@ -100,7 +100,7 @@ impl Energy for SymmetricGas {
     }
     fn constraint(&self, at: &Iterate) -> Option<Constraint> {
         let (volume, rest, _) = self.state(at);
-        let wanted = self.gas.wanted(rest, at.load)?.volume;
+        let wanted = self.gas.wanted(rest, at.time)?.volume;
         let mut gradient = vec![0.0; at.u.len()];
         self.wall.add_wall_gradient(at.space, deformed(at), 1.0, &mut gradient);
         Some(Constraint { multiplier: 0, volume, wanted, gradient })

@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
             arguments.scene.display(),
             diagnosis.message,
-            scene.progress(unreached.load),
+            scene.progress(unreached.time),
             folder.join(failure::STATE).display()
         ))
         .into());
@@ -308,7 +308,7 @@ impl Run<'_> {
         let step = self.stepper.next(self.problem, &mut self.workspace, rest, end)?;
         log::info!(
             "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
-            self.scene.progress(step.load),
+            self.scene.progress(step.time),
             step.newton_iterations,
             step.residual,
             self.start.elapsed().as_secs_f64()

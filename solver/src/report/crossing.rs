@@ -32,7 +32,7 @@ impl Crossing {
         let facets = (body.boundary(), &parts[..]);
         let surface =
             Surface::symmetric(&body.planes, space, facets, Vec::new(), space.degree(), fixed);
-        let x = surface.positions(space, at.rest, at.u, at.load);
+        let x = surface.positions(space, at.rest, at.u, at.time);
         let triangles = &surface.features().triangles;
         let pairs = crossing_pairs(triangles, &x, |_| true);
         let &(first, second) = pairs.first()?;

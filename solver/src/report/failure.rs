@@ -70,14 +70,14 @@ impl Diagnosis {
     ) -> Self {
         let rest = &body.mesh.vertices;
         let attempt = &unreached.attempt;
-        let (space, next) = (&*problem.space, attempt.load);
+        let (space, next) = (&*problem.space, attempt.time);
         let (multipliers, step) = (&attempt.multipliers, Some(&*attempt.step));
-        let (u, load) = (&attempt.reached, unreached.load);
-        let at = Iterate { space, rest, u, load, multipliers, step };
-        let force = unbalanced_force(problem, &Iterate { u: &attempt.u, load: next, ..at });
+        let (u, load) = (&attempt.reached, unreached.time);
+        let at = Iterate { space, rest, u, time: load, multipliers, step };
+        let force = unbalanced_force(problem, &Iterate { u: &attempt.u, time: next, ..at });
         let worst = worst_element(space, rest, &attempt.u, &force, &unreached.failure);
         let zero = vec![0.0; problem.dofs()];
-        let start = Iterate { u: &zero, load: 0.0, ..at };
+        let start = Iterate { u: &zero, time: 0.0, ..at };
         let at_rest = SoftestMode::of(problem, workspace, &start, next - load);
         let reached = SoftestMode::of(problem, workspace, &at, next);
         let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits());
@@ -97,8 +97,8 @@ impl Diagnosis {
             "usable": false,
             "reason": reason,
             "failure": {
-                "load_reached": unreached.load,
-                "load_tried": attempt.load,
+                "load_reached": unreached.time,
+                "load_tried": attempt.time,
                 "residuals": last(&attempt.residuals),
                 "worst_element": worst,
                 "smallest_pivot": pivot(&reached.pivot, problem, rest),
@@ -195,7 +195,7 @@ fn reason(
     rest: &[Vec3],
 ) -> String {
     if !at_rest.floats(bulk_over_shear(scene)) {
-        let reached = scene.progress(unreached.load);
+        let reached = scene.progress(unreached.time);
         return format!("no equilibrium beyond {reached}: {}", unreached.failure);
     }
     let length = |i: usize| at(&at_rest.motion, i).norm();
@@ -206,7 +206,7 @@ fn reason(
         "not enough supports: at rest the body, or a part of it, moves without any force, most at \
          {} along {axis}; nothing beyond {} can be computed",
         point(&space.node_positions(rest)[node]),
-        scene.progress(unreached.load)
+        scene.progress(unreached.time)
     )
 }
 
@@ -224,7 +224,7 @@ fn facts(
     if !residuals.is_empty() {
         facts.push(format!(
             "residuals at {}: {} N",
-            scene.progress(unreached.attempt.load),
+            scene.progress(unreached.attempt.time),
             residuals.join(", ")
         ));
     }
@@ -241,7 +241,7 @@ fn facts(
         let node = problem.dirichlet.free()[unknown] / 3;
         facts.push(format!(
             "smallest pivot at {}: {value:.1e} N/m at {}, largest {largest:.1e} N/m",
-            scene.progress(unreached.load),
+            scene.progress(unreached.time),
             point(&problem.space.node_positions(rest)[node])
         ));
     }
@@ -288,7 +288,7 @@ fn advice(
         ));
         return advice;
     }
-    let load = unreached.attempt.load;
+    let load = unreached.attempt.time;
     let pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
     let pressures: Vec<f64> = pressures.map(|pressure| pressure.at(load)).collect();
     let pressed = pressures.iter().any(|pressure| *pressure > 0.0);

@@ -168,7 +168,7 @@ mod tests {
             space: &space,
             rest: &mesh.vertices,
             u: &u,
-            load: 1.0,
+            time: 1.0,
             multipliers: &[],
             step: None,
         };

@@ -164,7 +164,7 @@ pub fn step(
 ) -> Result<Value> {
     let (energies, at) = (&problem.energies, step.iterate(problem, &body.mesh.vertices));
     let mut report = json!(step);
-    report["t"] = json!(step.load);
+    report["t"] = json!(step.time);
     if scene.config.time.is_some()
         && let Some(report) = report.as_object_mut()
     {

@@ -27,7 +27,7 @@ pub fn sensitivities(
     let contact = problem.energies.contact_forces(&at);
     let reaction = problem.gradient(&at).0;
     let linearization = (n == run.steps()).then(|| workspace.linearize(problem, &at));
-    let (space, u, load) = (at.space, at.u, at.load);
+    let (space, u, load) = (at.space, at.u, at.time);
     let here = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
     let mut found = Vec::new();
     for probe in probes {

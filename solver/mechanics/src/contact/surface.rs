@@ -11,7 +11,7 @@
 //!     boundary, and W selects them.
 //! R, s  reflection in planes of symmetry: the surface is that of the whole, of which each
 //!     copy has the same share of the energy. Points in a plane are their own image
-//! D   prescribed displacement [m] at the load t
+//! D   prescribed displacement [m] at the time t
 //!
 //! Contact is exact for the flat triangles, which differ from curved facets by
 //! O(h²). Topology never changes; rest shape and displacement are arguments.
@@ -207,13 +207,13 @@ impl Surface {
         space: &FunctionSpace,
         rest: &[Vec3],
         u: &[f64],
-        load: f64,
+        time: f64,
     ) -> Vec<Vec3> {
         let moved = self.trace(u);
         let mut x = self.rest(space, rest);
         x.iter_mut().zip(&moved).for_each(|(x, u)| *x += u);
         self.for_each_obstacle_vertex(|v, place, motion| {
-            x[v] += motion.map_or_else(Vec3::zeros, |m| m(place, load));
+            x[v] += motion.map_or_else(Vec3::zeros, |m| m(place, time));
         });
         x
     }

@@ -76,7 +76,7 @@ impl BodyForce {
     fn for_each_point(&self, iterate: &Iterate, elements: Range<usize>, mut f: impl FnMut(&Point)) {
         let (space, table) = (iterate.space, iterate.space.volume_table());
         let varies = self.force.uses_position();
-        let uniform = self.factor * self.force.at(Vec3::zeros(), iterate.load);
+        let uniform = self.factor * self.force.at(Vec3::zeros(), iterate.time);
         let mean = |a: usize| table.values.iter().zip(&table.weights).map(|(v, w)| v[a] * w).sum();
         let means: [Vec<f64>; 1] = [(0..space.nodes_per_element()).map(mean).collect()];
         let (values, weights): (&[Vec<f64>], &[f64]) =
@@ -91,7 +91,7 @@ impl BodyForce {
                 if varies {
                     let position = |n: usize| space.node_position(iterate.rest, n);
                     place = nodes.iter().zip(values).map(|(&n, v)| position(n) * *v).sum();
-                    force = self.factor * self.force.at(place, iterate.load);
+                    force = self.factor * self.force.at(place, iterate.time);
                 }
                 f(&Point { element, tet, nodes, values, weight, volume, place, force });
             }
@@ -146,7 +146,7 @@ impl Energy for BodyForce {
             }
             if varies {
                 let by_place =
-                    self.factor * self.force.gradient(p.place, iterate.load).transpose() * lambda;
+                    self.factor * self.force.gradient(p.place, iterate.time).transpose() * lambda;
                 for (&node, v) in p.nodes.iter().zip(p.values) {
                     add_at(&mut nodal, node, &(-p.weight * p.volume * *v * by_place));
                 }
@@ -165,7 +165,7 @@ impl Energy for BodyForce {
             added -= self.factor * p.weight * p.volume * p.value_of(lambda);
         });
         // as the rest of the force, it is ramped up in the first step
-        let full = |axis: usize| 1.0 - self.force.0[axis].to_come(iterate.load);
+        let full = |axis: usize| 1.0 - self.force.0[axis].to_come(iterate.time);
         vec![by_factor, full(0) * added.x, full(1) * added.y, full(2) * added.z]
     }
 }

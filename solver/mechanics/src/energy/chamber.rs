@@ -41,7 +41,7 @@ impl Chamber {
         let volume = self.wall.volume(iterate.space, x);
         let multiplier =
             self.multiplier.map_or_else(Multiplier::default, |i| iterate.multipliers[i]);
-        (volume, self.gas.at(volume, self.rest_volume(iterate), iterate.load, multiplier))
+        (volume, self.gas.at(volume, self.rest_volume(iterate), iterate.time, multiplier))
     }
 
     /// Adds P λᵀ S at the nodes [N/m]: λᵀ ∂²E/∂u² at fixed pressure.
@@ -61,7 +61,7 @@ impl Chamber {
     /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
     pub fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
         let mu = mu[self.multiplier?];
-        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?;
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?;
         self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
         let rest = rest_positions(iterate);
         self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
@@ -111,7 +111,7 @@ impl Energy for Chamber {
 
     fn constraint(&self, iterate: &Iterate) -> Option<Constraint> {
         let multiplier = self.multiplier?;
-        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.load)?.volume;
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?.volume;
         let x = positions(iterate);
         let volume = self.wall.volume(iterate.space, x);
         let mut gradient = vec![0.0; iterate.u.len()];

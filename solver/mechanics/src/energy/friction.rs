@@ -73,7 +73,7 @@ impl Friction {
     /// Velocities of the collision vertices [m/s].
     fn velocities(&self, at: &Iterate, step: &TimeStep) -> Vec<Vec3> {
         let moved: Vec<f64> = at.u.iter().zip(&step.history).map(|(u, old)| u - old).collect();
-        let mut v = self.surface.motion(at.load - step.h, at.load);
+        let mut v = self.surface.motion(at.time - step.h, at.time);
         v.iter_mut().zip(self.surface.trace(&moved)).for_each(|(v, own)| *v = (*v + own) / step.h);
         v
     }

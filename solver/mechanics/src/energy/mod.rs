@@ -50,9 +50,9 @@ pub struct Iterate<'a> {
     pub rest: &'a [Vec3],
     /// Nodal displacement u [m], three components per node.
     pub u: &'a [f64],
-    /// Load parameter: the time t [s]; in a static scene the fraction of the
+    /// Time t [s]; in a static scene the fraction of the
     /// full load.
-    pub load: f64,
+    pub time: f64,
     /// Multipliers of the chambers with a prescribed volume.
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.

@@ -62,7 +62,7 @@ impl Traction {
     fn for_each_point(&self, iterate: &Iterate, mut f: impl FnMut(&Point)) {
         let table = iterate.space.facet_table();
         let varies = self.traction.uses_position();
-        let uniform = self.traction.at(Vec3::zeros(), iterate.load);
+        let uniform = self.traction.at(Vec3::zeros(), iterate.time);
         let positions = iterate.space.node_positions(iterate.rest);
         for (facet, nodes) in &self.facets {
             let [a, b, c] = facet.map(|v| iterate.rest[v]);
@@ -71,7 +71,7 @@ impl Traction {
                 let (mut place, mut traction) = (Vec3::zeros(), uniform);
                 if varies {
                     place = nodes.iter().zip(values).map(|(&n, v)| positions[n] * *v).sum();
-                    traction = self.traction.at(place, iterate.load);
+                    traction = self.traction.at(place, iterate.time);
                 }
                 f(&Point { facet: *facet, nodes, values, weight, normal, place, traction });
             }
@@ -114,7 +114,7 @@ impl Energy for Traction {
                 add_at(out, p.facet[i], &(density * by));
             }
             if varies {
-                let by_place = self.traction.gradient(p.place, iterate.load).transpose() * lambda;
+                let by_place = self.traction.gradient(p.place, iterate.time).transpose() * lambda;
                 for (&node, v) in p.nodes.iter().zip(p.values) {
                     add_at(&mut nodal, node, &(-p.area() * *v * by_place));
                 }

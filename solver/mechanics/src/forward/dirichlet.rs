@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-/// Displacement [m] of all degrees of freedom at a load; only those of the fixed
+/// Displacement [m] of all degrees of freedom at a time; only those of the fixed
 /// ones are used.
 pub type Motion = Arc<dyn Fn(f64) -> Vec<f64> + Send + Sync>;
 
@@ -65,11 +65,11 @@ impl Dirichlet {
         self.motion.is_some()
     }
 
-    /// Displacement of the fixed degrees of freedom at a load [m]; entries of the
+    /// Displacement of the fixed degrees of freedom at a time [m]; entries of the
     /// others mean nothing.
     #[must_use]
-    pub fn displacement(&self, load: f64) -> Vec<f64> {
-        self.motion.as_ref().map_or_else(|| vec![0.0; self.fixed.len()], |motion| motion(load))
+    pub fn displacement(&self, time: f64) -> Vec<f64> {
+        self.motion.as_ref().map_or_else(|| vec![0.0; self.fixed.len()], |motion| motion(time))
     }
 
     /// The free part of a vector over all degrees of freedom.

@@ -210,7 +210,7 @@ impl Newton {
             let (residual, wanted) = (now.residual, self.wanted(now.scale, peak));
             log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
             workspace.tell(&Event::Iterate {
-                time: at.load,
+                time: at.time,
                 iteration: iterations,
                 residual,
                 wanted,

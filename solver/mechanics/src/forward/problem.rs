@@ -48,7 +48,7 @@ impl Problem {
         Self { multipliers, ..self }
     }
 
-    /// Prescribes the displacement of all degrees of freedom at a load [m]; entries
+    /// Prescribes the displacement of all degrees of freedom at a time [m]; entries
     /// of those that are not fixed are ignored.
     #[must_use]
     pub fn with_motion(mut self, motion: impl Fn(f64) -> Vec<f64> + Send + Sync + 'static) -> Self {
@@ -61,7 +61,7 @@ impl Problem {
     #[must_use]
     pub fn with_displacement(self, displacement: &[f64]) -> Self {
         let full = displacement.to_vec();
-        self.with_motion(move |load| full.iter().map(|u| load * u).collect())
+        self.with_motion(move |time| full.iter().map(|u| time * u).collect())
     }
 
     /// This problem with other degrees of freedom fixed.
@@ -84,11 +84,11 @@ impl Problem {
         3 * self.space.node_count()
     }
 
-    /// A displacement [m] at a load, without a time step and with the multipliers of
+    /// A displacement [m] at a time, without a time step and with the multipliers of
     /// the rest shape.
     #[must_use]
-    pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], load: f64) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load, multipliers: &self.multipliers, step: None }
+    pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Iterate<'a> {
+        Iterate { space: &self.space, rest, u, time, multipliers: &self.multipliers, step: None }
     }
 
     /// Total potential energy [J].
@@ -178,8 +178,8 @@ impl Problem {
 pub struct Configuration<'a> {
     /// Rest vertex positions X [m].
     pub rest: &'a [Vec3],
-    /// Load parameter: the time t [s]; in a static scene the fraction of the full load.
-    pub load: f64,
+    /// Time t [s]; in a static scene the fraction of the full load.
+    pub time: f64,
     /// The step in time that leads here, if there is one.
     pub step: Option<&'a Arc<TimeStep>>,
     /// Displacement u [m], three components per node.
@@ -189,22 +189,22 @@ pub struct Configuration<'a> {
 }
 
 impl<'a> Configuration<'a> {
-    /// A displacement [m] at a load, without a time step and with the multipliers of
+    /// A displacement [m] at a time, without a time step and with the multipliers of
     /// the rest shape.
     #[must_use]
-    pub fn new(problem: &Problem, rest: &'a [Vec3], u: Vec<f64>, load: f64) -> Self {
-        Self { rest, load, step: None, u, multipliers: problem.multipliers.clone() }
+    pub fn new(problem: &Problem, rest: &'a [Vec3], u: Vec<f64>, time: f64) -> Self {
+        Self { rest, time, step: None, u, multipliers: problem.multipliers.clone() }
     }
 
     /// What energies depend on.
     #[must_use]
     pub fn iterate<'b>(&'b self, problem: &'b Problem) -> Iterate<'b> {
-        let Self { rest, load, step, u, multipliers } = self;
+        let Self { rest, time, step, u, multipliers } = self;
         Iterate {
             space: &problem.space,
             rest,
             u,
-            load: *load,
+            time: *time,
             multipliers,
             step: step.map(|step| &**step),
         }

@@ -89,8 +89,8 @@ fn compliance_of(
     next: f64,
 ) -> Option<f64> {
     let (before, _) = workspace.gradient(problem, at);
-    let (after, _) = workspace.gradient(problem, &Iterate { load: next, ..*at });
-    let slope = |(b, a): (&f64, &f64)| (b - a) / (next - at.load);
+    let (after, _) = workspace.gradient(problem, &Iterate { time: next, ..*at });
+    let slope = |(b, a): (&f64, &f64)| (b - a) / (next - at.time);
     let added: Vec<f64> = before.iter().zip(&after).map(slope).collect();
     let force = problem.restrict(&added);
     let mut response = force.clone();

@@ -41,9 +41,9 @@ pub struct Stepping {
 /// One accepted load step.
 #[derive(Clone, Debug, Serialize)]
 pub struct LoadStep {
-    /// Load parameter: the time t [s]; in a static scene the fraction of the
+    /// Time t [s]; in a static scene the fraction of the
     /// full load.
-    pub load: f64,
+    pub time: f64,
     /// Newton iterations.
     pub newton_iterations: usize,
     /// Norm of the unbalanced force [N].
@@ -75,7 +75,7 @@ impl LoadStep {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
         let (u, multipliers) = (&self.u, &self.multipliers);
-        Iterate { space, rest, u, load: self.load, multipliers, step }
+        Iterate { space, rest, u, time: self.time, multipliers, step }
     }
 }
 
@@ -91,10 +91,10 @@ pub struct Solution {
 
 /// No equilibrium at the end of a time step.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("no equilibrium beyond {:.1} % of the load: {failure}", 100.0 * load)]
+#[error("no equilibrium beyond {:.1} % of the load: {failure}", 100.0 * time)]
 pub struct Unreached {
     /// Last load that has an equilibrium.
-    pub load: f64,
+    pub time: f64,
     /// What stopped the next step.
     pub failure: Failure,
     /// The states on both sides of it.
@@ -111,7 +111,7 @@ pub struct Attempt {
     /// The time step that fails.
     pub step: Arc<TimeStep>,
     /// Load that was tried.
-    pub load: f64,
+    pub time: f64,
     /// The last iterate there [m].
     pub u: Vec<f64>,
     /// Residual of each iterate [N].
@@ -131,7 +131,7 @@ pub fn solve_from(
     newton: &Newton,
 ) -> Result<Solution, Failure> {
     workspace.indefinite_starts = 0;
-    let attempt = attempt(problem, workspace, start, start.load, newton);
+    let attempt = attempt(problem, workspace, start, start.time, newton);
     let step = attempt.map_err(|failed| failed.failure)?;
     let newton_iterations = step.newton_iterations;
     Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
@@ -200,16 +200,16 @@ pub(super) fn attempt(
     problem: &Problem,
     workspace: &mut Workspace,
     start: &Configuration,
-    load: f64,
+    time: f64,
     newton: &Newton,
 ) -> Result<LoadStep, Failed> {
     let before = start.iterate(problem);
-    let mut state = Configuration { load, ..start.clone() };
-    state.u = workspace.move_supports(problem, &Iterate { load, ..before });
+    let mut state = Configuration { time, ..start.clone() };
+    state.u = workspace.move_supports(problem, &Iterate { time, ..before });
     let free = workspace.max_step(problem, &before, &state.iterate(problem));
     let (mut residuals, mut pulling) = (Vec::new(), 0);
     if free < 1.0 {
-        let around = pull_supports(problem, workspace, start, load, newton, &mut residuals);
+        let around = pull_supports(problem, workspace, start, time, newton, &mut residuals);
         let Some(placed) = around else {
             let u = start.u.clone();
             return Err(Failed { failure: Failure::Blocked { free }, u, residuals });
@@ -222,11 +222,11 @@ pub(super) fn attempt(
     };
     let Converged { iterations, residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
-        workspace.tell(&Event::AtRoundingFloor { time: load, residual, wanted, floor });
+        workspace.tell(&Event::AtRoundingFloor { time, residual, wanted, floor });
     }
     match certify(problem, workspace, &state.iterate(problem)) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
-            load,
+            time,
             newton_iterations: pulling + iterations,
             residual,
             residual_wanted: wanted,

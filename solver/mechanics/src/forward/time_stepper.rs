@@ -42,8 +42,8 @@ pub struct Progress {
 /// A state that was reached.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reached {
-    /// Load parameter.
-    pub load: f64,
+    /// Time t [s].
+    pub time: f64,
     /// Displacement [m].
     pub u: Vec<f64>,
     /// Multipliers of the chambers with a prescribed volume.
@@ -59,13 +59,13 @@ impl Progress {
 
     /// The load of the last state.
     #[must_use]
-    pub fn load(&self) -> f64 {
-        self.last.last().map_or(0.0, |step| step.load)
+    pub fn time(&self) -> f64 {
+        self.last.last().map_or(0.0, |step| step.time)
     }
 
     fn keep(&mut self, step: LoadStep) {
-        let LoadStep { load, u, multipliers, .. } = step;
-        self.last.push(Reached { load, u, multipliers });
+        let LoadStep { time, u, multipliers, .. } = step;
+        self.last.push(Reached { time, u, multipliers });
         if self.last.len() > STATES {
             self.last.remove(0);
         }
@@ -110,11 +110,11 @@ impl TimeStepper {
     /// The last state that was reached.
     #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
-        let (u, load) = (self.progress.reached(), self.progress.load());
+        let (u, time) = (self.progress.reached(), self.progress.time());
         let step = self.step.as_deref();
         let last = self.progress.last.last();
         let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
-        Iterate { space: &problem.space, rest, u, load, multipliers, step }
+        Iterate { space: &problem.space, rest, u, time, multipliers, step }
     }
 
     /// Goes from time step to time step, which end at `times` [s]: the states at their ends, with
@@ -188,16 +188,16 @@ impl TimeStepper {
                 next => next,
             };
             let ends = next >= 1.0;
-            let load =
+            let time =
                 if ends { end } else { self.progress.time + next * (end - self.progress.time) };
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
-            let start = self.predict(problem, workspace, (rest, &step), load, done == 0.0);
-            match attempt(problem, workspace, &start, load, &newton) {
+            let start = self.predict(problem, workspace, (rest, &step), time, done == 0.0);
+            match attempt(problem, workspace, &start, time, &newton) {
                 Ok(step) => {
                     let step = LoadStep { ends_time_step: ends, ..step };
                     return Ok(self.accept(step, next, (problem, workspace, rest)));
                 }
-                Err(failed) => self.shorten(problem, rest, failed, load)?,
+                Err(failed) => self.shorten(problem, rest, failed, time)?,
             }
         }
     }
@@ -221,7 +221,7 @@ impl TimeStepper {
             let made = self.step.as_ref().expect("it was begun");
             let internal = problem.energies.internal(&step.iterate(problem, rest));
             progress.integrator.accept(made, &step.u, internal);
-            progress.time = step.load;
+            progress.time = step.time;
             progress.done = 0.0;
         }
         step
@@ -236,7 +236,7 @@ impl TimeStepper {
         problem: &Problem,
         rest: &[Vec3],
         failed: Failed,
-        load: f64,
+        time: f64,
     ) -> Result<(), Unreached> {
         let Failed { failure, u, residuals } = failed;
         self.progress.newton_iterations += residuals.len().saturating_sub(1);
@@ -246,15 +246,15 @@ impl TimeStepper {
             _ => 0.5,
         };
         let increment = self.progress.increment;
-        log::debug!("load {load:.4} failed ({failure}); increment {increment:.4}");
+        log::debug!("load {time:.4} failed ({failure}); increment {increment:.4}");
         if increment >= self.stepping.smallest {
             return Ok(());
         }
         let at = self.iterate(problem, rest);
         let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
         let step = self.step.clone().expect("it was begun");
-        let attempt = Attempt { reached, multipliers, step, load, u, residuals };
-        Err(Unreached { load: at.load, failure, attempt: Box::new(attempt) })
+        let attempt = Attempt { reached, multipliers, step, time, u, residuals };
+        Err(Unreached { time: at.time, failure, attempt: Box::new(attempt) })
     }
 
     /// The time step that follows, or that was interrupted.
@@ -274,7 +274,7 @@ impl TimeStepper {
         }
         let start = self.iterate(problem, rest);
         let begun =
-            Iterate { u: &self.progress.integrator.last().u, load: self.progress.time, ..start };
+            Iterate { u: &self.progress.integrator.last().u, time: self.progress.time, ..start };
         let lagged_contacts = problem.lagged_contacts(&begun);
         let step = self.progress.integrator.step(end - self.progress.time);
         let step = Arc::new(TimeStep { lagged_contacts, ..step });
@@ -290,14 +290,14 @@ impl TimeStepper {
         problem: &Problem,
         workspace: &mut Workspace,
         (rest, step): (&'a [Vec3], &'a Arc<TimeStep>),
-        load: f64,
+        time: f64,
         begins: bool,
     ) -> Configuration<'a> {
         let last = Iterate { step: Some(step), ..self.iterate(problem, rest) };
-        let now = Iterate { load, ..last };
+        let now = Iterate { time, ..last };
         let mut best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
         let mut smallest = None;
-        for mut guess in self.extrapolations(&last, load, begins) {
+        for mut guess in self.extrapolations(&last, time, begins) {
             let free = workspace.max_step(problem, &last, &Iterate { u: &guess.u, ..last });
             guess.u.iter_mut().zip(last.u).for_each(|(u, from)| *u = from + free * (*u - from));
             let merit = merit(problem, workspace, &Iterate { u: &guess.u, ..now });
@@ -314,15 +314,15 @@ impl TimeStepper {
         }
         let mut multipliers = last.multipliers.to_vec();
         multipliers.iter_mut().zip(best.pressures).for_each(|(m, p)| m.pressure = p);
-        Configuration { rest, load: last.load, step: Some(step), u: best.u, multipliers }
+        Configuration { rest, time: last.time, step: Some(step), u: best.u, multipliers }
     }
 
     /// Where a guide went, or, at the start of a time step, inertia carries the bodies; else
     /// along a line in the load through the last two states. And along a parabola through
     /// the last three. The first state is the rest shape, where inertia is neglected.
-    fn extrapolations(&self, last: &Iterate, load: f64, begins: bool) -> Vec<Guess> {
+    fn extrapolations(&self, last: &Iterate, time: f64, begins: bool) -> Vec<Guess> {
         let flight = last.step.and_then(|step| step.free_flight.as_ref()).map(|flight| &flight.at);
-        let guided = self.guide.as_ref().and_then(|g| g.motion(last.load, load));
+        let guided = self.guide.as_ref().and_then(|g| g.motion(last.time, time));
         let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
         let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());
         let mut points: Vec<(f64, Guess)> = Vec::new();
@@ -334,11 +334,11 @@ impl TimeStepper {
         }
         points.extend(
             reached.iter().map(|at| {
-                (at.load, Guess { u: at.u.clone(), pressures: pressures(&at.multipliers) })
+                (at.time, Guess { u: at.u.clone(), pressures: pressures(&at.multipliers) })
             }),
         );
         let through = |count: usize| {
-            points.len().checked_sub(count).map(|first| extrapolated(&points[first..], load))
+            points.len().checked_sub(count).map(|first| extrapolated(&points[first..], time))
         };
         let line = match known {
             Some(u) => Some(Guess { u, pressures: pressures(last.multipliers) }),
@@ -372,12 +372,12 @@ fn pressures(multipliers: &[Multiplier]) -> Vec<f64> {
 }
 
 /// The polynomial in the load through some states, at another load (Lagrange).
-fn extrapolated(points: &[(f64, Guess)], load: f64) -> Guess {
+fn extrapolated(points: &[(f64, Guess)], time: f64) -> Guess {
     let sum = |of: fn(&Guess) -> &Vec<f64>| {
         let mut sum = vec![0.0; of(&points[0].1).len()];
         for (i, (own, guess)) in points.iter().enumerate() {
             let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-            let weight: f64 = others.map(|(_, (l, _))| (load - l) / (own - l)).product();
+            let weight: f64 = others.map(|(_, (l, _))| (time - l) / (own - l)).product();
             sum.iter_mut().zip(of(guess)).for_each(|(s, v)| *s += weight * v);
         }
         sum

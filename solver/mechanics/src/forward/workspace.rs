@@ -58,7 +58,7 @@ pub struct Workspace {
 pub struct Linearization {
     id: u64,
     u: Vec<f64>,
-    load: f64,
+    time: f64,
     multipliers: Vec<Multiplier>,
     step: Option<TimeStep>,
 }
@@ -69,7 +69,7 @@ impl Linearization {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let Self { u, multipliers, step, .. } = self;
         let (space, step) = (&problem.space, step.as_ref());
-        Iterate { space, rest, u, load: self.load, multipliers, step }
+        Iterate { space, rest, u, time: self.time, multipliers, step }
     }
 }
 
@@ -256,7 +256,7 @@ impl Workspace {
         Linearization {
             id: self.linearizations,
             u: at.u.to_vec(),
-            load: at.load,
+            time: at.time,
             multipliers: at.multipliers.to_vec(),
             step: at.step.cloned(),
         }
@@ -324,12 +324,12 @@ impl Workspace {
         Some(product)
     }
 
-    /// The displacement with the fixed degrees of freedom where they are at the load,
+    /// The displacement with the fixed degrees of freedom where they are at the time,
     /// and the others moved as the tangent says, so that elements at the supports are
     /// not crushed [m]. Nothing changes where they are already there.
     pub fn move_supports(&mut self, problem: &Problem, at: &Iterate) -> Vec<f64> {
         let (wanted, supports) =
-            (problem.dirichlet.displacement(at.load), problem.dirichlet.supports());
+            (problem.dirichlet.displacement(at.time), problem.dirichlet.supports());
         let (mut u, mut motion) = (at.u.to_vec(), vec![0.0; at.u.len()]);
         for &dof in supports {
             motion[dof] = wanted[dof] - u[dof];

@@ -127,12 +127,12 @@ impl Schedule {
         matches!(&self.written, Written::Expression(e) if e.uses(parameter))
     }
 
-    /// ∂v/∂p by a parameter at a load, where v does not depend on the position.
+    /// ∂v/∂p by a parameter at a time, where v does not depend on the position.
     #[must_use]
-    pub fn by_parameter(&self, parameter: &str, load: f64) -> f64 {
+    pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
         let Written::Expression(expression) = &self.written else { return 0.0 };
-        let now = expression.by_parameter(parameter, load);
-        match self.to_come(load) {
+        let now = expression.by_parameter(parameter, time);
+        match self.to_come(time) {
             0.0 => now,
             to_come => now - to_come * expression.by_parameter(parameter, 0.0),
         }
@@ -152,15 +152,15 @@ impl Schedule {
 
     /// 1 − t/t₁ during the first step, 0 after it.
     #[must_use]
-    pub fn to_come(&self, load: f64) -> f64 {
-        (1.0 - load / self.first).max(0.0)
+    pub fn to_come(&self, time: f64) -> f64 {
+        (1.0 - time / self.first).max(0.0)
     }
 
-    /// v at a load, the time t, where it does not depend on the position; NaN
+    /// v at a time t [s], where it does not depend on the position; NaN
     /// where it is not defined.
     #[must_use]
-    pub fn at(&self, load: f64) -> f64 {
-        self.jet(Vec3::zeros(), load).value
+    pub fn at(&self, time: f64) -> f64 {
+        self.jet(Vec3::zeros(), time).value
     }
 
     /// w and its gradient at a rest position [m] and a time [s].
@@ -169,14 +169,14 @@ impl Schedule {
         self.written.at(position, time)
     }
 
-    /// v and its gradient at a rest position [m] and a load.
+    /// v and its gradient at a rest position [m] and a time.
     #[must_use]
-    pub fn jet(&self, position: Vec3, load: f64) -> Jet {
-        let to_come = self.to_come(load);
+    pub fn jet(&self, position: Vec3, time: f64) -> Jet {
+        let to_come = self.to_come(time);
         if let Written::Number(value) = self.written {
-            return Jet::constant((load / self.first).min(1.0) * value);
+            return Jet::constant((time / self.first).min(1.0) * value);
         }
-        let now = self.written.at(position, load);
+        let now = self.written.at(position, time);
         if to_come == 0.0 {
             return now;
         }
@@ -318,16 +318,16 @@ impl Field {
         self.0.iter().any(Schedule::uses_position)
     }
 
-    /// The vector at a rest position [m] and a load.
+    /// The vector at a rest position [m] and a time.
     #[must_use]
-    pub fn at(&self, position: Vec3, load: f64) -> Vec3 {
-        Vec3::from_fn(|k, _| self.0[k].jet(position, load).value)
+    pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
+        Vec3::from_fn(|k, _| self.0[k].jet(position, time).value)
     }
 
-    /// ∂f_i/∂X_j at a rest position [m] and a load.
+    /// ∂f_i/∂X_j at a rest position [m] and a time.
     #[must_use]
-    pub fn gradient(&self, position: Vec3, load: f64) -> Mat3 {
-        let rows = self.0.each_ref().map(|s| s.jet(position, load).gradient.transpose());
+    pub fn gradient(&self, position: Vec3, time: f64) -> Mat3 {
+        let rows = self.0.each_ref().map(|s| s.jet(position, time).gradient.transpose());
         Mat3::from_rows(&rows)
     }
 }

@@ -292,7 +292,7 @@ impl Scenario {
         let (scene, workspace, times) = (&self.scene, &mut self.workspace, &self.times);
         let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
         let run = stepper.run(problem, workspace, rest, times, self.state_memory, |step| {
-            heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.load)));
+            heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.time)));
         });
         match run {
             Ok(states) => Ok((states, stepper.progress.newton_iterations)),
@@ -315,7 +315,8 @@ impl Scenario {
         let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, load) };
         let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
-        let start = Configuration { rest, load, step: Some(&step), u: u.to_vec(), multipliers };
+        let start =
+            Configuration { rest, time: load, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
         let solution = solve_from(problem, &mut self.workspace, &start, &newton)
             .map_err(|e| self.reject(e))?;

@@ -126,7 +126,7 @@ impl Contact {
     }
 
     fn positions(&self, at: &Iterate) -> Vec<Vec3> {
-        self.surface().positions(at.space, at.rest, at.u, at.load)
+        self.surface().positions(at.space, at.rest, at.u, at.time)
     }
 
     fn rest(&self, at: &Iterate) -> Vec<Vec3> {
@@ -155,7 +155,7 @@ impl Contact {
         ccd::max_step(air, start, end, minimum).min(ccd::max_step(solid, start, end, 0.0))
     }
 
-    /// Largest step length α in [0, 1] for which nothing on the straight path, in u and the load, from
+    /// Largest step length α in [0, 1] for which nothing on the straight path, in u and the time, from
     /// one iterate to another of the same rest shape comes closer than d₀ before α.
     #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {

@@ -311,7 +311,7 @@ mod tests {
     fn bits_are_the_same_for_any_number_of_lanes() {
         let (space, rest, u) = bodies(21);
         let iterate =
-            Iterate { space: &space, rest: &rest, u: &u, load: 1.0, multipliers: &[], step: None };
+            Iterate { space: &space, rest: &rest, u: &u, time: 1.0, multipliers: &[], step: None };
         let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
         let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
         let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];

@@ -25,7 +25,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 1.0, multipliers: &[], step: None }
+        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
     }
 
     fn gradient(&self, elastic: &Elastic, u: &[f64], rest: &[Vec3]) -> Vec<f64> {

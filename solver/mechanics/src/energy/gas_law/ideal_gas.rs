@@ -45,13 +45,13 @@ pub struct IdealGas {
 }
 
 impl GasLaw for IdealGas {
-    fn at(&self, v: f64, rest: f64, load: f64, _: Multiplier) -> Potential {
+    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
         let &Self { ref fill, ambient, exponent } = self;
         if v <= 0.0 {
             let value = f64::INFINITY;
             return Potential { value, pressure: 0.0, stiffness: 0.0, pressure_by_rest: 0.0 };
         }
-        let full = fill.at(load) + ambient;
+        let full = fill.at(time) + ambient;
         let ratio = rest / v;
         let absolute = full * ratio.powf(exponent);
         // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1

@@ -26,8 +26,8 @@ pub struct Isobaric {
 }
 
 impl GasLaw for Isobaric {
-    fn at(&self, v: f64, rest: f64, load: f64, _: Multiplier) -> Potential {
-        let pressure = self.pressure.at(load);
+    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
+        let pressure = self.pressure.at(time);
         Potential { value: -pressure * (v - rest), pressure, stiffness: 0.0, pressure_by_rest: 0.0 }
     }
 

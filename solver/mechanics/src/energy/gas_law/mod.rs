@@ -75,7 +75,7 @@ pub enum Refused {
 pub trait GasLaw: Debug + Send + Sync {
     /// Φ and its derivatives at volume `v` of a chamber with rest volume `rest` [m³], at
     /// a load; `multiplier` is that of a prescribed volume, and ignored by other laws.
-    fn at(&self, v: f64, rest: f64, load: f64, multiplier: Multiplier) -> Potential;
+    fn at(&self, v: f64, rest: f64, time: f64, multiplier: Multiplier) -> Potential;
     /// The one number that it follows over time, the parameter p: pressure, fill, change
     /// or factor.
     fn schedule(&self) -> &Schedule;

@@ -47,13 +47,13 @@ pub enum PrescribedVolume {
 impl PrescribedVolume {
     /// V* and its derivatives.
     #[must_use]
-    pub fn at_load(&self, rest: f64, load: f64) -> Wanted {
+    pub fn at_load(&self, rest: f64, time: f64) -> Wanted {
         match self {
             Self::Change(change) => {
-                Wanted { volume: rest + change.at(load), by_rest: 1.0, by_parameter: 1.0 }
+                Wanted { volume: rest + change.at(time), by_rest: 1.0, by_parameter: 1.0 }
             }
             Self::Factor(factor) => {
-                let factor = factor.at(load) + factor.to_come(load);
+                let factor = factor.at(time) + factor.to_come(time);
                 Wanted { volume: rest * factor, by_rest: factor, by_parameter: rest }
             }
         }
@@ -61,9 +61,9 @@ impl PrescribedVolume {
 }
 
 impl GasLaw for PrescribedVolume {
-    fn at(&self, v: f64, rest: f64, load: f64, multiplier: Multiplier) -> Potential {
+    fn at(&self, v: f64, rest: f64, time: f64, multiplier: Multiplier) -> Potential {
         let Multiplier { pressure, penalty } = multiplier;
-        let Wanted { volume, by_rest, .. } = self.at_load(rest, load);
+        let Wanted { volume, by_rest, .. } = self.at_load(rest, time);
         let gap = v - volume;
         Potential {
             value: (0.5 * penalty * gap - pressure) * gap,
@@ -94,8 +94,8 @@ impl GasLaw for PrescribedVolume {
         None
     }
 
-    fn wanted(&self, rest: f64, load: f64) -> Option<Wanted> {
-        Some(self.at_load(rest, load))
+    fn wanted(&self, rest: f64, time: f64) -> Option<Wanted> {
+        Some(self.at_load(rest, time))
     }
 
     fn boxed(&self) -> Box<dyn GasLaw> {

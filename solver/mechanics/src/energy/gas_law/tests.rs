@@ -46,7 +46,7 @@ fn derivatives_of_the_potential_are_those_of_its_value() {
 #[test]
 fn prescribed_volumes_begin_at_the_rest_volume() {
     for prescribed in [PrescribedVolume::Change(0.8.into()), PrescribedVolume::Factor(1.4.into())] {
-        let wanted = [0.0, 0.5, 1.0, 2.0].map(|load| prescribed.at_load(2.0, load).volume);
+        let wanted = [0.0, 0.5, 1.0, 2.0].map(|time| prescribed.at_load(2.0, time).volume);
         for (found, expected) in wanted.into_iter().zip([2.0, 2.4, 2.8, 2.8]) {
             assert!((found - expected).abs() < 1e-15, "{prescribed:?}: {wanted:?}");
         }

@@ -70,7 +70,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, load: 1.0, multipliers: &[], step: None }
+        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
     }
 
     fn here(&self) -> Iterate<'_> {
@@ -255,7 +255,7 @@ fn a_homogeneous_deformation_has_the_energy_of_the_formula() {
                 space: &space,
                 rest: &mesh.vertices,
                 u: &u,
-                load: 1.0,
+                time: 1.0,
                 multipliers: &[],
                 step: None,
             };

@@ -43,23 +43,23 @@ pub(super) struct Placed {
     pub iterations: usize,
 }
 
-/// Pulls the supports to where they are at a load, from a state that surfaces can
+/// Pulls the supports to where they are at a time, from a state that surfaces can
 /// reach at an earlier one; none where obstacles are blocked, or the places are
 /// not reached. The residual of every iterate [N] is added to `residuals`.
 pub(super) fn pull_supports(
     problem: &Problem,
     workspace: &mut Workspace,
     start: &Configuration,
-    load: f64,
+    time: f64,
     newton: &Newton,
     residuals: &mut Vec<f64>,
 ) -> Option<Placed> {
     let before = start.iterate(problem);
-    let at = Iterate { load, ..before };
+    let at = Iterate { time, ..before };
     if workspace.max_step(problem, &before, &at) < 1.0 {
         return None;
     }
-    let (fixed, places) = (problem.dirichlet.fixed(), problem.dirichlet.displacement(load));
+    let (fixed, places) = (problem.dirichlet.fixed(), problem.dirichlet.displacement(time));
     let is_released = |d: usize| fixed[d] && places[d] != start.u[d];
     let dofs: Vec<usize> = (0..fixed.len()).filter(|&d| is_released(d)).collect();
     if dofs.is_empty() {
@@ -68,7 +68,7 @@ pub(super) fn pull_supports(
     let kept: Vec<bool> = (0..fixed.len()).map(|d| fixed[d] && !is_released(d)).collect();
     let released = problem.with_fixed(&kept);
     let springs = stiff_springs(&released, workspace, &at, &dofs, &places);
-    let state = Configuration { load, ..start.clone() };
+    let state = Configuration { time, ..start.clone() };
     approach(&released, workspace, state, newton, springs, residuals)
 }
 

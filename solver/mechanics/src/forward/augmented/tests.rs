@@ -71,18 +71,18 @@ struct Pusher {
 }
 
 impl Pusher {
-    fn attempt(&mut self, (u, before): (&[f64], f64), load: f64) -> Result<LoadStep, Failed> {
+    fn attempt(&mut self, (u, before): (&[f64], f64), time: f64) -> Result<LoadStep, Failed> {
         let (rest, step, multipliers) = (&self.rest[..], Some(&self.step), Vec::new());
-        let start = Configuration { rest, load: before, step, u: u.to_vec(), multipliers };
-        attempt(&self.problem, &mut self.workspace, &start, load, &NEWTON)
+        let start = Configuration { rest, time: before, step, u: u.to_vec(), multipliers };
+        attempt(&self.problem, &mut self.workspace, &start, time, &NEWTON)
     }
 }
 
-/// How much of the straight path to the supports' places at a load is free.
-fn straight(pusher: &mut Pusher, (start, before): (&[f64], f64), load: f64) -> f64 {
+/// How much of the straight path to the supports' places at a time is free.
+fn straight(pusher: &mut Pusher, (start, before): (&[f64], f64), time: f64) -> f64 {
     let Pusher { problem, workspace, rest, step } = pusher;
     let from = Iterate { step: Some(step), ..problem.iterate(rest, start, before) };
-    let to = Iterate { load, ..from };
+    let to = Iterate { time, ..from };
     let u = workspace.move_supports(problem, &to);
     problem.max_step(&from, &Iterate { u: &u, ..to })
 }
@@ -97,15 +97,15 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
         let one = pusher.attempt((&zero, 0.0), 1.0);
         let one = one.unwrap_or_else(|f| panic!("P{degree}, h {h:?}: {}", f.failure));
 
-        let (mut u, mut load, steps) = (zero, 0.0, 30);
+        let (mut u, mut time, steps) = (zero, 0.0, 30);
         let mut iterations = 0;
         for k in 1..=steps {
             let next = f64::from(k) / f64::from(steps);
-            assert_eq!(straight(&mut pusher, (&u, load), next), 1.0, "step {k}");
-            let step = pusher.attempt((&u, load), next);
+            assert_eq!(straight(&mut pusher, (&u, time), next), 1.0, "step {k}");
+            let step = pusher.attempt((&u, time), next);
             let step = step.unwrap_or_else(|f| panic!("step {k}: {}", f.failure));
             iterations += step.newton_iterations;
-            (u, load) = (step.u, next);
+            (u, time) = (step.u, next);
         }
         let off: Vec<f64> = one.u.iter().zip(&u).map(|(a, b)| a - b).collect();
         let off = norm(&off) / norm(&u);
