@@ -18,8 +18,9 @@ use rayon::prelude::*;
 use super::displacement::{self, Displacement, Moved};
 use super::slivers::exchange;
 
-/// How far an exchange of edges may move the surface, and how thick needles are that are taken out [m].
-const THIN: f64 = 5e-6;
+/// How far an exchange of edges may move the surface, and how thick needles are that are taken out: the least with which
+/// it does not fold [m].
+const THIN: [f64; 3] = [5e-6, 1e-5, 2e-5];
 
 /// Longest edge of a model that is carried, in the longest edge of the facet beside it.
 const LONGEST: f64 = 0.5;
@@ -137,7 +138,7 @@ impl<'a> Fine<'a> {
     ) -> Self {
         let origin = (0..model.triangles.len()).collect();
         let mut fine = Self { surface: model.clone(), origin, tags, moving, moved: Vec::new() };
-        fine.exchange();
+        fine.exchange(THIN[0]);
         let mut around = vec![Vec::new(); model.vertices.len()];
         for (t, triangle) in fine.surface.triangles.iter().enumerate() {
             triangle.iter().for_each(|&v| around[v].push(t));
@@ -236,13 +237,13 @@ impl<'a> Fine<'a> {
     }
 
     /// Exchanges edges of slivers within walls that move.
-    fn exchange(&mut self) {
+    fn exchange(&mut self, tolerance: f64) {
         let Self { surface, origin, tags, moving, .. } = self;
         let wall = |t: usize| {
             let tag = tags[origin[t]];
             moving.contains_key(&tag).then_some(tag)
         };
-        exchange(surface, wall, THIN);
+        exchange(surface, wall, tolerance);
     }
 
     /// Edges at which triangles are folded on each other.
@@ -263,9 +264,15 @@ impl<'a> Fine<'a> {
         for (p, moved) in self.surface.vertices.iter_mut().zip(&self.moved) {
             *p += moved.by;
         }
-        self.exchange();
-        take_out(&mut self.surface, &mut self.origin, THIN);
-        let folds = self.folds();
+        let mut folds = Vec::new();
+        for thin in THIN {
+            self.exchange(thin);
+            take_out(&mut self.surface, &mut self.origin, thin);
+            folds = self.folds();
+            if folds.len() <= before {
+                break;
+            }
+        }
         if folds.len() > before {
             let [a, b] = folds[0].map(|v| self.surface.vertices[v]);
             return Err(CarryError::Folded { count: folds.len() - before, at: (a + b) * 0.5e3 });
