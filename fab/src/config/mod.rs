@@ -145,16 +145,17 @@ table! {
 }
 
 fn methods(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(["auto"].into_iter().chain(Method::ALL.map(Method::name)))
+    one_of_these(["auto"].into_iter().chain(Method::all().into_iter().map(Method::name)))
 }
 
 fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {
     let name = String::deserialize(input)?;
-    let found = Method::ALL.into_iter().find(|method| method.name() == name);
+    let found = Method::named(&name);
     if found.is_some() || name == "auto" {
         return Ok(found);
     }
-    let names = Method::ALL.map(|method| format!("{:?}", method.name())).join(", ");
+    let quoted = |method: Method| format!("{:?}", method.name());
+    let names = Method::all().into_iter().map(quoted).collect::<Vec<_>>().join(", ");
     Err(serde::de::Error::custom(format!("method is {name:?}, must be \"auto\" or one of {names}")))
 }
 
