@@ -2,6 +2,7 @@
 
 mod fixture;
 
+mod carried;
 mod castings;
 mod chambers;
 mod damage;

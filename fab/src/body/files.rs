@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::io::{MshFile, read_surface, read_tets};
 use mesh::{SurfaceMesh, topology};
 
 use super::boundary::{Boundary, chambers_of};
+use super::carried::{Carried, Walls, carry};
 use super::joined::{join, places};
 use super::labels;
 use crate::config::{Casts, Chambers};
@@ -38,8 +39,9 @@ pub struct Body {
 }
 
 impl BodyFiles<'_> {
-    /// The body with the surface that is cast: that which is asked for, else that of the model, if there is one and
-    /// the design did not move its outside; chambers that were designed are those of the design.
+    /// The body with the surface that is cast: that which is asked for, else that of the model, if there is one,
+    /// carried with the design. Where that is not valid, chambers that were designed are those of the design, and so
+    /// is all of it if the outside moved.
     ///
     /// # Errors
     /// If a file cannot be read, the files do not belong together, or the surface cannot be cast.
@@ -48,9 +50,12 @@ impl BodyFiles<'_> {
         let file = read_tets(self.mesh)?;
         let boundary = Boundary::new(&file, chambers).with_context(of_mesh)?;
         let Some(path) = self.model else {
-            let other =
-                "surface = \"model\" in mold.toml: name the surface that was meshed with --model";
-            ensure!(asked != Some(Casts::Model), other);
+            if let Some(asked @ (Casts::Model | Casts::Carried)) = asked {
+                let name = asked.name();
+                bail!(
+                    "surface = {name:?} in mold.toml: name the surface that was meshed with --model"
+                );
+            }
             return Ok(Body { boundary, file });
         };
         let modelled = self.modelled.map(read_tets).transpose()?;
@@ -68,6 +73,15 @@ struct Sources<'a> {
     modelled: Option<MshFile>,
 }
 
+/// The boundary of a mesh as modelled.
+struct Skin<'a> {
+    file: &'a MshFile,
+    facets: Vec<[usize; 3]>,
+    surface: SurfaceMesh,
+    /// For each facet the chamber whose wall it is, if any.
+    chamber: Vec<Option<usize>>,
+}
+
 impl Sources<'_> {
     /// The body with the surface that is cast.
     fn boundary(
@@ -76,34 +90,63 @@ impl Sources<'_> {
         chambers: &Chambers,
         asked: Option<Casts>,
     ) -> Result<Boundary> {
-        let start = self.modelled.as_ref().unwrap_or(self.file);
-        let skin = topology::boundary(&start.mesh);
-        let surface = skin.surface(&start.mesh).0;
-        Boundary::require_near(&surface, &self.model)?;
-        let chamber = chambers_of(&start.mesh, &skin.facets, &start.tags, chambers)?;
-        let designed = self.modelled.is_some();
-        // Walls of a designed body are others than those of its model.
-        let on_mesh = |model| Boundary { beside: (!designed).then_some(model), ..boundary.clone() };
-        if asked == Some(Casts::Mesh) {
-            return Ok(on_mesh(self.model));
+        let skin = Skin::new(self.modelled.as_ref().unwrap_or(self.file), chambers)?;
+        Boundary::require_near(&skin.surface, &self.model)?;
+        let Some(modelled) = &self.modelled else {
+            if asked == Some(Casts::Mesh) {
+                return Ok(Boundary { beside: Some(self.model), ..boundary });
+            }
+            let of = self.labels(&skin, &skin.chamber)?;
+            return boundary.on(&self.model, &of, chambers).with_context(|| self.said());
+        };
+        if matches!(asked, None | Some(Casts::Carried)) {
+            match self.carried(&skin, &boundary, chambers) {
+                Ok(carried) => return Ok(carried),
+                Err(error) if asked.is_some() => return Err(error.context(self.said())),
+                Err(error) => log::warn!(
+                    "{}: it cannot be carried with the design: {error:#}: what moved is cast as the \
+                     tetrahedra have it",
+                    self.path.display()
+                ),
+            }
         }
-        if designed && self.outside_moved(chambers)? {
+        if asked == Some(Casts::Mesh) {
+            return Ok(boundary);
+        }
+        if self.outside_moved(chambers)? {
             let error = "the design moved the outside, so that the model has not its shape";
             ensure!(asked.is_none(), "{error}: {INSTEAD}");
             log::warn!("{error}: the boundary of the tetrahedra is cast");
-            return Ok(on_mesh(self.model));
+            return Ok(boundary);
         }
-        let of = labels::of_model(&self.model, &patches(self.path)?, &surface, &chamber);
-        let said = || format!("{}: this surface is cast; {INSTEAD}", self.path.display());
-        match &self.modelled {
-            None => boundary.on(&self.model, &of, chambers).with_context(said),
-            Some(modelled) => {
-                let modelled = Boundary::new(modelled, chambers)?;
-                let cores = modelled.cores.clone();
-                let outside = modelled.on(&self.model, &of, chambers).with_context(said)?;
-                join(boundary, outside, &cores).with_context(said)
-            }
-        }
+        let of = self.labels(&skin, &skin.chamber)?;
+        let modelled = Boundary::new(modelled, chambers)?;
+        let cores = modelled.cores.clone();
+        let outside = modelled.on(&self.model, &of, chambers).with_context(|| self.said())?;
+        join(boundary, outside, &cores).with_context(|| self.said())
+    }
+
+    fn said(&self) -> String {
+        format!("{}: this surface is cast; {INSTEAD}", self.path.display())
+    }
+
+    /// For each triangle of the model the answer of the facets there.
+    fn labels(&self, skin: &Skin, answers: &[Option<usize>]) -> Result<Vec<Option<usize>>> {
+        Ok(labels::of_model(&self.model, &patches(self.path)?, &skin.surface, answers))
+    }
+
+    /// The body with the surface of the model, carried as the design moved the mesh.
+    fn carried(&self, skin: &Skin, design: &Boundary, chambers: &Chambers) -> Result<Boundary> {
+        let Skin { file, facets, .. } = skin;
+        let tags: Vec<Option<usize>> =
+            facets.iter().map(|facet| file.tags.get(*facet).map(|id| id as usize)).collect();
+        let walls = Walls { modelled: &file.mesh, design: &self.file.mesh, facets, tags: &tags };
+        let Carried { surface, origin } = carry(&self.model, &self.labels(skin, &tags)?, &walls)?;
+        let of = self.labels(skin, &skin.chamber)?;
+        let chamber: Vec<Option<usize>> = origin.into_iter().map(|t| of[t]).collect();
+        let carried = design.clone().on(&surface, &chamber, chambers)?;
+        // Walls of a designed body are others than those of its model.
+        Ok(Boundary { casts: Casts::Carried, beside: None, ..carried })
     }
 
     /// Whether the outside of the design has other vertices than that of the mesh as modelled.
@@ -118,6 +161,15 @@ impl Sources<'_> {
             Some(modelled) => Ok(outside(modelled)? != outside(self.file)?),
             None => Ok(false),
         }
+    }
+}
+
+impl<'a> Skin<'a> {
+    fn new(file: &'a MshFile, chambers: &Chambers) -> Result<Self> {
+        let skin = topology::boundary(&file.mesh);
+        let surface = skin.surface(&file.mesh).0;
+        let chamber = chambers_of(&file.mesh, &skin.facets, &file.tags, chambers)?;
+        Ok(Self { file, facets: skin.facets, surface, chamber })
     }
 }
 

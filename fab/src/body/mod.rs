@@ -1,15 +1,18 @@
-//! The body that is to be molded: its boundary and chambers as closed surfaces, on the mesh or on its model, as far
-//! as a design did not move it, collars around its inlets, sheets laid into it, which way it stands in a mold, what it weighs, and from
+//! The body that is to be molded: its boundary and chambers as closed surfaces, on the mesh or on its model, which is
+//! carried with a design, collars around its inlets, sheets laid into it, which way it stands in a mold, what it weighs, and from
 //! which files it came.
 
 pub mod air;
 pub mod boundary;
+mod carried;
 pub mod collar;
+mod displacement;
 pub mod files;
 mod joined;
 mod labels;
 pub mod layer;
 pub mod layout;
 pub mod orientation;
+mod slivers;
 pub mod source;
 pub mod weight;

@@ -132,7 +132,8 @@ fn write_all(
         let (body, files) = molds.first().expect("a body is cast around the core");
         let file = format!("{}.stl", entry.name);
         let file = folder(body).join(file);
-        let mold = wax_mold(&file, files.surface(&entry.name), &folder(entry), config)?;
+        let mold =
+            wax_mold(&file, files.surface(&entry.name), &folder(entry), (planned.method, config))?;
         let against = Against { design: Some(&file), ..Against::default() };
         mold.prove(&entry.name, against, planned, progress)?;
         mold.write(&folder(entry), pictures)?;
@@ -148,7 +149,12 @@ fn write_all(
 
 /// The mold of a core, given by its file and surface [mm]. It stands with its stub up,
 /// through which the wax is poured.
-fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> Result<MoldFiles> {
+fn wax_mold(
+    file: &Path,
+    core: &SurfaceMesh,
+    folder: &Path,
+    (method, config): (Method, &Config),
+) -> Result<MoldFiles> {
     let vertices = core.vertices.iter().map(|p| p / MM).collect();
     let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };
     let boundary = Boundary::of_surface(surface)?;
@@ -160,7 +166,7 @@ fn wax_mold(file: &Path, core: &SurfaceMesh, folder: &Path, config: &Config) -> 
         ..config.clone()
     };
     let casting = Casting::new("core", &boundary.filled, -Vec3::z(), Portion::Whole, &config)?;
-    let mold = Mold::new(&boundary, &casting.orientation, Method::Wax, &config)?;
+    let mold = Mold::new(&boundary, &casting.orientation, method, &config)?;
     let input = Input::new(file, folder, &config.chamber, CastPart::Core)?;
     MoldFiles::new(&mold, input, &config)
 }

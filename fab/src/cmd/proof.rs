@@ -21,10 +21,6 @@ use crate::plan::report::{ChosenBy, Entry, PlanReport};
 use crate::plan::{Casting, Refused};
 use crate::verify::{Against, LEFT, Line, Status, before_writing, held};
 
-/// Methods whose cores stand on stubs and that `fab` chooses by itself: a core that dissolves stands as
-/// one that is pulled out.
-const ON_STUBS: [Method; 2] = [Method::PullOut, Method::Soluble];
-
 /// Cores that do not stay in their places, with numbers; nothing else is wrong with the mold.
 #[derive(Debug, thiserror::Error)]
 #[error("{refusal}")]
@@ -67,7 +63,10 @@ fn or_next<T>(
         return Err(Unusable(leaning.refusal).into());
     }
     log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.moves);
-    let refused = ON_STUBS.map(|method| Refused { method, reason: leaning.moves.clone() });
+    // A core that dissolves stands as one that is pulled out.
+    let on_stubs = Method::all().into_iter().filter(|method| method.core.stands_on_stub);
+    let refuse = |method| Refused { method, reason: leaning.moves.clone() };
+    let refused: Vec<Refused> = on_stubs.map(refuse).collect();
     let none =
         |error| Unusable(format!("{}; no other method can be used: {error:#}", leaning.refusal));
     let planned = task.plan_without(&refused, planned).map_err(none)?;
@@ -96,7 +95,7 @@ fn molds(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
 /// Whether cores that stand on stubs stay in their places. Molds in which none moves by more than
 /// `limits.sag` are not put together.
 fn require_held(task: &Task, planned: &Planned) -> Result<()> {
-    if !ON_STUBS.contains(&planned.plan.method) || planned.boundary.cores.is_empty() {
+    if !planned.plan.method.core.stands_on_stub || planned.boundary.cores.is_empty() {
         return Ok(());
     }
     for casting in &planned.plan.castings {

@@ -62,7 +62,9 @@ pub enum OutsideShape {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Casts {
-    /// The surface of the model; chambers that a design moved are those of the design.
+    /// The surface of the model, carried as the design moved the tetrahedra.
+    Carried,
+    /// The surface of the model; chambers that a design moved are those of its tetrahedra.
     Model,
     /// The boundary of its tetrahedra.
     #[default]
@@ -74,6 +76,7 @@ impl Casts {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Carried => "carried",
             Self::Model => "model",
             Self::Mesh => "mesh",
         }
@@ -83,7 +86,7 @@ impl Casts {
     #[must_use]
     pub fn other(self) -> Self {
         match self {
-            Self::Model => Self::Mesh,
+            Self::Carried | Self::Model => Self::Mesh,
             Self::Mesh => Self::Model,
         }
     }
@@ -103,9 +106,10 @@ table! {
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
         layers: Vec<String> = Vec::new() => "none", any;
-        /// Which surface is cast: `"model"`, that of the model which `--model` names, with the chambers of a design;
-        /// or `"mesh"`, the boundary of the tetrahedra, which is off the model by up to the mesher's envelope.
-        surface: Option<Casts> = None => "that of the model, if there is one and the design did not move its outside", any;
+        /// Which surface is cast: `"carried"`, that of the model which `--model` names, carried as a design moved the
+        /// mesh; `"model"`, the same with designed chambers as the tetrahedra have them; or `"mesh"`, the boundary of
+        /// the tetrahedra, which is off the model by up to the mesher's envelope.
+        surface: Option<Casts> = None => "that of the model, if there is one, carried with the design", any;
         /// What decides between methods and partings.
         limits: LimitsConfig = LimitsConfig::default() => "a table", any;
         /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
@@ -141,16 +145,17 @@ table! {
 }
 
 fn methods(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(["auto"].into_iter().chain(Method::ALL.map(Method::name)))
+    one_of_these(["auto"].into_iter().chain(Method::all().into_iter().map(Method::name)))
 }
 
 fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {
     let name = String::deserialize(input)?;
-    let found = Method::ALL.into_iter().find(|method| method.name() == name);
+    let found = Method::named(&name);
     if found.is_some() || name == "auto" {
         return Ok(found);
     }
-    let names = Method::ALL.map(|method| format!("{:?}", method.name())).join(", ");
+    let quoted = |method: Method| format!("{:?}", method.name());
+    let names = Method::all().into_iter().map(quoted).collect::<Vec<_>>().join(", ");
     Err(serde::de::Error::custom(format!("method is {name:?}, must be \"auto\" or one of {names}")))
 }
 

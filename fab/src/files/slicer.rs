@@ -9,7 +9,6 @@ use std::path::Path;
 use library::{Printer, PrinterKind, printers};
 use mesh::io::{IoError, write_atomic};
 
-use crate::config::method::Method;
 use crate::files::report::{MoldReport, Part, Role};
 use crate::geometry::overhang::needs_supports;
 
@@ -25,9 +24,6 @@ const BRIM: f64 = 5.0;
 /// A part this many times as high as a square of its area on the bed is wide gets a brim.
 const TALL: f64 = 3.0;
 
-/// What water dissolves, polyvinyl alcohol, and its density [g/cm³].
-const SOLUBLE: (&str, f64) = ("PVA", 1.23);
-
 /// The file of a part, beside its STL file.
 #[must_use]
 pub fn file(part: &Part) -> String {
@@ -39,7 +35,7 @@ pub fn file(part: &Part) -> String {
 #[must_use]
 pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
     let printer = printers().find(report.casting.printer.as_deref()?).ok()?;
-    let printed = part.role == Role::Shell || report.method != Method::Wax;
+    let printed = part.role == Role::Shell || !report.method.core.is_cast();
     (printer.kind == PrinterKind::Filament && printed).then(|| text(printer, report, part))
 }
 
@@ -56,9 +52,9 @@ pub fn write(folder: &Path, report: &MoldReport) -> Result<(), IoError> {
 
 fn text(printer: &Printer, report: &MoldReport, part: &Part) -> String {
     let shell = part.role == Role::Shell;
-    let (plastic, density) = match (shell, report.method) {
-        (false, Method::Soluble) => SOLUBLE,
-        _ => (printer.kind.plastic().0, printer.kind.plastic().1 * 1e-3),
+    let (plastic, density) = match report.method.core.filament().filter(|_| !shell) {
+        Some(filament) => (filament.name, filament.density),
+        None => (printer.kind.plastic().0, printer.kind.plastic().1 * 1e-3),
     };
     let layer = (printer.nozzle / 2.0).clamp(printer.layer[0], printer.layer[1]);
     let supports = needs_supports(part.overhang);

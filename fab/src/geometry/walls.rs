@@ -42,13 +42,14 @@ pub fn thinnest(
     (surface, casts): (&SurfaceMesh, Casts),
     other: Option<&SurfaceMesh>,
 ) -> Option<Wall> {
-    let on = |casts: Casts| move |(thickness, at)| Wall { thickness, at, on: casts.name() };
+    let name = |casts: Casts| if casts == Casts::Mesh { "mesh" } else { "model" };
+    let on = |casts: Casts| move |(thickness, at)| Wall { thickness, at, on: name(casts) };
     let cast = walls::thinnest(surface).map(on(casts));
     let Some(other) = other else { return cast };
     let limit = OFF * diagonal(&other.vertices);
     let other = walls::thinnest_with(surface, other, limit).map(on(casts.other()));
     // Where both are equal, the model is named.
-    let least = if casts == Casts::Model { -ROUNDING } else { ROUNDING };
+    let least = if casts == Casts::Mesh { ROUNDING } else { -ROUNDING };
     match (other, cast) {
         (Some(other), Some(cast)) if cast.thickness > other.thickness + least => Some(cast),
         (other, cast) => other.or(cast),

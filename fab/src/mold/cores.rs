@@ -14,7 +14,6 @@ use super::mount::Mount;
 use super::numbering::Numbers;
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::Config;
-use crate::config::method::Method;
 
 /// A bore that reaches less far into its core than this part of the core's height is
 /// pointed out.
@@ -87,7 +86,7 @@ impl Cores {
             all = all.and(format!("core{}", i + 1), (body, i), key, mount)?;
         }
         all.one_way &= keyed.is_some();
-        Ok(if mount.config.labels && mount.method != Method::Wax { all.numbered() } else { all })
+        Ok(if mount.config.labels && !mount.method.core.is_cast() { all.numbered() } else { all })
     }
 
     /// These and one more, on stubs that have a code and are as for an inlet of that radius, or as wide as
@@ -124,7 +123,7 @@ impl Cores {
             solid = solid.union(&print.stub_solid());
             let holder = shells.last_mut().expect("there are shells");
             holder.solid = holder.solid.difference(&print.socket_solid());
-            if mount.method == Method::Soluble {
+            if mount.method.core.is_bored {
                 let bored = bored(solid, &print, core, mount.config);
                 solid = bored.solid;
                 features.extend(bored.bore);

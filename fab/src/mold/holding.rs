@@ -11,7 +11,6 @@ use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{Contact, SILICONE, Stand};
 use super::mount::Mount;
 use super::piece::{Feature, Piece, Purpose};
-use crate::config::method::Method;
 use crate::config::{Casts, Config, Support};
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
@@ -171,7 +170,8 @@ pub fn hold(
             return Err(none());
         }
         chosen
-    } else if config.core.support == Support::Auto && mount.method != Method::Wax && alone > limit {
+    } else if config.core.support == Support::Auto && !mount.method.core.is_cast() && alone > limit
+    {
         let (offered, places) = site.pins(None);
         tried = Some((places, offered.len()));
         let chosen = pin::choose(&stand, &offered, limit, fits);

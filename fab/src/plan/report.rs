@@ -202,7 +202,7 @@ impl PlanReport {
 #[must_use]
 pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
     let mut entries = Vec::new();
-    if plan.method == Method::Wax {
+    if plan.method.core.is_cast() {
         for i in 0..cores {
             let name = if cores == 1 { "core".into() } else { format!("core{}", i + 1) };
             entries.push(Entry { folder: format!("{name}-mold"), name, casts: Material::Wax });

@@ -9,7 +9,7 @@ use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::body::orientation::Portion;
 use crate::config::Config;
-use crate::config::method::Method;
+use crate::config::method::{Bodies, Castings, JudgedBy, Method};
 use crate::geometry::girth::{self, Passage};
 use crate::geometry::walls::{self, Wall};
 
@@ -61,10 +61,9 @@ impl<'a> Judge<'a> {
         Self { boundary, config, measures, verdicts, refused, halves, flat, wall }
     }
 
-    /// The method that is preferred of those that can be used, and its castings. Wax is as good
-    /// as a soluble core but takes one more casting: it is used only if it is asked for.
+    /// The method that is preferred of those that can be used without being asked for, and its castings.
     pub fn first_possible(&mut self) -> Result<(Method, Vec<Casting>), PlanError> {
-        let wanted = self.candidates().into_iter().filter(|&method| method != Method::Wax);
+        let wanted = self.candidates().into_iter().filter(|method| method.is_automatic);
         for method in wanted {
             if !self.judge(method).possible {
                 continue;
@@ -85,14 +84,14 @@ impl<'a> Judge<'a> {
     /// The methods that concern a body with chambers, or one without.
     fn candidates(&self) -> Vec<Method> {
         let solid = self.boundary.cores.is_empty();
-        let concerns = |method: &Method| match method {
-            Method::Solid => solid,
-            Method::Halves => true,
-            Method::PullOut | Method::OpenTop | Method::Soluble | Method::Wax => !solid,
+        let concerns = |method: &Method| match method.bodies {
+            Bodies::Solid => solid,
+            Bodies::All => true,
+            Bodies::WithChambers => !solid,
         };
-        let mut all = Method::ALL;
+        let mut all = Method::all();
         // What is simplest comes first.
-        all.sort_by_key(|method| *method != Method::Solid);
+        all.sort_by_key(|method| method.bodies != Bodies::Solid);
         all.into_iter().filter(concerns).collect()
     }
 
@@ -141,17 +140,17 @@ impl<'a> Judge<'a> {
     pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
         let (boundary, config) = (self.boundary, self.config);
         self.require_walls()?;
-        match method {
-            Method::Solid | Method::PullOut | Method::Soluble | Method::Wax => {
+        match method.castings {
+            Castings::Body => {
                 let up = layout::up(boundary, config);
                 let up = layout::require_inlets_down(boundary, up)?;
                 Ok(vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?])
             }
-            Method::Halves => {
+            Castings::Halves => {
                 let cut = self.halves().clone();
                 halves(boundary, &cut.normal, cut.offset, config)
             }
-            Method::OpenTop => {
+            Castings::ChamberAndSheet => {
                 let flat = self.flat.as_ref().expect("it was judged possible");
                 chamber_and_sheet(boundary, flat, config)
             }
@@ -170,20 +169,19 @@ impl<'a> Judge<'a> {
     }
 
     fn judge(&mut self, method: Method) -> Verdict {
-        let (possible, reason) = match method {
-            Method::Solid => match self.boundary.cores.len() {
+        let solid = self.boundary.cores.is_empty();
+        let (possible, reason) = match method.judged_by {
+            _ if solid && method.bodies == Bodies::WithChambers => {
+                (false, "the body has no chamber".into())
+            }
+            JudgedBy::NoChamber => match self.boundary.cores.len() {
                 0 => (true, "the body has no chamber".into()),
                 n => (false, format!("the body has {n} chambers to be filled while it is cast")),
             },
-            Method::PullOut | Method::OpenTop | Method::Soluble | Method::Wax
-                if self.boundary.cores.is_empty() =>
-            {
-                (false, "the body has no chamber".into())
-            }
-            Method::PullOut => self.pull_out(),
-            Method::Soluble | Method::Wax => self.inlets(),
-            Method::Halves => self.in_halves(),
-            Method::OpenTop => self.open_top(),
+            JudgedBy::Girth => self.pull_out(),
+            JudgedBy::Inlets => self.inlets(),
+            JudgedBy::HalfCores => self.in_halves(),
+            JudgedBy::FlatWall => self.open_top(),
         };
         let refused = self.refused.iter().find(|refused| refused.method == method);
         let verdict = match refused.filter(|_| possible) {
@@ -375,41 +373,8 @@ fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
     (passage.ratio(), bottleneck)
 }
 
-/// How halves are glued.
-const GLUE_HALVES: &str = "Clean the cut faces with alcohol, wet both with a thin film of the same uncured silicone, and press them together until it has cured: within a day of casting, as cured silicone bonds badly.";
-
 /// What to do with the castings, in order.
 #[must_use]
 pub fn steps(plan: &Plan) -> Vec<String> {
-    let steps: &[&str] = match plan.method {
-        Method::Solid => &["Close the mold and cast the body.", "Take the shells off."],
-        Method::Halves if plan.chambers == 0 => {
-            &["Cast both halves, each over its plate.", GLUE_HALVES]
-        }
-        Method::PullOut => &[
-            "Close the mold around the core and cast it.",
-            "Take the shells off, then pull the core out through the inlet: it must stretch, so wet it with soapy water.",
-        ],
-        Method::Soluble => &[
-            "Print the core of a filament that water dissolves (PVA or BVOH), the rest of any other.",
-            "Close the mold around the core and cast it.",
-            "Take the shells off and leave the body in warm water, flushed through the bore of the core, until nothing of the core is left.",
-        ],
-        Method::Wax => &[
-            "Cast the core of wax in its own mold, and put it into the mold of the body.",
-            "Close the mold around the core and cast it.",
-            "Take the shells off, let the wax melt out through the inlet below the softening point of the printed parts, and rinse with hot water.",
-        ],
-        Method::Halves => &[
-            "Cast both halves, each over the plate that carries its half of the core.",
-            GLUE_HALVES,
-            "A closed chamber takes its tube through a hole that is pierced afterwards, sealed with the same silicone.",
-        ],
-        Method::OpenTop => &[
-            "Cast the chamber over the plate that carries the core, and pour the sheet into its open tray up to the brim.",
-            "Clean the cut faces with alcohol, wet that of the chamber with a thin film of the same uncured silicone, and lay it on the sheet until it has cured: within a day of casting, as cured silicone bonds badly.",
-            "Cut the film of silicone away that closes the inlet, if there is one.",
-        ],
-    };
-    steps.iter().map(|step| (*step).to_string()).collect()
+    (plan.method.steps)(plan.chambers).iter().map(|step| (*step).to_string()).collect()
 }

@@ -1,5 +1,8 @@
-//! The mold has the surface of the CAD where the design did not move it, and that of the tetrahedra as far as those
-//! have that of the CAD.
+//! The mold has the surface of the CAD where the design did not move it, that of the CAD carried along where it did, and
+//! that of the tetrahedra as far as those have that of the CAD.
+//!
+//! Where a carried surface is looked for, it is found the other way round than the mold was made: from the vertices of
+//! the mesh, where the motion is known, to the CAD.
 
 use std::collections::BTreeSet;
 
@@ -8,6 +11,7 @@ use mesh::io::{MshFile, read_surface, read_tets};
 use mesh::{SurfaceMesh, TetMesh, Vec3, measure, place_key, topology};
 
 use super::closed_mold::ClosedMold;
+use super::motion::Motion;
 use super::origins::{Origins, boundary_of};
 use super::{Line, Status, deviation};
 use crate::body::boundary::chambers_of;
@@ -21,6 +25,10 @@ const CAD: f64 = 0.05;
 /// How much more than at those points a distance may be between them [1]. It is no bound: it was raised from 1.05
 /// when a sound body was refused that needs 1.065.
 const BETWEEN: f64 = 1.2;
+
+/// Part of how far the motion bends within a facet by which a carried surface may be farther off: its edges are a
+/// quarter as long [1].
+const BENT: f64 = 0.25;
 
 /// Points of a surface at which distances are measured, besides its vertices.
 const SAMPLES: usize = 20_000;
@@ -44,9 +52,12 @@ pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec
         let pair = MoldAndCad { mold, cavity, origins, model };
         let mut lines = Vec::new();
         if report.input.surface == Casts::Mesh || origins.modelled.is_some() {
-            lines.push(pair.to_cad(name)?);
+            lines.extend(pair.to_cad(name)?);
         }
-        if report.input.surface == Casts::Model {
+        if report.input.surface == Casts::Carried {
+            lines.extend(pair.to_carried()?);
+        }
+        if report.input.surface != Casts::Mesh {
             lines.push(pair.to_design()?);
         }
         Ok(lines)
@@ -68,8 +79,13 @@ struct MoldAndCad<'a> {
 }
 
 impl MoldAndCad<'_> {
+    /// How much larger the mold is than the body, in millimetres for each metre.
+    fn scale(&self) -> f64 {
+        Vec3::from_fn(|i, _| self.mold.report.design_to_mold[0][i]).norm()
+    }
+
     /// The largest distance of the CAD from the mold where the design did not move it.
-    fn to_cad(&self, name: &str) -> Result<Line, String> {
+    fn to_cad(&self, name: &str) -> Result<Option<Line>, String> {
         let Self { mold, cavity, origins, model } = self;
         let report = &mold.report;
         let read = |path| read_tets(path).map_err(|e| e.to_string());
@@ -85,7 +101,8 @@ impl MoldAndCad<'_> {
         let placed = deviation::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
         let bvh = SurfaceBvh::new(cavity);
         let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
-        let off = cast.map(|p| bvh.closest(p).distance).fold(0.0, f64::max);
+        let off = cast.map(|p| bvh.closest(p).distance).reduce(f64::max);
+        let Some(off) = off else { return Ok(None) };
         let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
         line.needed += if unmoved.is_some() { " where nothing moved" } else { "" };
         // The boundary of the tetrahedra was asked for.
@@ -93,23 +110,56 @@ impl MoldAndCad<'_> {
             line.status = Status::Warn;
             line.needed += "; surface = \"model\" casts the CAD";
         }
+        Ok(Some(line))
+    }
+
+    /// The largest distance of the CAD from the mold where vertices of the mesh moved: at its point nearest to each, as
+    /// far from the design there as it was from the mesh as modelled.
+    fn to_carried(&self) -> Result<Option<Line>, String> {
+        let Self { mold, cavity, origins, .. } = self;
+        let report = &mold.report;
+        let Some(motion) = origins.modelled.as_ref().map(|path| Motion::new(path, origins)) else {
+            return Ok(None);
+        };
+        let motion = motion?;
+        let vertices = motion.carried(&self.model);
+        let placed = deviation::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
+        let bvh = SurfaceBvh::new(cavity);
+        let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
+        let off: Vec<(f64, &Vec3)> = cast.map(|p| (bvh.closest(p).distance, p)).collect();
+        let farthest = off.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let line = farthest.map(|(distance, at)| {
+            let name = "surface: mold to CAD that moved";
+            let limit = CAD + BENT * motion.bends() * self.scale() + 2.0 * mold.rounding;
+            let mut line = Line::at_most(name, *distance, limit, "mm");
+            line.needed += &format!(" at {} vertices of the mesh", off.len());
+            line.placed(at)
+        });
         Ok(line)
     }
 
-    /// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher.
+    /// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher, and whose
+    /// facets are flat where the motion bends them.
     fn to_design(&self) -> Result<Line, String> {
         let Self { mold, cavity, origins, model } = self;
         let report = &mold.report;
         let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
-        let scale = Vec3::from_fn(|i, _| report.design_to_mold[0][i]).norm();
         let film = deviation::SURFACE + 2.0 * mold.rounding;
         // The whole design, as the part that is cast may be cut off: where a plane grazes a wall, sections of the two differ by far more than the walls.
         let design = origins.whole(report, Casts::Mesh)?;
         let (there, at) =
             deviation::deviation(cavity, &design, film, |p| is_off_section(p, report, film));
-        let limit = BETWEEN * apart(&modelled, model) * scale + film;
+        let carried = origins.modelled.as_ref().filter(|_| report.input.surface == Casts::Carried);
+        let bends = match carried {
+            Some(path) => Motion::new(path, origins)?.bends(),
+            None => 0.0,
+        };
+        let limit = (BETWEEN * apart(&modelled, model) + bends) * self.scale() + film;
         let mut line = Line::at_most("surface: mold to design", there, limit, "mm").placed(&at);
-        line.needed += ", as the mesh is off the CAD";
+        line.needed += match bends > 0.0 {
+            true => ", as the mesh is off the CAD and its facets are flat",
+            false => ", as the mesh is off the CAD",
+        };
         Ok(line)
     }
 }

@@ -140,6 +140,7 @@ pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
 fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
     match (report.input.surface, &origins.modelled) {
         (Casts::Mesh, _) => "design",
+        (Casts::Carried, _) => "carried CAD",
         (Casts::Model, None) => "CAD",
         (Casts::Model, Some(_)) => "CAD and design",
     }

@@ -17,6 +17,8 @@
 //! - `channels`: places and sizes of features come from the report. That there are enough features is not checked.
 //! - `holding`: places of pins come from the report, what they fill, touch and leave free is measured; `pin::LAND` is
 //!   the limit by which they were placed, and `features::support` computes motions as it did for that.
+//! - `fit` of designed bodies: `body::files` carries the model as for the mold; `cad` compares the mold with model and
+//!   meshes in other ways.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
 //! - `weight`: the density and its formula; volume and area are those of the written surfaces.
@@ -38,6 +40,7 @@ mod fit;
 mod holding;
 mod keying;
 mod layers;
+mod motion;
 mod origins;
 mod printing;
 mod release;

@@ -52,7 +52,7 @@ impl Origins {
     /// # Errors
     /// If a file cannot be read or has changed, or collars do not bound a solid with the body.
     pub fn whole(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
-        let of_model = casts == Casts::Model;
+        let of_model = casts != Casts::Mesh;
         if of_model {
             self.require_unchanged(&report.input)?;
         }
@@ -68,7 +68,7 @@ impl Origins {
     }
 
     fn read(&self, report: &MoldReport, casts: Casts) -> Result<Boundary, String> {
-        let of_model = casts == Casts::Model;
+        let of_model = casts != Casts::Mesh;
         let files = BodyFiles {
             mesh: &self.design,
             model: self.model.as_deref().filter(|_| of_model),
@@ -86,7 +86,7 @@ impl Origins {
             self.require_unchanged(&report.input)?;
             match report.input.surface {
                 Casts::Mesh => read_surface(model).map_err(|e| e.to_string()),
-                Casts::Model => boundary_of(&self.design),
+                Casts::Model | Casts::Carried => boundary_of(&self.design),
             }
         };
         Some(read().map(|surface| deviation::placed(surface, report)))

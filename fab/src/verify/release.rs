@@ -11,7 +11,6 @@ use mesh::solid::Solid;
 
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
-use crate::config::method::Method;
 use crate::geometry::girth::{self, Passage};
 use crate::plan::report::PlanReport;
 
@@ -46,7 +45,7 @@ fn passes(mold: &ClosedMold, core: &Body, plan: Option<&PlanReport>) -> Line {
         _ => (ratio, format!("{ratio:.2} × the inlet's girth of {inlet:.1} mm")),
     };
     match plan.map(|plan| plan.method) {
-        Some(method @ (Method::Soluble | Method::Wax)) => {
+        Some(method) if method.core.vanishes => {
             Line::new(name, true, found, &format!("any, the core is {}", method.name()))
         }
         _ => stretched(mold, name, ratio, found),

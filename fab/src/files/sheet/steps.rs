@@ -7,7 +7,7 @@ use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
 use crate::body::weight::Weight;
-use crate::config::method::Method;
+use crate::config::method::{Castings, Leaving};
 use crate::files::report::{MoldReport, Outline, Role};
 use crate::files::slicer;
 use crate::geometry::MM;
@@ -38,8 +38,8 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
         let [width, depth] = layer.size();
         add(1, format!("{}, cut by `{}`: {width:.1} × {depth:.1} mm", layer.tag, layer.file()));
     }
-    if report.method == Method::Soluble {
-        add(1, "filament that water dissolves (PVA or BVOH), for the core".into());
+    if let Some(filament) = report.method.core.filament() {
+        add(1, format!("{}, for the core", filament.item));
     }
     match &sheet.silicone {
         _ if is_wax(report) => add(1, format!("{:.0} mL of wax", sheet.mix_ml)),
@@ -91,8 +91,8 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let cores = names(report, Role::Core);
     let mut steps = vec![print(report)];
     steps.extend((!report.open).then(|| try_out(report, &cores)));
-    if report.method == Method::Soluble && !cores.is_empty() {
-        steps.push(format!("Print {} of a filament that water dissolves.", and(&cores)));
+    if let Some(filament) = report.method.core.filament().filter(|_| !cores.is_empty()) {
+        steps.push(format!("Print {} of {}.", and(&cores), filament.words));
     }
     steps.push(close(report, &shells, &cores));
     steps.extend(pour(sheet, report));
@@ -116,11 +116,11 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
 
 /// What the face is glued to where the casting is cut.
 fn keep_clean(report: &MoldReport) -> &'static str {
-    match (report.method, &report.input.part) {
-        (Method::OpenTop, CastPart::Below(_)) => {
+    match (report.method.castings, &report.input.part) {
+        (Castings::ChamberAndSheet, CastPart::Below(_)) => {
             "Keep the upper face of the sheet clean: the chamber is glued onto it, as `cast.md` in the folder above says."
         }
-        (Method::OpenTop, _) => {
+        (Castings::ChamberAndSheet, _) => {
             "Keep the cut face clean: the sheet is glued to it, as `cast.md` in the folder above says."
         }
         _ => {
@@ -346,24 +346,8 @@ fn open(sheet: &Sheet, report: &MoldReport, shells: &[&str], cores: &[&str]) -> 
         1 => ("it", "the inlet"),
         _ => ("them", "their inlets"),
     };
-    let out = match report.method {
-        _ if cores.is_empty() || is_wax(report) => None,
-        Method::Soluble => Some(format!(
-            "Leave the body in warm water, flushed through the bore of {}, until nothing of {them} \
-             is left.",
-            and(cores)
-        )),
-        Method::Wax => Some(format!(
-            "Let {} melt out through {inlets}, and rinse with hot water; stay below what \
-             softens the printed parts.",
-            and(cores)
-        )),
-        _ => Some(format!(
-            "Let soapy water or air in between {} and the silicone, and pull {them} out through \
-             {inlets}.",
-            and(cores)
-        )),
-    };
+    let leaving = Leaving { cores: &and(cores), them, inlets };
+    let out = (!cores.is_empty() && !is_wax(report)).then(|| (report.method.core.leaves)(&leaving));
     match close_holes(sheet, report) {
         Some(close) => [off, close].into_iter().chain(out).collect(),
         None => vec![[Some(off), out].into_iter().flatten().collect::<Vec<_>>().join(" ")],
