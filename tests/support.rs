@@ -30,6 +30,8 @@ pub mod motion;
 pub mod polyfem;
 #[path = "support/published.rs"]
 pub mod published;
+#[path = "support/reported.rs"]
+pub mod reported;
 #[path = "support/skip.rs"]
 pub mod skip;
 #[path = "support/symmetric.rs"]

@@ -11,13 +11,14 @@ use tests::workdir::repository;
 const LONGEST: usize = 500;
 
 /// The packages of programs and libraries.
-const PACKAGES: [&str; 13] = [
+const PACKAGES: [&str; 14] = [
     "cad2fem",
     "cad2fem/library",
     "cad2fem/mesh",
     "cad2fem/page",
     "cad2fem/program",
     "cad2fem/render",
+    "cad2fem/reports",
     "tagger",
     "solver",
     "solver/measure",
@@ -268,8 +269,8 @@ fn mechanics_takes_and_gives_values() {
 #[test]
 fn stages_meet_only_in_files() {
     let stages = ["cad2fem", "tagger", "solver", "fab"];
-    let shared = ["library", "mesh", "program", "render"];
-    let of_cad2fem = ["library", "mesh", "page", "program", "render"];
+    let shared = ["library", "mesh", "program", "render", "reports"];
+    let of_cad2fem = ["library", "mesh", "page", "program", "render", "reports"];
     let of_solver = ["measure", "mechanics", "polyfem", "scene"];
     let all_of_solver = [&shared[..], &of_solver].concat();
     let of = |stage: &str| match stage {
@@ -277,12 +278,13 @@ fn stages_meet_only_in_files() {
         "solver" => &all_of_solver,
         _ => &shared[..],
     };
-    let below: [(&str, &[&str]); 9] = [
+    let below: [(&str, &[&str]); 10] = [
         ("cad2fem/library", &[]),
         ("cad2fem/mesh", &[]),
-        ("cad2fem/page", &["mesh", "program"]),
+        ("cad2fem/page", &["mesh", "program", "reports"]),
         ("cad2fem/program", &["mesh"]),
         ("cad2fem/render", &["mesh"]),
+        ("cad2fem/reports", &["program"]),
         ("solver/mechanics", &["mesh"]),
         ("solver/measure", &["mechanics", "mesh", "program"]),
         ("solver/scene", &["library", "measure", "mechanics", "mesh", "program"]),

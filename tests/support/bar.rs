@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use mechanics::forward::{LoadStep, Problem, Solution, solve_in_time};
 use mesh::Vec3;
+use reports::Chamber;
 use scene::Scene;
-use solver::report::results::{self, ChamberReport};
+use solver::report::results;
 
 use crate::{block, tag};
 
@@ -79,7 +80,7 @@ impl Simulated {
 
     /// The chambers at a load step.
     #[must_use]
-    pub fn chambers(&self, step: &LoadStep) -> BTreeMap<String, ChamberReport> {
+    pub fn chambers(&self, step: &LoadStep) -> BTreeMap<String, Chamber> {
         let at = step.iterate(&self.problem, &self.scene.body.mesh.vertices);
         results::chambers(&self.problem.energies, &at)
     }
@@ -89,7 +90,7 @@ impl Simulated {
     /// # Panics
     /// Never for a scene that was solved.
     #[must_use]
-    pub fn last_chambers(&self) -> BTreeMap<String, ChamberReport> {
+    pub fn last_chambers(&self) -> BTreeMap<String, Chamber> {
         let last = self.ends().pop().expect("there is a step");
         self.chambers(&last)
     }

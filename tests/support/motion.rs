@@ -101,8 +101,9 @@ impl Motion {
         let step = self.last.as_ref().expect("a step was made");
         let v = self.stepper.progress.integrator.last().v.clone();
         let v = self.stepper.progress.integrator.method.has_inertia().then_some(&v[..]);
-        results::step(&self.scene, &self.scene.body, &self.problem, step, v)
-            .expect("tags are known")
+        let measured = (&[][..], 0.0);
+        let step = results::step(&self.scene, &self.scene.body, &self.problem, step, v, measured);
+        serde_json::json!(step.expect("tags are known"))
     }
 
     /// ∫ ρ w dX of a nodal field over all bodies, e.g. momentum [kg m/s].

@@ -8,6 +8,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 pub use crate::judges::python;
+use crate::reported;
 
 /// A folder that vanishes with the test, and the programs to run in it.
 pub struct Workdir {
@@ -145,7 +146,22 @@ impl Workdir {
     /// When the program cannot be started.
     #[must_use]
     pub fn solver(&self, arguments: &str) -> Run {
-        self.command(arguments).output().expect("the program starts").into()
+        let run = self.command(arguments).output().expect("the program starts").into();
+        self.check_report(arguments);
+        run
+    }
+
+    /// Asserts that the report of a simulation has what its schema says.
+    fn check_report(&self, arguments: &str) {
+        let mut words = arguments.split_whitespace().skip_while(|word| *word != "simulate");
+        let folder = words.find(|word| *word == "-o").and_then(|_| words.next());
+        let path = folder.map(|folder| self.path(folder).join("report.json"));
+        let text = path.and_then(|path| std::fs::read_to_string(path).ok());
+        let report = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+        // other files of that name were there before, and stay where a run is refused
+        if let Some(report) = report.filter(|report| report["config"].is_object()) {
+            reported::check(&report);
+        }
     }
 
     /// Runs `solver` with a limit on the size of files [KiB], which stands for a

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use maud::{Markup, html};
 use mesh::io::read_text;
+use reports::{Chamber, End, ErrorBar};
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::prose::{digits, markdown, quantity};
@@ -57,10 +59,14 @@ fn below(path: &Path, folder: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).display().to_string()
 }
 
-/// The largest displacement of a report [m].
-fn largest_displacement(report: &Value) -> Option<f64> {
-    let tags = report["tags"].as_object()?.values();
-    tags.filter_map(|tag| tag["max_displacement"].as_f64()).reduce(f64::max)
+/// What the report of a simulation has of the state at the end, if there is one.
+fn end_of(report: &Value) -> Option<End> {
+    End::deserialize(report).ok()
+}
+
+/// The largest displacement of a tag [m].
+fn largest_displacement(end: &End) -> Option<f64> {
+    end.tags.values().map(|tag| tag.max_displacement).reduce(f64::max)
 }
 
 /// What simulations and optimisations found, and the probes with their error bars.
@@ -71,29 +77,24 @@ pub fn results(survey: &Survey) -> Result<Markup> {
     let (mut rows, mut probes) = (Vec::new(), Vec::new());
     for folder in &survey.runs {
         let report = read_json(&folder.join("report.json"))?;
-        let chambers: Vec<String> = report["chambers"]
-            .as_object()
-            .into_iter()
-            .flatten()
-            .map(|(tag, c)| {
-                let of = |key: &str, unit| {
-                    c[key].as_f64().map_or_else(String::new, |v| quantity(v, unit))
-                };
-                let (rest, now) = (of("volume_rest", "m3"), of("volume", "m3"));
-                format!("{tag}: {}, {rest} → {now}", of("pressure", "Pa"))
-            })
-            .collect();
-        let largest = largest_displacement(&report).map(|u| quantity(u, "m"));
-        let time = report["wall_s"].as_f64().map(|t| format!("{} s", digits(t)));
+        let end = end_of(&report);
+        let end = end.as_ref();
+        let chamber = |(tag, c): (&String, &Chamber)| {
+            let (rest, now) = (quantity(c.volume_rest, "m3"), quantity(c.volume, "m3"));
+            format!("{tag}: {}, {rest} → {now}", quantity(c.pressure, "Pa"))
+        };
+        let chambers = end.map(|end| end.chambers.iter().map(chamber).collect::<Vec<_>>());
+        let largest = end.and_then(largest_displacement).map(|u| quantity(u, "m"));
+        let time = end.map(|end| format!("{} s", digits(end.wall_s)));
         rows.push(vec![
             html! { (name(folder)) },
             html! { (text(&report["status"])) },
             html! { (largest.unwrap_or_default()) },
-            lines(&chambers),
+            lines(&chambers.unwrap_or_default()),
             html! { (text(&report["tets"])) },
             html! { (time.unwrap_or_default()) },
         ]);
-        probe_rows(&name(folder), &report, &mut probes);
+        end.into_iter().for_each(|end| probe_rows(&name(folder), end, &mut probes));
     }
     let heads = ["simulation", "status", "largest displacement", "chambers", "tetrahedra", "time"];
     let probe_heads = ["simulation", "probe", "value", "may be off by", "because of"];
@@ -105,24 +106,22 @@ pub fn results(survey: &Survey) -> Result<Markup> {
     Ok(section("results", "Results", &content))
 }
 
-fn probe_rows(run: &str, report: &Value, rows: &mut Vec<Vec<Markup>>) {
-    for (probe, found) in report["probes"].as_object().into_iter().flatten() {
-        let unit = found["unit"].as_str().unwrap_or_default();
-        let bars = &report["error_bars"][probe];
-        let change = |bar: &Value| {
-            let of = |i: usize| bar[i].as_f64().map_or_else(String::new, |v| quantity(v, unit));
-            if bar.is_array() { format!("{} to {}", of(0), of(1)) } else { String::new() }
+fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
+    for (probe, found) in end.probes.iter().flatten() {
+        let bars = end.error_bars.as_ref().and_then(|bars| bars.get(probe));
+        let number = |value: f64| quantity(value, &found.unit);
+        let each = bars.iter().flat_map(|bars| &bars.bars).filter(|bar| bar.on.is_none());
+        let reason = |bar: &ErrorBar| {
+            let [down, up] = bar.change.map(number);
+            format!("{}: {down} to {up}", bar.of)
         };
-        let each = bars["bars"].as_array().into_iter().flatten().filter(|bar| bar["on"].is_null());
-        let reasons: Vec<String> =
-            each.map(|bar| format!("{}: {}", text(&bar["of"]), change(&bar["change"]))).collect();
-        let together = bars["together"].as_f64().map(|v| format!("± {}", quantity(v, unit)));
-        let value = found["value"].as_f64().map(|v| quantity(v, unit));
+        let reasons: Vec<String> = each.map(reason).collect();
+        let together = bars.map(|bars| format!("± {}", number(bars.together)));
         rows.push(vec![
             html! { (run) },
             html! { (probe) },
-            html! { (value.unwrap_or_default()) },
-            html! { (together.unwrap_or_else(|| change(&bars["together"]))) },
+            html! { (number(found.value)) },
+            html! { (together.unwrap_or_default()) },
             lines(&reasons),
         ]);
     }
@@ -291,7 +290,7 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
     let mut moved = Vec::new();
     for folder in &survey.runs {
         let report = read_json(&folder.join("report.json"))?;
-        if let Some(u) = largest_displacement(&report) {
+        if let Some(u) = end_of(&report).as_ref().and_then(largest_displacement) {
             moved.push(format!("{} {}", quantity(u, "m"), name(folder)));
         }
     }

@@ -4,12 +4,14 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use mesh::io::IoError;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::sha256_file;
 
 /// A file that a result was made from.
-#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct InputFile {
     /// In a report relative to the report's folder, so that it is found from everywhere.
     pub path: PathBuf,

@@ -1,13 +1,12 @@
 //! The program `solver`, run on a body and read back.
 
-use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use program::{Change, Process};
-use serde::Deserialize;
+use reports::Simulation;
 
 /// How to simulate a body.
 #[derive(Clone, Debug)]
@@ -20,26 +19,6 @@ pub struct Solver {
     pub body: Option<String>,
     /// Other values of the scene.
     pub changes: Vec<Change>,
-}
-
-/// What is read of the solver's report.
-#[derive(Deserialize)]
-struct SolverReport {
-    usable: bool,
-    chambers: BTreeMap<String, Chamber>,
-    tags: BTreeMap<String, Tag>,
-}
-
-#[derive(Deserialize)]
-struct Chamber {
-    volume: f64,
-    pressure: f64,
-}
-
-#[derive(Deserialize)]
-struct Tag {
-    mean_displacement: f64,
-    max_displacement: f64,
 }
 
 impl Solver {
@@ -73,15 +52,16 @@ impl Solver {
 
 fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
     let text = mesh::io::read_text(path)?;
-    let report: SolverReport =
+    let report: Simulation =
         serde_json::from_str(&text).with_context(|| path.display().to_string())?;
-    ensure!(report.usable, "{}: the result may not be used", path.display());
+    let end = report.end.filter(|_| report.usable);
+    let end = end.with_context(|| format!("{}: the result may not be used", path.display()))?;
     let mut found = Vec::new();
-    for (name, chamber) in &report.chambers {
+    for (name, chamber) in &end.chambers {
         found.push((format!("chambers.{name}.volume"), "m³", chamber.volume));
         found.push((format!("chambers.{name}.pressure"), "Pa", chamber.pressure));
     }
-    for (name, tag) in &report.tags {
+    for (name, tag) in &end.tags {
         found.push((format!("tags.{name}.mean_displacement"), "m", tag.mean_displacement));
         found.push((format!("tags.{name}.max_displacement"), "m", tag.max_displacement));
     }

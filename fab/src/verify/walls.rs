@@ -7,6 +7,8 @@ use library::silicones;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
 use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
+use program::InputFile;
+use reports::OneOrList;
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
@@ -109,22 +111,7 @@ struct LoadStep {
 /// What was simulated.
 #[derive(Deserialize)]
 struct Inputs {
-    mesh: Meshes,
-}
-
-/// The mesh of the only body, or those of several.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Meshes {
-    One(Fingerprint),
-    Several(Vec<Fingerprint>),
-}
-
-/// A file, as it was when it was read.
-#[derive(Deserialize)]
-struct Fingerprint {
-    path: String,
-    sha256: String,
+    mesh: OneOrList<InputFile>,
 }
 
 /// Principal stretches of all elements.
@@ -153,7 +140,7 @@ pub fn inflated(design: &Input, casting: &CastingConfig, folder: &Path) -> Vec<L
         format!("usable: {}", report.usable),
         "a result that may be used",
     )];
-    let body = same_body(design, report.inputs.mesh);
+    let body = same_body(design, &report.inputs.mesh);
     let other = body.status == Status::Fail;
     lines.push(body);
     if other {
@@ -178,16 +165,14 @@ pub fn inflated(design: &Input, casting: &CastingConfig, folder: &Path) -> Vec<L
 }
 
 /// What was simulated is what is molded.
-fn same_body(design: &Input, simulated: Meshes) -> Line {
-    let meshes = match simulated {
-        Meshes::One(mesh) => vec![mesh],
-        Meshes::Several(meshes) => meshes,
-    };
+fn same_body(design: &Input, simulated: &OneOrList<InputFile>) -> Line {
+    let meshes = simulated.all();
     let same = meshes.iter().any(|mesh| mesh.sha256 == design.sha256);
-    let named =
-        |path: &str, sha256: &str| format!("{path}, sha256 {}", sha256.get(..12).unwrap_or(sha256));
+    let named = |path: &Path, sha256: &str| {
+        format!("{}, sha256 {}", path.display(), sha256.get(..12).unwrap_or(sha256))
+    };
     let found: Vec<String> = meshes.iter().map(|mesh| named(&mesh.path, &mesh.sha256)).collect();
-    let needed = named(&design.path.display().to_string(), &design.sha256);
+    let needed = named(&design.path, &design.sha256);
     Line::new("inflated: body", same, found.join("; "), &format!("the run of {needed}"))
 }
 

@@ -76,8 +76,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write(folder, &scene, &finished)?;
     let mut report = report(folder, &finished, start)?;
     add_probes(&mut report, folder, &scene, &design)?;
-    let files = [("design", &file), ("scene", &scene.file)];
-    let (mut inputs, set) = results::provenance(folder, &files, &scene)?;
+    let (inputs, set) = results::provenance(folder, Some(&file), &scene)?;
+    let mut inputs = json!(inputs);
     for (kind, paths) in named_files(&file, &design) {
         let files = paths.iter().map(|path| InputFile::new(path, folder));
         let files = files.collect::<Result<Vec<_>, _>>()?;
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(crossing) = &crossing {
         report["usable"] = json!(false);
         report["status"] = json!("surfaces_crossed");
-        report["crossing"] = crossing.report();
+        report["crossing"] = json!(crossing.report());
     }
     program::write_json(&folder.join("report.json"), &report)?;
     let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
@@ -391,7 +391,7 @@ fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
         report["scenarios_after"] = last["scenarios"].clone();
     }
     if !finished.body.planes.is_empty() {
-        report["symmetry"] = results::symmetry(&finished.body);
+        report["symmetry"] = json!(results::symmetry(&finished.body));
     }
     Ok(report)
 }

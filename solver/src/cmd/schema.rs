@@ -1,4 +1,4 @@
-//! `solver schema`: the files that it reads.
+//! `solver schema`: the files that it reads, and the report that it writes.
 
 use program::schema::Format;
 use scene::config::{DesignConfig, SimConfig};
@@ -12,4 +12,5 @@ pub const FORMATS: &[Format] = &[
     Format::of::<calibration::Config>("calibrate", "calibrate.toml"),
     Format::of::<validation::Config>("validation", "validation.toml"),
     Format::of::<as_cast::Measured>("measured", "measured.toml"),
+    Format::of_report::<reports::Simulation>("report", "report.json of simulate"),
 ];

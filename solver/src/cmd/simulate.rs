@@ -12,11 +12,10 @@ use mechanics::energy::Iterate;
 use mechanics::forward::{
     LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
 };
-use mechanics::stretch::Stretches;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
-use scene::{Scene, law_table, log_share, memory};
-use serde_json::{Value, json};
+use reports::{AsCast, End, ErrorBars, Simulation, Status};
+use scene::{Scene, log_share, memory};
 
 use crate::number;
 use crate::report::crossing::Crossing;
@@ -26,9 +25,10 @@ use crate::report::leap::leap;
 use crate::report::locking;
 use crate::report::record::{Checkpoint, Finished, Recorder, STEPS, Work};
 use crate::report::results;
+use crate::report::simulation;
 use crate::report::summary;
 use crate::report::writer::{Writer, write_beside};
-use crate::study::as_cast::{self, AsCast};
+use crate::study::as_cast;
 use crate::study::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
@@ -75,17 +75,9 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
-    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
-    scene.certify = !arguments.no_certify;
-    if arguments.curve {
-        scene.config.solver.step_for_curves();
-    }
-    let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
-    let as_cast = as_cast.transpose()?;
-    as_cast.iter().flat_map(AsCast::in_words).for_each(|line| log::info!("{line}"));
+    let (scene, as_cast) = read(arguments)?;
     let begin = Instant::now();
-    let (problem, mut workspace) = scene.problem(&scene.body)?;
+    let (problem, workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     check_loads(&scene)?;
     uncertainty::check(&scene)?;
@@ -95,52 +87,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     remove_stale(folder, done)?;
-    let silicones = scene.laws.iter().filter_map(|law| law.config.silicone());
-    for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
-        log::info!("{line}");
-    }
-    locking::foresee(&scene);
-    scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
-    scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
-    log::info!(
-        "{} tets, degree {}, {}",
-        scene.body.mesh.tets.len(),
-        scene.config.degree,
-        workspace.memory().describe(memory::available())
-    );
-    log_share(&scene.body);
+    announce(&scene, &workspace);
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
     let steps = steps_of(&scene, arguments, time_steps_done);
     let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
-    let mut stepper = TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
+    let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     let pictures = !arguments.final_only;
     let mut recorder =
         Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
-    let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
-    if let Some(checkpoint) = checkpoint {
-        let steps = if timed { "time steps" } else { "load steps" };
-        log::info!("continuing after {} {steps}", checkpoint.steps);
-        workspace.set_couplings(&problem, checkpoint.couplings);
-        workspace.timings = checkpoint.timings;
-        stepper.progress = checkpoint.progress;
-    }
-    let mut report = header(&scene, &problem, arguments)?;
-    if let Some(as_cast) = as_cast {
-        report["as_cast"] = json!(as_cast);
-    }
-    let states = all_states(&scene, &stepper, time_steps_done);
-    let mut run = Run {
-        scene: &scene,
-        problem: &problem,
-        probes: &probes,
-        workspace,
-        stepper,
-        states,
-        done,
-        start: Instant::now(),
-    };
+    let mut run = Run::new(&scene, (&problem, workspace, &probes), checkpoint);
+    let mut report = simulation::begun(&scene, &problem, folder)?;
+    report.as_cast = as_cast;
     let checkpoint = |run: &Run, steps: usize| Checkpoint {
         inputs: inputs.clone(),
         steps,
@@ -156,53 +115,68 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_beside(&mut recorder, |writer| run.go(steps, writer, checkpoint))?;
     run.workspace.timings.output += waited;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
-    report["steps"] = json!(recorder.lines);
+    report.steps.clone_from(&recorder.lines);
     // at the end, as contact adds entries
-    let workspace = &run.workspace;
-    report["factor_entries"] = json!(workspace.linear().factor_len());
-    report["memory_estimate_mb"] = json!(workspace.memory().bytes as f64 / f64::from(1 << 20));
+    report.factor_entries = run.workspace.linear().factor_len();
+    report.memory_estimate_mb = run.workspace.memory().bytes as f64 / f64::from(1 << 20);
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {
-        let solver = (&problem, &mut run.workspace);
-        let diagnosis = Diagnosis::new(&scene, &scene.body, solver, &unreached);
-        diagnosis.write_state(folder)?;
-        merge(&mut report, &diagnosis.report);
-        program::write_json(&folder.join("report.json"), &report)?;
-        return Err(Unusable(format!(
-            "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
-            arguments.scene.display(),
-            diagnosis.message,
-            scene.progress(unreached.time),
-            folder.join(failure::STATE).display()
-        ))
-        .into());
+        return Err(run.failed(report, arguments, &unreached)?);
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
+    write_end(folder, &problem, &end)?;
+    let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
+    found.error_bars = run.error_bars();
+    found.wall_s = before_s + start.elapsed().as_secs_f64();
+    found.peak_rss_mb = program::peak_rss_mb();
+    if crossing.is_some() {
+        (report.usable, report.status) = (false, Status::SurfacesCrossed);
+    }
+    log::info!("{}", summary::in_words(&found));
+    report.end = Some(found);
+    simulation::write(folder, &report)?;
+    let Some(crossing) = crossing else { return Ok(()) };
+    let scene = arguments.scene.display();
+    Err(Unusable(format!("{scene}: {}", crossing.in_words())).into())
+}
+
+/// The scene with what the arguments change, and its walls as they were measured.
+fn read(arguments: &Arguments) -> Result<(Scene, Option<AsCast>)> {
+    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
+    scene.certify = !arguments.no_certify;
+    if arguments.curve {
+        scene.config.solver.step_for_curves();
+    }
+    let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
+    let as_cast = as_cast.transpose()?;
+    as_cast.iter().flat_map(as_cast::in_words).for_each(|line| log::info!("{line}"));
+    Ok((scene, as_cast))
+}
+
+/// Says what will be solved.
+fn announce(scene: &Scene, workspace: &Workspace) {
+    let silicones = scene.laws.iter().filter_map(|law| law.config.silicone());
+    for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
+        log::info!("{line}");
+    }
+    locking::foresee(scene);
+    scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
+    scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
+    log::info!(
+        "{} tets, degree {}, {}",
+        scene.body.mesh.tets.len(),
+        scene.config.degree,
+        workspace.memory().describe(memory::available())
+    );
+    log_share(&scene.body);
+}
+
+/// Writes the state at the end.
+fn write_end(folder: &Path, problem: &Problem, end: &Iterate) -> Result<()> {
     results::write_state(folder, end.space, end.rest, end.u)?;
-    let grid = results::grid_with_fields(&problem.energies, &end);
-    vtu::write_vtu(&folder.join("result.vtu"), &grid)?;
-    run.fill(&mut report, &end, &recorder)?;
-    let proved = (&scene, &scene.body);
-    let crossing = scene.certify.then(|| Crossing::find(proved, &problem, &end)).flatten();
-    if let Some(crossing) = &crossing {
-        report["usable"] = json!(false);
-        report["status"] = json!("surfaces_crossed");
-        report["crossing"] = crossing.report();
-    }
-    run.add_error_bars(&mut report);
-    report["equilibrium_s"] = json!(equilibrium_s);
-    report["timings"]["predicted_s"] = json!(predicted_s);
-    report["wall_s"] = json!(before_s + start.elapsed().as_secs_f64());
-    report["peak_rss_mb"] = json!(program::peak_rss_mb());
-    program::write_json(&folder.join("report.json"), &report)?;
-    log::info!("{}", summary::in_words(&report));
-    match crossing {
-        None => Ok(()),
-        Some(crossing) => {
-            let scene = arguments.scene.display();
-            Err(Unusable(format!("{scene}: {}", crossing.in_words())).into())
-        }
-    }
+    let grid = results::grid_with_fields(&problem.energies, end);
+    Ok(vtu::write_vtu(&folder.join("result.vtu"), &grid)?)
 }
 
 /// Memory for all states, where error bars need them; others lie on disk [B].
@@ -225,7 +199,28 @@ struct Run<'a> {
     start: Instant,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Begins at rest, or where an interrupted run was.
+    fn new(
+        scene: &'a Scene,
+        (problem, mut workspace, probes): (&'a Problem, Workspace, &'a [Probe]),
+        checkpoint: Option<Checkpoint>,
+    ) -> Self {
+        let integrator = scene.integrator(&scene.body, problem);
+        let mut stepper = TimeStepper::new(scene.stepping(), integrator);
+        let done = checkpoint.as_ref().map_or(0, |c| c.steps);
+        let timed = scene.config.time.is_some();
+        if let Some(checkpoint) = checkpoint {
+            let steps = if timed { "time steps" } else { "load steps" };
+            log::info!("continuing after {} {steps}", checkpoint.steps);
+            workspace.set_couplings(problem, checkpoint.couplings);
+            workspace.timings = checkpoint.timings;
+            stepper.progress = checkpoint.progress;
+        }
+        let states = all_states(scene, &stepper, if timed { done } else { 0 });
+        Self { scene, problem, probes, workspace, stepper, states, done, start: Instant::now() }
+    }
+
     /// Goes through some of the scene's time steps; the result says where that ends early.
     fn go(
         &mut self,
@@ -325,57 +320,85 @@ impl Run<'_> {
         Ok(step)
     }
 
-    /// Error bars of the probes, into the report and in words.
-    fn add_error_bars(&mut self, report: &mut Value) {
-        let (Some(config), Some(states)) = (&self.scene.config.uncertainty, &self.states) else {
-            return;
-        };
-        let solver = (self.problem, &mut self.workspace);
-        match uncertainty::error_bars(self.scene, config, solver, self.probes, states) {
-            Ok(bars) => {
-                log::info!("error bars, to first order:");
-                uncertainty::in_words(&bars).iter().for_each(|line| log::info!("{line}"));
-                report["error_bars"] = json!(bars);
-            }
-            Err(why) => log::warn!("no error bars: {why:#}"),
-        }
-    }
-
-    /// Reports the state at the end.
-    fn fill(&self, report: &mut Value, end: &Iterate, recorder: &Recorder) -> Result<()> {
+    /// What is known of the state at the end, and surfaces that have passed through each other.
+    fn found(
+        &self,
+        end: &Iterate,
+        recorder: &Recorder,
+        [equilibrium_s, predicted_s]: [f64; 2],
+    ) -> Result<(End, Option<Crossing>)> {
         let (scene, problem) = (self.scene, self.problem);
         let energies = results::stored_energies(&problem.energies, end);
         let progress = &self.stepper.progress;
-        let work = recorder.work().total;
-        report["tolerance_met"] =
-            json!(recorder.lines.iter().all(|line| line["rounding_floor"].is_null()));
-        report["newton_iterations"] = json!(progress.newton_iterations);
-        let elastic = energies["elastic"] + energies.get("membrane").unwrap_or(&0.0);
-        report["energy_balance"] = json!({ "work_of_loads": work, "elastic": elastic });
-        if progress.integrator.method.has_inertia() {
+        let (newton_iterations, timings) = (progress.newton_iterations, self.workspace.timings);
+        let kinetic = progress.integrator.method.has_inertia().then(|| {
             let v = &progress.integrator.last().v;
-            let kinetic = results::kinetic_energy(&problem.energies, end.space, end.rest, v);
-            report["energy_balance"]["kinetic"] = json!(kinetic);
-        } else {
-            let gap = (work - elastic) / elastic.max(f64::MIN_POSITIVE);
-            report["energy_balance"]["relative_gap"] = json!(gap);
+            results::kinetic_energy(&problem.energies, end.space, end.rest, v)
+        });
+        let sheets = || results::membranes(scene, &problem.energies, end);
+        let probes = || results::probes(self.probes, problem, end);
+        let mut found = End {
+            tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
+            newton_iterations,
+            energy_balance: simulation::balance(recorder.work().total, &energies, kinetic),
+            energies,
+            force_balance: results::balance(problem, end),
+            tags: results::tags(scene, &scene.body, problem, end)?,
+            chambers: results::chambers(&problem.energies, end),
+            membranes: (!scene.membranes.is_empty()).then(sheets),
+            probes: (!self.probes.is_empty()).then(probes),
+            stretch_range: simulation::stretches(scene, end),
+            locking: locking::estimate(scene, (problem, self.probes), end),
+            timings: simulation::timings(&timings, predicted_s),
+            crossing: None,
+            error_bars: None,
+            equilibrium_s,
+            wall_s: 0.0,
+            peak_rss_mb: None,
+        };
+        let find = || Crossing::find((scene, &scene.body), problem, end);
+        let crossing = scene.certify.then(find).flatten();
+        found.crossing = crossing.as_ref().map(Crossing::report);
+        Ok((found, crossing))
+    }
+
+    /// Error bars of the probes, in words, too.
+    fn error_bars(&mut self) -> Option<BTreeMap<String, ErrorBars>> {
+        let (config, states) = (self.scene.config.uncertainty.as_ref()?, self.states.as_ref()?);
+        let solver = (self.problem, &mut self.workspace);
+        let found = uncertainty::error_bars(self.scene, config, solver, self.probes, states);
+        match &found {
+            Ok(bars) => {
+                log::info!("error bars, to first order:");
+                uncertainty::in_words(bars).iter().for_each(|line| log::info!("{line}"));
+            }
+            Err(why) => log::warn!("no error bars: {why:#}"),
         }
-        report["energies"] = json!(energies);
-        report["force_balance"] = results::balance(problem, end);
-        report["tags"] = json!(results::tags(scene, &scene.body, problem, end)?);
-        report["chambers"] = json!(results::chambers(&problem.energies, end));
-        if !scene.membranes.is_empty() {
-            report["membranes"] = results::membranes(scene, &problem.energies, end);
-        }
-        if !self.probes.is_empty() {
-            report["probes"] = results::probes(self.probes, problem, end);
-        }
-        report["stretch_range"] = json!(stretches(scene, end));
-        if let Some(estimate) = locking::estimate(scene, (problem, self.probes), end) {
-            report["locking"] = json!(estimate);
-        }
-        report["timings"] = json!(self.workspace.timings);
-        Ok(())
+        found.ok()
+    }
+
+    /// Writes the report of a run without an equilibrium; the result is what to say of it.
+    fn failed(
+        &mut self,
+        mut report: Simulation,
+        arguments: &Arguments,
+        unreached: &Unreached,
+    ) -> Result<anyhow::Error> {
+        let (scene, folder) = (self.scene, &arguments.output);
+        let solver = (self.problem, &mut self.workspace);
+        let diagnosis = Diagnosis::new(scene, &scene.body, solver, unreached);
+        diagnosis.write_state(folder)?;
+        (report.status, report.usable) = (diagnosis.status, false);
+        report.failed = Some(diagnosis.failed);
+        simulation::write(folder, &report)?;
+        Ok(Unusable(format!(
+            "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
+            arguments.scene.display(),
+            diagnosis.message,
+            scene.progress(unreached.time),
+            folder.join(failure::STATE).display()
+        ))
+        .into())
     }
 }
 
@@ -414,12 +437,6 @@ fn check_loads(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-fn merge(report: &mut Value, more: &Value) {
-    for (key, value) in more.as_object().into_iter().flatten() {
-        report[key] = value.clone();
-    }
-}
-
 /// What the states depend on: the scene, its meshes, the changes to it and what was measured.
 fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
     let step = scene.config.solver.largest_load_step();
@@ -455,45 +472,4 @@ fn remove_stale(folder: &Path, done: usize) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn header(scene: &Scene, problem: &Problem, arguments: &Arguments) -> Result<Value> {
-    let (inputs, set) = results::provenance(&arguments.output, &[("scene", &scene.file)], scene)?;
-    let materials = scene.laws.iter().map(|law| {
-        let material = &law.material;
-        let silicone = law.config.silicone().map(|named| named.report());
-        let mut report = json!({
-            "kind": material.law.key,
-            "parameters": law_table::written(material.law, &material.values),
-            "moduli": material.moduli(),
-            "silicone": silicone,
-        });
-        if law.volume.is_some() {
-            report["on"] = json!(scene.law_name(law));
-        }
-        report
-    });
-    let mut header = json!({
-        "status": "ok",
-        "usable": true,
-        "program": scene::PROGRAM,
-        "inputs": inputs,
-        "set": set,
-        "config": scene.config,
-        "material": results::one_or_list(materials.collect()),
-        "dofs": problem.dofs(),
-        "tets": scene.body.mesh.tets.len(),
-        "vertices": scene.body.mesh.vertices.len(),
-    });
-    if !scene.body.planes.is_empty() {
-        header["symmetry"] = results::symmetry(&scene.body);
-    }
-    Ok(header)
-}
-
-/// Principal stretches of the state, with warnings where the material was not tested or tears.
-fn stretches(scene: &Scene, end: &Iterate) -> Stretches {
-    let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits());
-    found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
-    found
 }

@@ -7,7 +7,6 @@ use mechanics::energy::Iterate;
 use mechanics::forward::Problem;
 use mesh::Vec3;
 use scene::Scene;
-use serde_json::{Value, json};
 
 /// Pairs of triangles of the boundary, each facet cut as for contact, that intersect.
 pub struct Crossing {
@@ -59,7 +58,8 @@ impl Crossing {
 
     /// For report.json.
     #[must_use]
-    pub fn report(&self) -> Value {
-        json!({ "pairs": self.pairs, "bodies": self.bodies, "place": [self.place.x, self.place.y, self.place.z] })
+    pub fn report(&self) -> reports::Crossing {
+        let (pairs, bodies, place) = (self.pairs, self.bodies.clone(), self.place.into());
+        reports::Crossing { pairs, bodies, place }
     }
 }

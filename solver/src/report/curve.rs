@@ -7,52 +7,47 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use measure::probe::Probe;
-use serde_json::Value;
+use reports::Step;
+use serde_json::json;
 
 /// Name of the table.
 pub const CURVE: &str = "curve.csv";
-
-/// A column: its header, and the keys of its number in a line of `steps.jsonl`.
-type Column = (String, Vec<String>);
 
 /// Writes the table of a run to a folder, from the `lines` of its steps.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(folder: &Path, lines: &[Value], probes: &[Probe]) -> Result<()> {
-    let columns = lines.first().map_or_else(Vec::new, |line| columns(line, probes));
+pub fn write(folder: &Path, lines: &[Step], probes: &[Probe]) -> Result<()> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(columns.iter().map(|(header, _)| header))?;
+    table.write_record(lines.first().map_or_else(Vec::new, |line| header(line, probes)))?;
     for line in lines {
-        table.write_record(columns.iter().map(|(_, keys)| cell(line, keys)))?;
+        table.write_record(row(line, probes).into_iter().map(cell))?;
     }
     let text = table.into_inner().context("a table in memory")?;
     mesh::io::write_atomic(&folder.join(CURVE), |out| out.write_all(&text))?;
     Ok(())
 }
 
-fn columns(line: &Value, probes: &[Probe]) -> Vec<Column> {
-    let column = |header: String, keys: &[&str]| -> Column {
-        (header, keys.iter().map(|&key| key.to_owned()).collect())
-    };
+fn header(line: &Step, probes: &[Probe]) -> Vec<String> {
     // a scene in time has no full load, of which it could be a part
-    let mut columns = vec![match line.get("load") {
-        Some(_) => column("load [1]".into(), &["load"]),
-        None => column("t [s]".into(), &["t"]),
-    }];
-    for name in line["chambers"].as_object().into_iter().flat_map(|chambers| chambers.keys()) {
-        for (key, unit) in [("pressure", "Pa"), ("volume", "m³")] {
-            columns.push(column(format!("{name} {key} [{unit}]"), &["chambers", name, key]));
-        }
+    let mut titles = vec![line.load.map_or("t [s]", |_| "load [1]").to_owned()];
+    for name in line.chambers.keys() {
+        titles.extend([format!("{name} pressure [Pa]"), format!("{name} volume [m³]")]);
     }
-    for probe in probes {
-        let header = format!("{} [{}]", probe.name, probe.kind.unit);
-        columns.push(column(header, &["probes", &probe.name]));
-    }
-    columns
+    titles.extend(probes.iter().map(|probe| format!("{} [{}]", probe.name, probe.kind.unit)));
+    titles
 }
 
-fn cell(line: &Value, keys: &[String]) -> String {
-    let value = keys.iter().try_fold(line, |value, key| value.get(key));
-    value.filter(|value| value.is_number()).map_or_else(String::new, Value::to_string)
+fn row(line: &Step, probes: &[Probe]) -> Vec<Option<f64>> {
+    let mut numbers = vec![Some(line.load.unwrap_or(line.t))];
+    numbers.extend(line.chambers.values().flat_map(|c| [Some(c.pressure), Some(c.volume)]));
+    let measured = |probe: &Probe| line.probes.as_ref()?.get(&probe.name).copied();
+    numbers.extend(probes.iter().map(measured));
+    numbers
+}
+
+/// A number that is not finite leaves its cell empty.
+fn cell(number: Option<f64>) -> String {
+    let number = number.filter(|number| number.is_finite());
+    number.map_or_else(String::new, |number| json!(number).to_string())
 }

@@ -14,8 +14,8 @@ use mechanics::math::tensor::{Mat3, cofactor};
 use mechanics::stretch::Stretches;
 use mesh::Vec3;
 use mesh::io::vtu;
+use reports::{Failed, SoftestStiffness, Status, WorstElement};
 use scene::Scene;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::report::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
@@ -38,25 +38,11 @@ const SOFT: f64 = 8.0;
 pub struct Diagnosis {
     /// For people.
     pub message: String,
-    /// Keys of report.json: `status`, `usable`, `reason` and `failure`.
-    pub report: Value,
+    /// Whether there are too few supports, or there is no equilibrium.
+    pub status: Status,
+    /// Why there is none, and what is known of the load step that failed.
+    pub failed: Failed,
     grid: vtu::Grid,
-}
-
-/// The element that most likely causes the failure, and its state in the failing step.
-#[derive(Clone, Debug, Serialize)]
-pub struct WorstElement {
-    /// Index of the tetrahedron in the mesh.
-    pub id: usize,
-    /// Its centre at rest [m].
-    pub at: [f64; 3],
-    /// Smallest J = det(I + ∇u) at its quadrature points, or where the
-    /// certificate found less.
-    pub volume_ratio: f64,
-    /// Largest unbalanced force at its nodes [N].
-    pub unbalanced_force: f64,
-    /// Radius ratio at rest: 1 regular, 0 flat.
-    pub quality: f64,
 }
 
 impl Diagnosis {
@@ -88,28 +74,31 @@ impl Diagnosis {
         let advice = advice(scene, unreached, &worst, [&at_rest, &reached], &stretches);
         lines.extend(advice.iter().map(|a| format!("try: {a}")));
         let status = if at_rest.floats(bulk_over_shear(scene)) {
-            "not enough supports"
+            Status::NotEnoughSupports
         } else {
-            "no equilibrium"
+            Status::NoEquilibrium
         };
-        let report = json!({
-            "status": status,
-            "usable": false,
-            "reason": reason,
-            "failure": {
-                "load_reached": unreached.time,
-                "load_tried": attempt.time,
-                "residuals": last(&attempt.residuals),
-                "worst_element": worst,
-                "smallest_pivot": pivot(&reached.pivot, problem, rest),
-                "softest_stiffness": { "at_rest": at_rest.stiffness, "reached": reached.stiffness },
-                "softening": softening(&at_rest, &reached),
-                "try": advice,
-                "state": STATE,
-            },
-        });
+        let (stiff, soft) = (at_rest.stiffness, reached.stiffness);
+        let failure = reports::Failure {
+            load_reached: unreached.time,
+            load_tried: attempt.time,
+            residuals: last(&attempt.residuals).to_vec(),
+            worst_element: worst.clone(),
+            smallest_pivot: reached.pivot.as_ref().map(|found| pivot(found, problem, rest)),
+            softest_stiffness: SoftestStiffness { at_rest: stiff, reached: soft },
+            softening: softening(&at_rest, &reached),
+            advice,
+            state: STATE.to_owned(),
+        };
         let grid = grid(space, rest, &attempt.reached, &worst, &force);
-        Self { message: lines.join("\n  "), report, grid }
+        Self { message: lines.join("\n  "), status, failed: Failed { reason, failure }, grid }
+    }
+
+    /// The keys that reports have of it.
+    #[must_use]
+    pub fn report(&self) -> Value {
+        let (status, Failed { reason, failure }) = (self.status, &self.failed);
+        json!({ "status": status, "usable": false, "reason": reason, "failure": failure })
     }
 
     /// Writes the last equilibrium to [`STATE`]: cell array `worst_element` is 1
@@ -349,12 +338,11 @@ fn incompressible(bulk_over_shear: f64) -> String {
     )
 }
 
-fn pivot(pivot: &Option<Pivot>, problem: &Problem, rest: &[Vec3]) -> Value {
-    let Some(Pivot { value, largest, unknown }) = pivot else { return Value::Null };
-    let dof = problem.dirichlet.free()[*unknown];
-    let at: [f64; 3] = problem.space.node_positions(rest)[dof / 3].into();
-    let axis = ["x", "y", "z"][dof % 3];
-    json!({ "value": value, "largest": largest, "at": at, "axis": axis })
+fn pivot(pivot: &Pivot, problem: &Problem, rest: &[Vec3]) -> reports::Pivot {
+    let Pivot { value, largest, unknown } = *pivot;
+    let dof = problem.dirichlet.free()[unknown];
+    let at = problem.space.node_positions(rest)[dof / 3].into();
+    reports::Pivot { value, largest, at, axis: ["x", "y", "z"][dof % 3].to_owned() }
 }
 
 fn grid(

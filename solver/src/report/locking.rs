@@ -15,7 +15,6 @@
 //!
 //! Source: p-refinement as an estimate of the error: Szabó and Babuška, "Finite Element Analysis", 1991.
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
@@ -25,7 +24,6 @@ use mechanics::energy::{FreeFlight, Iterate, TimeStep};
 use mechanics::forward::{Problem, newton_step};
 use scene::Scene;
 use scene::config::{Dilatation, Locking};
-use serde::Serialize;
 
 /// Bulk modulus in shear moduli up to which degree 2 is not expected to lock.
 pub const FIRM: f64 = 1e3;
@@ -43,28 +41,14 @@ const LARGE: f64 = 0.05;
 /// Missing part of the displacement beyond which its number says no more than that it is large.
 const HALF: f64 = 0.5;
 
-/// By how much a state would change.
-#[derive(Clone, Debug, Serialize)]
-pub struct Estimate {
-    /// Degree of the elements.
-    pub degree: usize,
-    /// Largest bulk modulus of the laws, in shear moduli.
-    pub bulk_over_shear: f64,
-    /// 1 − |u| / |u + δ|: the part of the displacement that is missing, negative where it is too large;
-    /// lengths are roots of mean squares over the rest volume, from the vertices.
-    pub displacement: f64,
-    /// |δ| / |u + δ|, whatever its direction.
-    pub change: f64,
-    /// 1 − q(u) / q(u + δ) of the probes but those of contact.
-    pub probes: BTreeMap<String, f64>,
-    /// Time that it took [s].
-    pub wall_s: f64,
-}
-
 /// The estimate of a state, where the scene asks for it or its elements are likely to lock; it is said
 /// in the log, too, as a warning where the state is not to be trusted.
 #[must_use]
-pub fn estimate(scene: &Scene, of: (&Problem, &[Probe]), state: &Iterate) -> Option<Estimate> {
+pub fn estimate(
+    scene: &Scene,
+    of: (&Problem, &[Probe]),
+    state: &Iterate,
+) -> Option<reports::Locking> {
     let degree = scene.config.degree;
     let pointwise = scene.config.solver.dilatation == Dilatation::Pointwise;
     let possible = degree == 1 || pointwise && degree < HIGHEST_DEGREE;
@@ -77,10 +61,10 @@ pub fn estimate(scene: &Scene, of: (&Problem, &[Probe]), state: &Iterate) -> Opt
     if !due {
         return None;
     }
-    let found = Estimate::of(scene, of, state);
+    let found = estimated(scene, of, state);
     match &found {
-        Ok(found) if found.change > LARGE => log::warn!("{}", found.in_words()),
-        Ok(found) => log::info!("{}", found.in_words()),
+        Ok(found) if found.change > LARGE => log::warn!("{}", in_words(found)),
+        Ok(found) => log::info!("{}", in_words(found)),
         Err(why) => {
             log::warn!("degree = {degree}: elements may lock; by how much is not known: {why:#}");
         }
@@ -119,75 +103,72 @@ pub fn bulk_over_shear(scene: &Scene) -> f64 {
     moduli.map(|m| m.bulk / m.shear).fold(0.0, f64::max)
 }
 
-impl Estimate {
-    /// The estimate for a state of a scene's bodies.
-    ///
-    /// # Errors
-    /// Where there is too little memory, or no step with the next degree.
-    pub fn of(
-        scene: &Scene,
-        (problem, probes): (&Problem, &[Probe]),
-        state: &Iterate,
-    ) -> Result<Self> {
-        let begin = Instant::now();
-        let richer = richer(scene);
-        let (next, mut workspace) = richer.problem(&scene.body)?;
-        let step = state.step.map(|step| elevated(step, (problem, &next))).transpose()?;
-        let u = elevate(state.space, &next.space, state.u);
-        let start = Iterate { space: &next.space, u: &u, step: step.as_ref(), ..*state };
-        let by = newton_step(&next, &mut workspace, &start).context("there is no Newton step")?;
-        let moved: Vec<f64> = u.iter().zip(&by).map(|(u, by)| u + by).collect();
-        let volumes = vertex_volumes(state);
-        let size = |field: &[f64]| -> f64 {
-            let square = |(v, volume): (usize, &f64)| volume * at(field, v).norm_squared();
-            volumes.iter().enumerate().map(square).sum::<f64>().sqrt()
-        };
-        let after = size(&moved);
-        ensure!(after > 0.0 && after.is_finite(), "nothing moves");
-        let values = measure(probes, problem, state);
-        let end = Iterate { u: &moved, ..start };
-        let better = richer.probes(&scene.body, &next.space)?;
-        let better: Vec<Probe> = better.into_iter().filter(|p| !p.kind.needs_contact).collect();
-        let missing = measure(&better, &next, &end).into_iter();
-        let missing = missing.map(|(name, q)| (name.clone(), 1.0 - values[&name] / q));
-        Ok(Self {
-            degree: scene.config.degree,
-            bulk_over_shear: bulk_over_shear(scene),
-            displacement: 1.0 - size(&u) / after,
-            change: size(&by) / after,
-            probes: missing.filter(|(_, part)| part.is_finite()).collect(),
-            wall_s: begin.elapsed().as_secs_f64(),
-        })
-    }
+/// The estimate for a state of a scene's bodies.
+///
+/// # Errors
+/// Where there is too little memory, or no step with the next degree.
+fn estimated(
+    scene: &Scene,
+    (problem, probes): (&Problem, &[Probe]),
+    state: &Iterate,
+) -> Result<reports::Locking> {
+    let begin = Instant::now();
+    let richer = richer(scene);
+    let (next, mut workspace) = richer.problem(&scene.body)?;
+    let step = state.step.map(|step| elevated(step, (problem, &next))).transpose()?;
+    let u = elevate(state.space, &next.space, state.u);
+    let start = Iterate { space: &next.space, u: &u, step: step.as_ref(), ..*state };
+    let by = newton_step(&next, &mut workspace, &start).context("there is no Newton step")?;
+    let moved: Vec<f64> = u.iter().zip(&by).map(|(u, by)| u + by).collect();
+    let volumes = vertex_volumes(state);
+    let size = |field: &[f64]| -> f64 {
+        let square = |(v, volume): (usize, &f64)| volume * at(field, v).norm_squared();
+        volumes.iter().enumerate().map(square).sum::<f64>().sqrt()
+    };
+    let after = size(&moved);
+    ensure!(after > 0.0 && after.is_finite(), "nothing moves");
+    let values = measure(probes, problem, state);
+    let end = Iterate { u: &moved, ..start };
+    let better = richer.probes(&scene.body, &next.space)?;
+    let better: Vec<Probe> = better.into_iter().filter(|p| !p.kind.needs_contact).collect();
+    let missing = measure(&better, &next, &end).into_iter();
+    let missing = missing.map(|(name, q)| (name.clone(), 1.0 - values[&name] / q));
+    Ok(reports::Locking {
+        degree: scene.config.degree,
+        bulk_over_shear: bulk_over_shear(scene),
+        displacement: 1.0 - size(&u) / after,
+        change: size(&by) / after,
+        probes: missing.filter(|(_, part)| part.is_finite()).collect(),
+        wall_s: begin.elapsed().as_secs_f64(),
+    })
+}
 
-    /// What to say of it.
-    #[must_use]
-    pub fn in_words(&self) -> String {
-        let Self { degree, bulk_over_shear, displacement, change, probes, wall_s } = self;
-        let next = degree + 1;
-        let percent = 100.0 * displacement.abs();
-        let amount = match displacement {
-            // the step leads far beyond what it is accurate for
-            d if *d > HALF => format!("half of those with degree {next}, or less"),
-            d if *d < 0.0 => format!("{percent:.1} % too large"),
-            _ => format!("{percent:.1} % too small"),
-        };
-        let mut words = format!(
-            "degree = {degree}, bulk modulus {bulk_over_shear:.0} times the shear modulus: displacements \
-             are likely {amount}, in all {:.1} % off",
-            100.0 * change
-        );
-        for (name, part) in probes {
-            words += &format!(", \"{name}\" {:.1} %", 100.0 * part);
-        }
-        let other = match degree {
-            1 => format!(" (where that locks, too, with {AS_A_WHOLE})"),
-            _ => format!(", {AS_A_WHOLE}"),
-        };
-        let advice = format!("; use degree = {next}{other}, or a finer mesh");
-        let advice = if *change > LARGE { &advice } else { "" };
-        words + &format!(" (one Newton step with degree {next}, {wall_s:.1} s){advice}")
+/// What to say of it.
+fn in_words(found: &reports::Locking) -> String {
+    let reports::Locking { degree, bulk_over_shear, displacement, change, probes, wall_s } = found;
+    let next = degree + 1;
+    let percent = 100.0 * displacement.abs();
+    let amount = match displacement {
+        // the step leads far beyond what it is accurate for
+        d if *d > HALF => format!("half of those with degree {next}, or less"),
+        d if *d < 0.0 => format!("{percent:.1} % too large"),
+        _ => format!("{percent:.1} % too small"),
+    };
+    let mut words = format!(
+        "degree = {degree}, bulk modulus {bulk_over_shear:.0} times the shear modulus: displacements \
+         are likely {amount}, in all {:.1} % off",
+        100.0 * change
+    );
+    for (name, part) in probes {
+        words += &format!(", \"{name}\" {:.1} %", 100.0 * part);
     }
+    let other = match degree {
+        1 => format!(" (where that locks, too, with {AS_A_WHOLE})"),
+        _ => format!(", {AS_A_WHOLE}"),
+    };
+    let advice = format!("; use degree = {next}{other}, or a finer mesh");
+    let advice = if *change > LARGE { &advice } else { "" };
+    words + &format!(" (one Newton step with degree {next}, {wall_s:.1} s){advice}")
 }
 
 /// The scene with the next degree, and the same collision surface.

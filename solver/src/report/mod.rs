@@ -13,5 +13,6 @@ pub mod locking;
 pub mod mirror;
 pub mod record;
 pub mod results;
+pub mod simulation;
 pub mod summary;
 pub mod writer;

@@ -6,14 +6,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use measure::probe::{Probe, measure};
+use measure::probe::Probe;
 use mechanics::energy::{Iterate, Multiplier};
 use mechanics::forward::{LoadStep, Problem, Progress, Timings};
 use mesh::Vec3;
 use mesh::io::vtu;
+use reports::Step;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::report::{curve, results};
 
@@ -108,7 +109,7 @@ pub struct Recorder<'a> {
     /// SHA-256 of the pictures, by the names of the files.
     written: BTreeMap<String, String>,
     /// What was reported of each step.
-    pub lines: Vec<Value>,
+    pub lines: Vec<Step>,
     work: Work,
 }
 
@@ -179,12 +180,9 @@ impl<'a> Recorder<'a> {
     /// Writes what is known of a step, which has the velocity `v` [m/s].
     fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
         let body = &self.scene.body;
-        let mut line = results::step(self.scene, body, self.problem, step, v)?;
-        line["work_of_loads"] = json!(self.work.total);
+        let measured = (self.probes, self.work.total);
+        let line = results::step(self.scene, body, self.problem, step, v, measured)?;
         let at = step.iterate(self.problem, &body.mesh.vertices);
-        if !self.probes.is_empty() {
-            line["probes"] = json!(measure(self.probes, self.problem, &at));
-        }
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
@@ -192,29 +190,25 @@ impl<'a> Recorder<'a> {
             let path = self.folder.join(&name);
             vtu::write_vtu(&path, &grid)?;
             self.written.insert(name, program::sha256_file(&path)?);
-            let picture = |(i, line): (usize, &Value)| (time(line), picture(i));
+            let picture = |(i, line): (usize, &Step)| (line.t, picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
             vtu::write_pvd(&self.folder.join("result.pvd"), &all)?;
         }
         mesh::io::write_atomic(&self.folder.join(STEPS), |out| {
-            self.lines.iter().try_for_each(|line| writeln!(out, "{line}"))
+            self.lines.iter().try_for_each(|line| writeln!(out, "{}", json!(line)))
         })?;
         curve::write(&self.folder, &self.lines, self.probes)
     }
 }
 
 /// SHA-256 of lines as they are written.
-fn sha256(lines: &[Value]) -> String {
-    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+fn sha256(lines: &[Step]) -> String {
+    let text: String = lines.iter().map(|line| format!("{}\n", json!(line))).collect();
     program::sha256(text.as_bytes())
 }
 
 fn picture(step: usize) -> String {
     format!("step_{step:03}.vtu")
-}
-
-fn time(line: &Value) -> f64 {
-    line["t"].as_f64().unwrap_or(f64::NAN)
 }
 
 /// Work of gas, dead loads and moving supports along the load steps by the

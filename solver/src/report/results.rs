@@ -5,79 +5,43 @@ use std::path::Path;
 
 use anyhow::Result;
 use measure::probe::{Probe, measure};
-use measure::quantity::Kind;
 use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{Chamber, Energies, Iterate, Membrane, Term};
+use mechanics::energy::{self, Energies, Iterate, MembraneSummary, Term};
 use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
 use mesh::Vec3;
 use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
+use reports::{
+    Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, Step, Tag,
+};
 use scene::{Scene, SceneMembrane};
-use serde::Serialize;
-use serde_json::{Value, json};
 
 use crate::report::fields::fields;
 
-/// Measures of one tag.
-#[derive(Clone, Debug, Serialize)]
-pub struct TagReport {
-    /// Rest area [m²].
-    pub area: f64,
-    /// Force of the support on the body [N]; zero along axes that are free. A
-    /// node on the rim of several fixed tags counts for the first of them.
-    pub reaction: [f64; 3],
-    /// Mean length of the displacement over the rest area [m].
-    pub mean_displacement: f64,
-    /// Mean displacement over the rest area [m].
-    pub mean_displacement_vector: [f64; 3],
-    /// Largest displacement of a node [m].
-    pub max_displacement: f64,
-}
-
-/// Measures of one chamber.
-#[derive(Clone, Debug, Serialize)]
-pub struct ChamberReport {
-    /// Volume behind the rest wall; an open one is closed by a cap over its rim
-    /// [m³].
-    pub volume_rest: f64,
-    /// Volume behind the deformed wall [m³].
-    pub volume: f64,
-    /// Gauge pressure [Pa].
-    pub pressure: f64,
-    /// Whether the wall is closed.
-    pub closed: bool,
-}
-
-/// What a report in a folder says of the files that the result was made from, each by its kind,
-/// and of what was set from outside.
+/// What a report in a folder says of the files that the result was made from, and of what was set from
+/// outside.
 ///
 /// # Errors
 /// When a mesh cannot be read.
 pub fn provenance(
     folder: &Path,
-    files: &[(&str, &Settings)],
+    design: Option<&Settings>,
     scene: &Scene,
-) -> Result<(Value, Vec<String>)> {
+) -> Result<(Inputs, Vec<String>)> {
     let meshes = scene.parts.iter().map(|part| InputFile::new(&part.mesh_path, folder));
-    let mut inputs = json!({ "mesh": one_or_list(meshes.collect::<Result<Vec<_>, _>>()?) });
-    let mut included = Vec::new();
-    for (kind, file) in files {
-        inputs[*kind] = json!(file.file().seen_from(folder));
-        included.extend(file.included().iter().map(|file| file.seen_from(folder)));
-    }
-    if !included.is_empty() {
-        inputs["included"] = json!(included);
-    }
-    Ok((inputs, files.iter().flat_map(|(_, file)| file.changes()).collect()))
-}
-
-/// What is reported of each body: alone where there is one.
-pub fn one_or_list<T: Serialize>(values: Vec<T>) -> Value {
-    if let [one] = &values[..] { json!(one) } else { json!(values) }
+    let files = || design.into_iter().chain([&scene.file]);
+    let included = files().flat_map(|file| file.included());
+    let inputs = Inputs {
+        mesh: OneOrList::new(meshes.collect::<Result<Vec<_>, _>>()?),
+        scene: scene.file.file().seen_from(folder),
+        design: design.map(|file| file.file().seen_from(folder)),
+        included: included.map(|file| file.seen_from(folder)).collect(),
+    };
+    Ok((inputs, files().flat_map(|file| file.changes()).collect()))
 }
 
 /// Measures every tag that has facets at an equilibrium.
@@ -89,7 +53,7 @@ pub fn tags(
     body: &Body,
     problem: &Problem,
     at: &Iterate,
-) -> Result<BTreeMap<String, TagReport>> {
+) -> Result<BTreeMap<String, Tag>> {
     let reactions = reactions(scene, body, problem, at)?;
     let mut reports = BTreeMap::new();
     for name in body.used_tags() {
@@ -121,12 +85,7 @@ fn reactions(
 
 /// Area and displacements of the facets of a tag.
 #[must_use]
-pub fn displacements(
-    body: &Body,
-    space: &FunctionSpace,
-    facets: &[[usize; 3]],
-    u: &[f64],
-) -> TagReport {
+pub fn displacements(body: &Body, space: &FunctionSpace, facets: &[[usize; 3]], u: &[f64]) -> Tag {
     let table = space.facet_table();
     let (mut area, mut length, mut vector, mut largest) = (0.0, 0.0, Vec3::zeros(), 0.0_f64);
     for &facet in facets {
@@ -141,7 +100,7 @@ pub fn displacements(
         }
         largest = ids.iter().map(|&n| at(u, n).norm()).fold(largest, f64::max);
     }
-    TagReport {
+    Tag {
         area,
         reaction: [0.0; 3],
         mean_displacement: length / area,
@@ -151,7 +110,8 @@ pub fn displacements(
 }
 
 /// Measures of one load step: the step, its chambers, reactions, balance of
-/// forces and energies; of one with the velocity `v` [m/s] the kinetic one, too.
+/// forces, energies and probes; of one with the velocity `v` [m/s] the kinetic one, too. The loads have done
+/// some work so far [J].
 ///
 /// # Errors
 /// When a tag is missing.
@@ -161,35 +121,37 @@ pub fn step(
     problem: &Problem,
     step: &LoadStep,
     v: Option<&[f64]>,
-) -> Result<Value> {
+    (probes, work): (&[Probe], f64),
+) -> Result<Step> {
     let (energies, at) = (&problem.energies, step.iterate(problem, &body.mesh.vertices));
-    let mut report = json!(step);
-    report["t"] = json!(step.time);
-    if scene.config.time.is_some()
-        && let Some(report) = report.as_object_mut()
-    {
-        // there is no full load of which it would be a fraction
-        report.remove("load");
-    }
-    report["chambers"] = json!(chambers(energies, &at));
-    let mut moved = BTreeMap::new();
+    let mut mean_displacement = BTreeMap::new();
     for name in body.used_tags() {
         let report = displacements(body, at.space, &body.facets(name)?, at.u);
-        moved.insert(name.clone(), report.mean_displacement_vector);
+        mean_displacement.insert(name.clone(), report.mean_displacement_vector);
     }
-    report["mean_displacement"] = json!(moved);
-    report["reactions"] = json!(reactions(scene, body, problem, &at)?);
-    report["force_balance"] = balance(problem, &at);
-    report["energies"] = json!(stored_energies(energies, &at));
+    let mut stored = stored_energies(energies, &at);
     if let Some(v) = v {
-        report["energies"]["kinetic"] = json!(kinetic_energy(energies, at.space, at.rest, v));
-        let momentum = momentum(energies, at.space, at.rest, v);
-        report["momentum"] = json!(<[f64; 3]>::from(momentum));
+        stored.insert("kinetic".to_owned(), kinetic_energy(energies, at.space, at.rest, v));
     }
-    if let Some(collisions) = collisions(scene, energies, &at) {
-        report["collisions"] = collisions;
-    }
-    Ok(report)
+    Ok(Step {
+        t: step.time,
+        // in time there is no full load of which it would be a fraction
+        load: scene.config.time.is_none().then_some(step.time),
+        newton_iterations: step.newton_iterations,
+        residual: step.residual,
+        residual_wanted: step.residual_wanted,
+        rounding_floor: step.rounding_floor,
+        smallest_volume_ratio: step.smallest_volume_ratio,
+        chambers: chambers(energies, &at),
+        mean_displacement,
+        reactions: reactions(scene, body, problem, &at)?,
+        force_balance: balance(problem, &at),
+        energies: stored,
+        momentum: v.map(|v| momentum(energies, at.space, at.rest, v).into()),
+        collisions: collisions(scene, energies, &at),
+        work_of_loads: work,
+        probes: (!probes.is_empty()).then(|| measure(probes, problem, &at)),
+    })
 }
 
 /// ½ vᵀ M v of all bodies with inertia [J].
@@ -206,12 +168,12 @@ pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[
 
 /// Measures every chamber.
 #[must_use]
-pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, ChamberReport> {
-    let report = |chamber: &Chamber| {
+pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, Chamber> {
+    let report = |chamber: &energy::Chamber| {
         let (volume, gas) = chamber.state(at);
         let volume_rest = chamber.rest_volume(at);
         let closed = chamber.wall.is_closed();
-        ChamberReport { volume_rest, volume, pressure: gas.pressure, closed }
+        Chamber { volume_rest, volume, pressure: gas.pressure, closed }
     };
     let chambers = energies.chambers();
     chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
@@ -219,26 +181,38 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, ChamberRe
 
 /// Thickness, law and measures of every sheet, in the order of the scene.
 #[must_use]
-pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Value {
-    let one = |(membrane, energy): (&SceneMembrane, &Membrane)| {
-        let mut row = json!(energy.summary(at));
-        row["on"] = json!(membrane.config.on);
-        row["kind"] = json!(membrane.material.law.key);
-        row["tension_only"] = json!(membrane.config.tension);
-        row["thickness"] = json!(membrane.thickness);
-        row
+pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Membrane> {
+    let one = |(membrane, energy): (&SceneMembrane, &energy::Membrane)| {
+        let MembraneSummary { area, energy, stretch, tension, taut, wrinkled, slack } =
+            energy.summary(at);
+        Membrane {
+            on: membrane.config.on.clone(),
+            kind: membrane.material.law.key.to_owned(),
+            tension_only: membrane.config.tension,
+            thickness: membrane.thickness,
+            area,
+            energy,
+            stretch,
+            tension,
+            taut,
+            wrinkled,
+            slack,
+        }
     };
     scene.membranes.iter().zip(&energies.membranes).map(one).collect()
 }
 
 /// Kind, unit and value of every probe.
 #[must_use]
-pub fn probes(probes: &[Probe], problem: &Problem, at: &Iterate) -> Value {
+pub fn probes(
+    probes: &[Probe],
+    problem: &Problem,
+    at: &Iterate,
+) -> BTreeMap<String, reports::Probe> {
     let values = measure(probes, problem, at);
     let row = |probe: &Probe| {
-        let Kind { key, unit, .. } = probe.kind;
-        let row = json!({ "kind": key, "unit": unit, "value": values[&probe.name] });
-        (probe.name.clone(), row)
+        let (kind, unit) = (probe.kind.key.to_owned(), probe.kind.unit.to_owned());
+        (probe.name.clone(), reports::Probe { kind, unit, value: values[&probe.name] })
     };
     probes.iter().map(row).collect()
 }
@@ -246,7 +220,7 @@ pub fn probes(probes: &[Probe], problem: &Problem, at: &Iterate) -> Value {
 /// Energies of a state by kind, and their sum `total` [J]. What inertia and
 /// friction add to the potential of a step in time is none.
 #[must_use]
-pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<&'static str, f64> {
+pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f64> {
     // those that a scene may lack are reported, too
     let mut stored = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
     for Term { energy, .. } in energies.terms().filter(|term| term.kind.is_stored()) {
@@ -254,13 +228,13 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<&'static s
         *stored.entry(energy.name()).or_insert(0.0) += value;
         *stored.entry("total").or_insert(0.0) += value;
     }
-    stored
+    stored.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their
 /// sum is `out_of_balance`.
 #[must_use]
-pub fn balance(problem: &Problem, state: &Iterate) -> Value {
+pub fn balance(problem: &Problem, state: &Iterate) -> ForceBalance {
     let nodes = state.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
@@ -273,10 +247,8 @@ pub fn balance(problem: &Problem, state: &Iterate) -> Value {
     let (gradient, _) = problem.gradient(state);
     loads.insert("reaction", resultant(&gradient));
     let sum: Vec3 = loads.values().sum();
-    let mut report: BTreeMap<&str, Value> =
-        loads.into_iter().map(|(name, f)| (name, json!(<[f64; 3]>::from(f)))).collect();
-    report.insert("out_of_balance", json!(sum.norm()));
-    json!(report)
+    let resultants = loads.into_iter().map(|(name, f)| (name.to_owned(), f.into()));
+    ForceBalance { out_of_balance: sum.norm(), resultants: resultants.collect() }
 }
 
 /// Writes nodes and displacements exactly: two arrays of shape (nodes, 3) [m].
@@ -303,27 +275,24 @@ pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
 /// bodies the force on the first [N] and the sum of its magnitudes; none where the
 /// scene has no contact.
 #[must_use]
-pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Value> {
+pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Collisions> {
     let contact = energies.contact.as_ref()?;
     let names = scene.surface_names();
     let gaps = contact.gaps(at);
-    let report = |forces: Vec<BodyForce>| -> Vec<Value> {
-        let one = |f: BodyForce| {
-            json!({
-                "bodies": f.bodies.map(|b| names[b]),
-                "force": <[f64; 3]>::from(f.force),
-                "magnitude": f.magnitude,
-            })
+    let report = |forces: Vec<BodyForce>| -> Vec<PairForce> {
+        let one = |BodyForce { bodies, force, magnitude }: BodyForce| {
+            let bodies = bodies.map(|b| names[b].to_owned());
+            PairForce { bodies, force: force.into(), magnitude }
         };
         forces.into_iter().map(one).collect()
     };
     let friction = energies.friction.as_ref();
-    Some(json!({
-        "pairs": gaps.pairs,
-        "smallest_gap": gaps.smallest.is_finite().then_some(gaps.smallest),
-        "contact": report(contact.body_forces(at)),
-        "friction": report(friction.map_or_else(Vec::new, |f| f.body_forces(at))),
-    }))
+    Some(Collisions {
+        pairs: gaps.pairs,
+        smallest_gap: gaps.smallest.is_finite().then_some(gaps.smallest),
+        contact: report(contact.body_forces(at)),
+        friction: report(friction.map_or_else(Vec::new, |f| f.body_forces(at))),
+    })
 }
 
 /// [`grid`] with strains and stresses, and with the forces of contact and friction on the
@@ -375,8 +344,11 @@ fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64
 
 /// Planes of symmetry of a body, for `solver mirror`.
 #[must_use]
-pub fn symmetry(body: &Body) -> Value {
-    let one =
-        |plane: &Plane| json!({ "on": plane.tags, "axis": AXES[plane.axis], "level": plane.level });
+pub fn symmetry(body: &Body) -> Vec<CutPlane> {
+    let one = |plane: &Plane| CutPlane {
+        on: plane.tags.clone(),
+        axis: AXES[plane.axis].to_string(),
+        level: plane.level,
+    };
     body.planes.iter().map(one).collect()
 }

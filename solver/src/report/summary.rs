@@ -2,6 +2,7 @@
 //!
 //! Lengths are told in mm, volumes in mL, pressures in kPa; reports have them in SI.
 
+use reports::{End, StretchRange};
 use serde_json::Value;
 
 /// Units of reports that people read better in another: factor and its name.
@@ -10,42 +11,31 @@ const READABLE: &[(&str, f64, &str)] =
 
 /// How far the body moves, how far it is stretched, each chamber and each probe.
 #[must_use]
-pub fn in_words(report: &Value) -> String {
-    let number = |value: &Value| value.as_f64();
+pub fn in_words(found: &End) -> String {
     let mut parts = Vec::new();
-    let moved = entries(&report["tags"]).filter_map(|(_, tag)| number(&tag["max_displacement"]));
+    let moved = found.tags.values().map(|tag| tag.max_displacement);
     if let Some(largest) = moved.reduce(f64::max) {
         parts.push(format!("largest displacement {}", quantity(largest, "m")));
     }
-    parts.extend(stretch(&report["stretch_range"]));
-    for (name, chamber) in entries(&report["chambers"]) {
-        if let (Some(volume), Some(pressure)) =
-            (number(&chamber["volume"]), number(&chamber["pressure"]))
-        {
-            let at = [quantity(volume, "m³"), quantity(pressure, "Pa")].join(" at ");
-            parts.push(format!("{name} {at}"));
-        }
+    parts.push(stretch(&found.stretch_range));
+    for (name, chamber) in &found.chambers {
+        let at = [quantity(chamber.volume, "m³"), quantity(chamber.pressure, "Pa")].join(" at ");
+        parts.push(format!("{name} {at}"));
     }
-    for (name, probe) in entries(&report["probes"]) {
-        if let (Some(value), Some(unit)) = (number(&probe["value"]), probe["unit"].as_str()) {
-            parts.push(format!("{name} {}", quantity(value, unit)));
-        }
+    for (name, probe) in found.probes.iter().flatten() {
+        parts.push(format!("{name} {}", quantity(probe.value, &probe.unit)));
     }
     parts.join(", ")
 }
 
 /// The largest principal stretch, beside that at which the silicone tears, and its place at rest.
-fn stretch(range: &Value) -> Option<String> {
-    let mut text = format!("largest stretch {:.2}", range["largest"].as_f64()?);
-    if let Some(at_break) = range["at_break"].as_f64() {
+fn stretch(range: &StretchRange) -> String {
+    let mut text = format!("largest stretch {:.2}", range.largest);
+    if let Some(at_break) = range.at_break {
         text += &format!(" of {at_break:.1} at break");
     }
-    let place: Option<Vec<f64>> =
-        range["largest_at"].as_array().into_iter().flatten().map(Value::as_f64).collect();
-    if let Some([x, y, z]) = place.as_deref() {
-        text += &format!(" at ({:.1}, {:.1}, {:.1}) mm", x * 1e3, y * 1e3, z * 1e3);
-    }
-    Some(text)
+    let [x, y, z] = range.largest_at.map(|x| x * 1e3);
+    text + &format!(" at ({x:.1}, {y:.1}, {z:.1}) mm")
 }
 
 /// What a design came to, from its report: each probe before and after, with what was wanted, and the part `fall` by
@@ -109,18 +99,30 @@ mod tests {
 
     #[test]
     fn a_run_is_told_in_units_that_people_read() {
+        let still = json!({"area": 1.0, "reaction": [0.0, 0.0, 0.0], "mean_displacement": 0.0,
+            "mean_displacement_vector": [0.0, 0.0, 0.0], "max_displacement": 0.0});
+        let (mut skin, none) = (still.clone(), json!({"wall_s": 0.0, "processor_s": 0.0}));
+        skin["max_displacement"] = json!(6.1234e-3);
         let report = json!({
-            "tags": {"seat": {"max_displacement": 0.0}, "skin": {"max_displacement": 6.1234e-3}},
-            "stretch_range": {"largest": 1.314, "at_break": 10.0, "largest_at": [1e-3, 0.0, -2.55e-2]},
-            "chambers": {"cavity": {"volume": 1.45e-6, "pressure": 12e3}},
-            "probes": {"bend": {"value": -0.51e-3, "unit": "m"}, "tip": {"value": 59.9, "unit": "deg"}},
+            "tags": {"seat": still, "skin": skin},
+            "stretch_range": {"largest": 1.314, "at_break": 10.0, "largest_at": [1e-3, 0.0, -2.55e-2],
+                "smallest": 1.0, "volume_beyond": 0.0},
+            "chambers": {"cavity": {"volume": 1.45e-6, "pressure": 12e3, "volume_rest": 1e-6, "closed": true}},
+            "probes": {"bend": {"kind": "gap", "value": -0.51e-3, "unit": "m"},
+                "tip": {"kind": "angle", "value": 59.9, "unit": "deg"}},
+            "tolerance_met": true, "newton_iterations": 1, "energies": {},
+            "energy_balance": {"work_of_loads": 0.0, "elastic": 0.0},
+            "force_balance": {"out_of_balance": 0.0}, "equilibrium_s": 1.0, "wall_s": 1.0,
+            "timings": {"ordering": none, "assembly": none, "contact": none, "factor": none, "solve": none,
+                "collision": none, "certificate": none, "output": none, "factorizations": 1,
+                "failed_factorizations": 0, "predicted_s": 1.0},
         });
+        let report: End = serde_json::from_value(report).expect("a report");
         assert_eq!(
             in_words(&report),
             "largest displacement 6.123 mm, largest stretch 1.31 of 10.0 at break at (1.0, 0.0, -25.5) mm, \
              cavity 1.450 mL at 12.00 kPa, bend -0.5100 mm, tip 59.90°"
         );
-        assert_eq!(in_words(&json!({})), "");
         assert_eq!(quantity(2.5e-7, "N"), "2.500e-7 N");
         assert_eq!(quantity(0.0, "N"), "0 N");
     }

@@ -12,7 +12,7 @@
 //! [`Walls`]. Derivatives of mass and probes are exact; those of gauges are central differences of
 //! the thickness of flat facets, which is smooth.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::forward::TimeStepper;
@@ -22,9 +22,10 @@ use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_area, tr
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::{DMatrix, DVector};
 use program::{Keys, Settings, Unusable};
+use reports::{AsCast, Measurement, Offset};
 use scene::Scene;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use crate::number::Walls;
 use crate::study::calibration::least_squares::{Failure, minimise};
@@ -87,43 +88,6 @@ pub struct Probed {
     /// At the end of the run, in the unit of the probe.
     pub value: f64,
     /// Standard uncertainty, in the same unit.
-    pub uncertainty: f64,
-}
-
-/// By how much walls are off.
-#[derive(Clone, Debug, Serialize)]
-pub struct AsCast {
-    /// The file.
-    pub file: PathBuf,
-    /// The walls.
-    pub walls: Vec<Offset>,
-    /// The measurements, in the order of the file.
-    pub measurements: Vec<Measurement>,
-}
-
-/// One wall.
-#[derive(Clone, Debug, Serialize)]
-pub struct Offset {
-    /// The tag.
-    pub on: String,
-    /// Outward from the silicone: positive where it is thicker than modelled [m].
-    pub offset: f64,
-    /// Standard error [m].
-    pub standard_error: f64,
-}
-
-/// One measurement and what the body has.
-#[derive(Clone, Debug, Serialize)]
-pub struct Measurement {
-    /// `mass`, `gauge 1` and so on, or the name of the probe.
-    pub of: String,
-    /// As measured.
-    pub measured: f64,
-    /// As modelled.
-    pub before: f64,
-    /// As cast, with the offsets that were found.
-    pub after: f64,
-    /// Standard uncertainty.
     pub uncertainty: f64,
 }
 
@@ -418,24 +382,22 @@ fn found(scene: &Scene, measured: &Measured, path: &Path) -> Result<AsCast> {
     })
 }
 
-impl AsCast {
-    /// What was found, in lines of text.
-    #[must_use]
-    pub fn in_words(&self) -> Vec<String> {
-        let wall = |Offset { on, offset, standard_error }: &Offset| {
-            format!(
-                "as cast: wall of {on} {:+.3} ± {:.3} mm of silicone",
-                1e3 * offset,
-                1e3 * standard_error
-            )
-        };
-        let row = |m: &Measurement| {
-            let off = (m.after - m.measured) / m.uncertainty;
-            format!(
-                "  {}: measured {:.4e}, modelled {:.4e}, as cast {:.4e} ({off:+.1} uncertainties off)",
-                m.of, m.measured, m.before, m.after
-            )
-        };
-        self.walls.iter().map(wall).chain(self.measurements.iter().map(row)).collect()
-    }
+/// What was found, in lines of text.
+#[must_use]
+pub fn in_words(found: &AsCast) -> Vec<String> {
+    let wall = |Offset { on, offset, standard_error }: &Offset| {
+        format!(
+            "as cast: wall of {on} {:+.3} ± {:.3} mm of silicone",
+            1e3 * offset,
+            1e3 * standard_error
+        )
+    };
+    let row = |m: &Measurement| {
+        let off = (m.after - m.measured) / m.uncertainty;
+        format!(
+            "  {}: measured {:.4e}, modelled {:.4e}, as cast {:.4e} ({off:+.1} uncertainties off)",
+            m.of, m.measured, m.before, m.after
+        )
+    };
+    found.walls.iter().map(wall).chain(found.measurements.iter().map(row)).collect()
 }

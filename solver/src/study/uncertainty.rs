@@ -22,51 +22,16 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use measure::probe::Probe;
 use mechanics::forward::{Problem, Trajectory, Workspace};
+use reports::{ErrorBar, ErrorBars};
 use scene::Scene;
 use scene::config::{Modulus, UncertaintyConfig, is_pressure};
-use serde::Serialize;
 
 use crate::number::{Change, Group, Number, Swept, Walls};
 use crate::study::sensitivity::sensitivities;
 
-/// What a probe changes by.
-#[derive(Clone, Debug, Serialize)]
-pub struct ErrorBars {
-    /// As the probe is.
-    pub value: f64,
-    /// Unit of the value and of all changes.
-    pub unit: &'static str,
-    /// Root of the sum of squares of the bars that are not part of another.
-    pub together: f64,
-    /// One by one.
-    pub bars: Vec<ErrorBar>,
-}
-
-/// What one number does to a probe.
-#[derive(Clone, Debug, Serialize)]
-pub struct ErrorBar {
-    /// `modulus`, `creep`, `mullins`, `wall`, `pressure`, `density`, `membrane`, `friction`, or the
-    /// path of a number.
-    pub of: String,
-    /// Tag of the wall, the chamber or the sheet, or volume, where it is of that alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub on: Option<String>,
-    /// Unit of the number.
-    pub per: &'static str,
-    /// ∂q/∂p.
-    pub derivative: f64,
-    /// How far the number is off, downward and upward.
-    pub off: [f64; 2],
-    /// What the probe changes by at these, to first order.
-    pub change: [f64; 2],
-}
-
-impl ErrorBar {
-    /// The larger of the two changes, without sign.
-    #[must_use]
-    pub fn size(&self) -> f64 {
-        self.change[0].abs().max(self.change[1].abs())
-    }
+/// The larger of the two changes, without sign.
+fn size(bar: &ErrorBar) -> f64 {
+    bar.change[0].abs().max(bar.change[1].abs())
 }
 
 /// Numbers that may be off together.
@@ -98,7 +63,7 @@ impl Off {
         ErrorBar {
             of: self.of.clone(),
             on: self.on.clone(),
-            per,
+            per: per.to_owned(),
             derivative,
             off: self.off,
             change,
@@ -136,8 +101,8 @@ pub fn error_bars(
         let swept = Swept::new(scene, problem, walls.as_ref(), &by);
         let bars: Vec<ErrorBar> = all.iter().map(|off| off.bar(scene, &swept)).collect();
         let whole = bars.iter().filter(|bar| bar.on.is_none());
-        let together = whole.map(|bar| bar.size().powi(2)).sum::<f64>().sqrt();
-        let unit = probe.kind.unit;
+        let together = whole.map(|bar| size(bar).powi(2)).sum::<f64>().sqrt();
+        let unit = probe.kind.unit.to_owned();
         bars_of.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
     }
     Ok(bars_of)
@@ -242,10 +207,10 @@ pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
     for (name, ErrorBars { value, unit, together, bars }) in bars {
         lines.push(format!("{name} {value:.3e} {unit}, together ± {together:.1e} {unit}"));
         let mut sorted: Vec<&ErrorBar> = bars.iter().collect();
-        sorted.sort_by(|a, b| b.size().total_cmp(&a.size()));
+        sorted.sort_by(|a, b| size(b).total_cmp(&size(a)));
         for bar in sorted {
             let on = bar.on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
-            let (factor, shown) = match bar.per {
+            let (factor, shown) = match &bar.per[..] {
                 "1" => (100.0, "%"),
                 "m" => (1e3, "mm"),
                 other => (1.0, other),

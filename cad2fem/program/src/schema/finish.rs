@@ -36,8 +36,8 @@ fn version() -> Value {
     })
 }
 
-/// Cleans a schema and all in it.
-fn clean(schema: &mut Value) {
+/// Cleans a schema and all in it of what Rust alone has, and of nulls.
+pub fn clean(schema: &mut Value) {
     match schema {
         Value::Object(object) => {
             object.values_mut().for_each(clean);

@@ -4,12 +4,16 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::finish::reference;
+use super::finish::{self, reference};
 
-/// A table of keys for each table of a file, with type, default and meaning of each key.
+/// A table of keys for each table of a file, with type, default and meaning of each key; of a report
+/// without defaults.
 #[must_use]
-pub fn markdown(schema: &Value) -> String {
-    let mut chapter = Chapter { schema, text: String::new(), written: Vec::new() };
+pub fn markdown(schema: &Value, is_report: bool) -> String {
+    let mut schema = schema.clone();
+    finish::clean(&mut schema);
+    let schema = &schema;
+    let mut chapter = Chapter { schema, is_report, text: String::new(), written: Vec::new() };
     let missing = schema["else"]["required"].as_array().cloned().unwrap_or_default();
     let needed: BTreeSet<&str> = missing.iter().filter_map(Value::as_str).collect();
     chapter.keys(schema, &needed);
@@ -19,6 +23,8 @@ pub fn markdown(schema: &Value) -> String {
 
 struct Chapter<'a> {
     schema: &'a Value,
+    /// Whether programs write it, and nobody else.
+    is_report: bool,
     text: String,
     /// Tables that have a heading, with it.
     written: Vec<(*const Value, String)>,
@@ -55,6 +61,12 @@ impl<'a> Chapter<'a> {
             _ => None,
         };
         let listed = items.is_some();
+        // in a report each name of a table may stand for a table
+        let named = |map: &&'a Value| {
+            let each = map.get("additionalProperties").filter(|each| each.is_object());
+            each.filter(|_| self.is_report && map["properties"].is_null())
+        };
+        let items = items.or_else(|| Some(self.forms(forms.first().and_then(named)?)));
         (items.unwrap_or(forms).into_iter().filter(is_table).collect(), listed)
     }
 
@@ -73,8 +85,14 @@ impl<'a> Chapter<'a> {
             }
             if !forms.is_empty() {
                 let about = value["description"].as_str().or(table["description"].as_str());
-                let brackets = if listed { ("[[", "]]") } else { ("[", "]") };
-                let title = format!("`{}{name}{}`", brackets.0, brackets.1);
+                let named = self.is_report && !listed && !self.has_keys(value);
+                let name = if named { name + ".<name>" } else { name };
+                let title = match (self.is_report, listed) {
+                    (true, true) => format!("`{name}[]`"),
+                    (true, false) => format!("`{name}`"),
+                    (false, true) => format!("`[[{name}]]`"),
+                    (false, false) => format!("`[{name}]`"),
+                };
                 self.text += &format!("## {title}\n\n{}", paragraph(about.unwrap_or_default()));
                 self.table(key, &name, &title, &forms);
             }
@@ -101,8 +119,16 @@ impl<'a> Chapter<'a> {
         }
     }
 
+    /// Whether a value is a table of known keys.
+    fn has_keys(&self, value: &'a Value) -> bool {
+        self.forms(value).iter().any(|form| form["properties"].is_object())
+    }
+
     fn keys(&mut self, table: &'a Value, needed: &BTreeSet<&str>) {
-        self.text += "| key | value | default | meaning |\n|-|-|-|-|\n";
+        self.text += match self.is_report {
+            true => "| key | value | meaning |\n|-|-|-|\n",
+            false => "| key | value | default | meaning |\n|-|-|-|-|\n",
+        };
         for (key, value) in sorted(table, needed) {
             let default = match &value["default"] {
                 _ if needed.contains(key.as_str()) => "needed".to_owned(),
@@ -120,7 +146,9 @@ impl<'a> Chapter<'a> {
             };
             let cells = [format!("`{key}`"), value, default, meaning];
             let cells = cells.map(|cell| cell.replace('|', "\\|"));
-            self.text += &format!("| {} |\n", cells.join(" | "));
+            let shown = cells.iter().enumerate().filter(|(i, _)| !self.is_report || *i != 2);
+            let shown: Vec<&str> = shown.map(|(_, cell)| &cell[..]).collect();
+            self.text += &format!("| {} |\n", shown.join(" | "));
         }
         self.text += "\n";
     }
@@ -255,7 +283,7 @@ mod tests {
             "definitions": { "Contact": contact },
             "else": { "required": ["mesh"] },
         });
-        let text = markdown(&schema);
+        let text = markdown(&schema, false);
         for line in [
             "| `mesh` | text | needed | A file. |",
             "| `at` | list of 3 × number |  |  |",
@@ -265,5 +293,16 @@ mod tests {
         ] {
             assert!(text.contains(line), "{line}\n{text}");
         }
+    }
+    /// In a report each name of a table may stand for a table.
+    #[test]
+    fn reports_have_tables_by_names() {
+        let tag =
+            json!({ "type": "object", "properties": { "area": { "type": ["number", "null"] } } });
+        let tags =
+            json!({ "type": "object", "additionalProperties": tag, "description": "By tag." });
+        let text = markdown(&json!({ "properties": { "tags": tags } }), true);
+        let table = "## `tags.<name>`\n\nBy tag.\n\n| key | value | meaning |\n|-|-|-|\n| `area` | number |  |\n";
+        assert!(text.contains("| `tags` | table | By tag. |") && text.contains(table), "{text}");
     }
 }

@@ -19,7 +19,7 @@ pub use tables::{add_keys, add_kind, one_of, one_of_these, partial};
 
 use crate::nearest::did_you_mean;
 
-/// A format of files that a program reads.
+/// A format of files that a program reads or writes.
 pub struct Format {
     /// What the verb `schema` calls it.
     pub name: &'static str,
@@ -27,13 +27,21 @@ pub struct Format {
     pub file: &'static str,
     /// The schema.
     pub schema: fn() -> Value,
+    /// Whether a program writes it, and nobody else.
+    is_report: bool,
 }
 
 impl Format {
     /// The format that is read into a `T`.
     #[must_use]
     pub const fn of<T: JsonSchema>(name: &'static str, file: &'static str) -> Self {
-        Self { name, file, schema: schema::<T> }
+        Self { name, file, schema: schema::<T>, is_report: false }
+    }
+
+    /// The format of a report that a `T` is written to.
+    #[must_use]
+    pub const fn of_report<T: JsonSchema>(name: &'static str, file: &'static str) -> Self {
+        Self { name, file, schema: report::<T>, is_report: true }
     }
 }
 
@@ -44,7 +52,12 @@ fn schema<T: JsonSchema>() -> Value {
     finish::finish(schema.to_value())
 }
 
-/// Print the JSON Schema of a file that this program reads, for editors and other programs
+/// The schema (draft 7) of a report that a `T` is written to.
+fn report<T: JsonSchema>() -> Value {
+    SchemaSettings::draft07().into_generator().into_root_schema_for::<T>().to_value()
+}
+
+/// Print the JSON Schema of a file that this program reads or writes, for editors and other programs
 ///
 /// It is made of the same types as the program's own checks: unknown keys are refused, and every
 /// key has its meaning and unit. What depends on several keys at once, or on a mesh, only the program checks.
@@ -68,9 +81,10 @@ impl SchemaArguments {
             None => formats.iter().map(|f| format!("{:12} {}\n", f.name, f.file)).collect(),
             Some(name) => {
                 let found = formats.iter().find(|format| format.name == name);
-                let schema = (found.with_context(|| unknown(name, names()))?.schema)();
+                let format = found.with_context(|| unknown(name, names()))?;
+                let schema = (format.schema)();
                 match self.markdown {
-                    true => markdown(&schema),
+                    true => markdown(&schema, format.is_report),
                     false => serde_json::to_string_pretty(&schema)? + "\n",
                 }
             }

@@ -230,7 +230,7 @@ impl Cascade<'_> {
         let Some(diagnosis) = level.diagnose() else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
-        let mut report = diagnosis.report.clone();
+        let mut report = diagnosis.report();
         report["level"] = json!(index + 1);
         let written = diagnosis
             .write_state(&self.folder)

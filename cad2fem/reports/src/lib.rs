@@ -1,0 +1,20 @@
+//! What programs report, as types: who writes a report fills them, who reads it has them, and the
+//! table of keys in the book is made from them.
+//!
+//! A number that is not finite is written as `null`, as JSON has no other way.
+
+mod failed;
+mod measured;
+mod simulation;
+mod step;
+
+pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
+pub use measured::{
+    AsCast, Chamber, ErrorBar, ErrorBars, Locking, Measurement, Membrane, Offset, Probe,
+    StretchRange, Tag,
+};
+pub use simulation::{
+    CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,
+    Status, Task, Timings,
+};
+pub use step::{Collisions, ForceBalance, PairForce, Step};

@@ -1,0 +1,193 @@
+//! What is measured on a state.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Measures of one tag.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Tag {
+    /// Rest area [m²].
+    pub area: f64,
+    /// Force of the support on the body [N]; zero along axes that are free. A
+    /// node on the rim of several fixed tags counts for the first of them.
+    pub reaction: [f64; 3],
+    /// Mean length of the displacement over the rest area, without sign [m].
+    pub mean_displacement: f64,
+    /// Mean displacement over the rest area, with signs [m].
+    pub mean_displacement_vector: [f64; 3],
+    /// Largest displacement of a node [m].
+    pub max_displacement: f64,
+}
+
+/// Measures of one chamber.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Chamber {
+    /// Volume behind the rest wall; an open one is closed by a cap over its rim
+    /// [m³].
+    pub volume_rest: f64,
+    /// Volume behind the deformed wall [m³].
+    pub volume: f64,
+    /// Gauge pressure [Pa].
+    pub pressure: f64,
+    /// Whether the wall is closed.
+    pub closed: bool,
+}
+
+/// Thickness, law and measures of a sheet.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Membrane {
+    /// Tag that it is bonded to.
+    pub on: String,
+    /// Law of its material.
+    pub kind: String,
+    /// Whether it bears tension only.
+    pub tension_only: bool,
+    /// Thickness [m].
+    pub thickness: f64,
+    /// Rest area [m²].
+    pub area: f64,
+    /// Stored energy [J].
+    pub energy: f64,
+    /// Smallest and largest principal stretch [1].
+    pub stretch: [f64; 2],
+    /// Largest principal force per width, pulled back to the rest sheet [N/m].
+    pub tension: f64,
+    /// Share of the area in tension along both principal directions [1].
+    pub taut: f64,
+    /// Share that is compressed across its largest strain [1].
+    pub wrinkled: f64,
+    /// Share where nothing is stretched [1].
+    pub slack: f64,
+}
+
+/// Value of a probe.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Probe {
+    /// What it measures.
+    pub kind: String,
+    /// Unit of the value.
+    pub unit: String,
+    /// The value.
+    pub value: f64,
+}
+
+/// Principal stretches of a state, beside what the material allows.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct StretchRange {
+    /// Smallest principal stretch of a quadrature point [1].
+    pub smallest: f64,
+    /// Largest principal stretch of a quadrature point [1].
+    pub largest: f64,
+    /// Rest centre of the tetrahedron of the largest [m].
+    pub largest_at: [f64; 3],
+    /// Rest volume of the tetrahedra with a quadrature point beyond the fitted range, as a part of the
+    /// body [1].
+    pub volume_beyond: f64,
+    /// Stretch at break over the largest stretch, if it is known: the body tears below 1 [1].
+    pub margin: Option<f64>,
+    /// Range that the material was fitted to, if it is known [1].
+    pub fitted: Option<[f64; 2]>,
+    /// Uniaxial stretch at which the material tears, if it is known [1].
+    pub at_break: Option<f64>,
+}
+
+/// By how much a state would change without locking.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Locking {
+    /// Degree of the elements.
+    pub degree: usize,
+    /// Largest bulk modulus of the laws, in shear moduli.
+    pub bulk_over_shear: f64,
+    /// 1 − |u| / |u + δ|: the part of the displacement that is missing, negative where it is too large;
+    /// lengths are roots of mean squares over the rest volume, from the vertices.
+    pub displacement: f64,
+    /// |δ| / |u + δ|, whatever its direction.
+    pub change: f64,
+    /// 1 − q(u) / q(u + δ) of the probes, except those of contact.
+    pub probes: BTreeMap<String, f64>,
+    /// Time that it took [s].
+    pub wall_s: f64,
+}
+
+/// What a probe changes by where numbers are off.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct ErrorBars {
+    /// Value of the probe.
+    pub value: f64,
+    /// Unit of the value and of all changes.
+    pub unit: String,
+    /// Root of the sum of squares of the bars that are not part of another.
+    pub together: f64,
+    /// One by one.
+    pub bars: Vec<ErrorBar>,
+}
+
+/// What one number does to a probe.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct ErrorBar {
+    /// `modulus`, `creep`, `mullins`, `wall`, `pressure`, `density`, `membrane`, `friction`, or the
+    /// path of a number.
+    pub of: String,
+    /// Tag of the wall, the chamber or the sheet, or volume, where it is of that alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Unit of the number.
+    pub per: String,
+    /// ∂q/∂p.
+    pub derivative: f64,
+    /// How far the number is off, downward and upward.
+    pub off: [f64; 2],
+    /// What the probe changes by at these, to first order.
+    pub change: [f64; 2],
+}
+
+/// Walls of a cast body, from what was measured of it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct AsCast {
+    /// The file of the measurements.
+    pub file: PathBuf,
+    /// The walls.
+    pub walls: Vec<Offset>,
+    /// The measurements, in the order of the file.
+    pub measurements: Vec<Measurement>,
+}
+
+/// By how much one wall is off.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Offset {
+    /// Tag of the wall.
+    pub on: String,
+    /// Outward from the silicone: positive where it is thicker than modelled [m].
+    pub offset: f64,
+    /// Standard error [m].
+    pub standard_error: f64,
+}
+
+/// One measurement and what the body has.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Measurement {
+    /// `mass`, `gauge 1` and so on, or the name of the probe.
+    pub of: String,
+    /// As measured.
+    pub measured: f64,
+    /// As modelled.
+    pub before: f64,
+    /// As cast, with the offsets that were found.
+    pub after: f64,
+    /// Standard uncertainty.
+    pub uncertainty: f64,
+}

@@ -1,0 +1,86 @@
+//! A reported step: an entry of `steps`, and a line of `steps.jsonl`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::measured::Chamber;
+
+/// One state of a run.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Step {
+    /// Time [s]; of a static scene the fraction of the full load.
+    pub t: f64,
+    /// Fraction of the full load, of a static scene [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<f64>,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+    /// Norm of the unbalanced force [N].
+    pub residual: f64,
+    /// Residual that was wanted [N].
+    pub residual_wanted: f64,
+    /// Estimated floor of the residual, where rounding allows no less and it is larger than wanted [N].
+    pub rounding_floor: Option<f64>,
+    /// Lower bound of J = det(I + ∇u) over all points of all elements [1].
+    pub smallest_volume_ratio: f64,
+    /// Measures of each chamber, by the tag of its wall.
+    pub chambers: BTreeMap<String, Chamber>,
+    /// Mean displacement of each tag, a vector with signs [m].
+    pub mean_displacement: BTreeMap<String, [f64; 3]>,
+    /// Force of each support on the body [N].
+    pub reactions: BTreeMap<String, [f64; 3]>,
+    /// Resultants of the loads and reactions.
+    pub force_balance: ForceBalance,
+    /// Stored energy of each term, and their sum `total`; with inertia `kinetic` [J].
+    pub energies: BTreeMap<String, f64>,
+    /// Momentum of all bodies, of a scene with inertia [kg m/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub momentum: Option<[f64; 3]>,
+    /// Forces between surfaces, of a scene with contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collisions: Option<Collisions>,
+    /// Work of gas, dead loads and moving supports so far [J].
+    pub work_of_loads: f64,
+    /// Value of each probe, in its unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probes: Option<BTreeMap<String, f64>>,
+}
+
+/// Resultants of the loads by kind, and of the reactions.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ForceBalance {
+    /// Norm of their sum [N].
+    pub out_of_balance: f64,
+    /// Resultant of each kind of load, and `reaction` [N].
+    #[serde(flatten)]
+    pub resultants: BTreeMap<String, [f64; 3]>,
+}
+
+/// Forces between surfaces.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Collisions {
+    /// Number of pairs of features that repel each other.
+    pub pairs: usize,
+    /// Smallest gap of these over the activation [1].
+    pub smallest_gap: Option<f64>,
+    /// Forces of contact, for each pair of bodies.
+    pub contact: Vec<PairForce>,
+    /// Forces of friction, for each pair of bodies.
+    pub friction: Vec<PairForce>,
+}
+
+/// Force between two bodies.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct PairForce {
+    /// The two bodies.
+    pub bodies: [String; 2],
+    /// Force on the first [N].
+    pub force: [f64; 3],
+    /// Sum of the magnitudes of the forces on its vertices [N].
+    pub magnitude: f64,
+}

@@ -1,0 +1,111 @@
+//! The report of a simulation.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Result;
+use mechanics::energy::Iterate;
+use mechanics::forward::{self, Problem};
+use mechanics::stretch::{Limits, Stretches};
+use reports::{
+    EnergyBalance, Material, Moduli, OneOrList, Simulation, Status, StretchRange, Task, Timings,
+};
+use scene::{Scene, SceneLaw, law_table};
+use serde_json::json;
+
+use crate::report::results;
+
+/// What is known before a run whose results lie in a folder.
+///
+/// # Errors
+/// When a mesh cannot be read.
+pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulation> {
+    let (inputs, set) = results::provenance(folder, None, scene)?;
+    let cut = !scene.body.planes.is_empty();
+    Ok(Simulation {
+        status: Status::Ok,
+        usable: true,
+        program: scene::PROGRAM.to_owned(),
+        inputs,
+        set,
+        config: json!(scene.config),
+        material: OneOrList::new(materials(scene)?),
+        dofs: problem.dofs(),
+        tets: scene.body.mesh.tets.len(),
+        vertices: scene.body.mesh.vertices.len(),
+        symmetry: cut.then(|| results::symmetry(&scene.body)),
+        as_cast: None,
+        steps: Vec::new(),
+        factor_entries: 0,
+        memory_estimate_mb: 0.0,
+        end: None,
+        failed: None,
+    })
+}
+
+/// The law of each body or volume.
+fn materials(scene: &Scene) -> Result<Vec<Material>> {
+    let one = |law: &SceneLaw| {
+        let (material, moduli) = (&law.material, law.material.moduli());
+        let parameters = law_table::written(material.law, &material.values);
+        let silicone = law.config.silicone().map(|named| named.report());
+        Ok(Material {
+            kind: material.law.key.to_owned(),
+            parameters: serde_json::from_value(json!(parameters))?,
+            moduli: Moduli { shear: moduli.shear, bulk: moduli.bulk },
+            silicone: silicone.map(serde_json::from_value).transpose()?,
+            on: law.volume.is_some().then(|| scene.law_name(law)),
+        })
+    };
+    scene.laws.iter().map(one).collect()
+}
+
+/// Writes a report, its keys in alphabetical order.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(folder: &Path, report: &Simulation) -> Result<()> {
+    program::write_json(&folder.join("report.json"), &serde_json::to_value(report)?)
+}
+
+/// Work of the loads beside stored and kinetic energy [J].
+#[must_use]
+pub fn balance(
+    work_of_loads: f64,
+    energies: &BTreeMap<String, f64>,
+    kinetic: Option<f64>,
+) -> EnergyBalance {
+    let elastic = energies["elastic"] + energies.get("membrane").unwrap_or(&0.0);
+    let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
+    let relative_gap = kinetic.is_none().then_some(gap);
+    EnergyBalance { work_of_loads, elastic, kinetic, relative_gap }
+}
+
+/// Principal stretches of the state, with warnings where the material was not tested or tears.
+#[must_use]
+pub fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
+    let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits());
+    found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
+    let Stretches { smallest, largest, largest_at, volume_beyond, margin, limits } = found;
+    let Limits { fitted, at_break } = limits;
+    StretchRange { smallest, largest, largest_at, volume_beyond, margin, fitted, at_break }
+}
+
+/// Where the time went, and how much was expected [s].
+#[must_use]
+pub fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
+    let task = |time: forward::Time| Task { wall_s: time.wall_s, processor_s: time.processor_s };
+    Timings {
+        ordering: task(spent.ordering),
+        assembly: task(spent.assembly),
+        contact: task(spent.contact),
+        factor: task(spent.factor),
+        solve: task(spent.solve),
+        collision: task(spent.collision),
+        certificate: task(spent.certificate),
+        output: task(spent.output),
+        factorizations: spent.factorizations,
+        failed_factorizations: spent.failed_factorizations,
+        predicted_s,
+    }
+}
