@@ -43,7 +43,7 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
         space: &problem.space,
         rest: &rest,
         u: &u,
-        load: 1.0,
+        time: 1.0,
         contact: &[],
         reaction: &[],
     };

@@ -62,6 +62,6 @@ pub fn measure(probes: &[Probe], problem: &Problem, at: &Iterate) -> BTreeMap<St
         reaction = problem.gradient(at).0;
     }
     let &Iterate { space, rest, u, time: load, .. } = at;
-    let here = Equilibrium { space, rest, u, load, contact: &contact, reaction: &reaction };
+    let here = Equilibrium { space, rest, u, time: load, contact: &contact, reaction: &reaction };
     probes.iter().map(|probe| (probe.name.clone(), probe.quantity.value(&here))).collect()
 }

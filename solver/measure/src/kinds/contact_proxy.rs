@@ -140,7 +140,7 @@ impl ContactProxy {
     /// None where parts touch.
     fn contacts(&self, at: &Equilibrium) -> Option<Contacts<'_>> {
         let (surface, repulsion) = (self.potential.surface(), self.potential.repulsion());
-        let x = surface.positions(at.space, at.rest, at.u, at.load);
+        let x = surface.positions(at.space, at.rest, at.u, at.time);
         let candidates = self.potential.candidates(&x, &x, repulsion.range()).ok()?;
         let rest = surface.rest(at.space, at.rest);
         let close = self.potential.close_pairs(&candidates, &x, &rest);

@@ -73,7 +73,7 @@ impl Gap {
     }
 
     fn positions(&self, at: &Equilibrium) -> Vec<Vec3> {
-        self.surface.positions(at.space, at.rest, at.u, at.load)
+        self.surface.positions(at.space, at.rest, at.u, at.time)
     }
 
     /// `weight` ∂q/∂x at the corners of the closest pair, zero elsewhere.

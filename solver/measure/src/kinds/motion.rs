@@ -128,11 +128,11 @@ impl Motion {
 
 impl Quantity for Motion {
     fn value(&self, at: &Equilibrium) -> f64 {
-        self.patch.value(at, &|place| self.density(place, at.load))
+        self.patch.value(at, &|place| self.density(place, at.time))
     }
 
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
-        self.patch.add_partials(at, &|place| self.density(place, at.load), weight, out);
+        self.patch.add_partials(at, &|place| self.density(place, at.time), weight, out);
     }
 }
 

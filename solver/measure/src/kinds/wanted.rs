@@ -92,7 +92,7 @@ impl Wanted {
     fn at(&self, state: &Equilibrium) -> (f64, f64) {
         let q = self.quantity.value(state);
         let Some(target) = &self.target else { return (q / self.scale, 1.0 / self.scale) };
-        let left = (q - target.as_written(Vec3::zeros(), state.load).value) / self.scale;
+        let left = (q - target.as_written(Vec3::zeros(), state.time).value) / self.scale;
         (left * left, 2.0 * left / self.scale)
     }
 }

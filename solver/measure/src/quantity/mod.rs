@@ -52,7 +52,7 @@ pub struct Equilibrium<'a> {
     /// Nodal displacement [m], three components per node.
     pub u: &'a [f64],
     /// The time t [s]; in a static scene 1.
-    pub load: f64,
+    pub time: f64,
     /// Force of contact and friction on each node [N], three components per node;
     /// empty where no quantity needs it.
     pub contact: &'a [f64],

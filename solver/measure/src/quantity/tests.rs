@@ -52,7 +52,7 @@ impl Case {
     /// The state.
     pub fn at(&self) -> Equilibrium<'_> {
         let Self { space, rest, u, contact, reaction, .. } = self;
-        Equilibrium { space, rest, u, load: 0.7, contact, reaction }
+        Equilibrium { space, rest, u, time: 0.7, contact, reaction }
     }
 
     /// Partial derivatives of a quantity times a weight.

@@ -399,7 +399,7 @@ impl Scenario {
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let (state, load) = (states.state(n), states.times[n]);
             let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
-            let here = Equilibrium { space, rest, u, load, contact, reaction };
+            let here = Equilibrium { space, rest, u, time: load, contact, reaction };
             let adjoint::Partials { by_u, by_contact, by_reaction } = out;
             let (u, contact, reaction) = (by_u, by_contact, by_reaction);
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
