@@ -5,7 +5,9 @@
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use crate::fixture::{CHAMBER, CLOSED, Scene, TWO_CHAMBERS, TWO_TOPS, copy, fab, stderr, stdout};
+use crate::fixture::{
+    CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, TWO_TOPS, copy, fab, stderr, stdout,
+};
 use fab::files::report::MoldReport;
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
@@ -69,6 +71,26 @@ fn shells_on_a_base() {
 }
 
 /// Flanges of 3.4 mm have no place for letters of 2.5 mm with a fifth of that on both sides.
+/// A blind hole of 4 × 4 × 4 mm in the seat, as for a screw.
+const SCREWED: Cubes = Cubes {
+    count: [5, 7, 6],
+    solid: |c| !(c[0] == 1 && c[1] == 5 && c[2] < 1),
+    chamber: CHAMBER.chamber,
+};
+
+#[test]
+fn the_plug_of_a_hole_in_the_seat_belongs_to_the_base() {
+    let base = |body: &Cubes| {
+        let scene = Scene::new(body, &format!("{PLANE}\n[core]\nsupport = \"stub\""));
+        molded(&scene);
+        let report = verified(&scene);
+        assert_eq!(names(&report)[..3], ["left", "right", "base"]);
+        report.parts[2].volume
+    };
+    let plug = base(&SCREWED) - base(&CHAMBER);
+    assert!((plug - 4.0 * 4.0 * 4.0).abs() < 1e-3, "{plug}");
+}
+
 #[test]
 fn a_name_that_does_not_fit_is_reported() {
     let scene = Scene::new(&CHAMBER, "[keys]\nheight = 2e-3\n[flange]\nthickness = 3.4e-3\n");

@@ -21,6 +21,9 @@ use crate::geometry::frustum::Frustum;
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;
 
+/// A piece stands on the seat if it ends within this distance of it: rounding [m].
+const ON_SEAT: f64 = 1e-9;
+
 /// What is divided.
 pub struct Blank<'a> {
     /// What is cast.
@@ -66,6 +69,21 @@ impl Division {
             (_, Pull::Y) => blank.sides_on_base(hull),
         }
     }
+}
+
+/// What is above a seat and what is below, with the plugs of holes that open there, such as those of screws: nothing
+/// else holds them, and they leave the body with the piece on which it stands.
+fn with_plugs(above: Solid, below: Solid, seat: f64) -> (Solid, Solid) {
+    let stands = |piece: &Solid| (piece.bounds().0.z - seat).abs() <= ON_SEAT;
+    let mut pieces = above.decompose();
+    pieces.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
+    let plugs: Vec<&Solid> = pieces.iter().skip(1).filter(|piece| stands(piece)).collect();
+    if plugs.is_empty() {
+        return (above, below);
+    }
+    let rest = plugs.iter().fold(above.clone(), |rest, plug| rest.difference(plug));
+    let joined = plugs.iter().fold(below, |all, plug| all.union(plug));
+    (rest, joined)
 }
 
 impl Blank<'_> {
@@ -207,7 +225,7 @@ impl Blank<'_> {
         let above = outside.trim_by_plane(&Vec3::z(), *seat).difference(filled);
         let region = outside.trim_by_plane(&-Vec3::z(), -seat);
         let below = match self.orientation.portion {
-            Portion::Whole => region.difference(filled),
+            Portion::Whole => return with_plugs(above, region.difference(filled), *seat),
             // Not what is left by body and cup: where their surfaces differ in the last bits,
             // that has films.
             Portion::Above(_) | Portion::Below(_) => {
