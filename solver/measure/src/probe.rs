@@ -61,7 +61,7 @@ pub fn measure(probes: &[Probe], problem: &Problem, at: &Iterate) -> BTreeMap<St
     if probes.iter().any(|probe| probe.quantity.uses_reaction()) {
         reaction = problem.gradient(at).0;
     }
-    let &Iterate { space, rest, u, time: load, .. } = at;
-    let here = Equilibrium { space, rest, u, time: load, contact: &contact, reaction: &reaction };
+    let &Iterate { space, rest, u, time, .. } = at;
+    let here = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
     probes.iter().map(|probe| (probe.name.clone(), probe.quantity.value(&here))).collect()
 }

@@ -58,13 +58,13 @@ impl Diagnosis {
         let attempt = &unreached.attempt;
         let (space, next) = (&*problem.space, attempt.time);
         let (multipliers, step) = (&attempt.multipliers, Some(&*attempt.step));
-        let (u, load) = (&attempt.reached, unreached.time);
-        let at = Iterate { space, rest, u, time: load, multipliers, step };
+        let (u, time) = (&attempt.reached, unreached.time);
+        let at = Iterate { space, rest, u, time, multipliers, step };
         let force = unbalanced_force(problem, &Iterate { u: &attempt.u, time: next, ..at });
         let worst = worst_element(space, rest, &attempt.u, &force, &unreached.failure);
         let zero = vec![0.0; problem.dofs()];
         let start = Iterate { u: &zero, time: 0.0, ..at };
-        let at_rest = SoftestMode::of(problem, workspace, &start, next - load);
+        let at_rest = SoftestMode::of(problem, workspace, &start, next - time);
         let reached = SoftestMode::of(problem, workspace, &at, next);
         let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits());
 

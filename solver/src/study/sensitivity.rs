@@ -27,8 +27,8 @@ pub fn sensitivities(
     let contact = problem.energies.contact_forces(&at);
     let reaction = problem.gradient(&at).0;
     let linearization = (n == run.steps()).then(|| workspace.linearize(problem, &at));
-    let (space, u, load) = (at.space, at.u, at.time);
-    let here = Equilibrium { space, rest, u, time: load, contact: &contact, reaction: &reaction };
+    let (space, u, time) = (at.space, at.u, at.time);
+    let here = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
     let mut found = Vec::new();
     for probe in probes {
         let (q, mut by_rest) = (&probe.quantity, vec![0.0; 3 * rest.len()]);

@@ -311,12 +311,11 @@ impl Scenario {
         rest: &[Vec3],
         u: &[f64],
     ) -> Result<(Trajectory, usize), Rejected> {
-        let load = self.times[0];
+        let time = self.times[0];
         let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, load) };
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
         let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
-        let start =
-            Configuration { rest, time: load, step: Some(&step), u: u.to_vec(), multipliers };
+        let start = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
         let solution = solve_from(problem, &mut self.workspace, &start, &newton)
             .map_err(|e| self.reject(e))?;
@@ -397,9 +396,9 @@ impl Scenario {
         let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
         let mut by_rest = vec![0.0; 3 * rest.len()];
         let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
-            let (state, load) = (states.state(n), states.times[n]);
+            let (state, time) = (states.state(n), states.times[n]);
             let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
-            let here = Equilibrium { space, rest, u, time: load, contact, reaction };
+            let here = Equilibrium { space, rest, u, time, contact, reaction };
             let adjoint::Partials { by_u, by_contact, by_reaction } = out;
             let (u, contact, reaction) = (by_u, by_contact, by_reaction);
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };

@@ -57,10 +57,9 @@ impl Scenario {
         let mut values = vec![0.0; self.terms.len()];
         for n in 0..=states.steps() {
             let Forces { contact, reaction } = self.forces(run, n);
-            let (state, load) = (states.state(n), states.times[n]);
+            let (state, time) = (states.state(n), states.times[n]);
             let (space, u) = (&*run.problem.space, &state.u[..]);
-            let at =
-                Equilibrium { space, rest, u, time: load, contact: &contact, reaction: &reaction };
+            let at = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {
