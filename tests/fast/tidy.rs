@@ -122,6 +122,14 @@ fn names_are_found_in_every_way_of_use() {
     assert_eq!(used(code, "crate"), ["a", "b", "e", "g", "h"]);
 }
 
+#[test]
+fn modules_with_a_folder_are_in_it() {
+    let top = repository();
+    let all = PACKAGES.iter().flat_map(|package| files(&top.join(package).join("src"), "rs"));
+    let beside = all.filter(|path| path.with_extension("").is_dir());
+    assert_eq!(beside.collect::<Vec<_>>(), Vec::<PathBuf>::new(), "expected NAME/mod.rs");
+}
+
 /// What follows `#[cfg(test)]` escapes the checks here, so only tests may.
 #[test]
 fn tests_stand_at_the_end_of_their_files() {
