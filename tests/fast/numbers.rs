@@ -160,6 +160,21 @@ fn numbers_are_designed_by_their_paths() {
     dir.solver("optimize design.toml -o other").assert_refused(2, &["velocity.body.x"]);
 }
 
+/// Its value is made with the law.
+#[test]
+fn the_stress_of_a_law_has_its_gradient_by_the_law() {
+    let dir = chamber::workdir();
+    let design = "scene = \"p1.toml\"\n[[chamber]]\non = \"cavity\"\nslope = [-1e4, 1e4]\n\
+                  [optimizer]\niterations = 1\n[[objective]]\nkind = \"stress\"\nname = \"stress\"\nweight = 1e-6\n";
+    dir.write("stress.toml", design);
+    let run = dir.solver("check stress.toml --random 0");
+    run.assert_good();
+    assert!(run.stdout.contains("material.body"), "{}", run.stdout);
+    let by_law = "[[parameter]]\nname = \"material.body.c1\"\nbounds = [4e4, 7e4]\n";
+    dir.write("law.toml", &format!("{design}{by_law}"));
+    dir.solver("optimize law.toml -o out").assert_refused(2, &["\"stress\"", "material.body.c1"]);
+}
+
 #[test]
 fn numbers_of_a_scene_are_in_place_of_those_of_its_tables() {
     let dir = chamber::workdir();

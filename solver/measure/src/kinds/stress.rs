@@ -52,9 +52,11 @@ impl Specification for Keys {
     }
 
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let parts = site.parts(self.on.as_deref())?.into_iter();
-        let parts = parts.map(|(law, elements)| (law.build(), elements)).collect();
-        Ok(Arc::new(Stress::new(parts, self.power)))
+        let parts = site.parts(self.on.as_deref())?;
+        let place = |own: &Range<usize>| site.laws.iter().position(|law| law.elements == *own);
+        let places = parts.iter().filter_map(|(_, elements)| place(elements)).collect();
+        let parts = parts.into_iter().map(|(law, elements)| (law.build(), elements)).collect();
+        Ok(Arc::new(Stress { places, ..Stress::new(parts, self.power) }))
     }
 }
 
@@ -62,6 +64,8 @@ impl Specification for Keys {
 pub struct Stress {
     /// Laws with the elements that have them.
     parts: Vec<(Box<dyn Material>, Range<usize>)>,
+    /// Places of these laws among all.
+    places: Vec<usize>,
     power: f64,
 }
 
@@ -74,7 +78,7 @@ impl Stress {
     #[must_use]
     pub fn new(parts: Vec<(Box<dyn Material>, Range<usize>)>, power: f64) -> Self {
         assert!(power >= 2.0, "power {power} of the stress: 2 or more is needed");
-        Self { parts, power }
+        Self { places: (0..parts.len()).collect(), parts, power }
     }
 
     fn density(&self, material: &dyn Material, grad_u: &Mat3) -> (f64, Mat3) {
@@ -84,6 +88,16 @@ impl Stress {
         // the tangent is symmetric
         let by = material.tangent(&k) * vec9(&stress) * (self.power * norm.powf(self.power - 2.0));
         (norm.powf(self.power), Mat3::from_column_slice(by.as_slice()))
+    }
+
+    /// ∂|P|^q/∂p by the parameters of a law.
+    fn density_by_parameters(&self, material: &dyn Material, grad_u: &Mat3) -> Vec<f64> {
+        let k = Kinematics::new(grad_u);
+        let stress = material.first_piola(&k);
+        let by_stress = stress * (self.power * stress.norm().powf(self.power - 2.0));
+        let mut by = vec![0.0; material.parameter_count()];
+        material.add_parameter_vjp(&k, &by_stress, &mut by);
+        by
     }
 }
 
@@ -99,6 +113,17 @@ impl Quantity for Stress {
         for (law, elements) in &self.parts {
             solid_integral::add_partials(at, elements, &|h| self.density(&**law, h), weight, out);
         }
+    }
+
+    fn by_laws(&self, at: &Equilibrium, weight: f64) -> Vec<(usize, Vec<f64>)> {
+        let by = |((law, elements), place): (&(Box<dyn Material>, Range<usize>), &usize)| {
+            let one = |i: usize| {
+                let density = |h: &Mat3| (self.density_by_parameters(&**law, h)[i], Mat3::zeros());
+                weight * solid_integral::value(at, elements, &density)
+            };
+            (*place, (0..law.parameter_count()).map(one).collect())
+        };
+        self.parts.iter().zip(&self.places).map(by).collect()
     }
 }
 
@@ -128,6 +153,27 @@ mod tests {
                 let parts = vec![(soft(), 0..20), (silicone(), 20..48)];
                 case.check(&Stress::new(parts, power));
             }
+        }
+    }
+
+    #[test]
+    fn derivatives_by_the_law_belong_to_the_value() {
+        let mut case = Case::cube(2, 1.0);
+        case.u.iter_mut().for_each(|u| *u *= 0.2);
+        let term = |c1: f64, c2: f64| {
+            let law = Box::new(MooneyRivlin { c1, c2, c3: 0.05, d1: 2.0 });
+            Stress::new(vec![(soft(), 0..20), (law, 20..48)], 3.0)
+        };
+        let by = term(0.8, 0.1).by_laws(&case.at(), 2.0);
+        assert_eq!([by[0].0, by[1].0], [0, 1]);
+        let value = |c1, c2| 2.0 * term(c1, c2).value(&case.at());
+        let step = 1e-5;
+        let differences = [
+            (value(0.8 + step, 0.1) - value(0.8 - step, 0.1)) / (2.0 * step),
+            (value(0.8, 0.1 + step) - value(0.8, 0.1 - step)) / (2.0 * step),
+        ];
+        for (difference, exact) in differences.iter().zip(&by[1].1) {
+            assert!((difference / exact - 1.0).abs() < 1e-7, "{difference} {exact}");
         }
     }
 

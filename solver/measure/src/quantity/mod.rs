@@ -111,6 +111,11 @@ pub trait Quantity: Send + Sync {
     fn value(&self, at: &Equilibrium) -> f64;
     /// Adds `weight` times the partial derivatives of q, which must be finite.
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials);
+    /// `weight` times the partial derivatives of q by the parameters of the laws that it is made with, by the
+    /// places of these among all laws.
+    fn by_laws(&self, _at: &Equilibrium, _weight: f64) -> Vec<(usize, Vec<f64>)> {
+        Vec::new()
+    }
     /// Whether it looks at the forces of contact.
     fn uses_contact(&self) -> bool {
         false

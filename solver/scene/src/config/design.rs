@@ -307,6 +307,16 @@ impl DesignConfig {
             !self.objective.is_empty(),
             "no [[objective]]: expected at least one, to be minimised"
         );
+        if let Some(reads) = self.objective.iter().find(|own| own.kind().reads_stress)
+            && let Some(law) = self.parameter.iter().find(|own| own.name.starts_with("material."))
+        {
+            bail!(
+                "objective \"{}\": it is made with the law, which [[parameter]] \"{}\" changes: expected another \
+                 objective, or another number",
+                reads.name(),
+                law.name
+            );
+        }
         let leveled = !self.level.is_empty();
         match (&self.shape, self.optimizer.iterations) {
             (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {

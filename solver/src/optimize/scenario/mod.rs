@@ -14,7 +14,7 @@ use measure::quantity::{Equilibrium, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, interpolate};
-use mechanics::energy::Iterate;
+use mechanics::energy::{Iterate, ParameterId};
 use mechanics::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
@@ -414,6 +414,7 @@ impl Scenario {
         let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        self.add_by_laws(run, &forces, (of, factor), &mut gradient);
         if let Some(offset) = &self.offset {
             offset.add_vjp(designed, &mut gradient.rest);
         }
@@ -422,6 +423,28 @@ impl Scenario {
             plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
         }
         Ok(gradient)
+    }
+
+    /// Adds the partial derivatives of terms by the laws that they are made with, in each time step.
+    fn add_by_laws(
+        &self,
+        run: &Run,
+        forces: &[Forces],
+        (of, factor): (Option<&str>, f64),
+        gradient: &mut Gradient,
+    ) {
+        let (rest, states) = (&run.rest[..], &*run.states);
+        for n in 1..=states.steps() {
+            let (state, Forces { contact, reaction }) = (states.state(n), &forces[n]);
+            let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
+            let here = Equilibrium { space, rest, u, time, contact, reaction };
+            for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
+                let factor = factor * term.weight * term.factor * term.factors[n];
+                for (law, by) in term.quantity.by_laws(&here, factor) {
+                    gradient.parameters.add(n - 1, ParameterId::Material(law), by);
+                }
+            }
+        }
     }
 
     /// dJ by the variables of the loads, which have these values.
