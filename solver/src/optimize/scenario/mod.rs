@@ -434,8 +434,8 @@ impl Scenario {
         gradient: &mut Gradient,
     ) {
         let (rest, states) = (&run.rest[..], &*run.states);
-        for n in 1..=states.steps() {
-            let (state, Forces { contact, reaction }) = (states.state(n), &forces[n]);
+        for (n, Forces { contact, reaction }) in forces.iter().enumerate().skip(1) {
+            let state = states.state(n);
             let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
             let here = Equilibrium { space, rest, u, time, contact, reaction };
             for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
