@@ -2,7 +2,7 @@
 //! backwards through its time steps (reverse mode).
 //!
 //! Step n solves G(u_n; X, past_n, p) = ∂E/∂u = 0 on the free degrees of freedom,
-//! where the past is that of a [`TimeStep`](crate::energy::TimeStep):
+//! where the past is that of a [`TimeStep`]:
 //!
 //! history, free flight, Z°:   sums over the states before, with the weights of a formula
 //! lagged contacts:            a function of u₋₁ and X
