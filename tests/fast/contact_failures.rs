@@ -70,6 +70,22 @@ fn what_a_contact_leaves_open_comes_from_mesh_and_material() {
 }
 
 #[test]
+fn a_weaker_barrier_lets_surfaces_come_closer() {
+    let dir = workdir();
+    let [log, smoother] = ["log", "log-squared"].map(|barrier| {
+        let scene = scene().replace("thickness", &format!("barrier = \"{barrier}\"\nthickness"));
+        dir.write("barrier.toml", &scene);
+        dir.solver("simulate barrier.toml -o out --restart").assert_good();
+        let report = dir.json("out/report.json");
+        let gaps = report["steps"].as_array().unwrap().iter();
+        let gaps = gaps.filter_map(|step| step["collisions"]["smallest_gap"].as_f64());
+        gaps.fold(f64::INFINITY, f64::min)
+    });
+    assert!(0.0 < smoother && smoother < log && log < 1.0, "{smoother} {log}");
+    refuse(&[("thickness = 0.0", "barrier = \"quadratic\"", &["\"quadratic\"", "log-squared"])]);
+}
+
+#[test]
 fn an_obstacle_in_millimetres_is_refused() {
     let dir = workdir();
     let mut floor = mesh::io::read_surface(&dir.path("floor.stl")).unwrap();

@@ -65,7 +65,7 @@ struct Source {
 /// A mesh in a simulation.
 struct Part {
     mesh: Known,
-    /// Its name in a scene of several bodies.
+    /// The name in a scene of several bodies.
     body: Option<String>,
     /// Where it was moved to [m].
     shift: Vec3,

@@ -168,7 +168,7 @@ pub struct Inputs {
 pub struct Material {
     /// The law.
     pub kind: String,
-    /// Its parameters, by their names.
+    /// Values of the parameters, by their names.
     pub parameters: Map<String, Value>,
     /// Moduli at rest.
     pub moduli: Moduli,
@@ -213,7 +213,7 @@ pub struct CutPlane {
     pub on: Vec<String>,
     /// Axis across it.
     pub axis: String,
-    /// Its place along that axis [m].
+    /// Coordinate of the plane on that axis [m].
     pub level: f64,
 }
 
@@ -237,9 +237,9 @@ pub struct EnergyBalance {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Task {
-    /// On the clock [s].
+    /// Time on the clock [s].
     pub wall_s: f64,
-    /// Of all threads together [s].
+    /// Time of all threads together [s].
     pub processor_s: f64,
 }
 

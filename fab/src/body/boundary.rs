@@ -52,9 +52,9 @@ pub struct Boundary {
 pub struct CoreBoundary {
     /// Tag of its wall; empty where it has none.
     pub chamber: String,
-    /// Its closed boundary, facing outward [m].
+    /// The closed boundary, facing outward [m].
     pub surface: SurfaceMesh,
-    /// Its openings; none if it is closed.
+    /// The openings; none if it is closed.
     pub inlets: Vec<Inlet>,
 }
 

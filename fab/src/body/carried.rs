@@ -25,8 +25,8 @@ const THIN: [f64; 3] = [5e-6, 1e-5, 2e-5];
 /// Longest edge of a model that is carried, in the longest edge of the facet beside it.
 const LONGEST: f64 = 0.5;
 
-/// The same of an edge at whose middle the displacement bends: a quarter as long, it bends by a sixteenth of what a
-/// facet does, and at a kink by a quarter.
+/// Longest edge where the displacement bends at its middle, in the longest edge of the facet beside it. An edge a quarter
+/// as long bends by a sixteenth of what the facet does, at a kink by a quarter.
 const LONGEST_BENT: f64 = 0.25;
 
 /// Bends that are less do not matter: a fifth of what the mold may be off the CAD [m].
@@ -53,7 +53,7 @@ pub struct Walls<'a> {
 /// A model that was carried.
 #[derive(Debug)]
 pub struct Carried {
-    /// Its surface [m].
+    /// The surface [m].
     pub surface: SurfaceMesh,
     /// For each of its triangles the one of the model that it was a part of.
     pub origin: Vec<usize>,
@@ -348,7 +348,7 @@ mod tests {
         [apart(&facets), apart(&carried)]
     }
 
-    /// Of third order, where the facets of the design are of second.
+    /// The distance falls with the third power of the length of facets, that of the facets themselves with the second.
     #[test]
     fn a_carried_ball_is_nearer_to_the_exact_shape_than_facets() {
         let [coarse, fine] = [24, 48].map(measured);

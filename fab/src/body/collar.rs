@@ -198,7 +198,7 @@ impl Collar {
         Self::cylinder(self.base + along * from, along * (to - from), 2.0 * self.radius)
     }
 
-    /// Its bore as an inlet.
+    /// The bore as an inlet.
     fn inlet(&self, inward: &Vec3) -> Inlet {
         let half = std::f64::consts::PI / SIDES as f64;
         Inlet {

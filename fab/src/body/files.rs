@@ -113,7 +113,7 @@ impl Sources<'_> {
         if asked == Some(Casts::Mesh) {
             return Ok(boundary);
         }
-        if self.outside_moved(chambers)? {
+        if self.outside_moved(modelled, chambers)? {
             let error = "the design moved the outside, so that the model has not its shape";
             ensure!(asked.is_none(), "{error}: {INSTEAD}");
             log::warn!("{error}: the boundary of the tetrahedra is cast");
@@ -150,17 +150,14 @@ impl Sources<'_> {
     }
 
     /// Whether the outside of the design has other vertices than that of the mesh as modelled.
-    fn outside_moved(&self, chambers: &Chambers) -> Result<bool> {
+    fn outside_moved(&self, modelled: &MshFile, chambers: &Chambers) -> Result<bool> {
         let outside = |file: &MshFile| -> Result<BTreeSet<[u64; 3]>> {
             let facets = topology::boundary(&file.mesh).facets;
             let of = chambers_of(&file.mesh, &facets, &file.tags, chambers)?;
             let own = facets.iter().zip(of).filter(|(_, of)| of.is_none());
             Ok(places(own.flat_map(|(t, _)| t.map(|v| &file.mesh.vertices[v]))))
         };
-        match &self.modelled {
-            Some(modelled) => Ok(outside(modelled)? != outside(self.file)?),
-            None => Ok(false),
-        }
+        Ok(outside(modelled)? != outside(self.file)?)
     }
 }
 

@@ -16,9 +16,9 @@ const LEVEL: f64 = 0.1;
 /// A sheet in the design's coordinates.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Its tag.
+    /// The tag.
     pub tag: String,
-    /// Its facets [m].
+    /// The facets [m].
     pub surface: SurfaceMesh,
 }
 
@@ -26,13 +26,13 @@ pub struct Layer {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaidIn {
-    /// Its tag.
+    /// The tag.
     pub tag: String,
     /// Height above the floor of the mold, where it is laid in [mm].
     pub height: f64,
     /// Silicone below it [mL].
     pub below_ml: f64,
-    /// Its outlines, seen from above [mm].
+    /// The outlines, seen from above [mm].
     pub outlines: Vec<Vec<[f64; 2]>>,
 }
 
@@ -61,7 +61,7 @@ impl Layer {
         [low.z, high.z]
     }
 
-    /// Its place above the floor of a mold, with the volume of silicone below it [m³].
+    /// The place above the floor of a mold, with the volume of silicone below it [m³].
     ///
     /// # Errors
     /// If it is not level.
@@ -116,7 +116,7 @@ impl LaidIn {
         format!("{}.svg", self.tag)
     }
 
-    /// Its outline in its own size, to be printed and cut.
+    /// The outline in its own size, to be printed and cut.
     #[must_use]
     pub fn svg(&self) -> String {
         const MARGIN: f64 = 5.0;

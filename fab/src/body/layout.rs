@@ -31,7 +31,7 @@ pub enum LayoutError {
         x = centre.x, y = centre.y, z = centre.z
     )]
     Inlet {
-        /// Its centre in the design [m].
+        /// The centre in the design [m].
         centre: Vec3,
         /// Angle between its normal and down [degrees].
         angle: f64,

@@ -36,7 +36,7 @@ pub struct Input {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedFile {
-    /// Its file, relative to the folder of this one.
+    /// The file, relative to the folder of this one.
     pub path: PathBuf,
     /// SHA-256 of its content.
     pub sha256: String,

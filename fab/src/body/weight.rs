@@ -9,7 +9,7 @@ const TENTH: f64 = 0.1;
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weight {
-    /// Its mass: volume × density [g].
+    /// The mass: volume × density [g].
     pub mass: f64,
     /// What it is less if the walls around its chambers are 0.1 mm thinner: their area × 0.1 mm × density [g].
     pub per_tenth: f64,

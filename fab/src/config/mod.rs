@@ -72,7 +72,7 @@ pub enum Casts {
 }
 
 impl Casts {
-    /// Its name in files.
+    /// The name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -65,7 +65,7 @@ fn slope(key: &str, degrees: &f64) -> Result<(), String> {
 }
 
 impl PartingConfig {
-    /// Its keys, in order.
+    /// The keys, in order.
     pub fn keys() -> impl Iterator<Item = &'static Key> {
         const KIND: Key = Key {
             name: "parting.kind",

@@ -8,9 +8,9 @@ use mesh::Vec3;
 /// A key as it is documented.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Its name with that of its table, such as `flange.bolt`.
+    /// The name with that of its table, such as `flange.bolt`.
     pub name: &'static str,
-    /// Its default as it would be written, or where that comes from.
+    /// The default as it would be written, or where that comes from.
     pub default: &'static str,
     /// What it means, with its unit.
     pub meaning: &'static str,
@@ -53,7 +53,7 @@ macro_rules! table {
         }
 
         impl $name {
-            /// Its keys, in order.
+            /// The keys, in order.
             pub const KEYS: &'static [$crate::config::table::Key] = &[$(
                 $crate::config::table::Key {
                     name: concat!($prefix, stringify!($key)),

@@ -11,9 +11,9 @@ const GAP: f64 = 0.06;
 /// A body of the assembly in the closed mold's coordinates [mm].
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its surface in the closed mold [mm].
+    /// The surface in the closed mold [mm].
     pub surface: SurfaceMesh,
     /// How far it is moved in the exploded view [mm].
     pub apart: Vec3,

@@ -99,9 +99,9 @@ pub struct Bounds {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its file.
+    /// The file.
     pub file: String,
     /// What it does.
     pub role: Role,
@@ -141,7 +141,7 @@ pub enum Role {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cast {
-    /// Its file, in the closed mold.
+    /// The file, in the closed mold.
     pub file: String,
     /// Volume of the body [mm³].
     pub volume: f64,
@@ -223,7 +223,7 @@ pub struct Outline {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Note {
-    /// Its kind.
+    /// The kind.
     pub rule: String,
     /// In words, with numbers.
     pub message: String,

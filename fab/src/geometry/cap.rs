@@ -23,13 +23,13 @@ pub struct Cap {
 /// Why a polygon cannot be closed.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum CapError {
-    /// Its projection has no area.
+    /// The projection has no area.
     #[error("the rim of {vertices} vertices encloses no area")]
     Degenerate {
         /// Vertices of the polygon.
         vertices: usize,
     },
-    /// Its projection crosses itself.
+    /// The projection crosses itself.
     #[error("the rim of {vertices} vertices crosses itself when seen along its normal")]
     Crossing {
         /// Vertices of the polygon.

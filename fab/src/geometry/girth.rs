@@ -11,7 +11,7 @@ const SECTIONS: usize = 200;
 pub struct Girth {
     /// Length of its outline, that of all islands and holes together [m].
     pub length: f64,
-    /// Its position along the axis [m].
+    /// The position along the axis [m].
     pub position: f64,
 }
 

@@ -28,7 +28,7 @@ pub struct CastBody {
 
 /// What fills a chamber.
 pub struct Core {
-    /// Its shape.
+    /// The shape.
     pub solid: Solid,
     /// Where it opens.
     pub inlets: Vec<Opening>,

@@ -22,7 +22,7 @@ pub struct Hold {
     pub core: String,
     /// Centre of its inlet [m].
     pub inlet: Vec3,
-    /// Its stub.
+    /// The stub.
     pub stub: Frustum,
     /// Play of its stub and of pins [m].
     pub clearance: f64,

@@ -11,9 +11,9 @@ use crate::geometry::frustum::Frustum;
 /// A printed part.
 #[derive(Clone)]
 pub struct Piece {
-    /// Its name, and that of its file without extension.
+    /// The name, and that of its file without extension.
     pub name: String,
-    /// Its shape in the closed mold [m].
+    /// The shape in the closed mold [m].
     pub solid: Solid,
     /// The unit vector along which it is demolded [1].
     pub demolding: Vec3,
@@ -47,12 +47,12 @@ pub enum Purpose {
 pub struct Feature {
     /// What it is for.
     pub purpose: Purpose,
-    /// Its outline.
+    /// The outline.
     pub frustum: Frustum,
 }
 
 impl Purpose {
-    /// Its name in reports.
+    /// The name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

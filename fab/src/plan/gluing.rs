@@ -50,9 +50,9 @@ const WALLS: usize = 8;
 /// A plane that cuts the body.
 #[derive(Clone, Debug)]
 pub struct Cut {
-    /// Its unit normal [1].
+    /// The unit normal [1].
     pub normal: Vec3,
-    /// Its position along the normal [m].
+    /// The position along the normal [m].
     pub offset: f64,
     /// Part of the area of the outside that is in undercuts [1].
     pub outside: f64,

@@ -55,7 +55,7 @@ pub struct Plan {
 /// A casting of silicone and how its mold stands.
 #[derive(Clone, Debug)]
 pub struct Casting {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// How it stands, and how its mold comes apart.
     pub orientation: Orientation,

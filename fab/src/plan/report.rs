@@ -86,7 +86,7 @@ pub struct Measure {
     pub name: String,
     /// The number.
     pub value: f64,
-    /// Its unit; empty for a ratio.
+    /// The unit; empty for a ratio.
     pub unit: String,
     /// What it is compared with, if with anything.
     pub limit: Option<f64>,
@@ -124,9 +124,9 @@ pub struct Direction {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Its folder, relative to the plan's; "." for the plan's own.
+    /// The folder, relative to the plan's; "." for the plan's own.
     pub folder: String,
-    /// Its name.
+    /// The name.
     pub name: String,
     /// What is cast in it.
     pub casts: Material,

@@ -15,9 +15,9 @@ pub const FILE: &str = "tolerance.json";
 /// A number of the response, and how far it is spread.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Response {
-    /// Its name in the solver's report, such as `chambers.cavity.volume`.
+    /// The name in the solver's report, such as `chambers.cavity.volume`.
     pub name: String,
-    /// Its unit.
+    /// The unit.
     pub unit: &'static str,
     /// As designed.
     pub nominal: f64,

@@ -108,7 +108,7 @@ impl MoldAndCad<'_> {
         // The boundary of the tetrahedra was asked for.
         if report.input.surface == Casts::Mesh && line.status == Status::Fail {
             line.status = Status::Warn;
-            line.needed += "; surface = \"model\" casts the CAD";
+            line.needed += "; without surface = \"mesh\" the CAD is cast";
         }
         Ok(Some(line))
     }

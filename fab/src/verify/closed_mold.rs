@@ -24,9 +24,9 @@ pub struct Files {
 
 /// A part as a solid.
 pub struct Body {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its shape in the closed mold [mm].
+    /// The shape in the closed mold [mm].
     pub solid: Solid,
     /// Volume [mm³].
     pub volume: f64,

@@ -53,7 +53,7 @@ impl<C: Common> Entry<C> {
         self.common.name()
     }
 
-    /// Its row of the table.
+    /// The row of the table.
     #[must_use]
     pub fn kind(&self) -> &'static Kind {
         self.kind

@@ -45,7 +45,7 @@ impl Common for ProbeKeys {
 pub struct Probe {
     /// As reports call it.
     pub name: String,
-    /// Its row of the table.
+    /// The row of the table.
     pub kind: &'static Kind,
     /// What it measures.
     pub quantity: Arc<dyn Quantity>,

@@ -104,7 +104,7 @@ pub enum FormSchema {
 pub enum DensitySchema {
     /// A log barrier, infinite where surfaces touch or come closer than they may.
     Log,
-    /// The same, smoother and weaker where it begins.
+    /// A log barrier that is smoother and weaker where it begins.
     LogSquared,
     /// (d² − d̂²)².
     Quadratic,

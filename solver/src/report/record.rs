@@ -87,7 +87,7 @@ impl Checkpoint {
 
 /// A time step that was computed, or a load step of a static scene.
 pub struct Finished {
-    /// Its load steps, in order.
+    /// The load steps, in order.
     pub steps: Vec<LoadStep>,
     /// Which of them are reported.
     pub reported: Range<usize>,

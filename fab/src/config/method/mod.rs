@@ -19,7 +19,7 @@ static METHODS: &[&Row] =
 
 /// What a method is.
 pub struct Row {
-    /// Its name in files.
+    /// The name in files.
     pub name: &'static str,
     /// Bodies that it is for.
     pub bodies: Bodies,
@@ -137,7 +137,7 @@ impl Method {
         METHODS.iter().copied().find(|row| row.name == name).map(Self)
     }
 
-    /// Its name in files.
+    /// The name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.0.name

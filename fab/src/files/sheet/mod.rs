@@ -81,13 +81,13 @@ pub struct Pour {
 /// A part to print.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Printed {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its file.
+    /// The file.
     pub file: String,
-    /// Its volume [mL].
+    /// The volume [mL].
     pub volume_ml: f64,
-    /// Its mass when printed solid [g].
+    /// The mass when printed solid [g].
     pub mass_g: f64,
     /// Whether it hangs over so that it needs supports.
     pub supports: bool,

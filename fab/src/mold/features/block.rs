@@ -109,7 +109,7 @@ impl Block {
         Solid::cube(&self.min, &self.max)
     }
 
-    /// Its eight corners [m].
+    /// The eight corners [m].
     #[must_use]
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|k| {

@@ -33,7 +33,7 @@ pub struct Face {
     pub along: Vec3,
     /// Axis along which letters stand [1].
     pub up: Vec3,
-    /// Its extent along both [m].
+    /// The extent along both [m].
     pub size: [f64; 2],
     /// Axis along or against one of them that points down on the printer [1].
     pub down: Vec3,

@@ -106,6 +106,10 @@ impl Quantity for Wanted {
         self.quantity.add_partials(at, weight * self.at(at).1, out);
     }
 
+    fn by_laws(&self, at: &Equilibrium, weight: f64) -> Vec<(usize, Vec<f64>)> {
+        self.quantity.by_laws(at, weight * self.at(at).1)
+    }
+
     fn uses_contact(&self) -> bool {
         self.quantity.uses_contact()
     }

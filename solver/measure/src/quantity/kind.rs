@@ -58,7 +58,7 @@ pub struct Kind {
     pub needs_contact: bool,
     /// Whether it is made with the stress of the law at each point.
     pub reads_stress: bool,
-    /// Its own keys on a cube with a tag for each side, where the tests check its derivatives.
+    /// Keys for a cube with a tag for each side, on which the tests check the derivatives.
     pub example: &'static str,
     /// How its own keys are read.
     pub(crate) form: Form,
@@ -128,7 +128,7 @@ impl Kind {
         }
     }
 
-    /// Its keys besides `kind` and those of the list, with what they mean.
+    /// The keys of this kind alone, without `kind` and those of the list, with what they mean.
     #[must_use]
     pub fn keys(&self) -> Vec<Key> {
         (self.form.keys)()

@@ -9,7 +9,7 @@ use super::{Equilibrium, Partials, Quantity};
 
 /// A body at a state.
 pub struct Case {
-    /// Its nodes.
+    /// The nodes.
     pub space: FunctionSpace,
     /// X.
     pub rest: Vec<Vec3>,

@@ -29,7 +29,7 @@ pub enum Density {
     /// A log barrier, infinite where surfaces touch or come closer than they may.
     #[default]
     Log,
-    /// The same, smoother and weaker where it begins.
+    /// A log barrier that is smoother and weaker where it begins.
     LogSquared,
     /// (d² − d̂²)².
     Quadratic,

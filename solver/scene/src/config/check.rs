@@ -14,9 +14,9 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// This configuration, whose schedules have the values of `[parameters]` and the end of the first time
-    /// step, if all settings that can be checked without a body are sound. One that was read or changed has no
-    /// other way to be used.
+    /// This configuration with the values of `[parameters]` and the end of the first time step in its
+    /// schedules, if all settings that can be checked without a body are sound. A configuration that was read
+    /// or changed has to go through here: schedules have no values before.
     ///
     /// # Errors
     /// With what was found and what is needed.
