@@ -19,7 +19,9 @@
 use std::collections::BTreeMap;
 
 use mechanics::body::Body;
-use mechanics::math::linear::{NotPositive, Precision, SparseSolver, Symmetric, one_by_one};
+use mechanics::math::linear::{
+    Factorization, NotPositive, Precision, SparseSolver, Symmetric, one_by_one,
+};
 use mechanics::math::ordering::nested_dissection;
 use mechanics::symmetry::{self, Plane};
 use mesh::{TetMesh, Vec3};
@@ -39,8 +41,8 @@ struct System {
     interior: Vec<usize>,
     /// K_ib by unknown: boundary vertices with their entries.
     coupling: Vec<Vec<(usize, f64)>>,
-    /// Factor of K_ii; solving needs its scratch space.
-    solver: SparseSolver,
+    /// The factor of K_ii.
+    factored: Factorization,
 }
 
 impl Extension {
@@ -113,10 +115,10 @@ impl System {
             }
             start.push(entries.len());
         }
-        let mut solver =
-            SparseSolver::new(start, entries, &one_by_one(&nested_dissection(&adjacency)));
-        solver.factor_positive(Symmetric::sparse(values), Precision::Double)?;
-        Ok(Self { interior, coupling, solver })
+        let order = one_by_one(&nested_dissection(&adjacency));
+        let solver = SparseSolver::new(start, &entries, &order);
+        let factored = solver.positive(Symmetric::sparse(values), Precision::Double)?;
+        Ok(Self { interior, coupling, factored })
     }
 
     /// Fills in component `k` of the unknowns.
@@ -140,7 +142,7 @@ impl System {
     /// K_ii⁻¹ b.
     fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
         if !b.is_empty() {
-            self.solver.solve(&mut b);
+            self.factored.solve(&mut b);
         }
         b
     }

@@ -117,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
     report.steps.clone_from(&recorder.lines);
     // at the end, as contact adds entries
-    report.factor_entries = run.workspace.linear().factor_len();
+    report.factor_entries = run.workspace.linear().cost().entries;
     report.memory_estimate_mb = run.workspace.memory().bytes as f64 / f64::from(1 << 20);
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {

@@ -87,6 +87,7 @@ pub fn child(name: &str) -> Result<()> {
         .factor_positive(hessian, Precision::Single)
         .context("the equilibrium is not stable")?;
     let factor_once_s = clock.elapsed().as_secs_f64();
+    let cost = workspace.linear().cost();
     let measured = Solve {
         body: name.to_owned(),
         dofs: problem.dofs(),
@@ -95,9 +96,9 @@ pub fn child(name: &str) -> Result<()> {
         setup_s,
         solve_s,
         timings,
-        factor_len: workspace.linear().factor_len(),
-        factor_flops: workspace.linear().factor_flops(),
-        chain_flops: Some(workspace.linear().chain_flops()),
+        factor_len: cost.entries,
+        factor_flops: cost.flops,
+        chain_flops: Some(cost.chain_flops),
         peak_mb,
         assembly_once_s,
         factor_once_s,

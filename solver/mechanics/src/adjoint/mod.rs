@@ -267,7 +267,8 @@ fn add_where_any(to: &mut Vec<f64>, by: &[f64], factor: f64) {
 
 /// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
 fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, Singular> {
-    let residual = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
+    let reached = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
+    let residual = reached.unwrap_or(f64::INFINITY);
     if residual.is_nan() || residual > TOLERANCE {
         return Err(Singular { residual });
     }

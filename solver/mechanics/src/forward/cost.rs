@@ -41,10 +41,10 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, time_steps: Opti
     let each = if space.degree() == 1 { 1 } else { space.volume_table().weights.len() };
     let points = space.tets().len() * each;
     let pairs = space.nodes_per_element().pow(2);
-    let linear = workspace.linear();
+    let factor = workspace.linear().cost();
     let work = ASSEMBLY * (points * pairs) as f64
-        + FACTORIZATIONS * linear.factor_flops()
-        + SOLVES * linear.factor_len() as f64;
+        + FACTORIZATIONS * factor.flops
+        + SOLVES * factor.entries as f64;
     iterations * work / product_speed()
 }
 

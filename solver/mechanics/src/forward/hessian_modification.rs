@@ -16,7 +16,7 @@
 
 use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
-use crate::math::linear::{Outcome, Precision, Symmetric, dot};
+use crate::math::linear::{Factorization, Outcome, Precision, Symmetric, dot};
 
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
@@ -96,10 +96,12 @@ fn projected(
         return Some((Modification::Projected, direction));
     }
     if from < Modification::Shifted && factor(workspace, matrix.clone()) {
-        return Some((Modification::Projected, solve(workspace, force, forcing)));
+        return Some((Modification::Projected, solve(workspace, force, forcing)?));
     }
-    factor_shifted(workspace, &matrix)
-        .then(|| (Modification::Shifted, solve(workspace, force, forcing)))
+    if !factor_shifted(workspace, &matrix) {
+        return None;
+    }
+    Some((Modification::Shifted, solve(workspace, force, forcing)?))
 }
 
 fn exact(
@@ -132,7 +134,7 @@ fn exact(
         Outcome::Solved(direction) => Some((Modification::Exact, direction)),
         Outcome::Curved => None,
         Outcome::Inaccurate if sharpen(workspace) => {
-            Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)))
+            Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)?))
         }
         Outcome::Inaccurate => {
             let direction = indefinite(workspace, stiffened?, force)?;
@@ -144,7 +146,8 @@ fn exact(
 /// Conjugate gradients with an earlier factor.
 fn near(workspace: &mut Workspace, matrix: &Symmetric, force: &[f64], forcing: f64) -> Outcome {
     let clock = Clock::start();
-    let outcome = workspace.linear().solve_near(matrix, force, forcing);
+    let last = workspace.linear().last();
+    let outcome = last.map_or(Outcome::Inaccurate, |f| f.solve_near(matrix, force, forcing));
     workspace.timings.solve += clock.elapsed();
     outcome
 }
@@ -157,10 +160,10 @@ fn factor_and_solve(
     forcing: f64,
 ) -> Option<Outcome> {
     let clock = Clock::start();
-    let replaced = workspace.linear_mut().factor_modified(hessian);
+    let factored = workspace.linear_mut().factor_modified(hessian).map(|(_, replaced)| replaced);
     workspace.timings.factor += clock.elapsed();
     workspace.timings.factorizations += 1;
-    let replaced = match replaced {
+    let replaced = match factored {
         Ok(replaced) => replaced,
         Err(error) => {
             workspace.timings.failed_factorizations += 1;
@@ -169,7 +172,7 @@ fn factor_and_solve(
         }
     };
     let clock = Clock::start();
-    let found = workspace.linear().solve_modified(force, forcing);
+    let found = workspace.linear().last()?.solve_modified(force, forcing);
     workspace.timings.solve += clock.elapsed();
     if replaced > 0 {
         let end = match &found {
@@ -186,7 +189,7 @@ fn factor_and_solve(
 /// definite.
 fn sharpen(workspace: &mut Workspace) -> bool {
     let clock = Clock::start();
-    let positive = workspace.linear_mut().sharpen() && workspace.linear().is_positive();
+    let positive = workspace.linear_mut().sharpen().is_some_and(Factorization::is_positive);
     workspace.timings.factor += clock.elapsed();
     workspace.timings.factorizations += 1;
     positive
@@ -200,21 +203,22 @@ fn indefinite(workspace: &mut Workspace, whole: Symmetric, force: &[f64]) -> Opt
     workspace.timings.factorizations += 1;
     let clock = Clock::start();
     let mut direction = force.to_vec();
-    let residual = workspace.linear().solve(&mut direction);
+    let residual = workspace.linear().last()?.solve(&mut direction);
     workspace.timings.solve += clock.elapsed();
     (residual < ACCURATE && dot(force, &direction) > 0.0).then_some(direction)
 }
 
-fn solve(workspace: &mut Workspace, mut force: Vec<f64>, forcing: f64) -> Vec<f64> {
+/// A⁻¹f by the last factorisation, if there is one.
+fn solve(workspace: &mut Workspace, mut force: Vec<f64>, forcing: f64) -> Option<Vec<f64>> {
     let clock = Clock::start();
-    workspace.linear().solve_to(&mut force, forcing);
+    workspace.linear().last()?.solve_to(&mut force, forcing);
     workspace.timings.solve += clock.elapsed();
-    force
+    Some(force)
 }
 
 fn factor(workspace: &mut Workspace, matrix: Symmetric) -> bool {
     let clock = Clock::start();
-    let result = workspace.linear_mut().factor_positive(matrix, Precision::Single);
+    let result = workspace.linear_mut().factor_positive(matrix, Precision::Single).map(drop);
     workspace.timings.factor += clock.elapsed();
     workspace.timings.factorizations += 1;
     if let Err(error) = &result {

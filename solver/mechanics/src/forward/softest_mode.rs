@@ -55,8 +55,10 @@ impl SoftestMode {
         let motion = vec![0.0; at.u.len()];
         let nothing = Self { stiffness: None, compliance: None, motion, pivot: None, largest };
         let (mut shift, mut pivot, mut compliance) = (0.0, None, None);
-        if workspace.linear_mut().factor_positive(hessian.clone(), Precision::Double).is_ok() {
-            pivot = workspace.linear().smallest_pivot();
+        if let Ok(exact) =
+            workspace.linear_mut().factor_positive(hessian.clone(), Precision::Double)
+        {
+            pivot = exact.smallest_pivot();
             compliance = compliance_of(problem, workspace, at, next);
         } else {
             shift = SHIFT * largest;
@@ -65,13 +67,14 @@ impl SoftestMode {
                 return nothing;
             }
         }
+        let Some(factored) = workspace.linear().last() else { return nothing };
         let mut x = Random::new(1).numbers(workspace.linear().size());
         let mut eigenvalue = 0.0;
         for _ in 0..ITERATIONS {
             let length = norm(&x);
             x.iter_mut().for_each(|x| *x /= length);
             let mut y = x.clone();
-            workspace.linear().solve(&mut y);
+            factored.solve(&mut y);
             eigenvalue = 1.0 / dot(&x, &y);
             x = y;
         }
@@ -94,6 +97,6 @@ fn compliance_of(
     let added: Vec<f64> = before.iter().zip(&after).map(slope).collect();
     let force = problem.restrict(&added);
     let mut response = force.clone();
-    workspace.linear().solve(&mut response);
+    workspace.linear().last()?.solve(&mut response);
     Some(dot(&force, &response)).filter(|c| *c > 0.0)
 }

@@ -11,7 +11,7 @@ use std::ops::Range;
 use mesh::topology::{tet_edges, vertex_neighbours};
 
 use crate::element::FunctionSpace;
-use crate::math::linear::SparseSolver;
+use crate::math::linear::{MakeDirectSolver, Memory, SparseSolver, Triangle};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{FreeTriangle, Pattern};
 
@@ -22,6 +22,7 @@ pub(super) fn symbolic(
     space: &FunctionSpace,
     fixed: &[bool],
     couplings: &[[usize; 2]],
+    (make, memory): (MakeDirectSolver, Memory),
 ) -> (Pattern, FreeTriangle, SparseSolver) {
     let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
     let (nodes, (pattern, (free, column_start, rows))) = rayon::join(
@@ -33,7 +34,8 @@ pub(super) fn symbolic(
         },
     );
     let groups = groups_of_unknowns(&nodes, &free, space.node_count());
-    let linear = SparseSolver::new(column_start, rows, &groups);
+    let triangle = Triangle::new(column_start, &rows);
+    let linear = SparseSolver::with(triangle, &groups, make, memory);
     (pattern, free, linear)
 }
 

@@ -4,6 +4,7 @@ use mesh::Vec3;
 
 use super::{Linearization, Problem, Workspace};
 use crate::energy::Iterate;
+use crate::math::linear::Factorization;
 
 /// Step of the one-sided difference, as a fraction of the motion. Truncation is
 /// of this order, which is plenty for a prediction.
@@ -20,7 +21,8 @@ pub fn follow(
     motion: &[Vec3],
 ) -> Option<Vec<f64>> {
     let at = linearization.iterate(problem, rest);
-    if !workspace.has_factor_of(linearization, &at) || !workspace.linear().is_positive() {
+    let stable = workspace.linear().last().is_some_and(Factorization::is_positive);
+    if !workspace.has_factor_of(linearization, &at) || !stable {
         return None;
     }
     let moved: Vec<Vec3> = rest.iter().zip(motion).map(|(x, d)| x + STEP * d).collect();
@@ -28,6 +30,6 @@ pub fn follow(
     let (after, _) = workspace.gradient(problem, &Iterate { rest: &moved, ..at });
     let change: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b - a) / STEP).collect();
     let mut du = problem.restrict(&change);
-    workspace.linear().solve_to(&mut du, STEP);
+    workspace.linear().last()?.solve_to(&mut du, STEP);
     Some(problem.prolong(&du))
 }

@@ -266,22 +266,21 @@ fn solve_all(
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let clock = Clock::start();
-    let near = |side: &Vec<f64>| workspace.linear().solve_near(hessian, side, LINEAR).solved();
+    let last = workspace.linear().last();
+    let near = |side: &Vec<f64>| last?.solve_near(hessian, side, LINEAR).solved();
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
     workspace.timings.solve += clock.elapsed();
     if near.is_some() {
         return near;
     }
     let clock = Clock::start();
-    let linear = workspace.linear_mut();
-    if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
-        linear.factor_indefinite(hessian.clone());
-    }
+    workspace.linear_mut().factor(hessian.clone(), Precision::Single);
     workspace.timings.factor += clock.elapsed();
     let clock = Clock::start();
+    let factored = workspace.linear().last();
     let exact = |side: &Vec<f64>| {
         let mut x = side.clone();
-        (workspace.linear().solve_to(&mut x, LINEAR) <= LINEAR).then_some(x)
+        (factored?.solve_to(&mut x, LINEAR) <= LINEAR).then_some(x)
     };
     let exact = sides.iter().map(exact).collect();
     workspace.timings.solve += clock.elapsed();

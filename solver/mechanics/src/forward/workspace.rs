@@ -14,7 +14,9 @@ use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
-use crate::math::linear::{Precision, SparseSolver, Symmetric, dot, norm};
+use crate::math::linear::{
+    MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, dot, norm,
+};
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
 
@@ -36,6 +38,8 @@ pub struct Workspace {
     pub watch: Option<Watch>,
     /// How many more times Newton's method is taken to begin with an indefinite Hessian.
     pub indefinite_starts: usize,
+    /// What makes the direct solver of a pattern.
+    make: MakeDirectSolver,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -77,13 +81,22 @@ impl Workspace {
     /// Orders and factors symbolically.
     #[must_use]
     pub fn new(problem: &Problem) -> Self {
+        Self::with_solver(problem, Multifrontal::boxed)
+    }
+
+    /// A workspace whose matrices another direct solver factors.
+    #[must_use]
+    pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
-        let (pattern, free, linear) = symbolic(&problem.space, problem.dirichlet.fixed(), &[]);
+        let fixed = problem.dirichlet.fixed();
+        let (pattern, free, linear) =
+            symbolic(&problem.space, fixed, &[], (make, Memory::default()));
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
             watch: None,
             indefinite_starts: 0,
+            make,
             linear,
             linearization: None,
             linearizations: 0,
@@ -138,10 +151,11 @@ impl Workspace {
     /// Pattern and factorisation for the couplings and fixed degrees of freedom.
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
+        self.linear_mut().forget();
+        let memory = (self.make, self.linear.memory());
         let fixed = self.dirichlet.fixed();
-        let (pattern, free, linear) = symbolic(&problem.space, fixed, &self.couplings);
-        self.linear_mut().replace(linear);
-        (self.pattern, self.free) = (pattern, free);
+        (self.pattern, self.free, self.linear) =
+            symbolic(&problem.space, fixed, &self.couplings, memory);
         self.timings.ordering += clock.elapsed();
     }
 
@@ -151,13 +165,13 @@ impl Workspace {
         &self.couplings
     }
 
-    /// The last factorisation.
+    /// The solver of linear systems, and the last factorisation.
     #[must_use]
     pub fn linear(&self) -> &SparseSolver {
         &self.linear
     }
 
-    /// The last factorisation, to be replaced: no linearisation is kept.
+    /// The solver of linear systems, for a new factorisation: no linearisation is kept.
     pub fn linear_mut(&mut self) -> &mut SparseSolver {
         self.linearization = None;
         &mut self.linear
@@ -171,10 +185,11 @@ impl Workspace {
         let blocks = 9 * self.pattern.block_count();
         let triangle = 3 * self.linear.entries();
         let hessians = size_of::<f64>() * (blocks + triangle);
+        let cost = self.linear.cost();
         Need {
             unknowns: self.linear.size(),
-            factor_entries: self.linear.factor_len(),
-            bytes: self.linear.factor_bytes() + hessians,
+            factor_entries: cost.entries,
+            bytes: cost.bytes + hessians,
         }
     }
 
@@ -246,10 +261,7 @@ impl Workspace {
     pub fn linearize(&mut self, problem: &Problem, at: &Iterate) -> Linearization {
         let hessian = self.hessian(problem, at, Hessian::Exact);
         let clock = Clock::start();
-        let linear = self.linear_mut();
-        if linear.factor_positive(hessian.clone(), Precision::Single).is_err() {
-            linear.factor_indefinite(hessian);
-        }
+        self.linear_mut().factor(hessian, Precision::Single);
         self.timings.factor += clock.elapsed();
         self.linearizations += 1;
         self.linearization = Some(self.linearizations);
@@ -270,17 +282,19 @@ impl Workspace {
 
     /// Solves with the last factorisation to a relative residual, and returns that
     /// reached; where it is larger than `enough`, again with a factor in double
-    /// precision.
-    pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> f64 {
+    /// precision. None without a factorisation.
+    pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> Option<f64> {
         let clock = Clock::start();
         let rhs = x.clone();
-        let mut residual = self.linear.solve_to(x, sought);
-        if (residual.is_nan() || residual > enough) && self.linear.sharpen() {
+        let mut residual = self.linear.last()?.solve_to(x, sought);
+        if (residual.is_nan() || residual > enough)
+            && let Some(sharper) = self.linear.sharpen()
+        {
             *x = rhs;
-            residual = self.linear.solve_to(x, sought);
+            residual = sharper.solve_to(x, sought);
         }
         self.timings.solve += clock.elapsed();
-        residual
+        Some(residual)
     }
 
     /// The exact Hessian of contact and friction times a vector; none if that is
@@ -355,14 +369,13 @@ impl Workspace {
     ) -> Option<Vec<f64>> {
         let (hessian, force) = self.hessian_times(problem, at, Hessian::Exact, Some(motion));
         let clock = Clock::start();
-        let factored = self.linear_mut().factor_positive(hessian, Precision::Single);
+        let failed = self.linear_mut().factor_positive(hessian, Precision::Single).is_err();
         self.timings.factor += clock.elapsed();
         self.timings.factorizations += 1;
-        self.timings.failed_factorizations += usize::from(factored.is_err());
-        factored.ok()?;
+        self.timings.failed_factorizations += usize::from(failed);
         let clock = Clock::start();
         let mut free = problem.restrict(&force?);
-        self.linear.solve_to(&mut free, PREDICTION);
+        self.linear.last()?.solve_to(&mut free, PREDICTION);
         self.timings.solve += clock.elapsed();
         let back = problem.prolong(&free);
         Some(motion.iter().zip(&back).map(|(m, b)| m - b).collect())

@@ -7,6 +7,7 @@ use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use super::direct::Factor;
 use super::matrix::Triangle;
 use super::symbolic::factor_structure;
 
@@ -50,9 +51,10 @@ impl Indefinite {
         );
         factor
     }
+}
 
-    /// x ← A⁻¹ x.
-    pub fn apply_inverse(&self, x: &mut [f64]) {
+impl Factor for Indefinite {
+    fn apply_inverse(&self, x: &mut [f64]) {
         let n = x.len();
         let permutation = PermRef::new_checked(&self.forward, &self.inverse, n);
         let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);

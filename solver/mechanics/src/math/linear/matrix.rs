@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::scalar::narrow;
+
 /// Parts into which a product is cut. A constant, so that it has the same bits
 /// for any number of threads.
 const PARTS: usize = 4;
@@ -37,6 +39,15 @@ impl Symmetric {
 }
 
 impl Triangle {
+    /// A triangle in compressed columns.
+    ///
+    /// # Panics
+    /// When it has 2³² rows.
+    #[must_use]
+    pub fn new(column_start: Vec<usize>, rows: &[usize]) -> Self {
+        Self { column_start, rows: rows.iter().map(|&row| narrow(row)).collect() }
+    }
+
     /// Number of columns.
     #[must_use]
     pub fn size(&self) -> usize {

@@ -21,6 +21,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
+use super::direct::BadPivots;
 use super::extend_add::extend_add;
 use super::matrix::Triangle;
 use super::replacing;
@@ -276,16 +277,6 @@ fn place_entries(
         }
     }
     entries
-}
-
-/// What to do with pivots that are not positive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BadPivots {
-    /// The matrix is not positive definite: no factor.
-    Refuse,
-    /// A typical diagonal entry of A in their supernode takes the place of [`FEW`] of them;
-    /// of more the matrix is refused.
-    ReplaceFew,
 }
 
 /// One factorisation.

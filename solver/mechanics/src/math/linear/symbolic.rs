@@ -15,6 +15,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 
 use super::elimination;
+use super::matrix::Triangle;
 
 /// The order of elimination and the structure of the factor.
 pub struct Symbolic {
@@ -24,23 +25,23 @@ pub struct Symbolic {
     pub supernodes: Vec<(Range<usize>, Vec<usize>)>,
 }
 
-/// Symbolic factorisation of a lower triangle in compressed columns, whose unknowns are eliminated
+/// Symbolic factorisation of a lower triangle, whose unknowns are eliminated
 /// group by group: up to changes that leave the fill alone, in the order given.
 ///
 /// # Panics
 /// When the groups are not all unknowns, each once, when unknowns of a group have different
 /// neighbours, or when memory runs out.
 #[must_use]
-pub fn symbolic(column_start: &[usize], rows: &[usize], groups: &[Range<usize>]) -> Symbolic {
-    let (start, entries, ids) = quotient(column_start, rows, groups);
+pub fn symbolic(pattern: &Triangle, groups: &[Range<usize>]) -> Symbolic {
+    let (start, entries, ids) = quotient(pattern, groups);
     let mut members = vec![0..0; groups.len()];
     groups.iter().zip(&ids).for_each(|(group, &id)| members[id] = group.clone());
     let order = elimination::postordered(&start, &entries, &ids);
-    let mean_size = (column_start.len() - 1).div_ceil(groups.len().max(1)).max(1);
+    let mean_size = pattern.size().div_ceil(groups.len().max(1)).max(1);
     let factor = factor_structure(&start, &entries, &order, mean_size);
 
     let mut first = vec![0];
-    let mut unknowns = Vec::with_capacity(column_start.len());
+    let mut unknowns = Vec::with_capacity(pattern.size());
     for &id in &order {
         unknowns.extend(members[id].clone());
         first.push(unknowns.len());
@@ -96,12 +97,9 @@ pub fn factor_structure(
 
 /// The lower triangle of the graph of the groups, in compressed columns, and the number that
 /// each group has in it.
-fn quotient(
-    column_start: &[usize],
-    rows: &[usize],
-    groups: &[Range<usize>],
-) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
-    let n = column_start.len() - 1;
+fn quotient(pattern: &Triangle, groups: &[Range<usize>]) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
+    let Triangle { column_start, rows } = pattern;
+    let n = pattern.size();
     let mut by_first: Vec<usize> = (0..groups.len()).collect();
     by_first.sort_unstable_by_key(|&g| groups[g].start);
     let mut ids = vec![0; groups.len()];
@@ -119,7 +117,7 @@ fn quotient(
     for &g in &by_first {
         let Range { start: first, end } = groups[g];
         let column = &rows[column_start[first]..column_start[first + 1]];
-        entries.extend(column.iter().filter_map(|&row| led[row]));
+        entries.extend(column.iter().filter_map(|&row| led[row as usize]));
         // the columns of a group end with the same rows
         covered += (0..end - first).map(|k| column.len() - k).sum::<usize>();
         start.push(entries.len());
@@ -135,19 +133,20 @@ mod tests {
     /// Two groups of two and one unknown in a row, the last group eliminated first.
     #[test]
     fn groups_are_eliminated_as_one() {
-        let rows = [0, 1, 2, 1, 2, 2, 3, 4, 3, 4, 4];
-        let start = [0, 3, 5, 8, 10, 11];
-        let found = symbolic(&start, &rows, &[3..5, 0..2, 2..3]);
+        let rows = vec![0, 1, 2, 1, 2, 2, 3, 4, 3, 4, 4];
+        let pattern = Triangle { column_start: vec![0, 3, 5, 8, 10, 11], rows };
+        let found = symbolic(&pattern, &[3..5, 0..2, 2..3]);
         assert_eq!(found.order, [3, 4, 0, 1, 2]);
         let columns = found.supernodes.iter().flat_map(|(columns, _)| columns.clone());
         assert_eq!(columns.collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
         let single = one_by_one(&found.order);
-        assert_eq!(symbolic(&start, &rows, &single).order, found.order);
+        assert_eq!(symbolic(&pattern, &single).order, found.order);
     }
 
     #[test]
     #[should_panic(expected = "the same neighbours")]
     fn a_group_of_unlike_unknowns_is_refused() {
-        let _ = symbolic(&[0, 2, 4, 5], &[0, 1, 1, 2, 2], &[0..2, 2..3]);
+        let pattern = Triangle { column_start: vec![0, 2, 4, 5], rows: vec![0, 1, 1, 2, 2] };
+        let _ = symbolic(&pattern, &[0..2, 2..3]);
     }
 }

@@ -1,3 +1,5 @@
+use nalgebra::{DMatrix, DVector};
+
 use super::*;
 
 /// Lower triangle of the 1D Laplacian of n points plus `shift` I.
@@ -20,39 +22,37 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let n = 300;
     let (start, rows, values) = laplacian(n, 0.0);
     let order: Vec<usize> = (0..n).rev().collect();
-    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     // each unknown has one neighbour among those that follow it
-    assert!((solver.chain_flops() / solver.factor_flops() - 1.0).abs() < 1e-12);
+    assert!((solver.cost().chain_flops / solver.cost().flops - 1.0).abs() < 1e-12);
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
 
-    assert!(solver.smallest_pivot().is_none());
     for precision in [Precision::Single, Precision::Double] {
         let matrix = Symmetric::sparse(values.clone());
-        solver.factor_positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
+        let factored = solver.positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
         // eliminated one by one from the end, the pivots are (k + 1)/k
-        let pivot = solver.smallest_pivot().expect("a positive factor");
+        let pivot = factored.smallest_pivot().expect("a positive factor");
         let expected = (n as f64 + 1.0) / n as f64;
         assert!((pivot.value - expected).abs() < 1e-5 && (pivot.largest - 2.0).abs() < 1e-6);
         assert_eq!(pivot.unknown, 0);
         // the condition number is 4/π² n² = 4e4
-        assert!(solver.solve(&mut b.clone()) < 1e-11);
+        assert!(factored.solve(&mut b.clone()) < 1e-11);
         let (_, _, near) = laplacian(n, 1e-6);
         let near = Symmetric::sparse(near);
-        let x = solver.solve_near(&near, &b, 1e-11).solved().expect("a shift of 1e-6 is near");
+        let x = factored.solve_near(&near, &b, 1e-11).solved().expect("a shift of 1e-6 is near");
         let error: Vec<f64> =
             solver.pattern.multiply(&near, &x).iter().zip(&b).map(|(a, b)| a - b).collect();
         assert!(norm(&error) < 1e-10 * norm(&b));
         let far = Symmetric::sparse(laplacian(n, 100.0).2);
-        assert_eq!(solver.solve_near(&far, &b, 1e-11), Outcome::Inaccurate);
+        assert_eq!(factored.solve_near(&far, &b, 1e-11), Outcome::Inaccurate);
     }
 
     // not -1: its second leading minor is zero, where pivoting within one
     // column cannot help
     let shifted = Symmetric::sparse(laplacian(n, -0.9).2);
     let failed = solver.factor_positive(shifted.clone(), Precision::Single);
-    assert!(failed.is_err_and(|e| e.pivot < n && e.size == n));
-    solver.factor_indefinite(shifted);
-    assert!(solver.solve(&mut b.clone()) < 1e-11);
+    assert!(failed.is_err_and(|e| e.pivot < n && e.size == n) && solver.last().is_none());
+    assert!(solver.factor_indefinite(shifted).solve(&mut b.clone()) < 1e-11);
 }
 
 /// The Laplacian of a cube of m³ points, ordered by nested dissection.
@@ -75,11 +75,12 @@ fn many_threads_give_the_bits_of_one() {
         start.push(rows.len());
     }
     let order = crate::math::ordering::nested_dissection(&adjacency);
-    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
+    let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     // enough for several tasks
-    assert!(solver.factor_flops() > 2e8, "{:e}", solver.factor_flops());
+    let cost = solver.cost();
+    assert!(cost.flops > 2e8, "{cost:?}");
     // of the halves beside the last separator, and of theirs, one each is on the chain
-    let chain = solver.chain_flops() / solver.factor_flops();
+    let chain = cost.chain_flops / cost.flops;
     assert!(chain > 0.1 && chain < 0.9, "{chain}");
     let b: Vec<f64> = (0..m * m * m).map(|i| (0.1 * i as f64).sin()).collect();
     for precision in [Precision::Single, Precision::Double] {
@@ -87,9 +88,9 @@ fn many_threads_give_the_bits_of_one() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.expect("a thread pool").install(|| {
                 let matrix = Symmetric::sparse(values.clone());
-                solver.factor_positive(matrix, precision).expect("diagonally dominant");
+                let factored = solver.positive(matrix, precision).expect("diagonally dominant");
                 let mut x = b.clone();
-                assert!(solver.solve(&mut x) < 1e-13);
+                assert!(factored.solve(&mut x) < 1e-13);
                 x
             })
         });
@@ -117,13 +118,10 @@ fn dense_columns_enter_without_being_assembled() {
             assembled += *scale * &u * u.transpose();
         }
         let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
-        let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
+        let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
         let matrix = Symmetric { lower, updates: updates.clone() };
-        if solver.factor_positive(matrix.clone(), Precision::Single).is_err() {
-            solver.factor_indefinite(matrix);
-        }
         let mut x = b.clone();
-        assert!(solver.solve(&mut x) < 1e-9);
+        assert!(solver.factor(matrix, Precision::Single).solve(&mut x) < 1e-9);
         let error: Vec<f64> = x.iter().zip(expected.iter()).map(|(a, b)| a - b).collect();
         assert!(norm(&error) < 1e-9 * norm(&x), "{}", norm(&error));
     }
@@ -136,16 +134,17 @@ fn a_factor_is_sharpened_once() {
     let order: Vec<usize> = (0..n).rev().collect();
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
     let (start, rows, values) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
-    assert!(!solver.sharpen());
-    solver.factor_positive(Symmetric::sparse(values), Precision::Single).expect("positive");
-    let unrefined =
-        |solver: &SparseSolver| norm(&solver.residual(&b, &solver.inverse_times(&b))) / norm(&b);
-    let blunt = unrefined(&solver);
-    assert!(solver.sharpen() && !solver.sharpen());
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    assert!(solver.sharpen().is_none());
+    let unrefined = |factored: &Factorization| {
+        norm(&factored.residual(&b, &factored.inverse_times(&b))) / norm(&b)
+    };
+    let blunt = solver.factor_positive(Symmetric::sparse(values), Precision::Single);
+    let blunt = unrefined(blunt.expect("positive"));
     // the two precisions are a factor of 5e8 apart
-    let sharp = unrefined(&solver);
+    let sharp = unrefined(solver.sharpen().expect("a factor in single precision"));
     assert!(sharp < 1e-6 * blunt && sharp < 1e-11, "{blunt:e} {sharp:e}");
+    assert!(solver.sharpen().is_none());
 }
 
 #[test]
@@ -155,8 +154,8 @@ fn double_precision_decides_where_single_cannot() {
     let order: Vec<usize> = (0..n).rev().collect();
     for (left, positive) in [(1e-9, true), (-1e-9, false), (-1e-2, false)] {
         let (start, rows, values) = laplacian(n, left - smallest);
-        let mut solver = SparseSolver::new(start, rows, &one_by_one(&order));
-        let done = solver.factor_positive(Symmetric::sparse(values), Precision::Single);
+        let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+        let done = solver.positive(Symmetric::sparse(values), Precision::Single);
         assert_eq!(done.is_ok(), positive, "{left}");
     }
 }
