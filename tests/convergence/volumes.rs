@@ -97,3 +97,29 @@ fn a_fill_follows_its_schedule() {
         assert!((chamber.pressure / by_law - 1.0).abs() < 1e-10 && by_law > 5e3, "{by_law}");
     }
 }
+
+/// What left the syringe is in the chamber or in the tubing, and stiff tubing prescribes the volume.
+#[test]
+fn an_injected_volume_is_shared_with_the_tubing() {
+    let injected = 4e-7;
+    let with = |compliance: f64| {
+        let chamber = format!(
+            "[[chamber]]\non = \"middle\"\ninjected = {injected:e}\ncompliance = {compliance:e}\n"
+        );
+        let simulated = simulate(&format!("{HELD}{chamber}"));
+        simulated.last_chambers()["middle"].clone()
+    };
+    for compliance in [1e-11, 1e-14] {
+        let chamber = with(compliance);
+        let (inside, in_tubing) =
+            (chamber.volume - chamber.volume_rest, compliance * chamber.pressure);
+        assert!(((inside + in_tubing) / injected - 1.0).abs() < 1e-9, "{inside:e} {in_tubing:e}");
+        assert!(chamber.pressure > 1e3, "{}", chamber.pressure);
+    }
+    let prescribed =
+        simulate(&format!("{HELD}[[chamber]]\non = \"middle\"\nvolume_change = {injected:e}\n"));
+    let prescribed = prescribed.last_chambers()["middle"].pressure;
+    // what is left is what 1e-16 m³/Pa take up
+    let stiff = with(1e-16).pressure;
+    assert!((stiff / prescribed - 1.0).abs() < 1e-4, "{stiff} {prescribed}");
+}

@@ -20,6 +20,10 @@ on = "top"
 thickness = 1e-4
 material = { kind = "sheet", young = 1e6, poisson = 0.3 }
 
+[[traction]]
+on = "top"
+traction = [5, 0, "50 * t / 0.02"]
+
 [time]
 end = 0.02
 steps = 2

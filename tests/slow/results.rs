@@ -7,7 +7,7 @@
 //!     "name": "designed",
 //!     "scene": "sim.toml",
 //!     "set": ["time.end=4", "time.steps=80"],
-//!     "mesh": {"worm": "designed.msh"},
+//!     "mesh": {"worm": "designed.msh.gz"},
 //!     "tolerance": 1e-2,
 //!     "values": {"/probes/way/value": 5.1e-3},
 //!     "extremes": {"/probes/nose": [-0.3, 0.1]}

@@ -15,7 +15,6 @@ use crate::number;
 use crate::optimize::{
     Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
-use crate::report::failure;
 use crate::report::{results, summary};
 
 /// A smaller fall of the objective is hardly a design [1].
@@ -188,7 +187,7 @@ fn failed(folder: &Path) -> Result<bool> {
 /// Removes the report of a failure once the run continues.
 fn forget_failure(folder: &Path) -> Result<()> {
     if failed(folder)? {
-        remove(folder, &["report.json", failure::STATE])?;
+        remove(folder, &["report.json", results::FAILED])?;
     }
     Ok(())
 }
@@ -227,7 +226,7 @@ fn forget(folder: &Path) -> Result<()> {
             remove(folder, &[&name])?;
         }
     }
-    remove(folder, &[failure::STATE])
+    remove(folder, &[results::FAILED])
 }
 
 fn remove(folder: &Path, names: &[&str]) -> Result<()> {

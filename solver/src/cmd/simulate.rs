@@ -5,27 +5,25 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
     LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
 };
-use mesh::io::vtu;
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, End, ErrorBars, Simulation, Status};
 use scene::{Scene, log_share, memory};
 
 use crate::number;
 use crate::report::crossing::Crossing;
-use crate::report::curve::CURVE;
-use crate::report::failure::{self, Diagnosis};
+use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
 use crate::report::locking;
-use crate::report::record::{Checkpoint, Finished, Recorder, STEPS, Work};
+use crate::report::record::{Checkpoint, Finished, Recorder, Work};
 use crate::report::results;
-use crate::report::simulation;
+use crate::report::simulation::{self, Spent};
 use crate::report::summary;
 use crate::report::writer::{Writer, write_beside};
 use crate::study::as_cast;
@@ -79,14 +77,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let begin = Instant::now();
     let (problem, workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
-    check_loads(&scene)?;
+    scene.check_loads()?;
     uncertainty::check(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let inputs = hash_inputs(&scene, arguments.as_cast.as_deref())?;
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
-    remove_stale(folder, done)?;
+    results::remove_stale(folder, done)?;
     announce(&scene, &workspace);
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
@@ -124,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(run.failed(report, arguments, &unreached)?);
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
-    write_end(folder, &problem, &end)?;
+    results::write_end(folder, &problem, &end)?;
     let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
     found.error_bars = run.error_bars();
     found.wall_s = before_s + start.elapsed().as_secs_f64();
@@ -170,13 +168,6 @@ fn announce(scene: &Scene, workspace: &Workspace) {
         workspace.memory().describe(memory::available())
     );
     log_share(&scene.body);
-}
-
-/// Writes the state at the end.
-fn write_end(folder: &Path, problem: &Problem, end: &Iterate) -> Result<()> {
-    results::write_state(folder, end.space, end.rest, end.u)?;
-    let grid = results::grid_with_fields(&problem.energies, end);
-    Ok(vtu::write_vtu(&folder.join("result.vtu"), &grid)?)
 }
 
 /// Memory for all states, where error bars need them; others lie on disk [B].
@@ -327,39 +318,17 @@ impl<'a> Run<'a> {
         recorder: &Recorder,
         [equilibrium_s, predicted_s]: [f64; 2],
     ) -> Result<(End, Option<Crossing>)> {
-        let (scene, problem) = (self.scene, self.problem);
-        let energies = results::stored_energies(&problem.energies, end);
         let progress = &self.stepper.progress;
-        let (newton_iterations, timings) = (progress.newton_iterations, self.workspace.timings);
-        let kinetic = progress.integrator.method.has_inertia().then(|| {
-            let v = &progress.integrator.last().v;
-            results::kinetic_energy(&problem.energies, end.space, end.rest, v)
-        });
-        let sheets = || results::membranes(scene, &problem.energies, end);
-        let probes = || results::probes(self.probes, problem, end);
-        let mut found = End {
-            tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
-            newton_iterations,
-            energy_balance: simulation::balance(recorder.work().total, &energies, kinetic),
-            energies,
-            force_balance: results::balance(problem, end),
-            tags: results::tags(scene, &scene.body, problem, end)?,
-            chambers: results::chambers(&problem.energies, end),
-            membranes: (!scene.membranes.is_empty()).then(sheets),
-            probes: (!self.probes.is_empty()).then(probes),
-            stretch_range: simulation::stretches(scene, end),
-            locking: locking::estimate(scene, (problem, self.probes), end),
-            timings: simulation::timings(&timings, predicted_s),
-            crossing: None,
-            error_bars: None,
+        let inertia = progress.integrator.method.has_inertia();
+        let spent = Spent {
+            newton_iterations: progress.newton_iterations,
+            velocity: inertia.then(|| &progress.integrator.last().v[..]),
+            recorder,
+            timings: &self.workspace.timings,
             equilibrium_s,
-            wall_s: 0.0,
-            peak_rss_mb: None,
+            predicted_s,
         };
-        let find = || Crossing::find((scene, &scene.body), problem, end);
-        let crossing = scene.certify.then(find).flatten();
-        found.crossing = crossing.as_ref().map(Crossing::report);
-        Ok((found, crossing))
+        simulation::end(self.scene, (self.problem, self.probes), end, &spent)
     }
 
     /// Error bars of the probes, in words, too.
@@ -396,7 +365,7 @@ impl<'a> Run<'a> {
             arguments.scene.display(),
             diagnosis.message,
             scene.progress(unreached.time),
-            folder.join(failure::STATE).display()
+            folder.join(results::FAILED).display()
         ))
         .into())
     }
@@ -418,25 +387,6 @@ fn steps_of(scene: &Scene, arguments: &Arguments, done: usize) -> Range<usize> {
     done..arguments.steps.map_or(count, |n| n.min(count))
 }
 
-/// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
-fn check_loads(scene: &Scene) -> Result<()> {
-    let flies = scene.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
-    let mut config = scene.config.clone();
-    if flies || config.schedules().iter().any(|(_, _, value)| !value.is_zero()) {
-        return Ok(());
-    }
-    let path = scene.path.display();
-    let has_load =
-        !(config.chamber.is_empty() && config.body_force.is_empty() && config.traction.is_empty());
-    ensure!(
-        has_load,
-        "{path}: nothing moves the body: no chamber, no force, no gravity, and no support or obstacle \
-         that moves\n  give it a load, such as [[chamber]] with a pressure"
-    );
-    log::warn!("{path}: nothing moves the body: all its loads are zero");
-    Ok(())
-}
-
 /// What the states depend on: the scene, its meshes, the changes to it and what was measured.
 fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
     let step = scene.config.solver.largest_load_step();
@@ -452,24 +402,4 @@ fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
         hashes.push(program::sha256_file(path)?);
     }
     Ok(hashes.join(" "))
-}
-
-/// Results of an earlier run must not remain beside a report that contradicts
-/// them; those of the steps that an interrupted one has done stay.
-fn remove_stale(folder: &Path, done: usize) -> Result<()> {
-    let kept: Vec<String> = (0..done).map(|i| format!("step_{i:03}.vtu")).collect();
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", failure::STATE];
-        let unless_kept = ["result.pvd", STEPS, CURVE];
-        let step = name.starts_with("step_") && name.ends_with(".vtu");
-        if ours.contains(&name)
-            || (done == 0 && unless_kept.contains(&name))
-            || (step && !kept.iter().any(|k| k == name))
-        {
-            mesh::io::remove_output(&path)?;
-        }
-    }
-    Ok(())
 }

@@ -22,6 +22,7 @@ pub(super) const MATERIAL: Kind = Kind {
         scene.laws.iter().enumerate().flat_map(one).collect()
     },
     value: |scene, [law, k]| scene.laws[law].material.values[k],
+    added_to: None,
     set: |scene, _, [law, k], value| {
         scene.laws[law].material.values[k] = value;
         Ok(())
@@ -43,6 +44,7 @@ pub(super) const DENSITY: Kind = Kind {
         known.map(|(i, law)| (scene.law_name(law), "kg/m³", [i, 0])).collect()
     },
     value: |scene, [law, _]| scene.laws[law].material.density.unwrap_or(0.0),
+    added_to: None,
     set: |scene, _, [law, _], value| {
         scene.laws[law].material.density = Some(value);
         Ok(())
@@ -69,6 +71,7 @@ pub(super) const RELAXATION: Kind = Kind {
         let table = &scene.config.relaxation[table];
         [table.overstress, table.time][k]
     },
+    added_to: None,
     set: |scene, _, [table, k], value| {
         let table = &mut scene.config.relaxation[table];
         *[&mut table.overstress, &mut table.time][k] = value;
@@ -101,6 +104,7 @@ pub(super) const MEMBRANE: Kind = Kind {
         entries
     },
     value: |scene, [sheet, k]| scene.membranes[sheet].numbers()[k],
+    added_to: None,
     set: |scene, _, [sheet, k], value| {
         let sheet = &mut scene.membranes[sheet];
         match k {

@@ -6,17 +6,17 @@ use mechanics::energy::ParameterId;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use scene::config::ChamberConfig;
+use scene::config::{ChamberConfig, TractionConfig};
 use scene::{Scene, nodes_of};
 
 use super::laws::total;
-use super::{Kind, any, nothing_added};
+use super::{Kind, Place, add, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
 
 pub(super) const CHAMBER: Kind = Kind {
     path: "chamber.TAG.KEY",
-    meaning: "what is added to the pressure, fill, volume_change or volume_factor of a chamber",
+    meaning: "what is added to the pressure, fill, volume_change, volume_factor or injected volume of a chamber",
     list: |scene| {
         let unit = |chamber: &ChamberConfig| {
             let rows = mechanics::energy::gas_law::GAS_LAWS.iter().flat_map(|row| row.keys);
@@ -27,10 +27,8 @@ pub(super) const CHAMBER: Kind = Kind {
         chambers.map(|(i, c)| (format!("{}.{}", c.on, c.gas.key()), unit(c), [i, 0])).collect()
     },
     value: nothing_added,
-    set: |scene, _, [chamber, _], value| {
-        let known = scene.config.parameters.clone();
-        Ok(scene.config.chamber[chamber].gas.schedule_mut().add(value, &known)?)
-    },
+    added_to: Some(chamber),
+    set: |scene, _, place, value| add(chamber, scene, place, value),
     check: any,
     derivative: |swept, [chamber, _]| {
         let on = &swept.scene.config.chamber[chamber].on;
@@ -50,6 +48,7 @@ pub(super) const FRICTION: Kind = Kind {
         has_some.then(|| ("friction".to_owned(), "1", [0, 0])).into_iter().collect()
     },
     value: |scene, _| scene.config.contact().map_or(0.0, |contact| contact.friction),
+    added_to: None,
     set: |scene, _, _, value| {
         scene.config.contact_mut().into_iter().for_each(|contact| contact.friction = value);
         Ok(())
@@ -73,10 +72,8 @@ pub(super) const GRAVITY: Kind = Kind {
         axes.map(|(k, axis)| ((*axis).to_owned(), "m/s²", [0, k])).collect()
     },
     value: nothing_added,
-    set: |scene, _, [_, axis], value| {
-        let known = scene.config.parameters.clone();
-        Ok(scene.config.gravity.0[axis].add(value, &known)?)
-    },
+    added_to: Some(gravity),
+    set: |scene, _, place, value| add(gravity, scene, place, value),
     check: any,
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
@@ -84,6 +81,28 @@ pub(super) const GRAVITY: Kind = Kind {
     },
     scale: Some(|scene, _| {
         scene.config.gravity.0.iter().map(|g| largest(scene, g)).fold(0.0, f64::max)
+    }),
+};
+
+pub(super) const TRACTION: Kind = Kind {
+    path: "traction.TAG.x, .y or .z",
+    meaning: "what is added to a component of a traction",
+    list: |scene| {
+        let loads = scene.config.traction.iter().enumerate();
+        let one = |(i, load): (usize, &TractionConfig)| {
+            let on = load.on.clone();
+            AXES.iter().enumerate().map(move |(k, axis)| (format!("{on}.{axis}"), "Pa", [i, k]))
+        };
+        loads.flat_map(one).collect()
+    },
+    value: nothing_added,
+    added_to: Some(traction),
+    set: |scene, _, place, value| add(traction, scene, place, value),
+    check: any,
+    derivative: |swept, [load, axis]| total(swept, ParameterId::Traction(load), axis),
+    scale: Some(|scene, [load, _]| {
+        let components = &scene.config.traction[load].traction.0;
+        components.iter().map(|t| largest(scene, t)).fold(0.0, f64::max)
     }),
 };
 
@@ -103,6 +122,7 @@ pub(super) const VELOCITY: Kind = Kind {
         parts.flat_map(one).collect()
     },
     value: |scene, [part, axis]| scene.parts[part].config.velocity[axis],
+    added_to: None,
     set: |scene, _, [part, axis], value| {
         scene.parts[part].config.velocity[axis] = value;
         Ok(())
@@ -113,6 +133,18 @@ pub(super) const VELOCITY: Kind = Kind {
     },
     scale: Some(|_, _| 1.0),
 };
+
+fn chamber(scene: &mut Scene, [chamber, _]: Place) -> &mut Schedule {
+    scene.config.chamber[chamber].gas.schedule_mut()
+}
+
+fn gravity(scene: &mut Scene, [_, axis]: Place) -> &mut Schedule {
+    &mut scene.config.gravity.0[axis]
+}
+
+fn traction(scene: &mut Scene, [load, axis]: Place) -> &mut Schedule {
+    &mut scene.config.traction[load].traction.0[axis]
+}
 
 /// The largest of a number over time, without sign, at the ends of time steps.
 fn largest(scene: &Scene, schedule: &Schedule) -> f64 {

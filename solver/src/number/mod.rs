@@ -17,6 +17,7 @@ use anyhow::{Context, Result, bail, ensure};
 use mechanics::adjoint::Gradient;
 use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
+use mechanics::schedule::Schedule;
 use mesh::Vec3;
 use program::did_you_mean;
 use scene::Scene;
@@ -34,6 +35,7 @@ pub const KINDS: &[Kind] = &[
     loads::CHAMBER,
     loads::FRICTION,
     loads::GRAVITY,
+    loads::TRACTION,
     loads::VELOCITY,
     walls::WALL,
 ];
@@ -47,6 +49,8 @@ pub struct Kind {
     /// The numbers of a scene that are of this kind: rest of the path, unit and place.
     list: fn(&Scene) -> Vec<Entry>,
     value: fn(&Scene, Place) -> f64,
+    /// The function of time to which it is added, where it is added to one.
+    added_to: Option<fn(&mut Scene, Place) -> &mut Schedule>,
     set: fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>,
     /// Whether the scene admits the value that was set.
     check: fn(&Scene, Place) -> Result<()>,
@@ -172,6 +176,11 @@ impl Number {
         (self.kind.set)(scene, walls, self.place, value)
     }
 
+    /// The function of time to which it is added, where it is added to one.
+    pub fn added_to<'a>(&self, scene: &'a mut Scene) -> Option<&'a mut Schedule> {
+        self.kind.added_to.map(|of| of(scene, self.place))
+    }
+
     /// Whether the scene admits its value.
     ///
     /// # Errors
@@ -203,10 +212,17 @@ pub fn read(
     others: &[(Option<String>, PathBuf)],
     changes: &[program::Change],
 ) -> Result<Scene> {
-    let mut scene = Scene::read_with(path, others, changes)?;
+    apply(Scene::read_with(path, others, changes)?)
+}
+
+/// Gives the `[numbers]` of a scene their values.
+///
+/// # Errors
+/// When the scene does not have a number, or does not admit a value.
+pub fn apply(mut scene: Scene) -> Result<Scene> {
     let values = std::mem::take(&mut scene.config.numbers);
-    let context = || format!("{}: [numbers]", path.display());
-    set(&mut scene, &values).with_context(context)?;
+    let set = set(&mut scene, &values);
+    set.with_context(|| format!("{}: [numbers]", scene.path.display()))?;
     Ok(scene)
 }
 
@@ -223,6 +239,17 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
         number.set(scene, walls.as_ref(), *value)?;
     }
     numbers.iter().try_for_each(|(number, _)| number.check(scene))
+}
+
+/// Adds a value to a function of time.
+fn add(
+    schedule: fn(&mut Scene, Place) -> &mut Schedule,
+    scene: &mut Scene,
+    place: Place,
+    value: f64,
+) -> Result<()> {
+    let known = scene.config.parameters.clone();
+    Ok(schedule(scene, place).add(value, &known)?)
 }
 
 /// Every value is admitted.

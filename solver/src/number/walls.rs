@@ -19,6 +19,7 @@ pub(super) const WALL: Kind = Kind {
         [(String::new(), "m", [0, 0])].into_iter().chain(tags).collect()
     },
     value: nothing_added,
+    added_to: None,
     set: |scene, walls, [wall, _], value| {
         let moves = walls.map(|walls| walls.moves_of(wall)).unwrap_or_default();
         scene.body.mesh.vertices.iter_mut().zip(moves).for_each(|(x, d)| *x += value * d);

@@ -10,8 +10,7 @@ use measure::probe::Probe;
 use reports::Step;
 use serde_json::json;
 
-/// Name of the table.
-pub const CURVE: &str = "curve.csv";
+use super::results::CURVE;
 
 /// Writes the table of a run to a folder, from the `lines` of its steps.
 ///

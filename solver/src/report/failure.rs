@@ -19,10 +19,8 @@ use scene::Scene;
 use serde_json::{Value, json};
 
 use crate::report::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
-use crate::report::results;
+use crate::report::results::{self, FAILED};
 
-/// File of the last equilibrium before a failure.
-pub const STATE: &str = "not_full_load.vtu";
 /// Residuals of the failing load step that are reported.
 const RESIDUALS: usize = 8;
 /// Volume ratio below which the smallest one marks the worst element.
@@ -88,7 +86,7 @@ impl Diagnosis {
             softest_stiffness: SoftestStiffness { at_rest: stiff, reached: soft },
             softening: softening(&at_rest, &reached),
             advice,
-            state: STATE.to_owned(),
+            state: FAILED.to_owned(),
         };
         let grid = grid(space, rest, &attempt.reached, &worst, &force);
         Self { message: lines.join("\n  "), status, failed: Failed { reason, failure }, grid }
@@ -101,13 +99,13 @@ impl Diagnosis {
         json!({ "status": status, "usable": false, "reason": reason, "failure": failure })
     }
 
-    /// Writes the last equilibrium to [`STATE`]: cell array `worst_element` is 1
+    /// Writes the last equilibrium to [`FAILED`]: cell array `worst_element` is 1
     /// there and 0 elsewhere.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn write_state(&self, folder: &Path) -> Result<()> {
-        Ok(vtu::write_vtu(&folder.join(STATE), &self.grid)?)
+        Ok(vtu::write_vtu(&folder.join(FAILED), &self.grid)?)
     }
 }
 

@@ -16,10 +16,9 @@ use scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::report::results::STEPS;
 use crate::report::{curve, results};
 
-/// One line per reported step.
-pub const STEPS: &str = "steps.jsonl";
 /// From which an interrupted run continues.
 const CHECKPOINT: &str = "checkpoint.json";
 

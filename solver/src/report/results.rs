@@ -22,6 +22,15 @@ use scene::{Scene, SceneMembrane};
 
 use crate::report::fields::fields;
 
+/// Name of the file with a line for each step.
+pub const STEPS: &str = "steps.jsonl";
+
+/// Name of the table of steps.
+pub const CURVE: &str = "curve.csv";
+
+/// Name of the file with the state before a load step that failed.
+pub const FAILED: &str = "not_full_load.vtu";
+
 /// What a report in a folder says of the files that the result was made from, and of what was set from
 /// outside.
 ///
@@ -351,4 +360,37 @@ pub fn symmetry(body: &Body) -> Vec<CutPlane> {
         level: plane.level,
     };
     body.planes.iter().map(one).collect()
+}
+
+/// Writes the state at the end.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_end(folder: &Path, problem: &Problem, end: &Iterate) -> Result<()> {
+    write_state(folder, end.space, end.rest, end.u)?;
+    let grid = grid_with_fields(&problem.energies, end);
+    Ok(vtu::write_vtu(&folder.join("result.vtu"), &grid)?)
+}
+
+/// Results of an earlier run must not remain beside a report that contradicts
+/// them; those of the steps that an interrupted one has done stay.
+///
+/// # Errors
+/// When a file cannot be removed.
+pub fn remove_stale(folder: &Path, done: usize) -> Result<()> {
+    let kept: Vec<String> = (0..done).map(|i| format!("step_{i:03}.vtu")).collect();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", FAILED];
+        let unless_kept = ["result.pvd", STEPS, CURVE];
+        let step = name.starts_with("step_") && name.ends_with(".vtu");
+        if ours.contains(&name)
+            || (done == 0 && unless_kept.contains(&name))
+            || (step && !kept.iter().any(|k| k == name))
+        {
+            mesh::io::remove_output(&path)?;
+        }
+    }
+    Ok(())
 }

@@ -4,15 +4,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
+use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{self, Problem};
 use mechanics::stretch::{Limits, Stretches};
 use reports::{
-    EnergyBalance, Material, Moduli, OneOrList, Simulation, Status, StretchRange, Task, Timings,
+    End, EnergyBalance, Material, Moduli, OneOrList, Simulation, Status, StretchRange, Task,
+    Timings,
 };
 use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
 
+use crate::report::crossing::Crossing;
+use crate::report::locking;
+use crate::report::record::Recorder;
 use crate::report::results;
 
 /// What is known before a run whose results lie in a folder.
@@ -60,6 +65,63 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
     scene.laws.iter().map(one).collect()
 }
 
+/// What a run took.
+pub struct Spent<'a> {
+    /// Iterations of Newton's method.
+    pub newton_iterations: usize,
+    /// Velocity at the end, where there is inertia [m/s].
+    pub velocity: Option<&'a [f64]>,
+    /// What it wrote.
+    pub recorder: &'a Recorder<'a>,
+    /// Where the time went.
+    pub timings: &'a forward::Timings,
+    /// All of it [s].
+    pub equilibrium_s: f64,
+    /// What was expected [s].
+    pub predicted_s: f64,
+}
+
+/// What is known of the state at the end of a run, and surfaces that have passed through each other.
+///
+/// # Errors
+/// When a tag has no facets.
+pub fn end(
+    scene: &Scene,
+    (problem, probes): (&Problem, &[Probe]),
+    end: &Iterate,
+    spent: &Spent,
+) -> Result<(End, Option<Crossing>)> {
+    let energies = results::stored_energies(&problem.energies, end);
+    let kinetic =
+        spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
+    let sheets = || results::membranes(scene, &problem.energies, end);
+    let measured = || results::probes(probes, problem, end);
+    let recorder = spent.recorder;
+    let mut found = End {
+        tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
+        newton_iterations: spent.newton_iterations,
+        energy_balance: balance(recorder.work().total, &energies, kinetic),
+        energies,
+        force_balance: results::balance(problem, end),
+        tags: results::tags(scene, &scene.body, problem, end)?,
+        chambers: results::chambers(&problem.energies, end),
+        membranes: (!scene.membranes.is_empty()).then(sheets),
+        probes: (!probes.is_empty()).then(measured),
+        stretch_range: stretches(scene, end),
+        locking: locking::estimate(scene, (problem, probes), end),
+        timings: timings(spent.timings, spent.predicted_s),
+        crossing: None,
+        error_bars: None,
+        equilibrium_s: spent.equilibrium_s,
+        wall_s: 0.0,
+        peak_rss_mb: None,
+    };
+    let find = || Crossing::find((scene, &scene.body), problem, end);
+    let crossing = scene.certify.then(find).flatten();
+    found.crossing = crossing.as_ref().map(Crossing::report);
+    Ok((found, crossing))
+}
+
 /// Writes a report, its keys in alphabetical order.
 ///
 /// # Errors
@@ -69,8 +131,7 @@ pub fn write(folder: &Path, report: &Simulation) -> Result<()> {
 }
 
 /// Work of the loads beside stored and kinetic energy [J].
-#[must_use]
-pub fn balance(
+fn balance(
     work_of_loads: f64,
     energies: &BTreeMap<String, f64>,
     kinetic: Option<f64>,
@@ -82,8 +143,7 @@ pub fn balance(
 }
 
 /// Principal stretches of the state, with warnings where the material was not tested or tears.
-#[must_use]
-pub fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
+fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
     let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits());
     found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
     let Stretches { smallest, largest, largest_at, volume_beyond, margin, limits } = found;
@@ -92,8 +152,7 @@ pub fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
 }
 
 /// Where the time went, and how much was expected [s].
-#[must_use]
-pub fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
+fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
     let task = |time: forward::Time| Task { wall_s: time.wall_s, processor_s: time.processor_s };
     Timings {
         ordering: task(spent.ordering),

@@ -91,8 +91,8 @@ pub enum Kind {
     Friction,
     /// Force per volume on all bodies.
     BodyForce,
-    /// Force per area.
-    Traction,
+    /// Force per area, by its index.
+    Traction(usize),
     /// Springs of released supports.
     Springs,
     /// None of these.
@@ -113,6 +113,8 @@ pub enum ParameterId {
     Weight(usize),
     /// Density of a body in its inertia.
     Density(usize),
+    /// The three components of what is added to a traction.
+    Traction(usize),
     /// Coefficient of friction.
     Friction,
     /// What a chamber is prescribed by: pressure, fill, change or factor of the volume.
@@ -145,7 +147,7 @@ impl Kind {
     /// Whether its forces are given and do not depend on the displacement.
     #[must_use]
     pub fn is_dead_load(self) -> bool {
-        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction)
+        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction(_))
     }
 
     /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
@@ -163,6 +165,7 @@ impl Kind {
             Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
             Self::Weight(body) => Some(ParameterId::Weight(body)),
             Self::Inertia(body) => Some(ParameterId::Density(body)),
+            Self::Traction(load) => Some(ParameterId::Traction(load)),
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
             Self::Friction => Some(ParameterId::Friction),
             _ => None,
@@ -227,7 +230,8 @@ impl Energies {
         let contact = self.contact.as_deref().map(|contact| term(Kind::Contact, contact));
         let friction = self.friction.as_ref().map(|friction| term(Kind::Friction, friction));
         let forces = self.body_forces.iter().map(|force| term(Kind::BodyForce, force));
-        let tractions = self.tractions.iter().map(|traction| term(Kind::Traction, traction));
+        let tractions = self.tractions.iter().enumerate();
+        let tractions = tractions.map(|(i, traction)| term(Kind::Traction(i), traction));
         let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
         let others = self.others.iter().map(|other| term(Kind::Other, &**other));
         let loads = forces.chain(tractions).chain(springs).chain(others);

@@ -4,6 +4,7 @@
 //! E(u; X) = −∫_Γ t · u dA        ∂E/∂u_a = −∫_Γ φ_a t dA      ∂²E/∂u² = 0
 //! δ(λ·∂E/∂u) = −∫_Γ λ · ∇t V dA − Σ (mean of t · λ over a facet) δA
 //! ∂A/∂X_i = ½ n × (X_{i+2} − X_{i+1})      n the unit normal of the facet
+//! λ·∂²E/∂u∂t_k = −∫_Γ λ_k dA               for what is added to t everywhere
 //!
 //! t(X, t) [Pa] may depend on the rest position, but is neither turned nor
 //! stretched by the deformation, unlike gas pressure, a follower load.
@@ -121,5 +122,13 @@ impl Energy for Traction {
             }
         });
         iterate.space.add_to_vertices(&nodal, out);
+    }
+
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut added = Vec3::zeros();
+        self.for_each_point(iterate, |p| added -= p.area() * p.value_of(lambda));
+        // as the rest of the traction, it is ramped up in the first step
+        let by = |axis: usize| (1.0 - self.traction.0[axis].to_come(iterate.time)) * added[axis];
+        (0..3).map(by).collect()
     }
 }

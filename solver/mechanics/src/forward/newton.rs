@@ -141,6 +141,9 @@ pub enum Failure {
         /// Fraction of the motion that is free.
         free: f64,
     },
+    /// Who watches has broken off.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// One iterate.
@@ -209,12 +212,10 @@ impl Newton {
             peak = peak.max(now.scale);
             let (residual, wanted) = (now.residual, self.wanted(now.scale, peak));
             log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
-            workspace.tell(&Event::Iterate {
-                time: at.time,
-                iteration: iterations,
-                residual,
-                wanted,
-            });
+            let (time, iteration) = (at.time, iterations);
+            if workspace.tell(&Event::Iterate { time, iteration, residual, wanted }).is_break() {
+                return Err(Failure::Interrupted);
+            }
             residuals.push(residual);
             // an infinite one is within a tolerance that is infinite
             if !residual.is_finite() {

@@ -222,7 +222,7 @@ pub(super) fn attempt(
     };
     let Converged { iterations, residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
-        workspace.tell(&Event::AtRoundingFloor { time, residual, wanted, floor });
+        let _told = workspace.tell(&Event::AtRoundingFloor { time, residual, wanted, floor });
     }
     match certify(problem, workspace, &state.iterate(problem)) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {

@@ -137,7 +137,7 @@ impl TimeStepper {
             states.push(end, self.progress.integrator.last().clone());
         }
         if let Some(error) = states.unwritten() {
-            workspace.tell(&Event::KeptInMemory { error });
+            let _told = workspace.tell(&Event::KeptInMemory { error });
         }
         Ok(states)
     }
@@ -246,8 +246,9 @@ impl TimeStepper {
             _ => 0.5,
         };
         let increment = self.progress.increment;
+        let interrupted = matches!(failure, Failure::Interrupted);
         log::debug!("load {time:.4} failed ({failure}); increment {increment:.4}");
-        if increment >= self.stepping.smallest {
+        if increment >= self.stepping.smallest && !interrupted {
             return Ok(());
         }
         let at = self.iterate(problem, rest);

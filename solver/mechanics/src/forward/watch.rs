@@ -1,5 +1,7 @@
 //! What can be watched while equilibria are sought.
 
+use std::ops::ControlFlow;
+
 /// Something that happened on the way to an equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
@@ -32,5 +34,6 @@ pub enum Event<'a> {
     },
 }
 
-/// Gets to know of every [`Event`].
-pub type Watch = Box<dyn FnMut(&Event) + Send + Sync>;
+/// Gets to know of every [`Event`]. Where it breaks off at an iterate, Newton's method ends as
+/// [`Failure::Interrupted`](super::Failure::Interrupted).
+pub type Watch = Box<dyn FnMut(&Event) -> ControlFlow<()> + Send + Sync>;

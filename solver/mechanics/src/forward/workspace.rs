@@ -4,6 +4,7 @@
 //! The pattern is extended where a problem fixes other degrees of freedom, or an iterate
 //! has contacts that it has no entries for.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use mesh::Vec3;
@@ -109,11 +110,9 @@ impl Workspace {
         }
     }
 
-    /// Tells the watch of an event.
-    pub(super) fn tell(&mut self, event: &Event) {
-        if let Some(watch) = &mut self.watch {
-            watch(event);
-        }
+    /// Tells the watch of an event, and gives back whether to go on.
+    pub(super) fn tell(&mut self, event: &Event) -> ControlFlow<()> {
+        self.watch.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event))
     }
 
     /// Extends the pattern by what energies couple at an iterate beyond elements,

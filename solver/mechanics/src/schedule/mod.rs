@@ -89,6 +89,11 @@ impl Schedule {
         self.first = first;
     }
 
+    /// Gives it the end of the first time step that another one has.
+    pub fn begin_with(&mut self, other: &Self) {
+        self.first = other.first;
+    }
+
     /// Gives the parameters of an expression their values.
     ///
     /// # Errors
@@ -135,6 +140,15 @@ impl Schedule {
         match self.to_come(time) {
             0.0 => now,
             to_come => now - to_come * expression.by_parameter(parameter, 0.0),
+        }
+    }
+
+    /// The number, where it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self.written {
+            Written::Number(value) => Some(value),
+            Written::Expression(_) | Written::Table(_) => None,
         }
     }
 

@@ -131,6 +131,7 @@ mod tests {
             "fill = \"2e4*t\"\nambient = 101.3e3\nexponent = 1.4",
             "volume_change = { t = [0, 1], value = [0, 2e-6] }",
             "volume_factor = 1.5",
+            "injected = \"2e-6*t\"\ncompliance = 1e-11",
         ] {
             let table: toml::Table = toml::from_str(text).expect("TOML");
             let law = read(&table).expect(text);
@@ -150,7 +151,8 @@ mod tests {
 
     #[test]
     fn exactly_one_key_selects_the_law() {
-        let all = "pressure [Pa], fill [Pa], volume_change [m³], volume_factor [1]";
+        let all = "pressure [Pa], fill [Pa], volume_change [m³], \
+                   volume_factor [1], injected [m³]";
         for (text, words) in [
             ("", &["expected exactly one of", all, "found none"][..]),
             ("ambient = 1e5", &[all, "found none"]),
@@ -163,6 +165,7 @@ mod tests {
             ("fill = 1\nambient = 1e5", &["missing field `exponent`"]),
             ("fill = 1\nambient = 1e5\nexponent = \"a\"", &["exponent", "\"a\""]),
             ("pressure = [1]", &["a number, an expression"]),
+            ("injected = 1e-6", &["missing field `compliance`"]),
             ("pressures = 1", &["unknown field `pressures`", "`pressure`, `fill`"]),
         ] {
             let error = read(&toml::from_str(text).expect("TOML")).expect_err(text).to_string();

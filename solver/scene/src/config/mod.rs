@@ -19,7 +19,7 @@ use measure::written::{FieldSchema, MethodSchema};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use program::{Change, Keys, Settings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -166,6 +166,22 @@ impl SimConfig {
             (None, _, true) => bail!("material without mesh: a body needs both"),
             _ => bail!("[[body]] beside mesh or material: write the one body as a [[body]], too"),
         }
+    }
+
+    /// Gives the bodies other meshes, in which they are where they belong.
+    ///
+    /// # Errors
+    /// When there is not one for each body.
+    pub fn set_meshes(&mut self, meshes: Vec<PathBuf>) -> Result<()> {
+        let (found, needed) = (meshes.len(), self.body.len().max(1));
+        ensure!(found == needed, "{found} meshes for {needed} bodies");
+        for (body, mesh) in self.body.iter_mut().zip(&meshes) {
+            (body.mesh, body.translate) = (mesh.clone(), [0.0; 3]);
+        }
+        if self.body.is_empty() {
+            self.mesh = meshes.into_iter().next();
+        }
+        Ok(())
     }
 
     /// Contact and friction, if there are any.

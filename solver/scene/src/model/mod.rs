@@ -8,16 +8,18 @@ mod laws;
 mod membranes;
 mod objectives;
 mod probes;
+mod read;
 mod symmetry;
 
 pub use laws::SceneLaw;
 pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
-use std::path::{Path, PathBuf};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
@@ -27,10 +29,10 @@ use mechanics::forward::{Event, Integrator, Newton, Problem, State, Stepping, Wa
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
-use program::{Change, Heartbeat, Settings};
+use program::{Heartbeat, Settings};
 
 use crate::config::{
-    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig, beside,
+    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig,
 };
 use crate::memory;
 use crate::supports::Supports;
@@ -71,93 +73,6 @@ pub struct ScenePart {
 }
 
 impl Scene {
-    /// Reads a scene and its meshes.
-    ///
-    /// # Errors
-    /// With the file, what was found and what was needed.
-    pub fn read(path: &Path) -> Result<Self> {
-        Self::read_with(path, &[], &[])
-    }
-
-    /// Reads a scene with other meshes in place of its own: (name of the body, path),
-    /// without a name where there is only one body; and with other values.
-    ///
-    /// # Errors
-    /// With the file, what was found and what was needed.
-    pub fn read_with(
-        path: &Path,
-        others: &[(Option<String>, PathBuf)],
-        changes: &[Change],
-    ) -> Result<Self> {
-        let file = SimConfig::settings(path, changes)?;
-        file.checked(|file| Self::of(file, path, others))
-    }
-
-    fn of(file: &Settings, path: &Path, others: &[(Option<String>, PathBuf)]) -> Result<Self> {
-        let context = || path.display().to_string();
-        let config = SimConfig::of(file)?.bound().with_context(context)?;
-        let bodies = config.bodies().with_context(context)?;
-        let stands_for = |other: &Option<String>, body: &BodyConfig| match other {
-            None => bodies.len() == 1,
-            Some(name) => *name == body.name,
-        };
-        for (name, mesh) in others {
-            ensure!(
-                bodies.iter().any(|body| stands_for(name, body)),
-                "{}: {} cannot take the place of a mesh; expected the name of one of the bodies, \
-                 as in --mesh {}={}",
-                path.display(),
-                mesh.display(),
-                bodies[0].name,
-                mesh.display()
-            );
-        }
-        let mesh_of = |body: &BodyConfig| {
-            let other = others.iter().find(|(name, _)| stands_for(name, body));
-            other.map_or_else(|| beside(path, &body.mesh), |(_, mesh)| mesh.clone())
-        };
-        let paths: Vec<PathBuf> = bodies.iter().map(mesh_of).collect();
-        let (mut parts, mut meshes, mut all_laws) = (Vec::new(), Vec::new(), Vec::new());
-        for (body, mesh_path) in bodies.into_iter().zip(paths) {
-            let mut file = mesh::io::read_tets(&mesh_path)?;
-            if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
-                bail!("{}: {}", mesh_path.display(), finding.message);
-            }
-            file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
-            let own = laws::laws(parts.len(), &body, &mut file.mesh, &mut file.tags);
-            all_laws.extend(own.with_context(context)?);
-            meshes.push((body.name.clone(), file.mesh, file.tags));
-            parts.push(ScenePart { config: body, mesh_path });
-        }
-        let body = match meshes.pop() {
-            Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
-                Body::new(mesh, tags)
-            }
-            last => Body::of_several(meshes.into_iter().chain(last).collect()),
-        };
-        let body = body.cut_by(&config.cuts()).with_context(context)?;
-        if let (false, Some(finding)) =
-            (body.planes.is_empty(), mesh::check::check_tets(&body.mesh).first())
-        {
-            bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
-        }
-        let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
-        let membranes = membranes.with_context(context)?;
-        let mut scene = Self {
-            path: path.to_path_buf(),
-            file: file.clone(),
-            config,
-            parts,
-            laws: all_laws,
-            membranes,
-            body,
-            certify: true,
-        };
-        scene.set_branches().with_context(context)?;
-        scene.check_dilatation().with_context(context)?;
-        Ok(scene)
-    }
-
     /// This scene with the degree and the time steps of a level of a design.
     ///
     /// # Errors
@@ -234,6 +149,29 @@ impl Scene {
         workspace.watch = Some(watch());
         memory::require(workspace.memory()).with_context(context)?;
         Ok((problem, workspace))
+    }
+
+    /// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
+    ///
+    /// # Errors
+    /// With what could be given.
+    pub fn check_loads(&self) -> Result<()> {
+        let flies = self.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
+        let mut config = self.config.clone();
+        if flies || config.schedules().iter().any(|(_, _, value)| !value.is_zero()) {
+            return Ok(());
+        }
+        let path = self.path.display();
+        let has_load = !(config.chamber.is_empty()
+            && config.body_force.is_empty()
+            && config.traction.is_empty());
+        ensure!(
+            has_load,
+            "{path}: nothing moves the body: no chamber, no force, no gravity, and no support or obstacle \
+             that moves\n  give it a load, such as [[chamber]] with a pressure"
+        );
+        log::warn!("{path}: nothing moves the body: all its loads are zero");
+        Ok(())
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.
@@ -449,25 +387,28 @@ impl Scene {
 /// Says in the log what happens on the way to an equilibrium.
 fn watch() -> Watch {
     let mut heartbeat = Heartbeat::start();
-    Box::new(move |event| match event {
-        Event::Iterate { time, iteration, residual, wanted } => {
-            if *iteration == 0 {
-                heartbeat = Heartbeat::start();
+    Box::new(move |event| {
+        match event {
+            Event::Iterate { time, iteration, residual, wanted } => {
+                if *iteration == 0 {
+                    heartbeat = Heartbeat::start();
+                }
+                heartbeat.say(|| {
+                    format!(
+                        "towards t = {time:.4}: newton {iteration}  |g| {residual:.1e} of {wanted:.1e} N"
+                    )
+                });
             }
-            heartbeat.say(|| {
-                format!(
-                    "towards t = {time:.4}: newton {iteration}  |g| {residual:.1e} of {wanted:.1e} N"
-                )
-            });
+            Event::AtRoundingFloor { time, residual, wanted, floor } => log::warn!(
+                "load {time:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
+                 fall further and rounding alone may leave {floor:.0e} N"
+            ),
+            Event::KeptInMemory { error } => log::warn!(
+                "{}: states could not be written ({error}); they stay in memory, beyond the budget",
+                std::env::temp_dir().display()
+            ),
         }
-        Event::AtRoundingFloor { time, residual, wanted, floor } => log::warn!(
-            "load {time:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
-             fall further and rounding alone may leave {floor:.0e} N"
-        ),
-        Event::KeptInMemory { error } => log::warn!(
-            "{}: states could not be written ({error}); they stay in memory, beyond the budget",
-            std::env::temp_dir().display()
-        ),
+        ControlFlow::Continue(())
     })
 }
 

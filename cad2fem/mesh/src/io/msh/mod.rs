@@ -1,5 +1,5 @@
 //! Gmsh meshes: reads formats 2.0 to 2.2 and 4.1, ASCII and binary; writes 2.2
-//! ASCII, which every tool reads.
+//! ASCII, which every tool reads. A file may be compressed by gzip.
 //!
 //! Only tetrahedra and triangles are kept, of those of higher order the corners.
 
@@ -10,14 +10,20 @@ mod v2;
 mod v4;
 mod write;
 
+use std::io::Read;
 use std::path::Path;
 
+use flate2::read::MultiGzDecoder;
+
 use self::source::Source;
-use super::{IoError, Parsed, read_bytes};
+use super::{IoError, LARGEST, Parsed, read_bytes};
 use crate::measure::unlikely_size;
 use crate::{Tags, TetMesh};
 
 pub use write::write_tets;
+
+/// What a file of gzip begins with.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Name of the tetrahedra that are in no volume with another name.
 pub const BODY: &str = "body";
@@ -45,8 +51,8 @@ pub struct MshFile {
 /// tetrahedra, no tetrahedra, or tagged triangles that belong to no tetrahedron
 /// or to two groups.
 pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
-    let bytes = read_bytes(path)?;
     let fail = |message| IoError::content(path, message);
+    let bytes = unzipped(read_bytes(path)?).map_err(fail)?;
     let (file, notes) = parse(&bytes).and_then(assemble::assemble).map_err(fail)?;
     for note in notes {
         log::warn!("{}: {note}", path.display());
@@ -55,6 +61,63 @@ pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
         log::warn!("{}: {remark}", path.display());
     }
     Ok(file)
+}
+
+/// A mesh whose tags and volumes are lists of facets and of tetrahedra, with the checks of a file.
+///
+/// # Errors
+/// What [`read_tets`] refuses, and vertices that are the corner of no tetrahedron, so that they keep
+/// their numbers.
+pub fn tagged_mesh(
+    mesh: &TetMesh,
+    tags: &[(String, Vec<[usize; 3]>)],
+    volumes: &[(String, Vec<usize>)],
+) -> Result<MshFile, String> {
+    let node = |vertex: usize| vertex as u64;
+    let mut raw = Raw {
+        nodes: mesh.vertices.iter().enumerate().map(|(i, &x)| (node(i), x)).collect(),
+        tets: mesh.tets.iter().map(|tet| (tet.map(node), 0)).collect(),
+        ..Raw::default()
+    };
+    for ((name, facets), group) in tags.iter().zip(1..) {
+        raw.names.push((group, name.clone()));
+        raw.triangles.extend(facets.iter().map(|facet| (facet.map(node), group)));
+    }
+    for ((name, tets), group) in volumes.iter().zip(1..) {
+        raw.volume_names.push((group, name.clone()));
+        for &tet in tets {
+            let count = mesh.tets.len();
+            let of = raw.tets.get_mut(tet).ok_or_else(|| {
+                format!("volume {name:?} has tetrahedron {tet}, but there are {count}")
+            })?;
+            of.1 = group;
+        }
+    }
+    let (file, _) = assemble::assemble(raw)?;
+    let left_out = mesh.vertices.len() - file.mesh.vertices.len();
+    match left_out {
+        0 => Ok(file),
+        _ => Err(format!(
+            "{left_out} of {} vertices are no corner of a tetrahedron",
+            mesh.vertices.len()
+        )),
+    }
+}
+
+/// What a file of gzip holds, known by its first bytes; of another file its bytes.
+fn unzipped(bytes: Vec<u8>) -> Parsed<Vec<u8>> {
+    if !bytes.starts_with(&GZIP) {
+        return Ok(bytes);
+    }
+    let mut inside = Vec::new();
+    let read = MultiGzDecoder::new(&bytes[..]).take(LARGEST + 1).read_to_end(&mut inside);
+    match read {
+        Err(cause) => Err(format!("it is compressed by gzip, and damaged: {cause}")),
+        Ok(size) if size as u64 > LARGEST => {
+            Err(format!("it has more than {LARGEST} bytes decompressed; up to these are read"))
+        }
+        Ok(_) => Ok(inside),
+    }
 }
 
 /// A file's content before it is interpreted.

@@ -1,5 +1,7 @@
 //! Gmsh files: ours, hand-made ones and those of published scenes.
 
+use std::io::Write;
+
 use super::*;
 use crate::check::check_tets;
 use crate::measure::volume;
@@ -56,6 +58,20 @@ fn volumes_come_back_by_their_names() {
     tags.volumes.of.pop();
     let message = write_tets(&path, &mesh(), &tags).expect_err("one is missing").to_string();
     assert!(message.contains("volumes of 1 tetrahedra by 2 names, there are 2"), "{message}");
+}
+
+#[test]
+fn compressed_files_are_read_and_damaged_ones_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.msh.gz");
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    gzip.write_all(&written()).expect("into memory");
+    let bytes = gzip.finish().expect("into memory");
+    std::fs::write(&path, &bytes).expect("writable");
+    assert_eq!(read_tets(&path).expect("what was written").mesh, mesh());
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("writable");
+    let message = read_tets(&path).expect_err("half a file").to_string();
+    assert!(message.contains("compressed by gzip, and damaged"), "{message}");
 }
 
 #[test]

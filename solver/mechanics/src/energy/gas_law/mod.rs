@@ -5,6 +5,7 @@
 //! law in [`GAS_LAWS`].
 
 mod ideal_gas;
+mod injected;
 mod isobaric;
 mod prescribed_volume;
 
@@ -14,11 +15,13 @@ use super::Multiplier;
 use crate::schedule::Schedule;
 
 pub use ideal_gas::IdealGas;
+pub use injected::InjectedLiquid;
 pub use isobaric::Isobaric;
 pub use prescribed_volume::PrescribedVolume;
 
 /// The laws, in the order in which they are listed.
-pub const GAS_LAWS: &[Row] = &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW];
+pub const GAS_LAWS: &[Row] =
+    &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW, injected::ROW];
 
 /// A gas law: what to write, what it means, how to build it.
 pub struct Row {
@@ -60,6 +63,12 @@ pub enum Refused {
         ambient: f64,
         /// Polytropic exponent [1].
         exponent: f64,
+    },
+    /// The compliance is out of range.
+    #[error("compliance = {compliance} m³/Pa must be positive and finite")]
+    Compliance {
+        /// Volume per pressure [m³/Pa].
+        compliance: f64,
     },
     /// The fill is below a vacuum.
     #[error("ambient + fill = {full} Pa at t = {t} must be positive")]

@@ -25,6 +25,7 @@ fn derivatives_of_the_potential_are_those_of_its_value() {
         ideal(1.4),
         Box::new(PrescribedVolume::Change(0.3.into())),
         Box::new(PrescribedVolume::Factor(1.4.into())),
+        Box::new(InjectedLiquid { injected: 0.6.into(), compliance: 2e-4 }),
     ];
     let multiplier = Multiplier { pressure: 2e4, penalty: 3e4 };
     for law in laws {

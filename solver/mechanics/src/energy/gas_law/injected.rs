@@ -1,0 +1,83 @@
+//! A liquid that a syringe injects through tubing that gives.
+//!
+//! Φ' = −P,   P = (V_i + V₀ − V)/C
+//!
+//! V_i  volume that left the syringe [m³]
+//! C    compliance of what lies between: the volume that it takes up per pressure [m³/Pa]
+//!
+//! As C → 0 the volume is prescribed: V = V₀ + V_i.
+
+use super::{GasLaw, Key, Multiplier, Potential, Refused, Row};
+use crate::schedule::Schedule;
+
+pub(super) const ROW: Row = Row {
+    name: "injected liquid",
+    formula: "P = (V_i + V₀ − V)/C",
+    keys: &[
+        Key {
+            name: "injected",
+            unit: "m³",
+            meaning: "V_i, volume of liquid that a syringe has injected; negative: drawn out",
+            selects: true,
+        },
+        Key {
+            name: "compliance",
+            unit: "m³/Pa",
+            meaning: "C > 0, volume that tubing and syringe take up per pressure",
+            selects: false,
+        },
+    ],
+    source: "conservation of volume",
+    build: |_, injected, numbers| Box::new(InjectedLiquid { injected, compliance: numbers[0] }),
+};
+
+/// A chamber that is filled with a liquid by a syringe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InjectedLiquid {
+    /// Volume that left the syringe [m³].
+    pub injected: Schedule,
+    /// Compliance of tubing and syringe [m³/Pa].
+    pub compliance: f64,
+}
+
+impl GasLaw for InjectedLiquid {
+    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
+        let stored = self.injected.at(time) + rest - v;
+        Potential {
+            value: stored * stored / (2.0 * self.compliance),
+            pressure: stored / self.compliance,
+            stiffness: 1.0 / self.compliance,
+            pressure_by_rest: 1.0 / self.compliance,
+        }
+    }
+
+    fn schedule(&self) -> &Schedule {
+        &self.injected
+    }
+
+    fn schedule_mut(&mut self) -> &mut Schedule {
+        &mut self.injected
+    }
+
+    fn key(&self) -> &'static str {
+        "injected"
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![self.compliance]
+    }
+
+    fn check(&self, _: &[f64]) -> Result<(), Refused> {
+        let compliance = self.compliance;
+        let good = compliance > 0.0 && compliance.is_finite();
+        if good { Ok(()) } else { Err(Refused::Compliance { compliance }) }
+    }
+
+    fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
+        Some(1.0 / self.compliance)
+    }
+
+    fn boxed(&self) -> Box<dyn GasLaw> {
+        Box::new(self.clone())
+    }
+}

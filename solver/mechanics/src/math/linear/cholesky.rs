@@ -1,0 +1,174 @@
+//! The direct solver of bodies: multifrontal Cholesky factorisation, and L B Lᵀ where a matrix is
+//! not positive definite.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::direct::{BadPivots, Cost, DirectSolver, Factor, Memory, Pivot, Precision, Structure};
+use super::indefinite::Indefinite;
+use super::matrix::{Triangle, norm};
+use super::multifrontal::Fronts;
+use super::scalar::Scalar;
+use super::symbolic::{Symbolic, symbolic};
+use crate::math::pool::Pool;
+
+/// The symbolic factorisation of a pattern.
+pub struct Multifrontal {
+    pattern: Arc<Triangle>,
+    tree: Arc<Tree>,
+    memory: Memory,
+}
+
+/// What a factor needs to be applied.
+struct Tree {
+    fronts: Fronts,
+    /// The unknown at each position of the factor.
+    order: Vec<usize>,
+}
+
+impl Multifrontal {
+    /// Factors a pattern symbolically.
+    ///
+    /// # Panics
+    /// When the groups are not all unknowns, each once, when unknowns of a group have different
+    /// neighbours, or when memory runs out.
+    #[must_use]
+    pub fn boxed(structure: &Structure) -> Box<dyn DirectSolver> {
+        let Structure { pattern, groups, memory } = structure;
+        let Symbolic { order, supernodes } = symbolic(pattern, groups);
+        let fronts = Fronts::new(supernodes, pattern, &order);
+        let (pattern, memory) = (Arc::clone(pattern), (*memory).clone());
+        Box::new(Self { pattern, tree: Arc::new(Tree { fronts, order }), memory })
+    }
+
+    /// Room for a factor in single precision.
+    fn room(&self) -> Vec<f32> {
+        let len = self.tree.fronts.factor_len();
+        let mut values = self.memory.take_factor();
+        if values.len() != len {
+            // pages of new memory are cleared where they are first written: in parallel
+            values = Vec::new();
+            let zeros = rayon::iter::repeat_n(0.0, len);
+            zeros.with_min_len(1 << 16).collect_into_vec(&mut values);
+        }
+        values
+    }
+
+    fn factor_single(
+        &self,
+        lower: &[f64],
+        bad_pivots: BadPivots,
+    ) -> Result<(Single, usize), usize> {
+        let (tree, memory) = (Arc::clone(&self.tree), self.memory.clone());
+        let mut factor = Single { tree, memory, values: self.room() };
+        let fronts = &self.tree.fronts;
+        let replaced =
+            fronts.factor(lower, &mut factor.values, &self.memory.updates, bad_pivots)?;
+        Ok((factor, replaced))
+    }
+
+    fn factor_double(
+        &self,
+        lower: &[f64],
+        bad_pivots: BadPivots,
+    ) -> Result<(Double, usize), usize> {
+        drop(self.memory.take_factor());
+        let mut values = vec![0.0; self.tree.fronts.factor_len()];
+        let replaced = self.tree.fronts.factor(lower, &mut values, &Pool::default(), bad_pivots)?;
+        Ok((Double { tree: Arc::clone(&self.tree), values }, replaced))
+    }
+}
+
+impl DirectSolver for Multifrontal {
+    fn cost(&self) -> Cost {
+        let fronts = &self.tree.fronts;
+        let entries = fronts.factor_len();
+        Cost {
+            entries,
+            flops: fronts.flops(),
+            chain_flops: fronts.chain_flops(),
+            bytes: size_of::<f32>() * (entries + fronts.updates_len()),
+        }
+    }
+
+    fn factor_positive(
+        &self,
+        lower: &[f64],
+        precision: Precision,
+        bad_pivots: BadPivots,
+    ) -> Result<(Box<dyn Factor>, usize), usize> {
+        Ok(match precision {
+            Precision::Single => {
+                let (factor, replaced) = self.factor_single(lower, bad_pivots)?;
+                (Box::new(factor), replaced)
+            }
+            Precision::Double => {
+                let (factor, replaced) = self.factor_double(lower, bad_pivots)?;
+                (Box::new(factor), replaced)
+            }
+        })
+    }
+
+    fn factor_indefinite(&self, lower: &[f64]) -> Box<dyn Factor> {
+        drop(self.memory.take_factor());
+        Box::new(Indefinite::new(&self.pattern, &self.tree.order, lower))
+    }
+}
+
+impl Tree {
+    fn smallest_pivot<T: Scalar>(&self, values: &[T]) -> Option<Pivot> {
+        let pivots: Vec<f64> = self.fronts.pivots(values).map(Scalar::widen).collect();
+        let (position, &value) = pivots.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = pivots.iter().fold(0.0_f64, |m, &p| m.max(p));
+        Some(Pivot { value, largest, unknown: self.order[position] })
+    }
+
+    /// x ← scale A⁻¹ x / scale.
+    fn apply_inverse<T: Scalar>(&self, values: &[T], x: &mut [f64], scale: f64) {
+        let mut y: Vec<T> = self.order.iter().map(|&i| T::narrow(x[i] / scale)).collect();
+        self.fronts.solve(values, &mut y);
+        self.order.iter().zip(y).for_each(|(&i, y)| x[i] = scale * y.widen());
+    }
+}
+
+/// L in single precision.
+struct Single {
+    tree: Arc<Tree>,
+    values: Vec<f32>,
+    memory: Memory,
+}
+
+impl Factor for Single {
+    fn apply_inverse(&self, x: &mut [f64]) {
+        // so that no residual is too small for single precision
+        let scale = norm(x).max(f64::MIN_POSITIVE);
+        self.tree.apply_inverse(&self.values, x, scale);
+    }
+
+    fn smallest_pivot(&self) -> Option<Pivot> {
+        self.tree.smallest_pivot(&self.values)
+    }
+}
+
+impl Drop for Single {
+    fn drop(&mut self) {
+        self.memory.leave_factor(std::mem::take(&mut self.values));
+    }
+}
+
+/// L in double precision.
+struct Double {
+    tree: Arc<Tree>,
+    values: Vec<f64>,
+}
+
+impl Factor for Double {
+    fn apply_inverse(&self, x: &mut [f64]) {
+        self.tree.apply_inverse(&self.values, x, 1.0);
+    }
+
+    fn smallest_pivot(&self) -> Option<Pivot> {
+        self.tree.smallest_pivot(&self.values)
+    }
+}

@@ -1,0 +1,117 @@
+//! What factors matrices: the interface of a direct solver.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::matrix::Triangle;
+use crate::math::pool::Pool;
+
+/// Precision of a factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// Half the memory and half the time; solutions take a few more steps of
+    /// refinement, the more the worse the matrix is conditioned.
+    Single,
+    /// A solution is accurate without refinement.
+    Double,
+}
+
+/// What to do with pivots that are not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BadPivots {
+    /// The matrix is not positive definite: no factor.
+    Refuse,
+    /// A typical diagonal entry of A takes the place of a few of them; of more the matrix is
+    /// refused.
+    ReplaceFew,
+}
+
+/// A pivot L_ii² of a factorisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivot {
+    /// The value.
+    pub value: f64,
+    /// The largest one.
+    pub largest: f64,
+    /// The unknown that it eliminated.
+    pub unknown: usize,
+}
+
+/// What a factorisation takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Stored entries of the factor.
+    pub entries: usize,
+    /// Floating-point operations.
+    pub flops: f64,
+    /// Part of `flops` in fronts that must follow one another.
+    pub chain_flops: f64,
+    /// Memory in single precision, at most [B].
+    pub bytes: usize,
+}
+
+/// The sparsity pattern of the matrices of a [`DirectSolver`], and its order of elimination.
+pub struct Structure<'a> {
+    /// The lower triangle.
+    pub pattern: &'a Arc<Triangle>,
+    /// Unknowns that are coupled with each other and with the same others, group by group in the
+    /// order of elimination, up to changes that leave the fill alone.
+    pub groups: &'a [Range<usize>],
+    /// Memory that solvers of earlier patterns have left.
+    pub memory: &'a Memory,
+}
+
+/// Buffers in single precision that one factorisation leaves to the next: those of the updates,
+/// and that of the factor.
+#[derive(Clone, Default)]
+pub struct Memory {
+    pub(super) updates: Arc<Pool<f32>>,
+    factor: Arc<Mutex<Vec<f32>>>,
+}
+
+impl Memory {
+    /// The buffer of an earlier factor, or an empty one.
+    pub(super) fn take_factor(&self) -> Vec<f32> {
+        std::mem::take(&mut self.factor.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Leaves the buffer of a factor to the next.
+    pub(super) fn leave_factor(&self, values: Vec<f32>) {
+        *self.factor.lock().unwrap_or_else(PoisonError::into_inner) = values;
+    }
+}
+
+/// Makes a direct solver.
+pub type MakeDirectSolver = fn(&Structure) -> Box<dyn DirectSolver>;
+
+/// Factors the sparse part of symmetric matrices of one sparsity pattern.
+pub trait DirectSolver: Send + Sync {
+    /// What a factorisation takes.
+    fn cost(&self) -> Cost;
+
+    /// L Lᵀ = A, or A + E with E at a few replaced pivots, and the number of these. `lower` are
+    /// the values of the lower triangle.
+    ///
+    /// # Errors
+    /// The position of a pivot that was refused: A is not positive definite.
+    fn factor_positive(
+        &self,
+        lower: &[f64],
+        precision: Precision,
+        bad_pivots: BadPivots,
+    ) -> Result<(Box<dyn Factor>, usize), usize>;
+
+    /// L B Lᵀ = A for any symmetric A.
+    fn factor_indefinite(&self, lower: &[f64]) -> Box<dyn Factor>;
+}
+
+/// A factored matrix.
+pub trait Factor: Send + Sync {
+    /// x ← A⁻¹ x, with the precision of the factor.
+    fn apply_inverse(&self, x: &mut [f64]);
+
+    /// The smallest pivot of L Lᵀ; none of other factors.
+    fn smallest_pivot(&self) -> Option<Pivot> {
+        None
+    }
+}

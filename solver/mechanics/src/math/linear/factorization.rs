@@ -1,0 +1,179 @@
+//! Solution with a factored matrix.
+//!
+//! The dense part of A + U Σ Uᵀ enters by the formula of Woodbury,
+//!
+//! (A + U Σ Uᵀ)⁻¹ = A⁻¹ − Z (Σ⁻¹ + Uᵀ Z)⁻¹ Zᵀ,   Z = A⁻¹ U
+//!
+//! Source: Golub and Van Loan, "Matrix Computations", section 2.1.4.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
+use super::direct::{Factor, Pivot, Precision};
+use super::matrix::{Symmetric, Triangle, dot, norm};
+
+/// Relative residual of a solution that has come to rounding.
+const SMALLEST_RESIDUAL: f64 = 1e-14;
+
+/// Refinement steps of a solution, at most.
+const REFINEMENTS: usize = 40;
+
+/// Conjugate-gradient steps with the factor of another matrix that cost less
+/// than a factor of its own.
+const NEAR_STEPS: usize = 12;
+
+/// A matrix and its factor.
+pub struct Factorization {
+    pattern: Arc<Triangle>,
+    matrix: Symmetric,
+    factor: Box<dyn Factor>,
+    /// The precision of L Lᵀ; none of the factor of a matrix that is not positive definite.
+    pub(super) positive: Option<Precision>,
+    dense: Option<Dense>,
+}
+
+/// What the formula of Woodbury needs besides the factor of A.
+struct Dense {
+    /// A⁻¹ u_k
+    columns: Vec<Vec<f64>>,
+    /// Σ⁻¹ + Uᵀ A⁻¹ U
+    capacitance: LU<f64, Dyn, Dyn>,
+}
+
+impl Factorization {
+    /// A matrix with the factor of its sparse part.
+    pub(super) fn new(
+        pattern: &Arc<Triangle>,
+        matrix: Symmetric,
+        factor: Box<dyn Factor>,
+        positive: Option<Precision>,
+    ) -> Self {
+        let dense = dense(&*factor, &matrix.updates);
+        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
+    }
+
+    /// The matrix; the factor is gone.
+    pub(super) fn into_matrix(self) -> Symmetric {
+        self.matrix
+    }
+
+    /// Whether it is that of a positive definite matrix.
+    #[must_use]
+    pub fn is_positive(&self) -> bool {
+        self.positive.is_some()
+    }
+
+    /// The smallest pivot, if the matrix is positive definite.
+    #[must_use]
+    pub fn smallest_pivot(&self) -> Option<Pivot> {
+        self.factor.smallest_pivot()
+    }
+
+    /// Solves A x = b in place, to rounding, and returns the relative residual
+    /// ‖A x − b‖ / ‖b‖ that was reached.
+    pub fn solve(&self, rhs: &mut [f64]) -> f64 {
+        let b = rhs.to_vec();
+        self.solve_to(rhs, SMALLEST_RESIDUAL);
+        // conjugate gradients only update theirs
+        norm(&self.residual(&b, rhs)) / norm(&b).max(f64::MIN_POSITIVE)
+    }
+
+    /// Solves A x = b in place to a relative residual, or to rounding where that is more, and
+    /// returns the one that was reached.
+    pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
+        let (x, residual) = if self.is_positive() {
+            let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
+            let Gradients { x, residual, .. } = self.gradients(&self.matrix, rhs, &stop);
+            (x, residual)
+        } else {
+            self.refine(rhs, tolerance)
+        };
+        rhs.copy_from_slice(&x);
+        residual
+    }
+
+    /// Solves A x = b, to ‖A x − b‖ ≤ tolerance ‖b‖, by conjugate gradients with a factor some
+    /// of whose pivots were replaced. They meet a direction of negative curvature after a few
+    /// steps if A is not positive definite.
+    #[must_use]
+    pub fn solve_modified(&self, b: &[f64], tolerance: f64) -> Outcome {
+        let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
+        self.gradients(&self.matrix, b, &stop).outcome(tolerance)
+    }
+
+    /// Solves for another matrix by conjugate gradients, preconditioned with this factor, to
+    /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where a factorisation is likely to be
+    /// cheaper, or this one is not that of a positive definite matrix.
+    #[must_use]
+    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
+        if !self.is_positive() {
+            return Outcome::Inaccurate;
+        }
+        let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
+        self.gradients(matrix, b, &stop).outcome(tolerance)
+    }
+
+    /// Conjugate gradients preconditioned with the factor.
+    fn gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
+        let multiply = |x: &[f64]| self.pattern.multiply(matrix, x);
+        conjugate_gradients(multiply, |x| self.inverse_times(x), b, stop)
+    }
+
+    /// Iterative refinement; the best x and its relative residual.
+    fn refine(&self, b: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
+        let size = norm(b).max(f64::MIN_POSITIVE);
+        let mut x = self.inverse_times(b);
+        let mut best: Option<(Vec<f64>, f64)> = None;
+        for _ in 0..REFINEMENTS {
+            let r = self.residual(b, &x);
+            let residual = norm(&r) / size;
+            let better = best.as_ref().is_none_or(|(_, least)| residual < *least);
+            if !better {
+                break;
+            }
+            best = Some((x.clone(), residual));
+            if residual <= tolerance {
+                break;
+            }
+            x.iter_mut().zip(self.inverse_times(&r)).for_each(|(x, d)| *x += d);
+        }
+        best.unwrap_or((x, f64::INFINITY))
+    }
+
+    /// b − A x.
+    pub(super) fn residual(&self, b: &[f64], x: &[f64]) -> Vec<f64> {
+        let ax = self.pattern.multiply(&self.matrix, x);
+        b.iter().zip(&ax).map(|(b, a)| b - a).collect()
+    }
+
+    /// A⁻¹ x by the factor, without refinement.
+    pub(super) fn inverse_times(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        self.factor.apply_inverse(&mut x);
+        let Some(Dense { columns, capacitance }) = &self.dense else { return x };
+        let updates = &self.matrix.updates;
+        let projected =
+            DVector::from_iterator(updates.len(), updates.iter().map(|(_, u)| dot(u, &x)));
+        // singular only if the whole matrix is; the result is then NaN
+        let weights = capacitance.solve(&projected).unwrap_or_else(|| projected.map(|_| f64::NAN));
+        for (z, weight) in columns.iter().zip(weights.iter()) {
+            x.iter_mut().zip(z).for_each(|(x, z)| *x -= weight * z);
+        }
+        x
+    }
+}
+
+fn dense(factor: &dyn Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {
+    if updates.is_empty() {
+        return None;
+    }
+    let mut columns: Vec<Vec<f64>> = updates.iter().map(|(_, u)| u.clone()).collect();
+    columns.iter_mut().for_each(|z| factor.apply_inverse(z));
+    let matrix = DMatrix::from_fn(updates.len(), updates.len(), |i, j| {
+        let diagonal = if i == j { 1.0 / updates[i].0 } else { 0.0 };
+        diagonal + dot(&updates[i].1, &columns[j])
+    });
+    Some(Dense { columns, capacitance: matrix.lu() })
+}

@@ -1,0 +1,210 @@
+//! A scene: bodies, materials, supports and loads.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use anyhow::{Context, anyhow, ensure};
+use numpy::{PyArray2, PyReadonlyArray2};
+use program::Change;
+use pyo3::prelude::*;
+use solver::number::{self, Number, Walls};
+
+use crate::body::{Body, points, vectors};
+use crate::error::{refused, refused_as};
+use crate::run::Run;
+
+/// A scene. It may be used by several threads: each run has a copy of its own.
+#[pyclass(frozen, module = "softpuffer._native")]
+pub struct Scene {
+    state: Mutex<State>,
+}
+
+/// What a scene is now.
+#[derive(Clone)]
+struct State {
+    scene: Arc<scene::Scene>,
+    /// Numbers that were set and are not in its tables, by their paths.
+    set: BTreeMap<String, f64>,
+}
+
+impl Scene {
+    /// Gives the numbers of a scene that was read their values.
+    fn new(scene: scene::Scene) -> anyhow::Result<Self> {
+        let set = scene.config.numbers.clone();
+        let scene = Arc::new(number::apply(scene)?);
+        Ok(Self { state: Mutex::new(State { scene, set }) })
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The scene as it is now.
+    fn now(&self) -> Arc<scene::Scene> {
+        Arc::clone(&self.lock().scene)
+    }
+
+    /// Changes the scene, or leaves it as it is where that fails.
+    fn change(
+        &self,
+        change: impl FnOnce(&mut scene::Scene, &mut BTreeMap<String, f64>) -> anyhow::Result<()>,
+    ) -> PyResult<()> {
+        let mut now = self.lock();
+        let (mut scene, mut set) = ((*now.scene).clone(), now.set.clone());
+        change(&mut scene, &mut set).map_err(refused)?;
+        *now = State { scene: Arc::new(scene), set };
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene of TOML and its meshes; `changes` as `--set` of the programs takes them.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf, changes: Vec<String>) -> PyResult<Self> {
+        let changes = changes.iter().map(|text| text.parse::<Change>().map_err(refused_as));
+        let changes = changes.collect::<PyResult<Vec<_>>>()?;
+        let read = py.detach(|| Self::new(scene::Scene::read_with(&path, &[], &changes)?));
+        read.map_err(refused)
+    }
+
+    /// A scene by its tables in JSON, whose bodies have these meshes in place of those of files. Its
+    /// other paths are relative to a folder.
+    #[staticmethod]
+    fn of_tables(
+        py: Python<'_>,
+        tables: &str,
+        folder: PathBuf,
+        bodies: Vec<PyRef<'_, Body>>,
+    ) -> PyResult<Self> {
+        let meshes: Vec<_> = bodies.iter().map(|body| Arc::clone(&body.file)).collect();
+        let made = py.detach(|| {
+            let meshes = meshes.iter().map(|mesh| (**mesh).clone()).collect();
+            let tables: serde_json::Value = serde_json::from_str(tables)?;
+            let text = toml::to_string(&tables)?;
+            Self::new(scene::Scene::of_text(&text, &folder.join("scene"), meshes)?)
+        });
+        made.map_err(refused)
+    }
+
+    /// The scene as TOML, with the meshes of these paths where there are any, one for each body. They
+    /// hold the walls as they are now; without them, what walls were moved by is written.
+    #[pyo3(signature = (meshes=Vec::new()))]
+    fn to_toml(&self, meshes: Vec<PathBuf>) -> PyResult<String> {
+        let State { scene, set } = self.lock().clone();
+        let mut config = scene.config.clone();
+        config.numbers = set;
+        if !meshes.is_empty() {
+            config.numbers.retain(|path, _| path.split('.').next() != Some("wall"));
+            config.set_meshes(meshes).map_err(refused)?;
+        }
+        toml::to_string(&config).map_err(refused)
+    }
+
+    /// Names of the bodies, with their numbers of vertices.
+    fn bodies(&self) -> Vec<(String, usize)> {
+        let scene = self.now();
+        let parts = scene.parts.iter().zip(&scene.body.parts);
+        parts.map(|(part, own)| (part.config.name.clone(), own.vertices.len())).collect()
+    }
+
+    /// The numbers of the scene: path, SI unit and value.
+    fn numbers(&self) -> Vec<(String, &'static str, Option<f64>)> {
+        let scene = self.now();
+        let number = |n: Number| (n.path.clone(), n.unit, value(&scene, &n));
+        Number::all(&scene).into_iter().map(number).collect()
+    }
+
+    /// The value of a number.
+    fn get(&self, path: &str) -> PyResult<f64> {
+        let scene = self.now();
+        let number = Number::find(&scene, path).map_err(refused)?;
+        let found = value(&scene, &number).with_context(|| format!("{path} {NOT_CONSTANT}"));
+        found.map_err(refused)
+    }
+
+    /// Gives a number a value. A wall is moved by it from where it is.
+    fn set(&self, path: &str, value: f64) -> PyResult<()> {
+        self.change(|scene, set| {
+            ensure!(value.is_finite(), "{path} = {value}: must be finite");
+            let number = Number::find(scene, path)?;
+            match number.added_to(scene) {
+                Some(schedule) => {
+                    ensure!(schedule.number().is_some(), "{path} {NOT_CONSTANT}");
+                    let before = schedule.clone();
+                    *schedule = value.into();
+                    schedule.begin_with(&before);
+                }
+                None => {
+                    let walls = Walls::of([&number], &scene.body)?;
+                    number.set(scene, walls.as_ref(), value)?;
+                    match walls {
+                        Some(_) => *set.entry(path.to_owned()).or_default() += value,
+                        None => drop(set.insert(path.to_owned(), value)),
+                    }
+                }
+            }
+            number.check(scene)
+        })
+    }
+
+    /// Rest positions of the vertices (n, 3) [m], body after body, a copy.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.now().body.mesh.vertices)
+    }
+
+    /// Gives the vertices other rest positions (n, 3) [m].
+    fn move_to(&self, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+        let vertices = points(&vertices)?;
+        self.change(|scene, _| {
+            let mesh = &mut scene.body.mesh;
+            let (found, needed) = (vertices.len(), mesh.vertices.len());
+            ensure!(found == needed, "{found} vertices, but the scene has {needed}");
+            let finite = vertices.iter().position(|x| !x.iter().all(|c| c.is_finite()));
+            ensure!(finite.is_none(), "vertex {} is not finite", finite.unwrap_or_default());
+            mesh.vertices = vertices;
+            match mesh::check::check_tets(mesh).first() {
+                Some(finding) => Err(anyhow!("{}", finding.message)),
+                None => Ok(()),
+            }
+        })
+    }
+
+    /// The body with its tags, several as one, as it is now.
+    fn body(&self) -> Body {
+        let scene = self.now();
+        let (mesh, tags) = (scene.body.mesh.clone(), scene.body.tags.clone());
+        Body { file: Arc::new(mesh::io::MshFile { mesh, tags }) }
+    }
+
+    /// Solves the scene. `progress` is called with the time, the number of an iteration of Newton's
+    /// method, the unbalanced force and the one wanted [N].
+    #[pyo3(signature = (progress=None))]
+    fn simulate(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Run> {
+        Run::new(py, self.now(), progress)
+    }
+
+    fn __repr__(&self) -> String {
+        let scene = self.now();
+        let (tets, degree) = (scene.body.mesh.tets.len(), scene.config.degree);
+        format!("<Scene: {tets} tetrahedra of degree {degree}, {}>", path_of(&scene.path).display())
+    }
+}
+
+/// What is said of a number that a function of time stands for.
+const NOT_CONSTANT: &str = "is a function of time or place: write it in the table of the scene";
+
+/// The value of a number; none of a function of time.
+fn value(scene: &scene::Scene, number: &Number) -> Option<f64> {
+    let mut scene = scene.clone();
+    match number.added_to(&mut scene) {
+        Some(schedule) => schedule.number(),
+        None => Some(number.value(&scene)),
+    }
+}
+
+fn path_of(path: &Path) -> &Path {
+    path.file_name().map_or(path, Path::new)
+}
