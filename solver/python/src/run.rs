@@ -186,6 +186,11 @@ impl Run {
         PyArray1::from_vec(py, self.steps.iter().map(|step| step.time).collect())
     }
 
+    /// Number of time steps, of which a static scene has one.
+    fn ends(&self) -> usize {
+        self.trajectory.steps()
+    }
+
     /// Iterations of Newton's method, those of rejected steps included.
     #[getter]
     fn newton_iterations(&self) -> usize {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, anyhow, ensure};
+use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
 use program::Change;
 use pyo3::prelude::*;
@@ -102,11 +103,26 @@ impl Scene {
         toml::to_string(&config).map_err(refused)
     }
 
-    /// Names of the bodies, with their numbers of vertices.
-    fn bodies(&self) -> Vec<(String, usize)> {
+    /// The bodies one by one with their names, as they are now.
+    fn bodies(&self) -> Vec<(String, Body)> {
         let scene = self.now();
-        let parts = scene.parts.iter().zip(&scene.body.parts);
-        parts.map(|(part, own)| (part.config.name.clone(), own.vertices.len())).collect()
+        let body = |(part, (_, mesh, tags)): (&scene::ScenePart, (_, _, _))| {
+            (part.config.name.clone(), Body { file: Arc::new(mesh::io::MshFile { mesh, tags }) })
+        };
+        scene.parts.iter().zip(scene.body.separate()).map(body).collect()
+    }
+
+    /// Number of nodes that a run has.
+    fn node_count(&self) -> usize {
+        let scene = self.now();
+        let mesh = &scene.body.mesh;
+        let degree = scene.config.degree;
+        FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone()).node_count()
+    }
+
+    /// A scene of its own that is like this one.
+    fn copy(&self) -> Self {
+        Self { state: Mutex::new(self.lock().clone()) }
     }
 
     /// The numbers of the scene: path, SI unit and value.

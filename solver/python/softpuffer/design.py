@@ -1,0 +1,40 @@
+"""Design problems: handles, levels and free vertices, as `solver optimize` solves them."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from .programs import run
+from .scene import Scene, load
+
+
+class Design:
+    """What a design problem found."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+
+    @property
+    def history(self) -> list[dict]:
+        """A row for each accepted iteration: level, objective, terms and more."""
+        lines = (self.folder / "history.jsonl").read_text().splitlines()
+        return [json.loads(line) for line in lines]
+
+    @property
+    def report(self) -> dict:
+        """The content of `report.json`."""
+        return json.loads((self.folder / "report.json").read_text())
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the designed body."""
+        scene = self.folder / self.report["inputs"]["scene"]["path"]
+        return load(scene, [f"mesh={(self.folder / 'design.msh').resolve()}"])
+
+
+def design(path: str | os.PathLike, output: str | os.PathLike, *arguments: str) -> Design:
+    """Solves the design problem of a `design.toml` into a folder; a run that was interrupted continues."""
+    run("solver", ["optimize", os.fspath(path), "-o", os.fspath(output), *arguments])
+    return Design(Path(output))

@@ -1,0 +1,32 @@
+"""Molds: how to cast a body, the parts to print, and their verification.
+
+Each function runs the program `fab` and returns what it wrote. Raises subprocess.CalledProcessError where that
+fails; its `stderr` says why.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+
+from .programs import run
+
+
+def plan(design: str | os.PathLike, *arguments: str) -> dict:
+    """Which method casts a tagged mesh, along which pull, and why: as `fab plan` writes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        run("fab", ["plan", os.fspath(design), "-o", folder, "--no-pictures", *arguments])
+        return json.loads((Path(folder) / "plan.json").read_text())
+
+
+def mold(design: str | os.PathLike, output: str | os.PathLike, *arguments: str) -> dict:
+    """Makes the printable parts of a mold in a folder, as `fab mold` does, and returns its `mold.json`."""
+    run("fab", ["mold", os.fspath(design), "-o", os.fspath(output), *arguments])
+    return json.loads((Path(output) / "mold.json").read_text())
+
+
+def verify(folder: str | os.PathLike, *arguments: str) -> str:
+    """Checks a mold as `fab verify` does, and returns its lines."""
+    return run("fab", ["verify", os.fspath(folder), *arguments])

@@ -1,0 +1,165 @@
+"""Scenes: bodies, materials, supports and loads."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Callable, Iterable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from .body import Body, floats
+from .progress import shown
+from .run import Run
+
+#: What `progress` of a simulation is called with: time [s], iteration, unbalanced and wanted force [N].
+Progress = Callable[[float, int, float, float], None]
+
+
+class Scene:
+    """A body under loads.
+
+    body: a Body, or several by their names.
+    material: a silicone of the library (`solver list --silicones`), a table such as
+        {"kind": "neo-hookean", "mu": 40e3, "bulk": 4e6}; of several bodies one for each name, or one for all.
+    fixed: tags that do not move, or tables such as {"on": "seat", "components": "xz"}.
+    chambers: pressure [Pa] of each chamber by the tag of its wall; a text is a function of time, such as
+        "20e3*t"; a table has the keys of another gas law, such as {"fill": 20e3, "ambient": 101.3e3, "exponent": 1}.
+    probes: what is measured, by name: tables such as {"kind": "displacement", "on": "tip", "axis": [0, 0, 1]}.
+    degree: of the displacement in an element, 1, 2 or 3.
+    folder: where paths of the tables begin, such as that of an obstacle.
+    tables: every other key of a scene of TOML, as the book lists them: gravity=[0, 0, -9.81],
+        contact={...}, time={...}, solver={...}, traction=[{...}], membrane=[{...}], relaxation=[{...}], ...
+
+    A scene may be used by several threads. Raises InputError with the message of the programs.
+    """
+
+    def __init__(
+        self,
+        body: Body | Mapping[str, Body],
+        *,
+        material: str | Mapping[str, Any],
+        fixed: Iterable[str | Mapping[str, Any]] = (),
+        chambers: Mapping[str, Any] | None = None,
+        probes: Mapping[str, Mapping[str, Any]] | None = None,
+        degree: int = 2,
+        folder: str | os.PathLike = ".",
+        **tables: Any,
+    ):
+        tables = {
+            "degree": degree,
+            "fixed": [{"on": of} if isinstance(of, str) else dict(of) for of in fixed],
+            "chamber": [{"on": on, **_gas(gas)} for on, gas in (chambers or {}).items()],
+            "probe": [{"name": name, **probe} for name, probe in (probes or {}).items()],
+            **tables,
+        }
+        if isinstance(body, Mapping):
+            own = lambda name: material[name] if isinstance(material, Mapping) and name in material else material
+            tables["body"] = [{"name": name, "mesh": _IN_MEMORY, "material": own(name)} for name in body]
+            bodies = list(body.values())
+        else:
+            tables |= {"mesh": _IN_MEMORY, "material": material}
+            bodies = [body]
+        text = json.dumps({key: value for key, value in tables.items() if value is not None}, default=_plain)
+        self._native = _native.Scene.of_tables(text, os.fspath(folder), [body._native for body in bodies])
+
+    @classmethod
+    def _of(cls, native: _native.Scene) -> Scene:
+        scene = cls.__new__(cls)
+        scene._native = native
+        return scene
+
+    def copy(self) -> Scene:
+        """A scene of its own that is like this one."""
+        return self._of(self._native.copy())
+
+    def to_toml(self) -> str:
+        """The scene as the programs read it. Its meshes are not in it: `write` writes both."""
+        return self._native.to_toml()
+
+    def write(self, folder: str | os.PathLike) -> Path:
+        """Writes `sim.toml` with its meshes, as they are now, into a folder, and returns its path."""
+        return self._write(folder)[0]
+
+    def _write(self, folder: str | os.PathLike) -> tuple[Path, list[str]]:
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        meshes = []
+        for name, body in self._native.bodies():
+            meshes.append(folder / f"{name}.msh")
+            body.write(os.fspath(meshes[-1]))
+        scene = folder / "sim.toml"
+        scene.write_text(self._native.to_toml([mesh.name for mesh in meshes]))
+        return scene, [os.fspath(mesh) for mesh in meshes]
+
+    @property
+    def numbers(self) -> dict[str, float | None]:
+        """The numbers of the scene by their paths, in SI units; None where one is a function of time."""
+        return {path: value for path, _, value in self._native.numbers()}
+
+    def unit(self, path: str) -> str:
+        """The SI unit of a number."""
+        self.get(path)
+        return next(unit for own, unit, _ in self._native.numbers() if own == path)
+
+    def get(self, path: str) -> float:
+        """The value of a number, such as `chamber.cavity.pressure` or `material.body.c1`."""
+        return self._native.get(path)
+
+    def set(self, path: str, value: float) -> None:
+        """Gives a number another value. `wall.TAG` moves a wall outward by a distance [m] from where it is."""
+        self._native.set(path, float(value))
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """Rest positions of the vertices (n, 3) [m], body after body, a copy."""
+        return self._native.vertices
+
+    @vertices.setter
+    def vertices(self, positions: ArrayLike) -> None:
+        self._native.move_to(floats(positions, "vertices"))
+
+    @property
+    def body(self) -> Body:
+        """The body at rest as it is now, several as one."""
+        return Body._of(self._native.body())
+
+    def simulate(self, progress: Progress | bool | None = None) -> Run:
+        """Solves the scene for its equilibrium, or through time.
+
+        progress: True draws a line while it runs (in notebooks, too), a function is called at every
+        iteration of Newton's method, None draws where there is a terminal.
+
+        Raises NoEquilibrium with what is known of the reason. Ctrl-C ends it with KeyboardInterrupt.
+        """
+        with shown(progress) as told:
+            native = self._native.simulate(told)
+        return Run(native, self.copy())
+
+    def __repr__(self) -> str:
+        return repr(self._native)
+
+
+def load(path: str | os.PathLike, set: Iterable[str] = ()) -> Scene:
+    """Reads a scene of TOML, with changes as `--set` of the programs takes them: ["degree=1"]."""
+    return Scene._of(_native.Scene.read(os.fspath(path), list(set)))
+
+
+#: Stands for the path of a mesh that is in memory.
+_IN_MEMORY = "memory"
+
+
+def _gas(gas: Any) -> Mapping[str, Any]:
+    return gas if isinstance(gas, Mapping) else {"pressure": gas}
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays, and paths, as JSON has them."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise _native.InputError(f"{value!r}: a scene has numbers, texts, lists and tables")

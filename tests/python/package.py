@@ -1,0 +1,268 @@
+"""Tests of the Python package on a small body, run by tests/fast/python.rs.
+
+A box of two cells per edge with a cubic hole: its wall is the tag `cavity`, its underside `seat`.
+"""
+
+import pathlib
+import signal
+import sys
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import softpuffer as sp
+
+SILICONE = {"kind": "mooney-rivlin-quadratic", "c1": 55e3, "c2": 5e3, "c3": 1.7e3, "d1": 1e6}
+EDGE = 0.01
+
+
+def box(cells=3):
+    """A cube with a hole of a cell in the middle: vertices, tetrahedra and tags."""
+    n = cells + 1
+    grid = np.array([[x, y, z] for x in range(n) for y in range(n) for z in range(n)], dtype=float)
+    number = lambda x, y, z: (x * n + y) * n + z
+    # six tetrahedra of a cube around its diagonal
+    paths = [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]
+    tets, middle = [], cells // 2
+    for cell in np.ndindex(cells, cells, cells):
+        if cell == (middle,) * 3:
+            continue
+        for path in paths:
+            corner, tet = list(cell), [number(*cell)]
+            for axis in path:
+                corner[axis] += 1
+                tet.append(number(*corner))
+            tets.append(tet)
+    tets = np.array(tets)
+    used = np.unique(tets)
+    place = np.full(len(grid), -1)
+    place[used] = np.arange(len(used))
+    vertices, tets = grid[used] * EDGE / cells, place[tets]
+    facets = np.sort(np.concatenate([tets[:, [a, b, c]] for a, b, c in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]))
+    facets, counts = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
+    skin = facets[counts == 1]
+    at = vertices[skin]
+    inside = np.all((at > 1e-9) & (at < EDGE - 1e-9), axis=(1, 2))
+    seat = np.all(at[:, :, 2] < 1e-9, axis=1)
+    top = np.all(at[:, :, 2] > EDGE - 1e-9, axis=1)
+    return vertices, tets, {"seat": skin[seat], "cavity": skin[inside], "top": skin[top]}
+
+
+def scene(**more):
+    """The box, blown up."""
+    tables = dict(
+        material=SILICONE,
+        fixed=["seat"],
+        chambers={"cavity": 20e3},
+        probes={"height": {"kind": "displacement", "on": "top", "axis": [0, 0, 1]}},
+        degree=1,
+        solver={"relative_tolerance": 1e-12},
+    )
+    return sp.Scene(sp.Body(*box()), **(tables | more))
+
+
+class Bodies(unittest.TestCase):
+    def test_a_body_comes_back_from_its_file(self):
+        body = sp.Body(*box())
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "body.msh"
+            body.write(path)
+            again = sp.Body.read(path)
+        np.testing.assert_array_equal(again.vertices, body.vertices)
+        np.testing.assert_array_equal(again.tets, body.tets)
+        self.assertEqual(list(again.tags), list(body.tags))
+        for tag, facets in body.tags.items():
+            np.testing.assert_array_equal(again.tags[tag], facets)
+
+    def test_bad_arrays_are_refused_in_words(self):
+        vertices, tets, tags = box()
+        nan = vertices.copy()
+        nan[3, 1] = np.nan
+        for words, arrays in [
+            ("vertices: an array of shape [64, 2], needed (n, 3)", (vertices[:, :2], tets, tags)),
+            ("vertices: not an array of numbers", ("no numbers", tets, tags)),
+            ("tets: an array of float64, needed integers", (vertices, tets + 0.5, tags)),
+            ("index -1, needed 0 or more", (vertices, np.where(tets == 0, -1, tets), tags)),
+            ("not finite", (nan, tets, tags)),
+            ("which is not among", (vertices, tets + 40, tags)),
+            ("are no facet of a tetrahedron", (vertices, tets, {"seat": [[0, 1, 63]]})),
+            ("are no corner of a tetrahedron", (np.vstack([vertices, [[1, 1, 1]]]), tets, tags)),
+        ]:
+            with self.assertRaises(sp.InputError, msg=words) as caught:
+                sp.Body(*arrays)
+            self.assertIn(words, str(caught.exception))
+
+
+class Scenes(unittest.TestCase):
+    def test_a_scene_says_itself_as_toml(self):
+        first = scene()
+        first.set("chamber.cavity.pressure", 12e3)
+        first.set("material.body.c1", 60e3)
+        with tempfile.TemporaryDirectory() as folder:
+            again = sp.load(first.write(folder))
+        self.assertEqual(again.numbers, first.numbers)
+        self.assertEqual(again.get("chamber.cavity.pressure"), 12e3)
+        self.assertEqual(again.unit("material.body.c1"), "Pa")
+        np.testing.assert_array_equal(again.simulate().displacement, first.simulate().displacement)
+
+    def test_bad_input_has_the_words_of_the_programs(self):
+        for words, more in [
+            ('unknown tag "sea"', {"fixed": ["sea"]}),
+            ("did you mean `pressure`?", {"chambers": {"cavity": {"presure": 1}}}),
+            ("did you mean `gravity`?", {"gravty": [0, 0, -9.81]}),
+            ("nothing moves the body", {"chambers": {}}),
+        ]:
+            with self.assertRaises(sp.InputError, msg=words) as caught:
+                scene(**more).simulate()
+            self.assertIn(words, str(caught.exception))
+        with self.assertRaises(sp.InputError) as caught:
+            scene().set("material.body.c9", 1)
+        self.assertIn("the scene has no such number; did you mean", str(caught.exception))
+        with self.assertRaises(sp.InputError):
+            scene().set("material.body.c1", float("nan"))
+        other = scene()
+        with self.assertRaises(sp.InputError) as caught:
+            other.vertices = other.vertices[:-1]
+        self.assertIn("63 vertices, but the scene has 64", str(caught.exception))
+        flat = other.vertices
+        flat[:, 2] = 0
+        with self.assertRaises(sp.InputError):
+            other.vertices = flat
+
+    def test_without_an_equilibrium_there_is_a_diagnosis(self):
+        with self.assertRaises(sp.NoEquilibrium) as caught:
+            scene(chambers={"cavity": 3e6}).simulate()
+        self.assertIn("no equilibrium", str(caught.exception))
+
+    def test_threads_may_share_a_scene(self):
+        shared = scene()
+        found = {}
+
+        def work(k):
+            found[k] = shared.simulate().displacement
+
+        threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+        [thread.start() for thread in threads]
+        [thread.join() for thread in threads]
+        self.assertEqual(len(found), 4)
+        for k in range(1, 4):
+            np.testing.assert_array_equal(found[k], found[0])
+
+    def test_ctrl_c_ends_newton(self):
+        calls = []
+
+        def press(*said):
+            calls.append(said)
+            if len(calls) == 2:
+                signal.raise_signal(signal.SIGINT)
+
+        with self.assertRaises(KeyboardInterrupt):
+            scene().simulate(progress=press)
+        self.assertLess(len(calls), 5)
+
+    def test_what_a_progress_raises_comes_back(self):
+        def fail(*_):
+            raise ZeroDivisionError("mine")
+
+        with self.assertRaises(ZeroDivisionError):
+            scene().simulate(progress=fail)
+
+
+class Runs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = scene()
+        cls.found = cls.scene.simulate()
+
+    def test_a_run_knows_what_was_measured(self):
+        run = self.found
+        height = run.probe("height")
+        self.assertGreater(height, 5e-6)
+        top = np.unique(self.scene.body.tags["top"])
+        self.assertLess(run.displacement[top, 2].min(), height)
+        self.assertGreater(run.displacement[top, 2].max(), height)
+        self.assertEqual(run.times[-1], 1)
+        self.assertEqual(run.chambers["cavity"]["pressure"], 20e3)
+        self.assertGreater(run.chambers["cavity"]["volume"], run.chambers["cavity"]["volume_rest"])
+        self.assertEqual(run.stress(cells=True).shape, (len(self.scene.body.tets),))
+        self.assertEqual(run.stress("cauchy_stress", cells=True).shape[1], 9)
+        self.assertIn("kPa", run._repr_html_())
+        with self.assertRaises(sp.InputError):
+            run.probe("hight")
+        with self.assertRaises(sp.InputError):
+            run.displacement_at(99)
+
+    def test_what_is_saved_is_what_the_program_reads(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.found.save(folder)
+            names = {path.name for path in pathlib.Path(folder).iterdir()}
+            for name in ("report.json", "steps.jsonl", "curve.csv", "result.vtu", "displacement.npy", "sim.toml"):
+                self.assertIn(name, names)
+            moved = np.load(pathlib.Path(folder) / "displacement.npy")
+        np.testing.assert_array_equal(moved, self.found.displacement)
+
+    def slope(self, change, value, derivative, step):
+        """The order in which the remainder of a value falls: 2 where the derivative is right."""
+        remainders = []
+        for part in (1, 0.5):
+            other = self.scene.copy()
+            change(other, part * step)
+            remainders.append(abs(value(other.simulate()) - self.value - part * step * derivative))
+        return np.log2(remainders[0] / remainders[1])
+
+    def test_gradients_pass_the_taylor_test(self):
+        top = np.unique(self.scene.body.tags["top"])
+        objective = lambda u: ((u[top, 2] - 1e-3) ** 2).sum() * 1e6
+        value = lambda run: objective(run.displacement)
+        names = ["shape", *(p for p in self.scene.numbers if not p.startswith("wall"))]
+        self.value, by = self.found.gradient(objective, names)
+        self.assertAlmostEqual(self.value, value(self.found), 12)
+        direction = np.random.default_rng(1).uniform(-1, 1, by["shape"].shape) * 1e-4
+        move = lambda other, part: setattr(other, "vertices", other.vertices + part * direction)
+        self.assertAlmostEqual(self.slope(move, value, np.vdot(by["shape"], direction), 1.0), 2, delta=0.1)
+        tested = 0
+        for path in names[1:]:
+            at = self.scene.get(path)
+            change = lambda other, step: other.set(path, at + step)
+            slope = self.slope(change, value, by[path], 0.05 * at)
+            self.assertAlmostEqual(slope, 2, delta=0.15, msg=path)
+            tested += 1
+        self.assertGreaterEqual(tested, 5)
+
+    def test_the_gradient_of_a_probe_is_that_of_its_function(self):
+        value, by = self.found.gradient("height", ["chamber.cavity.pressure", "wall.top"])
+        self.assertAlmostEqual(value, self.found.probe("height"), 15)
+        self.value = value
+        change = lambda other, step: other.set("chamber.cavity.pressure", 20e3 + step)
+        measure = lambda run: run.probe("height")
+        self.assertAlmostEqual(self.slope(change, measure, by["chamber.cavity.pressure"], 500), 2, delta=0.1)
+
+    def test_a_derivative_of_ones_own(self):
+        ones = np.zeros_like(self.found.displacement)
+        ones[5, 2] = 1
+        value, by = self.found.gradient(lambda u: u[5, 2], ["chamber.cavity.pressure"], derivative=lambda u: ones)
+        _, same = self.found.gradient(lambda u: u[5, 2], ["chamber.cavity.pressure"])
+        self.assertEqual(by, same)
+        with self.assertRaises(sp.InputError):
+            self.found.gradient(lambda u: 0.0, derivative=lambda u: ones[:-1])
+
+    def test_through_time(self):
+        moving = scene(time={"method": "bdf2", "end": 0.02, "steps": 3}, chambers={"cavity": "1e6*t"},
+                       material=SILICONE | {"density": 1070})
+        run = moving.simulate()
+        self.assertEqual(len(run.times), 3)
+        value, by = run.gradient(lambda u: (u[:, 5, 2] ** 2).sum() * 1e6, ["material.body.c1"], through_time=True)
+        other = moving.copy()
+        remainders = []
+        for step in (2e3, 1e3):
+            other.set("material.body.c1", 55e3 + step)
+            found = other.simulate()
+            u = np.stack([found.displacement_at(k) for k in range(3)])
+            remainders.append(abs((u[:, 5, 2] ** 2).sum() * 1e6 - value - step * by["material.body.c1"]))
+        self.assertAlmostEqual(np.log2(remainders[0] / remainders[1]), 2, delta=0.15)
+
+
+if __name__ == "__main__":
+    sys.exit(not unittest.main(exit=False, verbosity=2).result.wasSuccessful())
