@@ -1,8 +1,7 @@
 # From a model to printable molds. `make help` lists what can be made.
 
-SHELL := /bin/bash
-.SHELLFLAGS := -eu -o pipefail -c
-.DELETE_ON_ERROR:
+include pipelines/chain.mk
+
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -11,22 +10,7 @@ DENY := 0.20.2
 MDBOOK := 0.5.4
 PREFIX ?= /usr/local
 
-# What is given as a name becomes a target and a word of the shell. Before anything reads it, by its value and not
-# expanded: these characters would mean something there.
-SPECIAL := $$ ; : * ? [ ] { } ( ) < > & | ! ' " ` \ ~ % = ^ \#
-space := $(subst ,, )
-tab := $(subst ,,	)
-define newline
-
-
-endef
-has = $(findstring $(2),$(value $(1)))
-meaning = $(foreach c,$(SPECIAL),$(if $(call has,$(1),$(c)),$(c))) \
-	$(if $(call has,$(1),$(space)),blank) $(if $(call has,$(1),$(tab)),tab) $(if $(call has,$(1),$(newline)),newline) \
-	$(if $(filter -%,$(value $(1))),- at its beginning)
-$(foreach name,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CASE COUNT SEED,\
-	$(if $(strip $(call meaning,$(name))),$(error $(name): a name has $(strip $(call meaning,$(name))), which make or \
-	the shell take for their own: give it another one, of letters, digits, - . _ and /)))
+$(call refuse,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CASE COUNT SEED)
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
 # cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
@@ -58,10 +42,6 @@ worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and ma
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
 blank:  ## curl a finger of four cells, and make its mold: what cad2fem new begins with
-
-# Said by all that ends in a file called done.
-tell = @for done in $(1); do [ "$$(cat $$done)" = $$PPID ] || \
-	echo "$@: nothing to do, results in $$(dirname $$done), all to be seen in $$(dirname $$done)/report.html, to send: $$(echo $$(dirname $$done)/*.zip)"; done
 
 $(filter-out $(FINER),$(BODIES)): %: build/%/done
 	$(call tell,$<)
