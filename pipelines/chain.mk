@@ -55,7 +55,7 @@ from = $(or $(from.$(1)),pipelines/$(1))
 to = $(or $(to.$(1)),build/$(1))
 
 # What a body is called in titles.
-called = $(notdir $(if $(filter .,$(1)),$(CURDIR),$(1)))
+called = $(notdir $(if $(filter . $(LIKE),$(1)),$(CURDIR),$(1)))
 
 # All of it in one file to send: sources in $(1), results in $(2), name $(3).
 define pack
@@ -209,7 +209,7 @@ VIEW = --view $(or $(view.$(1)),iso)
 
 SECTION = --cut $(or $(section.$(1)),y=0 --view front)
 
-# All rules of the bodies elsewhere.
+# All rules of the bodies elsewhere; one that is like a body with rules of its own has its scene there.
 chains = $(foreach d,$(ELSEWHERE),$(eval $(call pack,$(d),$(d)/build,$(call called,$(d))))\
 $(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step stp brep iges 3mf stl obj ply)))))\
-$(eval $(call scene,$(d),$(d)/build,)))
+$(if $(LIKE),,$(eval $(call scene,$(d),$(d)/build,))))

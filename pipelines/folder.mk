@@ -22,4 +22,14 @@ clean:
 # the programs are there
 setup:
 
+# A body with rules of its own is called there as the body that it is like.
+ifneq ($(LIKE),)
+from.$(LIKE) := .
+to.$(LIKE) := ./build
+endif
+
 $(chains)
+
+ifneq ($(LIKE),)
+include rules.mk
+endif

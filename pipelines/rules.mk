@@ -199,66 +199,6 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
-# The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
-# the force on the cylinder (optimize) and by shape alone (shape). The first, and the gripper as modelled, are
-# pulled off the cylinder.
-build/gripper/cylinder/model/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
-	$(BIN)/cad2fem model $< --unit mm -o $(@D)
-
-build/gripper/target/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
-	$(BIN)/cad2fem model $< --unit mm --set radius=12 -o $(@D)
-
-build/gripper/baseline/report.json: build/gripper/cylinder/model/model.json
-
-# Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
-define grip
-build/gripper/$(1)/report.json: $(call source,pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml) \
-		build/gripper/tagged.msh build/gripper/cylinder/model/model.json build/gripper/target/model.json | setup
-	$(BIN)/solver optimize $$< -o $$(@D)
-
-build/gripper/$(2)/report.json: build/gripper/$(1)/report.json | setup
-	$(BIN)/solver simulate pipelines/gripper/sim.toml \
-		--mesh gripper=build/gripper/$(1)/design.gripper.msh -o $$(@D)
-endef
-$(eval $(call grip,optimize,optimized,))
-$(eval $(call grip,shape,shaped,.shape))
-
-# The gripper of $(1), whose mesh is $(2): in one picture with the cylinder, and while the cylinder is drawn
-# away by 36 mm after it was gripped, as far as the force rises. One element in a fold turns over.
-define gripped
-build/gripper/pictures/gripping-$(1).png: build/gripper/$(1)/report.json | setup
-	$(BIN)/cad2fem picture build/gripper/$(1)/result.vtu build/gripper/cylinder/model/model.stl --together \
-		--color displacement --view left --title "gripper at 60 kPa, $(1)" -o $$@
-
-build/gripper/pull/$(1)/report.json: build/gripper/$(1)/report.json | setup
-	$(BIN)/solver simulate pipelines/gripper/sim.toml --mesh gripper=$(2) --final-only \
-		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
-		--set time.end=2.5 --set time.steps=50 --set solver.inside_out=tolerated -o $$(@D)
-
-build/gripper/report.html: build/gripper/pictures/gripping-$(1).png
-endef
-$(eval $(call gripped,baseline,build/gripper/tagged.msh))
-$(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
-$(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
-
-build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline optimized) | setup
-	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by force" \
-		--x-title "time [s]: air until 1, then drawn away at 24 mm/s" --y-title "force that holds the cylinder [N]" -o $@
-
-build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
-	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
-		--x-title "accepted shapes" -o $@
-
-build/gripper/pictures/section.png: build/gripper/tagged.msh build/gripper/optimize/report.json | setup
-	$(BIN)/cad2fem picture $< build/gripper/optimize/design.gripper.msh --view left \
-		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
-
-# Half of it was designed: the mold is that of the whole.
-build/gripper/whole.msh: build/gripper/optimize/report.json | setup
-	$(BIN)/solver mirror build/gripper/optimize/design.gripper.msh --on cut -o $@
-
-build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
-
 # The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
 # own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
 THEIRS := ../shared/data/pneumatic-actuator-design
@@ -382,11 +322,9 @@ view.blank := front
 view.finger := front
 view.walker := front
 view.worm := front
-view.gripper := left
 view.arm := 30,55
 view.pneunet := -60,20
 
-section.gripper := x=-1 --view left
 section.walker = y=-1 --view front
 section.worm = y=-1 --view front
 
@@ -397,5 +335,6 @@ $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
-$(eval $(call simulate,gripper,build/gripper,))
-$(eval $(call cast,gripper,build/gripper,build/gripper/whole.msh,build/gripper/whole.msh))
+
+# Bodies with rules of their own.
+include $(wildcard pipelines/*/rules.mk)
