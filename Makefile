@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors worm-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-authors worm-authors help book schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -149,6 +149,9 @@ schemas: setup  ## JSON Schemas of all files that people write, for editors, in 
 	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
 	@$(PYTHON) pipelines/sweep/schema.py > build/schemas/sweep.json
 
+wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu)
+	.ci/wheel $(TARGET)
+
 dist:  ## static programs for Linux with licences and checksums, in build/dist (TARGET=aarch64-unknown-linux-musl)
 	.ci/dist $(TARGET)
 
@@ -165,7 +168,7 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
 
-.cargo-tools/book/installed .cargo-tools/prose/installed: .cargo-tools/%/installed: .ci/%.txt
+.cargo-tools/book/installed .cargo-tools/prose/installed .cargo-tools/wheel/installed: .cargo-tools/%/installed: .ci/%.txt
 	rm -rf $(@D)
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<
