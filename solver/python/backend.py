@@ -23,7 +23,7 @@ PACKAGE = HERE / "softpuffer"
 PROGRAMS = ("cad2fem", "tagger", "solver", "fab")
 # What is in the wheel beside the programs: shared by them, or named by its metadata.
 SHARED = ("pipelines/chain.mk", "pipelines/folder.mk")
-SWEEP = ("*.py", "Snakefile", "web/*", "vendor/*")
+SWEEP = ("*.py", "Snakefile", "web/**/*", "vendor/**/*")
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
 
 
@@ -34,6 +34,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     with _prepared():
         _put_programs_and_shared_files()
         os.environ["MATURIN_PEP517_ARGS"] = " ".join(_arguments_of_maturin())
+        if _glibc():
+            # The linker of maturin has another name than that of cargo-zigbuild, so that each would discard what the
+            # other has compiled.
+            os.environ["CARGO_TARGET_DIR"] = str(_compiled() / "python")
         return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
@@ -93,10 +97,12 @@ def _put_programs_and_shared_files():
     for path in SHARED:
         shutil.copy(ROOT / path, PACKAGE / "share/puffer")
     sweep = ROOT / "pipelines/sweep"
-    for path in (path for pattern in SWEEP for path in sweep.glob(pattern)):
+    for path in (path for pattern in SWEEP for path in sweep.glob(pattern) if path.is_file()):
         place = PACKAGE / "share/puffer/sweep" / path.relative_to(sweep)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, place)
+    if sys.version_info >= (3, 11):
+        (schemas / "sweep.json").write_text(_said(sys.executable, "-B", sweep / "schema.py"))
     licences = os.environ.get("PUFFER_LICENCES")
     if licences:
         shutil.copy(licences, PACKAGE / "share/puffer/LICENCES")
@@ -122,7 +128,11 @@ def _built(target):
     packages = [word for name in PROGRAMS for word in ("-p", name)]
     verb = ["zigbuild", "--target", f"{target}.{_glibc()}"] if target else ["build"]
     subprocess.run(["cargo", *verb, "--release", "--locked", *packages], cwd=ROOT, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target / "release"
+    return _compiled() / target / "release"
+
+
+def _compiled():
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 
 
 def _put_stripped(source, place):
