@@ -1,8 +1,7 @@
 # From a model to printable molds. `make help` lists what can be made.
 
-SHELL := /bin/bash
-.SHELLFLAGS := -eu -o pipefail -c
-.DELETE_ON_ERROR:
+include pipelines/chain.mk
+
 .DEFAULT_GOAL := help
 
 PYTHON ?= python3
@@ -11,22 +10,7 @@ DENY := 0.20.2
 MDBOOK := 0.5.4
 PREFIX ?= /usr/local
 
-# What is given as a name becomes a target and a word of the shell. Before anything reads it, by its value and not
-# expanded: these characters would mean something there.
-SPECIAL := $$ ; : * ? [ ] { } ( ) < > & | ! ' " ` \ ~ % = ^ \#
-space := $(subst ,, )
-tab := $(subst ,,	)
-define newline
-
-
-endef
-has = $(findstring $(2),$(value $(1)))
-meaning = $(foreach c,$(SPECIAL),$(if $(call has,$(1),$(c)),$(c))) \
-	$(if $(call has,$(1),$(space)),blank) $(if $(call has,$(1),$(tab)),tab) $(if $(call has,$(1),$(newline)),newline) \
-	$(if $(filter -%,$(value $(1))),- at its beginning)
-$(foreach name,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CASE COUNT SEED,\
-	$(if $(strip $(call meaning,$(name))),$(error $(name): a name has $(strip $(call meaning,$(name))), which make or \
-	the shell take for their own: give it another one, of letters, digits, - . _ and /)))
+$(call refuse,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CASE COUNT SEED)
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
 # cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
@@ -40,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors worm-authors help book schemas dist setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-authors worm-authors help book schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -58,10 +42,6 @@ worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and ma
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
 blank:  ## curl a finger of four cells, and make its mold: what cad2fem new begins with
-
-# Said by all that ends in a file called done.
-tell = @for done in $(1); do [ "$$(cat $$done)" = $$PPID ] || \
-	echo "$@: nothing to do, results in $$(dirname $$done), all to be seen in $$(dirname $$done)/report.html, to send: $$(echo $$(dirname $$done)/*.zip)"; done
 
 $(filter-out $(FINER),$(BODIES)): %: build/%/done
 	$(call tell,$<)
@@ -169,6 +149,9 @@ schemas: setup  ## JSON Schemas of all files that people write, for editors, in 
 	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
 	@$(PYTHON) pipelines/sweep/schema.py > build/schemas/sweep.json
 
+wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu)
+	.ci/wheel $(TARGET)
+
 dist:  ## static programs for Linux with licences and checksums, in build/dist (TARGET=aarch64-unknown-linux-musl)
 	.ci/dist $(TARGET)
 
@@ -185,7 +168,7 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
 
-.cargo-tools/book/installed .cargo-tools/prose/installed: .cargo-tools/%/installed: .ci/%.txt
+.cargo-tools/book/installed .cargo-tools/prose/installed .cargo-tools/wheel/installed: .cargo-tools/%/installed: .ci/%.txt
 	rm -rf $(@D)
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/pip install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r $<

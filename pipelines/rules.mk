@@ -1,30 +1,7 @@
-# The chain, one rule per arrow:
-#
-#   model.toml, model.geo -> model -> volume.msh -> tagged.msh -> baseline
-#                                                   tagged.msh -> optimize -> optimized
-#                         tagged.msh or optimize/design.msh -> mold -> mold.checks.txt
-#                                                   all of a scene -> report.html -> NAME.zip
-#
-# A body is called by its name in these rules. It is a folder in pipelines, with results in build;
-# one elsewhere is called by its path, and has a folder build of its own (make body DIR=...).
-#
-# The programs are order-only prerequisites: results follow their inputs. After a change of
-# a program, `make clean` starts over.
-#
-# A source $(1) decides by its date and by what it says: beside it stands a copy in .sources of the results, which
-# is new where the source has changed. Copied and unzipped files may be older than results and yet differ.
-seen = $(patsubst pipelines/%,build/.sources/%,$(if $(ELSEWHERE),$(patsubst $(FOLDER)/%,$(FOLDER)/build/.sources/%,$(1)),$(1)))
-source = $(foreach file,$(1),$(file) $(call seen,$(file)))
-
-define keep-source
-@if [ -e $@ ]; then cmp --silent $< $@ || cp $< $@; else mkdir -p $(@D); cp -p $< $@; fi
-endef
+# The bodies in pipelines, and what some of them need beyond the chain of chain.mk.
 
 build/.sources/%: pipelines/% always
 	$(keep-source)
-
-# never there, so that what needs it is always looked at
-always:
 
 build/%/model/model.json: pipelines/%/model.toml | setup
 	$(BIN)/cad2fem model $< -o $(@D)
@@ -38,9 +15,6 @@ build/%/model/model.json: pipelines/%/model.step | setup
 $(foreach model,$(wildcard $(foreach e,toml geo step,pipelines/*/model.$(e) pipelines/*/*/model.$(e))),\
 $(eval $(patsubst pipelines/%,build/%,$(dir $(model)))model/model.json: $(call seen,$(model))))
 
-from = $(or $(from.$(1)),pipelines/$(1))
-to = $(or $(to.$(1)),build/$(1))
-
 # All results of a scene on one page. What is to be on it are its prerequisites, below.
 build/%/report.html: | setup
 	$(BIN)/cad2fem report $(@D) --title "$*" -o $@
@@ -49,154 +23,6 @@ build/%/report.html: | setup
 build/%/done: build/%/report.html
 	@echo $$PPID > $@
 	@echo "$*: results in $(@D), all to be seen in $<; to send: $(filter %.zip,$^)"
-
-# All of it in one file to send: sources in $(1), results in $(2), name $(3).
-define pack
-$(2)/$(3).zip: $(2)/report.html | setup
-	$(BIN)/cad2fem pack $(2) --sources $(1) -o $$@
-
-$(2)/done: $(2)/$(3).zip
-endef
-
-# The same of a body $(1) elsewhere, whose model is $(2): a file of others is imported. Without any,
-# its folder of a model was made by hand, such as by cad2fem import with files to be subtracted.
-define elsewhere
-from.$(1) := $(1)
-to.$(1) := $(1)/build
-
-$(1)/build/.sources/%: $(1)/% always
-	$(value keep-source)
-
-$(1)/build/model/model.json: $(call source,$(2)) | setup
-	$(if $(2),$(BIN)/cad2fem $(if $(filter %.toml %.geo,$(2)),model,import) $$< $(if $(filter %.geo,$(2)),--unit mm) -o $$(@D),\
-		@echo "make body: there is no model.toml, .geo, .step, .stl, ... in $(1), and no $$@: cad2fem import FILE -o $$(@D)"; exit 1)
-
-$(1)/build/report.html: | setup
-	$(BIN)/cad2fem report $$(@D) --title "$(notdir $(1))" -o $$@
-
-$(1)/build/done: $(1)/build/report.html
-	@echo $$$$PPID > $$@
-	@echo "$(notdir $(1)): results in $$(@D), all to be seen in $$<; to send: $$(filter %.zip,$$^)"
-endef
-
-# Body $(1), its mesh in $(2), suffix of its settings $(3).
-define mesh
-$(2)/volume.msh: $(call to,$(1))/model/model.json $(call source,$(call from,$(1))/cad2fem$(3).toml) | setup
-	$(BIN)/cad2fem tetmesh $(call to,$(1))/model/model.stl --config $(call from,$(1))/cad2fem$(3).toml -o $$@
-
-$(2)/tagged.msh: $(2)/volume.msh $(call source,$(call from,$(1))/tags.toml) | setup
-	$(BIN)/tagger tag $$< --config $(call from,$(1))/tags.toml --patches $(call to,$(1))/model/patches -o $$@
-endef
-
-# Scene $(1), its results in $(2), suffix of its settings $(3).
-define simulate
-$(call mesh,$(1),$(2),$(3))
-
-$(2)/baseline/report.json: $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< --curve -o $$(@D)
-
-$(2)/pictures/model.png: $(call to,$(1))/model/model.json | setup
-	mapfile -d '' -t patches < <(printf '%s\0' $(call to,$(1))/model/patches/*.stl | sort -zV); \
-		$(BIN)/cad2fem picture --together --label --spread 1.2 --no-ground $(VIEW) --title "$(notdir $(1)): regions" \
-		-o $$@ -- "$$$${patches[@]}"
-
-$(2)/pictures/mesh.png: $(2)/tagged.msh | setup
-	$(BIN)/cad2fem picture $$< $(SECTION) --edges --title "$(notdir $(1)): tetrahedra" -o $$@
-
-$(2)/pictures/baseline.png: $(2)/baseline/report.json | setup
-	$(BIN)/cad2fem picture $(2)/baseline/result.vtu --color displacement $(VIEW) --title "$(notdir $(1)), inflated" -o $$@
-
-$(2)/report.html: $(addprefix $(2)/pictures/,model.png mesh.png baseline.png)
-endef
-
-# The same, for a scene with a design problem.
-define optimize
-$(2)/optimize/report.json: $(call source,$(addprefix $(call from,$(1))/,design$(3).toml sim$(3).toml)) $(2)/tagged.msh | setup
-	$(BIN)/solver optimize $$< -o $$(@D)
-
-$(2)/optimized/report.json: $(2)/optimize/report.json | setup
-	$(BIN)/solver simulate $(call from,$(1))/sim$(3).toml --mesh $(2)/optimize/design.msh --curve -o $$(@D)
-
-$(2)/pictures/optimized.png: $(2)/baseline/report.json $(2)/optimized/report.json | setup
-	$(BIN)/cad2fem picture $(2)/baseline/result.vtu $(2)/optimized/result.vtu --color displacement \
-		$(VIEW) --captions "baseline,optimised" --title "$(notdir $(1)), inflated" -o $$@
-
-$(2)/pictures/section.png: $(2)/tagged.msh $(2)/optimize/report.json | setup
-	$(BIN)/cad2fem picture $(2)/tagged.msh $(2)/optimize/design.msh $(SECTION) \
-		--captions "baseline,optimised" --title "$(notdir $(1)), at rest" -o $$@
-
-$(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
-	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --x-title "accepted shapes" -o $$@
-
-$(2)/report.html: $(addprefix $(2)/pictures/,optimized.png section.png objective.svg)
-endef
-
-# The same, for a design of loads alone: the scene is simulated again with those that were found.
-define loads
-$(2)/optimize/report.json: $(call source,$(addprefix $(call from,$(1))/,design$(3).toml sim$(3).toml)) $(2)/tagged.msh | setup
-	$(BIN)/solver optimize $$< -o $$(@D)
-
-$(2)/sim.reached.toml: $(2)/optimize/report.json
-	cd $$(@D) && { printf 'include = ["%s"' $(abspath $(call from,$(1))/sim$(3).toml); \
-		find optimize -name parameters.toml -printf ', "%p"' -o -name pressures.toml -printf ', "%p"'; echo ']'; } > $$(@F)
-
-$(2)/reached/report.json: $(2)/sim.reached.toml $(call source,$(call from,$(1))/sim$(3).toml) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< --curve -o $$(@D)
-
-$(2)/pictures/objective.svg: $(2)/optimize/report.json | setup
-	$(BIN)/solver plot $(2)/optimize/history.jsonl --y objective --log --x-title "accepted loads" -o $$@
-
-$(2)/report.html: $(2)/reached/report.json $(2)/pictures/objective.svg
-endef
-
-# Scene $(1), its results in $(2), the body that is cast $(3), what makes it $(4), the folder of
-# its simulation $(5), if there is one: the walls are then checked under load, too.
-define cast
-$(2)/mold/plan.json: $(4) $(call source,$(call from,$(1))/mold.toml) | setup
-	$(BIN)/fab mold $(3) $(if $(filter %/tagged.msh %/optimize/design.msh,$(3)),--model $(call to,$(1))/model/model.stl) \
-		$(if $(filter %/optimize/design.msh,$(3)),--from $(2)/tagged.msh) \
-		--config $(call from,$(1))/mold.toml --title "$(notdir $(1))" -o $$(@D)
-
-$(2)/mold.checks.txt: $(2)/mold/plan.json $(addsuffix /report.json,$(5)) | setup
-	$(BIN)/fab verify $(2)/mold $(addprefix --simulation ,$(5)) -o $$@
-
-# Taken apart, and closed as mold-closed.png; of a second mold mold2.png, mold2-closed.png.
-$(2)/pictures/mold.png: $(2)/mold/plan.json | setup
-	@mkdir -p $$(@D)
-	n=; for folder in $$$$(find $(2)/mold -name exploded.png -printf '%h\n' | sort); do \
-		cp $$$$folder/assembled.png $$(@D)/mold$$$$n-closed.png; \
-		cp $$$$folder/exploded.png $$(@D)/mold$$$$n.png; n=$$$$(( $$$${n:-1} + 1 )); done
-
-$(2)/report.html: $(2)/mold.checks.txt $(2)/pictures/mold.png
-endef
-
-# Scene $(1), its results in $(2): another scene of the same mesh, sim.$(3).toml, with results in a folder $(3).
-define beside
-$(2)/$(3)/report.json: $(call source,$(addprefix $(call from,$(1))/,sim.$(3).toml sim.toml)) $(2)/tagged.msh | setup
-	$(BIN)/solver simulate $$< --curve -o $$(@D)
-
-$(2)/report.html: $(2)/$(3)/report.json
-endef
-
-# A folder elsewhere has all of its scenes simulated, except those of sweeps and those that are finer.
-others = $(or $(beside.$(1)),$(if $(from.$(1)),$(filter-out paper sweep,\
-$(patsubst $(1)/sim.%.toml,%,$(wildcard $(1)/sim.*.toml)))))
-beside.blank := blocked
-
-# Scene $(1), its results in $(2), suffix of its settings $(3): what its folder has files for.
-design = $(wildcard $(call from,$(1))/design$(3).toml)
-mold = $(wildcard $(call from,$(1))/mold.toml)
-shape = $(if $(design),$(shell grep --files-with-matches '^\[shape\]' $(design)))
-define scene
-$(call simulate,$(1),$(2),$(3))
-$(if $(3),,$(foreach other,$(others),$(call beside,$(1),$(2),$(other))
-
-))
-$(if $(shape),$(call optimize,$(1),$(2),$(3)),$(if $(design),$(call loads,$(1),$(2),$(3))))
-$(if $(mold),$(if $(shape),
-$(call cast,$(1),$(2),$(2)/optimize/design.msh,$(2)/optimize/report.json,$(2)/optimized),
-$(call cast,$(1),$(2),$(2)/tagged.msh,$(2)/tagged.msh,$(if $(design),$(2)/reached,$(if $(cast-loaded.$(1)),$(2)/baseline)))))
-endef
 
 # Bodies that are cast as modelled and have walls that are checked under load, too.
 cast-loaded.pneunet := yes
@@ -373,66 +199,6 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
-# The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
-# the force on the cylinder (optimize) and by shape alone (shape). The first, and the gripper as modelled, are
-# pulled off the cylinder.
-build/gripper/cylinder/model/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
-	$(BIN)/cad2fem model $< --unit mm -o $(@D)
-
-build/gripper/target/model.json: $(call source,pipelines/gripper/cylinder/model.geo) | setup
-	$(BIN)/cad2fem model $< --unit mm --set radius=12 -o $(@D)
-
-build/gripper/baseline/report.json: build/gripper/cylinder/model/model.json
-
-# Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
-define grip
-build/gripper/$(1)/report.json: $(call source,pipelines/gripper/design$(3).toml pipelines/gripper/sim.toml) \
-		build/gripper/tagged.msh build/gripper/cylinder/model/model.json build/gripper/target/model.json | setup
-	$(BIN)/solver optimize $$< -o $$(@D)
-
-build/gripper/$(2)/report.json: build/gripper/$(1)/report.json | setup
-	$(BIN)/solver simulate pipelines/gripper/sim.toml \
-		--mesh gripper=build/gripper/$(1)/design.gripper.msh -o $$(@D)
-endef
-$(eval $(call grip,optimize,optimized,))
-$(eval $(call grip,shape,shaped,.shape))
-
-# The gripper of $(1), whose mesh is $(2): in one picture with the cylinder, and while the cylinder is drawn
-# away by 36 mm after it was gripped, as far as the force rises. One element in a fold turns over.
-define gripped
-build/gripper/pictures/gripping-$(1).png: build/gripper/$(1)/report.json | setup
-	$(BIN)/cad2fem picture build/gripper/$(1)/result.vtu build/gripper/cylinder/model/model.stl --together \
-		--color displacement --view left --title "gripper at 60 kPa, $(1)" -o $$@
-
-build/gripper/pull/$(1)/report.json: build/gripper/$(1)/report.json | setup
-	$(BIN)/solver simulate pipelines/gripper/sim.toml --mesh gripper=$(2) --final-only \
-		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
-		--set time.end=2.5 --set time.steps=50 --set solver.inside_out=tolerated -o $$(@D)
-
-build/gripper/report.html: build/gripper/pictures/gripping-$(1).png
-endef
-$(eval $(call gripped,baseline,build/gripper/tagged.msh))
-$(eval $(call gripped,shaped,build/gripper/shape/design.gripper.msh))
-$(eval $(call gripped,optimized,build/gripper/optimize/design.gripper.msh))
-
-build/gripper/pictures/pull.svg: $(patsubst %,build/gripper/pull/%/report.json,baseline optimized) | setup
-	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by force" \
-		--x-title "time [s]: air until 1, then drawn away at 24 mm/s" --y-title "force that holds the cylinder [N]" -o $@
-
-build/gripper/pictures/objective.svg: build/gripper/optimize/report.json build/gripper/shape/report.json | setup
-	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
-		--x-title "accepted shapes" -o $@
-
-build/gripper/pictures/section.png: build/gripper/tagged.msh build/gripper/optimize/report.json | setup
-	$(BIN)/cad2fem picture $< build/gripper/optimize/design.gripper.msh --view left \
-		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
-
-# Half of it was designed: the mold is that of the whole.
-build/gripper/whole.msh: build/gripper/optimize/report.json | setup
-	$(BIN)/solver mirror build/gripper/optimize/design.gripper.msh --on cut -o $@
-
-build/gripper/report.html: $(addprefix build/gripper/pictures/,section.png pull.svg objective.svg)
-
 # The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
 # own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
 THEIRS := ../shared/data/pneumatic-actuator-design
@@ -550,31 +316,25 @@ build/worm/pictures/terms.svg: build/worm/optimize/report.json | setup
 
 build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg terms.svg)
 
-VIEW = --view $(or $(view.$(1)),iso)
 view.frog := -60,20
 view.chamber := 60,10
 view.blank := front
 view.finger := front
 view.walker := front
 view.worm := front
-view.gripper := left
 view.arm := 30,55
 view.pneunet := -60,20
 
-SECTION = --cut $(or $(section.$(1)),y=0 --view front)
-section.gripper := x=-1 --view left
 section.walker = y=-1 --view front
 section.worm = y=-1 --view front
 
 $(foreach b,$(BODIES),$(eval $(call pack,pipelines/$(b),build/$(b),$(b))))
 $(foreach b,$(FINER),$(eval $(call pack,pipelines/$(b),build/$(b)/paper,$(b))))
-$(foreach d,$(ELSEWHERE),$(eval $(call pack,$(d),$(d)/build,$(notdir $(d)))))
 $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
-$(foreach d,$(ELSEWHERE),\
-$(eval $(call elsewhere,$(d),$(firstword $(wildcard $(addprefix $(d)/model.,toml geo step stp brep iges 3mf stl obj ply)))))\
-$(eval $(call scene,$(d),$(d)/build,)))
+$(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
-$(eval $(call simulate,gripper,build/gripper,))
-$(eval $(call cast,gripper,build/gripper,build/gripper/whole.msh,build/gripper/whole.msh))
+
+# Bodies with rules of their own.
+include $(wildcard pipelines/*/rules.mk)

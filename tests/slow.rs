@@ -40,6 +40,9 @@ mod sweep;
 #[path = "slow/validation.rs"]
 mod validation;
 
+#[path = "slow/wheel.rs"]
+mod wheel;
+
 /// Runs `make` with a goal, and values for it after blanks, in this checkout, one at a time, and returns what it printed.
 fn make(goal: &str) -> String {
     static ONE: Mutex<()> = Mutex::new(());

@@ -13,6 +13,7 @@ use program::{sha256, sha256_file};
 use serde::Serialize;
 
 use crate::checkout::checkout;
+use crate::installed;
 
 /// Environment variable that names the folder of caches.
 pub const CACHE_VARIABLE: &str = "PUFFER_CACHE";
@@ -24,11 +25,14 @@ pub struct Cache {
 
 impl Cache {
     /// `meshes` in the folder named by [`CACHE_VARIABLE`], else in `.cache` of the
-    /// checkout that the program was built in; `None` outside of one.
+    /// checkout that the program was built in, or in the user's folder of caches where the program was installed
+    /// with its rules for make; else `None`.
     #[must_use]
     pub fn open() -> Option<Self> {
         let named = std::env::var_os(CACHE_VARIABLE).map(PathBuf::from);
-        let root = named.or_else(|| checkout().map(|folder| folder.join(".cache")))?;
+        let installed = || installed::share().and_then(|_| users());
+        let root =
+            named.or_else(|| checkout().map(|folder| folder.join(".cache"))).or_else(installed)?;
         Some(Self { folder: root.join("meshes") })
     }
 
@@ -60,6 +64,13 @@ impl Cache {
     fn entry(&self, key: &str) -> (PathBuf, PathBuf) {
         (self.folder.join(format!("{key}.msh")), self.folder.join(format!("{key}.sha256")))
     }
+}
+
+/// Puffer's place in the user's folder of caches.
+fn users() -> Option<PathBuf> {
+    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let caches = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")))?;
+    Some(caches.join("puffer"))
 }
 
 /// SHA-256 of the bits of a surface and of everything else that determines a mesh.

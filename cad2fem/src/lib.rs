@@ -15,6 +15,7 @@
 //! - [`planar`]: planar faces of the input stay planar, and keep their rims
 //! - [`cache`]: meshes kept from earlier runs
 //! - [`checkout`]: where the program was built
+//! - [`installed`]: what came with the program
 //! - [`template`]: bodies to begin with
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
@@ -29,6 +30,7 @@ pub mod fragments;
 pub mod geo;
 pub mod implicit;
 pub mod import;
+pub mod installed;
 pub mod labelled;
 pub mod layers;
 pub mod mesher;

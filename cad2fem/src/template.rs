@@ -33,6 +33,10 @@ pub const TEMPLATES: &[Template] = &[
     template!("finger", "a finger whose chamber is designed for a bend, in some minutes", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
     template!("pneunet", "a row of chambers from a gmsh script that bends over paper in its floor, in some minutes", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
     template!("arm", "an arm of three chambers from a gmsh script whose pressures are designed, in half an hour", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
+    template!("frog", "a frog whose chamber is designed so that only its throat swells, in an hour", ["model.toml", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "mold.toml"]),
+    template!("gripper", "half a gripper of bellows from a gmsh script, designed for its force on a cylinder, in an hour", ["model.geo", "cylinder/model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "design.toml", "design.shape.toml", "mold.toml", "rules.mk"]),
+    template!("chamber", "two elliptic cylinders from a gmsh script, one in the other, cast as modelled, in some minutes", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
+    template!("worm-segment", "a segment of a worm from a gmsh script, whose chamber is closed, in some minutes", ["model.geo", "cad2fem.toml", "tags.toml", "sim.toml", "mold.toml"]),
 ];
 
 impl Template {
@@ -43,12 +47,19 @@ impl Template {
     pub fn find(name: &str) -> Result<&'static Self, String> {
         TEMPLATES.iter().find(|template| template.name == name).ok_or_else(|| {
             let names = || TEMPLATES.iter().map(|template| template.name);
-            let line = |template: &Template| format!("\n  {:<8} {}", template.name, template.about);
+            let line =
+                |template: &Template| format!("\n  {:<12} {}", template.name, template.about);
             let list: Vec<String> = TEMPLATES.iter().map(line).collect();
             let proposal = program::did_you_mean(name, names());
             let stop = if proposal.is_empty() { "." } else { "" };
             format!("there is no {name}{proposal}{stop} There are:{}", list.concat())
         })
+    }
+
+    /// Whether the folder has rules for make of its own, beyond those of any body.
+    #[must_use]
+    pub fn has_rules(&self) -> bool {
+        self.files.iter().any(|(name, _)| *name == "rules.mk")
     }
 
     /// The files for results in the folder `results`, as seen from its own, with the version that

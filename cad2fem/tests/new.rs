@@ -12,8 +12,8 @@ fn every_template_is_written_with_its_results_beside_it() {
     for template in TEMPLATES {
         let run = dir.run(&["new", template.name, "--like", template.name]);
         run.succeeds();
-        assert!(run.stdout.contains("body DIR="), "{}", run.stdout);
-        for file in template.files.iter().map(|(file, _)| *file).chain(["README.md"]) {
+        assert!(run.stdout.contains(&format!("make -C {}\n", template.name)), "{}", run.stdout);
+        for file in template.files.iter().map(|(file, _)| *file).chain(["README.md", "Makefile"]) {
             let text =
                 fs::read_to_string(dir.path(template.name).join(file)).expect("a file of the test");
             assert!(!text.contains("../../build"), "{}/{file}: {text}", template.name);
@@ -41,6 +41,7 @@ fn a_body_in_pipelines_has_its_results_in_build() {
     let scene =
         fs::read_to_string(dir.path("pipelines/mine/sim.toml")).expect("a file of the test");
     assert!(scene.contains("mesh = \"../../build/mine/tagged.msh\""), "{scene}");
+    assert!(!dir.path("pipelines/mine/Makefile").exists());
 }
 
 #[test]
@@ -48,6 +49,10 @@ fn nothing_is_overwritten_and_names_are_checked() {
     let dir = Workdir::new();
     dir.write("there", "");
     dir.run(&["new", "there"]).fails(2, "there: is there already");
+    fs::create_dir(dir.path("pipelines")).expect("a file of the test");
+    dir.write("pipelines/rules.mk", "");
+    dir.run(&["new", "pipelines/mine", "--like", "gripper"]).fails(2, "rules of its own");
+    assert!(!dir.path("pipelines/mine").exists());
     for name in
         ["two words", "a$b", "a;b", "a#b", "a:b", "a'b", "a\"b", "a\\b", "a\nb", "-a", "a%b", ""]
     {
@@ -59,7 +64,7 @@ fn nothing_is_overwritten_and_names_are_checked() {
     assert!(!dir.path("some folders").exists());
     let run = dir.run(&["new", "mine", "--like", "fingr"]);
     run.fails(2, "there is no fingr; did you mean `finger`?");
-    run.fails(2, "blank    a finger of four cells");
+    run.fails(2, "blank        a finger of four cells");
     assert!(!dir.path("mine").exists());
 }
 

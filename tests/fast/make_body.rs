@@ -7,10 +7,11 @@ use std::os::unix::fs::PermissionsExt;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
-use tests::workdir::{Workdir, repository};
+use tests::workdir::{Workdir, program, repository};
 
 /// Writes what make expects of each verb, and its own command line into the file `calls` beside it.
 const STAND_IN: &str = r#"#!/bin/sh
+[ "$1" = rules ] && { cat "$(dirname "$0")/rules"; exit; }
 echo "$(basename "$0") $1" >> "$(dirname "$0")/calls"
 verb=$1
 while [ $# -gt 1 ]; do [ "$1" = -o ] && out=$2; shift; done
@@ -47,9 +48,13 @@ impl Body {
         fs::write(&calls, "").unwrap();
         let mut make = Command::new("make");
         make.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
-        make.args(["--silent", "--old-file=setup", "body"]).current_dir(repository());
-        make.arg(format!("BIN={}", self.0.path("bin").display()));
-        make.arg(format!("DIR={}", self.0.path("mine").display()));
+        make.arg("--silent").arg(format!("BIN={}", self.0.path("bin").display()));
+        if self.0.path("mine/Makefile").exists() {
+            make.arg("-C").arg(self.0.path("mine")).current_dir("/");
+        } else {
+            make.args(["--old-file=setup", "body"]).current_dir(repository());
+            make.arg(format!("DIR={}", self.0.path("mine").display()));
+        }
         let output = make.output().unwrap();
         let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
         assert!(output.status.success(), "{said}");
@@ -107,4 +112,22 @@ fn a_source_that_is_older_than_results_counts_when_it_differs() {
     assert!(called(&calls, "solver simulate") && !called(&calls, "cad2fem tetmesh"), "{calls:?}");
     let (said, calls) = body.make();
     assert!(calls.is_empty() && said.contains("nothing to do"), "{said} {calls:?}");
+}
+
+/// By the Makefile that `cad2fem new` writes: the same calls as by that of the checkout, and none the second time.
+#[test]
+fn a_folder_with_a_makefile_makes_itself() {
+    let (body, same) = (Body::new(), Body::new());
+    let dir = Workdir::new();
+    let mut new = Command::new(program("cad2fem"));
+    let new = new.args(["new", "x"]).current_dir(dir.path("")).output();
+    assert!(new.unwrap().status.success());
+    fs::copy(dir.path("x/Makefile"), body.0.path("mine/Makefile")).unwrap();
+    body.0.write("bin/rules", &repository().join("pipelines/folder.mk").display().to_string());
+    assert_eq!(body.make().1, same.make().1);
+    let (said, calls) = body.make();
+    assert!(calls.is_empty() && said.contains("nothing to do"), "{said} {calls:?}");
+    body.write_old("mine/sim.toml", "# changed\n");
+    let (_, calls) = body.make();
+    assert!(called(&calls, "solver simulate") && !called(&calls, "cad2fem tetmesh"), "{calls:?}");
 }

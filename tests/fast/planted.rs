@@ -134,3 +134,51 @@ fn python_of_a_planted_checkout_is_not_run() {
     mesh(0o755, "shared");
     assert!(ran.exists());
 }
+
+/// The programs of an archive, and of a package of Python, beside which others may write.
+#[test]
+fn planted_rules_and_pythons_are_not_used() {
+    let dir = Workdir::new();
+    let packages = "env/lib/python3.11/site-packages";
+    for folder in ["env/bin", &format!("{packages}/softpuffer/bin")] {
+        create_dir_all(dir.path(folder)).unwrap();
+    }
+    let share = format!("{packages}/softpuffer/share/puffer");
+    create_dir_all(dir.path(&share)).unwrap();
+    for file in ["folder.mk", "chain.mk"] {
+        dir.write(&format!("{share}/{file}"), "");
+    }
+    let cad2fem = dir.path(&format!("{packages}/softpuffer/bin/cad2fem"));
+    copy(program("cad2fem"), &cad2fem).unwrap();
+    let (python, ran) = (dir.path("env/bin/python3.11"), dir.path("ran"));
+    write(&python, format!("#!/bin/sh\ntouch {}\n", ran.display())).unwrap();
+    set_permissions(&python, Permissions::from_mode(0o755)).unwrap();
+    let run = |verb: &str| -> Run {
+        let mut command = Command::new(&cad2fem);
+        command
+            .arg(verb)
+            .current_dir(dir.path(""))
+            .env_remove("PUFFER_PYTHON")
+            .output()
+            .unwrap()
+            .into()
+    };
+    for (place, verb) in [
+        (share.as_str(), "rules"),
+        (&format!("{share}/folder.mk"), "rules"),
+        (&format!("{share}/chain.mk"), "rules"),
+        ("env/bin", "doctor"),
+        ("env/bin/python3.11", "doctor"),
+    ] {
+        let before = std::fs::metadata(dir.path(place)).unwrap().permissions();
+        set_permissions(dir.path(place), Permissions::from_mode(before.mode() | 0o002)).unwrap();
+        let found = run(verb);
+        assert!(found.stderr.contains("others than you"), "{place}: {}", found.stderr);
+        assert!(found.code != Some(0) && !ran.exists(), "{place}");
+        set_permissions(dir.path(place), before).unwrap();
+    }
+    // one's own are used
+    assert!(run("rules").stdout.ends_with("softpuffer/share/puffer/folder.mk\n"));
+    run("doctor");
+    assert!(ran.exists());
+}

@@ -439,8 +439,13 @@ fn packages_of_python_have_hashes() {
             assert!(line.contains("--require-hashes"), "{script}: {line}");
         }
     }
-    let lists =
-        ["requirements.txt", "pipelines/sweep/requirements.txt", ".ci/zig.txt", ".ci/prose.txt"];
+    let lists = [
+        "requirements.txt",
+        "pipelines/sweep/requirements.txt",
+        ".ci/zig.txt",
+        ".ci/prose.txt",
+        ".ci/wheel.txt",
+    ];
     for list in lists {
         let text = fs::read_to_string(top.join(list)).unwrap().replace("\\\n", " ");
         for line in text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')) {

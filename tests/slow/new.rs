@@ -22,7 +22,7 @@ fn new_folder(name: &str) -> (Workdir, PathBuf) {
 
 fn make_in_empty_folder(name: &str) {
     let (dir, folder) = new_folder(name);
-    crate::make(&format!("body DIR={}", folder.display()));
+    crate::make(&format!("-C {}", folder.display()));
     assert!(folder.join("build/report.html").exists() && folder.join("build/mine.zip").exists());
     check_mold(&dir);
     assert_eq!(dir.json("mine/build/baseline/report.json")["usable"], true);
@@ -35,24 +35,27 @@ fn check_mold(dir: &Workdir) {
 }
 
 /// Those that take longer.
-const LONG: [&str; 2] = ["arm", "pneunet"];
+const LONG: [&str; 4] = ["arm", "pneunet", "frog", "gripper"];
 
 #[test]
-#[ignore = "makes the blank, beam and finger, ten minutes: runs in make test-all"]
+#[ignore = "makes all but the longest, some twenty minutes: runs in make test-all"]
 fn every_short_template_is_made() {
     let short = TEMPLATES.iter().filter(|template| !LONG.contains(&template.name));
     short.for_each(|template| make_in_empty_folder(template.name));
 }
 
 #[test]
-#[ignore = "meshes the arm, casts the PneuNet and simulates both, some minutes: runs in make test-all"]
+#[ignore = "meshes arm, frog and gripper, casts the PneuNet and simulates all, some minutes: runs in make test-all"]
 fn long_templates_begin() {
-    for (name, last) in [("arm", "baseline/report.json"), ("pneunet", "mold.checks.txt")] {
+    for (name, last) in [
+        ("arm", "baseline/report.json"),
+        ("pneunet", "mold.checks.txt"),
+        ("frog", "pictures/baseline.png"),
+        ("gripper", "pictures/gripping-baseline.png"),
+    ] {
         let (dir, folder) = new_folder(name);
         let folder = folder.display();
-        crate::make(&format!(
-            "{folder}/build/baseline/report.json {folder}/build/{last} DIR={folder}"
-        ));
+        crate::make(&format!("-C {folder} build/baseline/report.json build/{last}"));
         assert_eq!(dir.json("mine/build/baseline/report.json")["usable"], true);
         if name == "pneunet" {
             check_mold(&dir);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use program::Unusable;
 
-use crate::checkout::checkout;
+use crate::installed::rules;
 use crate::mesher::python::Python;
 
 /// Prints what the programs need and whether it is there, and how to get what is missing; exit
@@ -61,10 +61,10 @@ fn findings() -> Vec<Finding> {
     for name in ["tagger", "solver", "fab"] {
         add(name, "the chain from a model to a mold", beside(name));
     }
-    let source = checkout().map(|folder| folder.display().to_string());
-    let remedy = "clone it and run `make setup` there, then `make install PREFIX=...`";
-    add("checkout", "make, and the Python of the meshers", source.ok_or_else(|| remedy.into()));
-    add("make", "make body, make frog", in_path("make", "apt install make"));
+    let found = rules().map(|file| file.display().to_string());
+    let remedy = "pip install softpuffer, or clone Puffer and run `make setup` there";
+    add("rules for make", "make -C of a body", found.ok_or_else(|| remedy.into()));
+    add("make", "make -C of a body", in_path("make", "apt install make"));
     match Python::find() {
         Err(error) => add("Python", "meshes", Err(format!("{error:#}"))),
         Ok(python) => {

@@ -12,6 +12,7 @@ pub mod pick;
 pub mod picture;
 pub mod remesh;
 pub mod report;
+pub mod rules;
 pub mod schema;
 pub mod tetmesh;
 
@@ -46,6 +47,8 @@ pub enum Verb {
     Film(film::Args),
     /// All results in a folder → one page to look at in a browser, without a network
     Report(report::Args),
+    /// Where the rules for make are, which the Makefile of a body includes
+    Rules(rules::Args),
     /// All that printer, bench and colleagues need of a body → one file to send
     Pack(pack::Args),
     /// The JSON Schema of a file that this program reads, for editors and other programs
@@ -71,6 +74,7 @@ impl Verb {
             Self::Picture(args) => picture::run(args),
             Self::Film(args) => film::run(args),
             Self::Report(args) => report::run(args),
+            Self::Rules(args) => rules::run(args),
             Self::Pack(args) => pack::run(args),
             Self::Schema(args) => args.print(schema::FORMATS),
         }

@@ -6,18 +6,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use mesh::io::write_atomic;
 
-use crate::checkout::checkout;
+use crate::installed::SPECIAL;
 use crate::template::Template;
-
-/// What make or the shell take for their own in a name, as in the Makefile.
-const SPECIAL: &str = "$;:*?[]{}()<>&|!'\"`\\~%=^# \t\n";
 
 /// Writes a folder with all files of a body, which can be made at once and then changed
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder to write; its name is that of the body
     folder: PathBuf,
-    /// Body to begin with: blank, beam, finger, pneunet or arm
+    /// Body to begin with: blank, beam, finger, pneunet, arm, frog, gripper, chamber or worm-segment
     #[arg(long, value_name = "BODY", default_value = "blank", value_parser = Template::find)]
     like: &'static Template,
 }
@@ -41,8 +38,17 @@ pub fn run(args: &Args) -> Result<()> {
         folder.display()
     );
     let place = Place::of(folder, name)?;
+    ensure!(
+        !(place.in_pipelines && template.has_rules()),
+        "{}: {} has rules of its own for make, which call it by that name: write the folder outside of pipelines",
+        folder.display(),
+        template.name
+    );
     for (file, text) in template.files_for(&place.results()) {
         write_atomic(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
+    }
+    if !place.in_pipelines {
+        write_atomic(&folder.join("Makefile"), |out| out.write_all(makefile(template).as_bytes()))?;
     }
     let readme = readme(name, template, &place);
     write_atomic(&folder.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
@@ -86,19 +92,17 @@ impl Place {
                 name: name.to_owned(),
             });
         }
-        let top = checkout().unwrap_or_else(|| PathBuf::from("CHECKOUT"));
-        let dir = if here.as_deref() == Some(&top) { folder } else { &full };
-        let special = dir.to_string_lossy().chars().find(|c| SPECIAL.contains(*c));
+        let special = special(&full);
         ensure!(
             special.is_none(),
             "{}: make and the shell take the {:?} in it for their own: make the body in a folder whose path has \
              letters, digits, - . _ and / alone",
-            dir.display(),
+            full.display(),
             special.unwrap_or_default()
         );
         Ok(Self {
             in_pipelines: false,
-            command: from(&top, format!("body DIR={}", dir.display())),
+            command: format!("make -C {}", folder.display()),
             page: folder.join("build/report.html"),
             name: name.to_owned(),
         })
@@ -108,6 +112,26 @@ impl Place {
     fn results(&self) -> String {
         if self.in_pipelines { format!("../../build/{}", self.name) } else { "build".into() }
     }
+}
+
+fn special(path: &Path) -> Option<char> {
+    path.to_string_lossy().chars().find(|c| SPECIAL.contains(*c))
+}
+
+/// The Makefile of a body anywhere: it takes the rules of the cad2fem in PATH, else of this one.
+fn makefile(template: &Template) -> String {
+    let like =
+        if template.has_rules() { format!("LIKE := {}\n", template.name) } else { String::new() };
+    let own = std::env::current_exe().ok().filter(|own| special(own).is_none());
+    let found = own.map_or_else(
+        || "$(shell command -v cad2fem)".into(),
+        |own| format!("$(or $(shell command -v cad2fem),{})", own.display()),
+    );
+    format!(
+        "# `make` makes all that is missing or out of date, and build/report.html, a page of it.\n\
+         {like}BIN ?= $(patsubst %/,%,$(dir {found}))\n\
+         include $(or $(shell $(BIN)/cad2fem rules),$(error cad2fem is needed: put it into PATH, or make BIN=folder))\n"
+    )
 }
 
 fn readme(name: &str, template: &Template, place: &Place) -> String {
@@ -131,7 +155,10 @@ fn readme(name: &str, template: &Template, place: &Place) -> String {
          | `tags.toml` | `tagger tag` | the name of each part of the boundary |\n\
          | `sim.toml` | `solver simulate` | material, supports, pressure |\n\
          {design}\
-         | `mold.toml` | `fab mold` | how the body is cast |\n",
-        template.name, template.about, place.command
+         | `mold.toml` | `fab mold` | how the body is cast |\n{}",
+        template.name,
+        template.about,
+        place.command,
+        if place.in_pipelines { "" } else { "| `Makefile` | `make` | where its rules are |\n" }
     )
 }

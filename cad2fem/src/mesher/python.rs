@@ -6,6 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::checkout::{checkout, unchanged};
+use crate::installed;
 
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
@@ -19,8 +20,8 @@ pub struct Python {
 }
 
 impl Python {
-    /// The interpreter named by [`PYTHON_VARIABLE`]; where that is unset or empty,
-    /// `.venv/bin/python` of the checkout that the program was built in; says which.
+    /// The interpreter named by [`PYTHON_VARIABLE`]; where that is unset or empty, the one whose package this
+    /// program lies in, else `.venv/bin/python` of the checkout that the program was built in; says which.
     ///
     /// # Errors
     /// If there is none.
@@ -29,7 +30,7 @@ impl Python {
         let path = match named.map(PathBuf::from) {
             Some(path) if path.is_file() => path,
             Some(path) => bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display()),
-            None => of_checkout()?,
+            None => installed::python().map_or_else(of_checkout, Ok)?,
         };
         log::info!("Python of the meshers: {}", path.display());
         Ok(Self { path })
@@ -71,8 +72,8 @@ impl Python {
             return Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned());
         }
         bail!(
-            "{} has no package {package}; run `make setup`, or set {PYTHON_VARIABLE} to a Python \
-             that has it",
+            "{} has no package {package}; pip install softpuffer, in a checkout `make setup`, or set \
+             {PYTHON_VARIABLE} to a Python that has it",
             self.path.display()
         )
     }
@@ -81,9 +82,9 @@ impl Python {
 fn of_checkout() -> Result<PathBuf> {
     let remedy = || {
         format!(
-            "no Python with the meshers: {PYTHON_VARIABLE} is not set, and the program does not \
-             lie in a checkout of its own with a .venv; run `make setup` and the program that it builds, or \
-             set {PYTHON_VARIABLE}"
+            "no Python with the meshers: {PYTHON_VARIABLE} is not set, and the program lies neither in \
+             the package of a Python nor in a checkout of its own with a .venv; use that of `pip install softpuffer` \
+             or of `make setup`, or set {PYTHON_VARIABLE}"
         )
     };
     let folder = checkout().filter(|folder| folder.join(PYTHON).is_file()).with_context(remedy)?;

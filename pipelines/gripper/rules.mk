@@ -1,0 +1,67 @@
+# What makes the gripper, which is called gripper here wherever its folder is.
+
+view.gripper := left
+section.gripper := x=-1 --view left
+
+# The gripper needs a cylinder to grip, and a thinner one to aim at. It is designed twice: with
+# the force on the cylinder (optimize) and by shape alone (shape). The first, and the gripper as modelled, are
+# pulled off the cylinder.
+$(call to,gripper)/cylinder/model/model.json: $(call source,$(call from,gripper)/cylinder/model.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+$(call to,gripper)/target/model.json: $(call source,$(call from,gripper)/cylinder/model.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm --set radius=12 -o $(@D)
+
+$(call to,gripper)/baseline/report.json: $(call to,gripper)/cylinder/model/model.json
+
+# Results in $(1), those of the designed gripper in $(2), suffix of the design problem $(3).
+define grip
+$(call to,gripper)/$(1)/report.json: $(call source,$(call from,gripper)/design$(3).toml $(call from,gripper)/sim.toml) \
+		$(call to,gripper)/tagged.msh $(call to,gripper)/cylinder/model/model.json $(call to,gripper)/target/model.json | setup
+	$(BIN)/solver optimize $$< -o $$(@D)
+
+$(call to,gripper)/$(2)/report.json: $(call to,gripper)/$(1)/report.json | setup
+	$(BIN)/solver simulate $(call from,gripper)/sim.toml \
+		--mesh gripper=$(call to,gripper)/$(1)/design.gripper.msh -o $$(@D)
+endef
+$(eval $(call grip,optimize,optimized,))
+$(eval $(call grip,shape,shaped,.shape))
+
+# The gripper of $(1), whose mesh is $(2): in one picture with the cylinder, and while the cylinder is drawn
+# away by 36 mm after it was gripped, as far as the force rises. One element in a fold turns over.
+define gripped
+$(call to,gripper)/pictures/gripping-$(1).png: $(call to,gripper)/$(1)/report.json | setup
+	$(BIN)/cad2fem picture $(call to,gripper)/$(1)/result.vtu $(call to,gripper)/cylinder/model/model.stl --together \
+		--color displacement --view left --title "gripper at 60 kPa, $(1)" -o $$@
+
+$(call to,gripper)/pull/$(1)/report.json: $(call to,gripper)/$(1)/report.json | setup
+	$(BIN)/solver simulate $(call from,gripper)/sim.toml --mesh gripper=$(2) --final-only \
+		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
+		--set time.end=2.5 --set time.steps=50 --set solver.inside_out=tolerated -o $$(@D)
+
+$(call to,gripper)/report.html: $(call to,gripper)/pictures/gripping-$(1).png
+endef
+$(eval $(call gripped,baseline,$(call to,gripper)/tagged.msh))
+$(eval $(call gripped,shaped,$(call to,gripper)/shape/design.gripper.msh))
+$(eval $(call gripped,optimized,$(call to,gripper)/optimize/design.gripper.msh))
+
+$(call to,gripper)/pictures/pull.svg: $(patsubst %,$(call to,gripper)/pull/%/report.json,baseline optimized) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,by force" \
+		--x-title "time [s]: air until 1, then drawn away at 24 mm/s" --y-title "force that holds the cylinder [N]" -o $@
+
+$(call to,gripper)/pictures/objective.svg: $(call to,gripper)/optimize/report.json $(call to,gripper)/shape/report.json | setup
+	$(BIN)/solver plot $(^:report.json=history.jsonl) --y objective --labels "by force,by shape" \
+		--x-title "accepted shapes" -o $@
+
+$(call to,gripper)/pictures/section.png: $(call to,gripper)/tagged.msh $(call to,gripper)/optimize/report.json | setup
+	$(BIN)/cad2fem picture $< $(call to,gripper)/optimize/design.gripper.msh --view left \
+		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
+
+# Half of it was designed: the mold is that of the whole.
+$(call to,gripper)/whole.msh: $(call to,gripper)/optimize/report.json | setup
+	$(BIN)/solver mirror $(call to,gripper)/optimize/design.gripper.msh --on cut -o $@
+
+$(call to,gripper)/report.html: $(addprefix $(call to,gripper)/pictures/,section.png pull.svg objective.svg)
+
+$(eval $(call simulate,gripper,$(call to,gripper),))
+$(eval $(call cast,gripper,$(call to,gripper),$(call to,gripper)/whole.msh,$(call to,gripper)/whole.msh))

@@ -1,0 +1,5 @@
+"""`python -m softpuffer` is `puffer`."""
+
+from .programs import puffer
+
+puffer()

@@ -1,0 +1,137 @@
+"""The commands that pip installs: four programs, and `puffer`, which calls them."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parent
+BIN = PACKAGE / "bin"
+SHARE = PACKAGE / "share" / "puffer"
+PROGRAMS = ("cad2fem", "tagger", "solver", "fab")
+
+HELP = """\
+Puffer: from a model of a soft actuator to printable molds.
+
+  puffer new FOLDER [--like BODY]   write a folder to begin with: puffer new mine --like beam
+  puffer make [-C FOLDER]           make all of it, as `make -C FOLDER` does
+  puffer sweep FOLDER [--retry]     many cases of it, by FOLDER/sweep.toml (pip install 'softpuffer[sweep]')
+  puffer doctor                     say what this machine lacks
+  puffer PROGRAM ...                run one program: cad2fem, tagger, solver or fab, each with its own --help
+  puffer --version
+"""
+
+
+def cad2fem():
+    """Runs the program `cad2fem`."""
+    _run_program("cad2fem", sys.argv[1:])
+
+
+def tagger():
+    """Runs the program `tagger`."""
+    _run_program("tagger", sys.argv[1:])
+
+
+def solver():
+    """Runs the program `solver`."""
+    _run_program("solver", sys.argv[1:])
+
+
+def fab():
+    """Runs the program `fab`."""
+    _run_program("fab", sys.argv[1:])
+
+
+def puffer():
+    """Runs the command `puffer`."""
+    word, rest = (sys.argv + ["--help"])[1], sys.argv[2:]
+    if word in PROGRAMS:
+        _run_program(word, rest)
+    elif word in ("new", "doctor"):
+        _run_program("cad2fem", [word, *rest])
+    elif word == "make":
+        _make(rest)
+    elif word == "sweep":
+        _sweep(rest)
+    elif word in ("--version", "-V"):
+        from ._native import version
+
+        print(f"puffer {version()}")
+    elif word in ("--help", "-h", "help"):
+        print(HELP, end="")
+    else:
+        _refuse(f"there is no {word!r}\n\n{HELP}")
+
+
+def program(name):
+    """The path of a program that came with this package."""
+    path = BIN / (name + (".exe" if os.name == "nt" else ""))
+    if not path.is_file():
+        _refuse(f"{path} is not there: install softpuffer again, from a wheel")
+    return path
+
+
+def run(name, arguments):
+    """Runs a program to its end and returns what it printed. Its messages go where those of Python go.
+
+    Raises subprocess.CalledProcessError where it fails; its `stderr` has the message.
+    """
+    command = [str(program(name)), *arguments]
+    done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
+    print(done.stderr, end="", file=sys.stderr)
+    done.check_returncode()
+    return done.stdout
+
+
+def _run_program(name, arguments):
+    _run(program(name), arguments, _environment())
+
+
+def _environment():
+    """That of the programs: their meshers are packages of this Python, unless the user says otherwise."""
+    environment = dict(os.environ)
+    if not environment.get("PUFFER_PYTHON"):
+        environment["PUFFER_PYTHON"] = sys.executable
+    return environment
+
+
+def _make(arguments):
+    """Runs make with the programs of this package before others; a folder without a Makefile gets the rules."""
+    make = shutil.which("make") or _refuse("make is missing: on Debian, apt install make")
+    environment = _environment()
+    environment["PATH"] = os.pathsep.join(filter(None, (str(BIN), environment.get("PATH"))))
+    folder = Path(arguments[arguments.index("-C") + 1]) if "-C" in arguments[:-1] else Path()
+    ruled = any((folder / name).exists() for name in ("GNUmakefile", "makefile", "Makefile"))
+    own = [] if ruled else ["-f", str(SHARE / "folder.mk"), f"BIN={BIN}"]
+    _run(make, [*own, *arguments], environment)
+
+
+def _sweep(arguments):
+    """Runs the sweep of a folder into its `build`, as `make sweep DIR=...` does in a checkout."""
+    if not arguments or arguments[0].startswith("-"):
+        _refuse("of which folder? puffer sweep FOLDER, where sweep.toml is")
+    given, rest = Path(arguments[0]), arguments[1:]
+    try:
+        import snakemake  # noqa: F401
+    except ImportError:
+        _refuse("Snakemake is missing: pip install 'softpuffer[sweep]', with Python 3.11 or newer")
+    file = given / "sweep.toml" if given.is_dir() else given
+    if not {"-o", "--output"} & set(rest):
+        rest = [*rest, "--output", str(file.parent / "build" / file.stem)]
+    environment = _environment()
+    environment["PUFFER_BIN"] = str(BIN)
+    _run(sys.executable, ["-Es", str(SHARE / "sweep" / "sweep.py"), str(file), *rest], environment)
+
+
+def _run(path, arguments, environment):
+    """Becomes another program, where the system can; its exit code is ours."""
+    command = [str(path), *arguments]
+    if os.name == "nt":
+        sys.exit(subprocess.run(command, env=environment).returncode)
+    os.execve(command[0], command, environment)
+
+
+def _refuse(why):
+    print(f"puffer: {why}", file=sys.stderr)
+    sys.exit(2)

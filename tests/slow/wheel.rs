@@ -1,0 +1,85 @@
+//! The wheel that `make wheel` builds, in a clean environment of Python, without Rust and without the checkout: from
+//! `puffer new` to a page and a verified mold.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tests::skip::skip;
+use tests::workdir::{Workdir, repository};
+
+use crate::{make, run};
+
+/// An environment of Python with the wheel in it, and a folder to work in.
+struct Environment(Workdir);
+
+impl Environment {
+    /// Nothing if the packages that the wheel needs cannot be had here.
+    fn new(wheel: &Path) -> Option<Self> {
+        let dir = Workdir::new();
+        run(Command::new("python3").args(["-m", "venv"]).arg(dir.path("env")));
+        let environment = Self(dir);
+        environment.says("pip install --quiet --no-deps", &[wheel]);
+        let packages = environment.command("pip install --quiet", &[wheel]).output().unwrap();
+        packages.status.success().then_some(environment)
+    }
+
+    /// Words of a command, and paths after them. Neither cargo nor variables of the test are known to it.
+    fn command(&self, words: &str, paths: &[&Path]) -> Command {
+        let mut words = words.split_whitespace();
+        let bin = self.0.path("env/bin");
+        let own = bin.join(words.next().unwrap());
+        let program = if own.exists() { own } else { "make".into() };
+        let mut command = Command::new(program);
+        command.args(words).args(paths).current_dir(self.0.path("")).env_clear();
+        command.env("PATH", format!("{}:/usr/bin:/bin", bin.display()));
+        command.env("HOME", self.0.path("home"));
+        command
+    }
+
+    /// What a command says that succeeds and names no place in the checkout.
+    fn says(&self, words: &str, paths: &[&Path]) -> String {
+        let said = run(&mut self.command(words, paths));
+        assert!(!said.contains(&repository().display().to_string()), "{said}");
+        said
+    }
+}
+
+fn wheel() -> PathBuf {
+    make("wheel");
+    let entries = std::fs::read_dir(repository().join("build/wheel")).unwrap().flatten();
+    let mut wheels = entries.map(|entry| entry.path());
+    wheels.find(|path| path.extension().is_some_and(|e| e == "whl")).unwrap()
+}
+
+#[test]
+#[ignore = "builds the wheel and makes a beam with it, ten minutes: runs in make test-all"]
+fn a_wheel_makes_a_body_without_the_checkout() {
+    let wheel = wheel();
+    // made for machines with a glibc of 2014 or newer, and for each CPython from 3.10 on
+    let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
+    assert!(name.contains("-cp310-abi3-manylinux_2_17_"), "{name}");
+    let Some(environment) = Environment::new(&wheel) else {
+        return skip("pip cannot install the meshers here");
+    };
+    let doctor = environment.says("puffer doctor", &[]);
+    assert!(doctor.contains("site-packages/softpuffer/share/puffer/folder.mk"), "{doctor}");
+    environment.says("puffer new mine --like beam", &[]);
+    environment.says("make -C mine", &[]);
+    let dir = &environment.0;
+    assert!(
+        dir.path("mine/build/report.html").exists() && dir.path("mine/build/mine.zip").exists()
+    );
+    let checks = dir.text("mine/build/mold.checks.txt");
+    assert!(checks.lines().count() > 10 && !checks.contains("FAIL"), "{checks}");
+    assert!(environment.says("puffer make -C mine", &[]).contains("nothing to do"));
+    // the program itself finds the Python that it was installed for, and keeps meshes in the user's cache
+    let programs = dir.path("env/lib").read_dir().unwrap().flatten().next().unwrap().path();
+    let mut alone = Command::new(programs.join("site-packages/softpuffer/bin/cad2fem"));
+    alone.args(["tetmesh", "mine/build/model/model.stl", "--config", "mine/cad2fem.toml"]);
+    let alone = alone.args(["-o", "again.msh"]).current_dir(dir.path("")).env_clear();
+    let said = run(alone.env("HOME", dir.path("home")));
+    assert!(dir.path("home/.cache/puffer/meshes").exists() && said.contains("cache"), "{said}");
+    let version =
+        environment.says("python -c", &[Path::new("import softpuffer as s; print(s.__version__)")]);
+    assert_eq!(version.trim(), env!("CARGO_PKG_VERSION"));
+}
