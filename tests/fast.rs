@@ -68,6 +68,8 @@ mod plug;
 mod polyfem;
 #[path = "fast/probes.rs"]
 mod probes;
+#[path = "fast/python.rs"]
+mod python;
 #[path = "fast/python_page.rs"]
 mod python_page;
 #[path = "fast/reference.rs"]
