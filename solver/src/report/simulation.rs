@@ -60,14 +60,6 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
     scene.laws.iter().map(one).collect()
 }
 
-/// Writes a report, its keys in alphabetical order.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write(folder: &Path, report: &Simulation) -> Result<()> {
-    program::write_json(&folder.join("report.json"), &serde_json::to_value(report)?)
-}
-
 /// Work of the loads beside stored and kinetic energy [J].
 #[must_use]
 pub fn balance(
