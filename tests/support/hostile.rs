@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::chromium::Chromium;
 
 /// Objects whose keys are names that people give, or parts of a program.
-const NAMED: [&str; 12] = [
+const NAMED: [&str; 11] = [
     "probes",
     "chambers",
     "tags",
@@ -19,7 +19,6 @@ const NAMED: [&str; 12] = [
     "terms",
     "terms_before",
     "terms_after",
-    "timings",
     "energies",
     "set",
 ];

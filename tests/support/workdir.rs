@@ -146,21 +146,34 @@ impl Workdir {
     /// When the program cannot be started.
     #[must_use]
     pub fn solver(&self, arguments: &str) -> Run {
-        let run = self.command(arguments).output().expect("the program starts").into();
-        self.check_report(arguments);
+        let run: Run = self.command(arguments).output().expect("the program starts").into();
+        // where a run is refused, other files of that name may have been there before
+        if matches!(run.code, Some(0 | 1)) {
+            self.check_reports(arguments);
+        }
         run
     }
 
-    /// Asserts that the report of a simulation has what its schema says.
-    fn check_report(&self, arguments: &str) {
-        let mut words = arguments.split_whitespace().skip_while(|word| *word != "simulate");
-        let folder = words.find(|word| *word == "-o").and_then(|_| words.next());
-        let path = folder.map(|folder| self.path(folder).join("report.json"));
-        let text = path.and_then(|path| std::fs::read_to_string(path).ok());
-        let report = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
-        // other files of that name were there before, and stay where a run is refused
-        if let Some(report) = report.filter(|report| report["config"].is_object()) {
-            reported::check(&report);
+    /// Asserts that the report of a simulation, or the report and the history of an optimisation, have what their
+    /// schemas say.
+    fn check_reports(&self, arguments: &str) {
+        let verbs = ["simulate", "optimize"];
+        let mut words = arguments.split_whitespace().skip_while(|word| !verbs.contains(word));
+        let Some(verb) = words.next() else { return };
+        let Some(folder) = words.find(|word| *word == "-o").and_then(|_| words.next()) else {
+            return;
+        };
+        let read = |name| std::fs::read_to_string(self.path(folder).join(name)).unwrap_or_default();
+        let report: Option<Value> = serde_json::from_str(&read("report.json")).ok();
+        match (verb, report) {
+            ("simulate", Some(report)) => reported::check_simulation(&report),
+            ("optimize", report) => {
+                report.iter().for_each(reported::check_optimization);
+                let lines = read("history.jsonl");
+                let lines = lines.lines().filter_map(|line| serde_json::from_str(line).ok());
+                lines.for_each(|line: Value| reported::check_iteration(&line));
+            }
+            _ => {}
         }
     }
 

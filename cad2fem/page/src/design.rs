@@ -8,21 +8,21 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use mesh::Vec3;
 use mesh::io::read_tets;
+use reports::Iteration;
 use serde_json::{Value, json};
 
+use crate::reported::{Design, read_lines};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
 use crate::survey::name;
-use crate::{read_json, read_json_lines};
 
 /// History and shapes of an optimisation.
 ///
 /// # Errors
 /// If a file cannot be used.
 pub fn packed(folder: &Path, store: &mut Store) -> Result<Value> {
-    let history = read_json_lines(&folder.join("history.jsonl"))?;
-    let report = folder.join("report.json");
-    let report = if report.exists() { read_json(&report)? } else { Value::Null };
+    let history: Vec<Iteration> = read_lines(&folder.join("history.jsonl"))?;
+    let Design { status, designed } = Design::read(folder)?;
     let mut shapes = Vec::new();
     for path in shape_files(folder)? {
         let file = read_tets(&path)?;
@@ -40,8 +40,8 @@ pub fn packed(folder: &Path, store: &mut Store) -> Result<Value> {
         "name": name(folder),
         "history": history,
         "shapes": shapes,
-        "status": report["status"],
-        "stopped": report["stopped"],
+        "status": status,
+        "stopped": designed.map(|designed| designed.stopped),
     }))
 }
 

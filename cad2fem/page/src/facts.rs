@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use maud::{Markup, html};
 use mesh::io::read_text;
+use program::InputFile;
 use reports::{Chamber, End, ErrorBar};
-use serde::Deserialize;
-use serde_json::Value;
 
 use crate::prose::{digits, markdown, quantity};
+use crate::reported::{CastSheet, Design, Plan, Provenance, Run, read};
 use crate::survey::{Survey, name};
-use crate::{inputs, read_json, wall};
+use crate::wall;
 
 /// A table.
 fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
@@ -40,15 +40,6 @@ fn section(id: &str, title: &str, content: &Markup) -> Markup {
     html! { @if !content.0.is_empty() { section id=(id) { h2 { (title) } (content) } } }
 }
 
-fn text(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(s) => s.clone(),
-        Value::Number(n) => n.as_f64().map_or_else(String::new, whole_or_digits),
-        other => other.to_string(),
-    }
-}
-
 fn whole_or_digits(value: f64) -> String {
     let whole = value.fract() == 0.0 && value.abs() < 1e15;
     if whole { format!("{value}") } else { digits(value) }
@@ -57,11 +48,6 @@ fn whole_or_digits(value: f64) -> String {
 /// Path of a file as readers know it: from the folder that the page is of.
 fn below(path: &Path, folder: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).display().to_string()
-}
-
-/// What the report of a simulation has of the state at the end, if there is one.
-fn end_of(report: &Value) -> Option<End> {
-    End::deserialize(report).ok()
 }
 
 /// The largest displacement of a tag [m].
@@ -76,9 +62,8 @@ fn largest_displacement(end: &End) -> Option<f64> {
 pub fn results(survey: &Survey) -> Result<Markup> {
     let (mut rows, mut probes) = (Vec::new(), Vec::new());
     for folder in &survey.runs {
-        let report = read_json(&folder.join("report.json"))?;
-        let end = end_of(&report);
-        let end = end.as_ref();
+        let report: Run = read(&folder.join("report.json"))?;
+        let end = report.end.as_ref();
         let chamber = |(tag, c): (&String, &Chamber)| {
             let (rest, now) = (quantity(c.volume_rest, "m3"), quantity(c.volume, "m3"));
             format!("{tag}: {}, {rest} → {now}", quantity(c.pressure, "Pa"))
@@ -88,10 +73,10 @@ pub fn results(survey: &Survey) -> Result<Markup> {
         let time = end.map(|end| format!("{} s", digits(end.wall_s)));
         rows.push(vec![
             html! { (name(folder)) },
-            html! { (text(&report["status"])) },
+            html! { (report.status) },
             html! { (largest.unwrap_or_default()) },
             lines(&chambers.unwrap_or_default()),
-            html! { (text(&report["tets"])) },
+            html! { (report.tets.map_or_else(String::new, |count| count.to_string())) },
             html! { (time.unwrap_or_default()) },
         ]);
         end.into_iter().for_each(|end| probe_rows(&name(folder), end, &mut probes));
@@ -110,6 +95,7 @@ fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
     for (probe, found) in end.probes.iter().flatten() {
         let bars = end.error_bars.as_ref().and_then(|bars| bars.get(probe));
         let number = |value: f64| quantity(value, &found.unit);
+        let value = found.value.map(number);
         let each = bars.iter().flat_map(|bars| &bars.bars).filter(|bar| bar.on.is_none());
         let reason = |bar: &ErrorBar| {
             let [down, up] = bar.change.map(number);
@@ -120,7 +106,7 @@ fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
         rows.push(vec![
             html! { (run) },
             html! { (probe) },
-            html! { (number(found.value)) },
+            html! { (value.unwrap_or_default()) },
             html! { (together.unwrap_or_default()) },
             lines(&reasons),
         ]);
@@ -129,20 +115,20 @@ fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
 
 /// Objective and terms of an optimisation before and after.
 fn terms_of(folder: &Path) -> Result<Markup> {
-    let path = folder.join("report.json");
-    if !path.exists() {
+    let Design { status: Some(status), designed } = Design::read(folder)? else {
         return Ok(html! {});
-    }
-    let report = read_json(&path)?;
-    let row = |label: &str, before: &Value, after: &Value| {
-        texts([label.to_owned(), text(before), text(after)])
     };
-    let mut rows = vec![row("objective", &report["objective_before"], &report["objective_after"])];
-    for (term, after) in report["terms_after"].as_object().into_iter().flatten() {
-        rows.push(row(term, &report["terms_before"][term], after));
+    let text = |value: Option<f64>| value.map_or_else(String::new, whole_or_digits);
+    let row = |label: &str, before, after| texts([label.to_owned(), text(before), text(after)]);
+    let mut rows = Vec::new();
+    if let Some(found) = &designed {
+        rows.push(row("objective", found.objective_before, found.objective_after));
+        for (term, after) in &found.terms_after {
+            rows.push(row(term, found.terms_before.get(term).copied().flatten(), *after));
+        }
     }
     let head = ["term of the objective", "before", "after"];
-    Ok(html! { h3 { (name(folder)) ": " (text(&report["status"])) } (table(&head, &rows)) })
+    Ok(html! { h3 { (name(folder)) ": " (status) } (table(&head, &rows)) })
 }
 
 /// What `fab verify` found, line by line; what failed comes first.
@@ -183,10 +169,10 @@ fn columns(line: &str) -> Vec<&str> {
 /// If a file cannot be read.
 pub fn casting(survey: &Survey) -> Result<Markup> {
     let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
-    let plans = plans.map(|path| read_json(path)).collect::<Result<Vec<_>>>()?;
+    let plans = plans.map(|path| read::<Plan>(path)).collect::<Result<Vec<_>>>()?;
     let content = html! {
         @for plan in plans {
-            p { "Method: " strong { (text(&plan["method"])) } "; " (text(&plan["reason"])) "." }
+            p { "Method: " strong { (plan.method) } "; " (plan.reason) "." }
         }
         @for path in &survey.sheets { article.sheet { (markdown(&read_text(path)?)) } }
     };
@@ -200,21 +186,16 @@ pub fn casting(survey: &Survey) -> Result<Markup> {
 pub fn provenance(survey: &Survey) -> Result<Markup> {
     let mut rows = Vec::new();
     for path in &survey.reports {
-        let report = read_json(path)?;
-        let kinds = report["inputs"].as_object().into_iter().flatten().map(|(_, kind)| kind);
-        let all = kinds.chain([&report["input"]]).flat_map(inputs);
-        let set = report["set"].as_array().into_iter().flatten();
-        let set = set.map(|change| html! { "--set " code { (text(change)) } });
-        let inputs: Vec<Markup> = all.map(input).chain(set).collect();
-        let number =
-            |key: &str, unit| report[key].as_f64().map(|v| format!("{} {unit}", digits(v)));
-        let time = number("wall_s", "s").or_else(|| number("wall_s_of_this_run", "s"));
+        let report: Provenance = read(path)?;
+        let set = report.set.iter().map(|change| html! { "--set " code { (change) } });
+        let inputs: Vec<Markup> = report.files().map(input).chain(set).collect();
+        let number = |value: Option<f64>, unit| value.map(|v| format!("{} {unit}", digits(v)));
         rows.push(vec![
             html! { (below(path, &survey.folder)) },
-            html! { (text(&report["program"])) },
+            html! { (report.program.as_deref().unwrap_or_default()) },
             lines(&inputs),
-            html! { (time.unwrap_or_default()) },
-            html! { (number("peak_rss_mb", "MB").unwrap_or_default()) },
+            html! { (number(report.wall_s, "s").unwrap_or_default()) },
+            html! { (number(report.peak_rss_mb, "MB").unwrap_or_default()) },
         ]);
     }
     let head = ["report", "program", "inputs, SHA-256", "time", "memory"];
@@ -226,21 +207,20 @@ pub fn provenance(survey: &Survey) -> Result<Markup> {
     Ok(section("inputs", "Inputs and versions", &content))
 }
 
-fn input(input: &Value) -> Markup {
-    html! { (text(&input["path"])) " " code { (text(&input["sha256"])) } }
+fn input(input: &InputFile) -> Markup {
+    html! { (input.path.to_string_lossy()) " " code { (input.sha256) } }
 }
 
 /// What took how long in simulations.
 fn timings(survey: &Survey) -> Result<Markup> {
     let mut rows = Vec::new();
     for folder in &survey.runs {
-        let report = read_json(&folder.join("report.json"))?;
-        for (task, time) in report["timings"].as_object().into_iter().flatten() {
-            let of = |key: &str| time[key].as_f64().map(|t| format!("{} s", digits(t)));
-            if let (Some(wall), Some(processor)) = (of("wall_s"), of("processor_s")) {
-                rows.push(texts([name(folder), task.clone(), wall, processor]));
-            }
-        }
+        let report: Run = read(&folder.join("report.json"))?;
+        let tasks = report.end.iter().flat_map(|end| end.timings.tasks());
+        rows.extend(tasks.map(|(task, time)| {
+            let [wall, processor] = [time.wall_s, time.processor_s].map(|t| digits(t) + " s");
+            texts([name(folder), task.to_owned(), wall, processor])
+        }));
     }
     let head = ["simulation", "task", "wall time", "processor time"];
     Ok(html! {
@@ -289,8 +269,8 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
     let mut tiles: Vec<(String, Vec<String>)> = Vec::new();
     let mut moved = Vec::new();
     for folder in &survey.runs {
-        let report = read_json(&folder.join("report.json"))?;
-        if let Some(u) = end_of(&report).as_ref().and_then(largest_displacement) {
+        let report: Run = read(&folder.join("report.json"))?;
+        if let Some(u) = report.end.as_ref().and_then(largest_displacement) {
             moved.push(format!("{} {}", quantity(u, "m"), name(folder)));
         }
     }
@@ -298,10 +278,9 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
         tiles.push(("largest displacement".into(), moved));
     }
     for folder in &survey.designs {
-        let path = folder.join("report.json");
-        let report = if path.exists() { read_json(&path)? } else { Value::Null };
-        let of = |key: &str| report[key].as_f64();
-        if let (Some(before), Some(after)) = (of("objective_before"), of("objective_after")) {
+        let designed = Design::read(folder)?.designed;
+        let objectives = designed.map(|found| (found.objective_before, found.objective_after));
+        if let Some((Some(before), Some(after))) = objectives {
             let value = format!("{} → {}", digits(before), digits(after));
             tiles.push((format!("objective, {}", name(folder)), vec![value]));
         }
@@ -318,9 +297,8 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
         tiles.push(("checks of the mold".into(), vec![value]));
     }
     for sheet in survey.molds.iter().map(|m| m.join("cast.json")).filter(|p| p.exists()) {
-        let cast = read_json(&sheet)?;
-        if let Some(mass) = cast["silicone"]["mass_g"].as_f64() {
-            let value = format!("{mass:.1} g {}", text(&cast["silicone"]["name"]));
+        if let Some(silicone) = read::<CastSheet>(&sheet)?.silicone {
+            let value = format!("{:.1} g {}", silicone.mass_g, silicone.name);
             tiles.push(("silicone to mix".into(), vec![value]));
         }
     }

@@ -8,6 +8,7 @@
 //! Only files are read, those that users see: this crate knows no solver and no molds.
 //!
 //! - [`store`]: arrays of numbers, compressed
+//! - [`reported`]: what is shown of reports
 //! - [`survey`]: what a folder holds
 //! - [`solid`]: a mesh and its boundary, for the page
 //! - [`run`]: the states of a simulation
@@ -28,6 +29,7 @@ pub mod facts;
 pub mod mold;
 pub mod pick;
 pub mod prose;
+pub mod reported;
 pub mod run;
 pub mod script;
 pub mod solid;
@@ -79,27 +81,8 @@ pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
     Ok(Summary { parts, bytes: page.len() })
 }
 
-/// The entries of a report's inputs: there are one or several of a kind.
-#[must_use]
-pub fn inputs(of_kind: &Value) -> &[Value] {
-    match of_kind {
-        Value::Array(several) => several,
-        Value::Object(_) => std::slice::from_ref(of_kind),
-        _ => &[],
-    }
-}
-
 /// Reads a file of JSON.
 pub(crate) fn read_json(path: &Path) -> Result<Value> {
     let text = read_text(path)?;
     serde_json::from_str(&text).with_context(|| path.display().to_string())
-}
-
-/// Reads a file with one JSON value per line.
-pub(crate) fn read_json_lines(path: &Path) -> Result<Vec<Value>> {
-    let text = read_text(path)?;
-    let parsed = |(i, line)| {
-        serde_json::from_str(line).with_context(|| format!("{}: line {}", path.display(), i + 1))
-    };
-    text.lines().enumerate().map(parsed).collect()
 }

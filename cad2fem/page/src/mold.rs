@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use mesh::SurfaceMesh;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::{CellType, Field, Grid, read_vtu};
-use mesh::{SurfaceMesh, Vec3};
 use serde_json::{Value, json};
 
-use crate::read_json;
+use crate::reported::{Mold, read};
 use crate::store::Store;
 use crate::survey::name;
 use crate::wall::{self, Wall};
@@ -27,7 +27,7 @@ pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option
         log::warn!("{}: missing, so that the page does not show this mold", path.display());
         return Ok(None);
     }
-    let report = read_json(&folder.join("mold.json"))?;
+    let report: Mold = read(&folder.join("mold.json"))?;
     let grid = read_vtu(&path)?;
     let of = |fields: &[Field], name: &str| fields.iter().position(|f| f.name == name);
     let fields = (of(&grid.point_fields, "apart"), of(&grid.cell_fields, "part"));
@@ -38,7 +38,7 @@ pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option
     let fit = apart.components == 3 && part.components == 1;
     ensure!(fit, "{}: apart is no vector or part no number", path.display());
     // the last member is the cast, which is no part to print
-    let named = report["parts"].as_array().cloned().unwrap_or_default();
+    let named = &report.parts;
     let all = part.values.iter().all(|&p| (0.0..=named.len() as f64).contains(&p));
     ensure!(all, "{}: other parts than the {} of mold.json", path.display(), named.len());
     let mut parts = Vec::new();
@@ -62,7 +62,7 @@ pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option
             kept.iter().flat_map(|&v| [0, 1, 2].map(|c| grid.points[v][c])).collect();
         let known = named.get(i);
         parts.push(json!({
-            "name": known.map_or(json!("cast"), |part| part["name"].clone()),
+            "name": known.map_or("cast", |part| &part.name),
             "printed": known.is_some(),
             "apart": apart.values[3 * any..3 * any + 3],
             "nodes": store.numbers(&nodes, 3),
@@ -71,7 +71,7 @@ pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option
     }
     let cast = surface(&grid, |t| part.values[t] as usize == named.len());
     let wall = wall_in(&cast, &report, walls);
-    let (name, method) = (name(folder), &report["method"]);
+    let (name, method) = (name(folder), &report.method);
     Ok(Some(json!({ "name": name, "method": method, "parts": parts, "wall": wall })))
 }
 
@@ -84,15 +84,9 @@ fn surface(grid: &Grid, takes: impl Fn(usize) -> bool) -> SurfaceMesh {
 
 /// The thinnest wall [m] of the body and its place in the closed mold [mm]; nothing if it lies in another
 /// casting, or no plan tells of it.
-fn wall_in(cast: &SurfaceMesh, report: &Value, walls: &[Wall]) -> Option<Value> {
-    let (wall, _) = wall::of(walls, &[report["input"]["sha256"].as_str()?])?;
-    let row = |i: usize| {
-        let row = &report["design_to_mold"][i];
-        let number = |j: usize| row[j].as_f64();
-        let [x, y, z, shift] = [number(0)?, number(1)?, number(2)?, number(3)?];
-        Some(Vec3::new(x, y, z).dot(&wall.at) + shift)
-    };
-    let at = Vec3::new(row(0)?, row(1)?, row(2)?);
+fn wall_in(cast: &SurfaceMesh, mold: &Mold, walls: &[Wall]) -> Option<Value> {
+    let (wall, _) = wall::of(walls, &[&mold.input.as_ref()?.sha256])?;
+    let at = mold.in_mold(&wall.at)?;
     let is_there = SurfaceBvh::new(cast).closest(&at).distance < THERE;
     is_there.then(|| json!({ "thickness": wall.thickness, "at": at.as_slice() }))
 }

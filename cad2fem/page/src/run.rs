@@ -9,11 +9,11 @@ use mesh::io::vtu::{Field, Grid, read_vtu};
 use program::{InputFile, sha256_file};
 use serde_json::{Value, json};
 
+use crate::reported::{self, read};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
 use crate::survey::{Survey, name};
 use crate::wall::{self, Wall};
-use crate::{inputs, read_json};
 
 /// Points of all states of all simulations in a page, about; of more, some states are left out.
 const POINTS: usize = 1_500_000;
@@ -55,7 +55,7 @@ pub fn all(survey: &Survey, walls: &[Wall], store: &mut Store) -> Result<Vec<Val
 /// Files of a simulation.
 struct Source {
     folder: PathBuf,
-    report: Value,
+    report: reported::Run,
     /// States in their order, with the entry of `steps` in the report.
     states: Vec<(PathBuf, Option<usize>)>,
     /// Meshes that the report names.
@@ -73,8 +73,8 @@ struct Part {
 
 impl Source {
     fn of_run(folder: &Path, known: &[Known]) -> Result<Self> {
-        let report = read_json(&folder.join("report.json"))?;
-        let steps = report["steps"].as_array().map_or(0, Vec::len);
+        let report: reported::Run = read(&folder.join("report.json"))?;
+        let steps = report.steps.len();
         let each = (0..steps).map(|i| (folder.join(format!("step_{i:03}.vtu")), Some(i)));
         let mut states: Vec<_> = each.filter(|(path, _)| path.exists()).collect();
         let last = (folder.join("result.vtu"), steps.checked_sub(1));
@@ -88,8 +88,7 @@ impl Source {
     }
 
     fn of_design(folder: &Path, known: &[Known]) -> Result<Self> {
-        let path = folder.join("report.json");
-        let report = if path.exists() { read_json(&path)? } else { Value::Null };
+        let report = reported::Run::default();
         let state = folder.join("result.vtu");
         let states = if state.exists() { vec![(state, None)] } else { vec![] };
         let is_design =
@@ -97,14 +96,6 @@ impl Source {
         let alone = |mesh: &Known| Part { mesh: mesh.clone(), body: None, shift: Vec3::zeros() };
         let meshes = known.iter().filter(is_design).map(alone).collect();
         Ok(Self { folder: folder.to_owned(), report, states, meshes })
-    }
-
-    /// The largest stretch and its place, as the report has them; nothing where it has none.
-    fn stretch(&self) -> Value {
-        let found = &self.report["stretch_range"];
-        let at = found["largest_at"].as_array();
-        let place = at.is_some_and(|at| at.len() == 3 && at.iter().all(Value::is_number));
-        if place && found["largest"].is_number() { found.clone() } else { Value::Null }
     }
 
     /// The thinnest wall at rest of a body of the run, and its place [m]; nothing where no mold was planned
@@ -155,37 +146,33 @@ impl Source {
             }
             states.push(json!({ "file": name(path), "step": step, "fields": fields }));
         }
-        let kept = |key: &str| self.report[key].clone();
-        let chambers = self.report["chambers"].as_object().into_iter().flatten();
+        let end = self.report.end.as_ref();
+        let chambers = end.map(|end| end.chambers.keys().collect::<Vec<_>>());
         Ok(json!({
             "name": name(&self.folder),
             "body": body,
             "states": states,
             "leftOut": self.states.len() - states.len(),
-            "inTime": !self.report["config"]["time"].is_null(),
-            "chambers": chambers.map(|(tag, _)| tag.clone()).collect::<Vec<_>>(),
-            "steps": kept("steps"),
-            "probes": kept("probes"),
-            "errorBars": kept("error_bars"),
-            "stretch": self.stretch(),
+            "inTime": self.report.config.time.is_some(),
+            "chambers": chambers.unwrap_or_default(),
+            "steps": self.report.steps,
+            "probes": end.and_then(|end| end.probes.as_ref()),
+            "errorBars": end.and_then(|end| end.error_bars.as_ref()),
+            "stretch": end.map(|end| &end.stretch_range),
             "wall": self.wall(walls),
         }))
     }
 }
 
 /// The meshes of a report: by their hash, wherever they are now.
-fn meshes(report: &Value, folder: &Path, known: &[Known]) -> Vec<Part> {
-    let part = |(i, input): (usize, &Value)| {
-        let input: InputFile = serde_json::from_value(input.clone()).ok()?;
-        let body = &report["config"]["body"][i];
-        let along = |c: usize| body["translate"][c].as_f64().unwrap_or(0.0);
-        Some(Part {
-            mesh: find(&input, folder, known)?,
-            body: body["name"].as_str().map(str::to_owned),
-            shift: Vec3::new(along(0), along(1), along(2)),
-        })
+fn meshes(report: &reported::Run, folder: &Path, known: &[Known]) -> Vec<Part> {
+    let part = |(i, input): (usize, &InputFile)| {
+        let body = report.config.body.get(i).cloned().unwrap_or_default();
+        let mesh = find(input, folder, known)?;
+        Some(Part { mesh, body: body.name, shift: body.translate.into() })
     };
-    inputs(&report["inputs"]["mesh"]).iter().enumerate().filter_map(part).collect()
+    let meshes = report.inputs.as_ref().map_or(&[][..], |inputs| inputs.mesh.all());
+    meshes.iter().enumerate().filter_map(part).collect()
 }
 
 fn find(input: &InputFile, folder: &Path, known: &[Known]) -> Option<Known> {

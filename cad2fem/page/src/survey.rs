@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::read_json;
+use crate::reported::{Plan, read};
 
 /// Where the parts of a page are; all paths start with the folder that was searched.
 #[derive(Clone, Debug, Default)]
@@ -79,14 +79,13 @@ impl Survey {
             self.runs.push(folder.to_owned());
         }
         if has("plan.json") {
-            let plan = read_json(&folder.join("plan.json"))?;
-            let below = plan["molds"].as_array().into_iter().flatten();
+            let plan: Plan = read(&folder.join("plan.json"))?;
             // nothing outside of the folder is looked at
             let inside = |f: &&str| {
                 let mut parts = Path::new(f).components();
                 parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
             };
-            let folders = below.filter_map(|mold| mold["folder"].as_str()).filter(inside);
+            let folders = plan.molds.iter().map(|mold| &mold.folder[..]).filter(inside);
             let whole = |f: &str| if f == "." { folder.to_owned() } else { folder.join(f) };
             let folders = folders.map(whole);
             let made: Vec<PathBuf> = folders.filter(|f| f.join("mold.json").exists()).collect();

@@ -2,9 +2,8 @@
 
 use anyhow::Result;
 use mesh::Vec3;
-use serde_json::Value;
 
-use crate::read_json;
+use crate::reported::{Plan, ThinnestWall, read};
 use crate::survey::{Survey, name};
 
 /// The thinnest wall of a body.
@@ -24,7 +23,7 @@ pub struct Wall {
 /// If a plan cannot be read.
 pub fn all(survey: &Survey) -> Result<Vec<Wall>> {
     let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
-    let walls = plans.map(|path| Ok(of_plan(&read_json(path)?)));
+    let walls = plans.map(|path| Ok(of_plan(read(path)?)));
     Ok(walls.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
 }
 
@@ -37,12 +36,8 @@ pub fn of<'a>(walls: &'a [Wall], hashes: &[&str]) -> Option<(&'a Wall, usize)> {
 }
 
 /// The wall of a plan, whose numbers are millimetres; none where it measured no wall.
-fn of_plan(plan: &Value) -> Option<Wall> {
-    let wall = &plan["wall"];
-    let along = |c: usize| wall["at"][c].as_f64();
-    Some(Wall {
-        sha256: plan["input"]["sha256"].as_str()?.to_owned(),
-        thickness: 1e-3 * wall["thickness"].as_f64()?,
-        at: 1e-3 * Vec3::new(along(0)?, along(1)?, along(2)?),
-    })
+fn of_plan(plan: Plan) -> Option<Wall> {
+    let ThinnestWall { thickness, at } = plan.wall?;
+    let sha256 = plan.input?.sha256;
+    Some(Wall { sha256, thickness: 1e-3 * thickness, at: 1e-3 * Vec3::from(at) })
 }

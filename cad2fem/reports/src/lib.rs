@@ -5,6 +5,8 @@
 
 mod failed;
 mod measured;
+mod numbers;
+mod optimization;
 mod simulation;
 mod step;
 
@@ -12,6 +14,11 @@ pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElemen
 pub use measured::{
     AsCast, Chamber, ErrorBar, ErrorBars, Locking, Measurement, Membrane, Offset, Probe,
     StretchRange, Tag,
+};
+pub use numbers::{Numbers, numbers};
+pub use optimization::{
+    Castable, Designed, DesignedProbe, Ended, Handles, Iteration, NoStart, Optimization,
+    ScenarioRun,
 };
 pub use simulation::{
     CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,

@@ -75,7 +75,7 @@ pub struct Probe {
     /// Unit of the value.
     pub unit: String,
     /// The value.
-    pub value: f64,
+    pub value: Option<f64>,
 }
 
 /// Principal stretches of a state, beside what the material allows.

@@ -157,6 +157,12 @@ pub struct Inputs {
     /// The design, in the report of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<InputFile>,
+    /// Meshes of levels of the design.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub level_meshes: Vec<InputFile>,
+    /// Files that objectives of the design name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<InputFile>,
     /// Files that these include.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub included: Vec<InputFile>,
@@ -269,4 +275,21 @@ pub struct Timings {
     pub failed_factorizations: usize,
     /// Time that the run was expected to take [s].
     pub predicted_s: f64,
+}
+
+impl Timings {
+    /// All tasks, by the names of their keys.
+    #[must_use]
+    pub fn tasks(&self) -> [(&'static str, Task); 8] {
+        [
+            ("assembly", self.assembly),
+            ("certificate", self.certificate),
+            ("collision", self.collision),
+            ("contact", self.contact),
+            ("factor", self.factor),
+            ("ordering", self.ordering),
+            ("output", self.output),
+            ("solve", self.solve),
+        ]
+    }
 }

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::measured::Chamber;
+use crate::numbers::Numbers;
 
 /// One state of a run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -46,7 +47,7 @@ pub struct Step {
     pub work_of_loads: f64,
     /// Value of each probe, in its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub probes: Option<BTreeMap<String, f64>>,
+    pub probes: Option<Numbers>,
 }
 
 /// Resultants of the loads by kind, and of the reactions.

@@ -7,12 +7,13 @@ use gif::{Encoder, Frame, Repeat};
 use log::info;
 use mesh::Vec3;
 use mesh::io::{note_results, read_text, write_atomic};
+use page::reported::Scene;
 use render::annotate::Key;
 use render::color;
 use render::cut::cut;
 use render::image::Image;
 use render::sheet::{Panel, Sheet, draw_sheet};
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::picture::load;
 use super::picture::looks::{Looks, values};
@@ -102,23 +103,35 @@ fn steps(given: &[PathBuf]) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
+/// What is read of the report of a simulation.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Report {
+    config: Scene,
+    steps: Vec<State>,
+}
+
+#[derive(Deserialize)]
+struct State {
+    t: Option<f64>,
+    load: Option<f64>,
+}
+
 fn of_folder(folder: &Path) -> Result<Vec<Step>> {
     note_results(folder);
     let report = folder.join("report.json");
     let text = read_text(&report)?;
-    let report: Value =
+    let Report { config, steps } =
         serde_json::from_str(&text).with_context(|| report.display().to_string())?;
-    let in_time = !report["config"]["time"].is_null();
-    let entries = report["steps"].as_array().map_or(&[][..], Vec::as_slice);
-    let step = |(i, entry): (usize, &Value)| Step {
+    let step = |(i, state): (usize, &State)| Step {
         path: folder.join(format!("step_{i:03}.vtu")),
-        caption: match (in_time, entry["t"].as_f64(), entry["load"].as_f64()) {
+        caption: match (config.time.is_some(), state.t, state.load) {
             (true, Some(t), _) => format!("{t:.3} s"),
             (false, _, Some(load)) => format!("{:.0} % of the load", 100.0 * load),
             _ => String::new(),
         },
     };
-    Ok(entries.iter().enumerate().map(step).filter(|step| step.path.is_file()).collect())
+    Ok(steps.iter().enumerate().map(step).filter(|step| step.path.is_file()).collect())
 }
 
 /// At most so many, evenly chosen, the last of them always.

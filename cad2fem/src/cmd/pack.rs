@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use mesh::io::{note_results, read_bytes, read_text, write_atomic};
+use mesh::io::{note_results, read_bytes, write_atomic};
 use page::contents;
+use page::reported::{Provenance, read};
 use page::survey::{Survey, entries, name};
-use serde_json::Value;
 use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipWriter};
 
@@ -117,15 +117,11 @@ fn versions(survey: &Survey) -> Result<String> {
     let mut programs = BTreeSet::from([format!("cad2fem {}", env!("CARGO_PKG_VERSION"))]);
     let mut inputs = String::new();
     for path in &survey.reports {
-        let report: Value =
-            serde_json::from_str(&read_text(path)?).with_context(|| path.display().to_string())?;
-        programs.extend(report["program"].as_str().map(str::to_owned));
+        let report: Provenance = read(path)?;
+        programs.extend(report.program.clone());
         inputs += &format!("\n{}\n", inside(path, &survey.folder)?);
-        let of_kinds = report["inputs"].as_object().into_iter().flatten().map(|(_, kind)| kind);
-        for input in of_kinds.chain([&report["input"]]).flat_map(page::inputs) {
-            if let (Some(path), Some(hash)) = (input["path"].as_str(), input["sha256"].as_str()) {
-                inputs += &format!("  {hash}  {path}\n");
-            }
+        for input in report.files() {
+            inputs += &format!("  {}  {}\n", input.sha256, input.path.display());
         }
     }
     let programs: String = programs.iter().map(|program| format!("  {program}\n")).collect();

@@ -10,6 +10,7 @@
 
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
@@ -45,7 +46,7 @@ pub struct Collar {
 }
 
 /// A collar as mold.json has it, and its tube.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedTube {
     /// What to ask for.

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use mesh::io::MshFile;
 use mesh::topology::{boundary_loops, submesh};
 use mesh::{SurfaceMesh, Vec3, measure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::MM;
@@ -23,7 +24,7 @@ pub struct Layer {
 }
 
 /// A sheet where it is cast, in the mold's coordinates.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaidIn {
     /// The tag.

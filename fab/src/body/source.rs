@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use mesh::io::IoError;
 use program::{relative, sha256_file};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;
 use crate::config::{Casts, Chambers};
 
 /// Where the body came from.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
     /// The mesh, relative to the folder of this file.
@@ -33,7 +34,7 @@ pub struct Input {
 }
 
 /// A file that a body was made of.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedFile {
     /// The file, relative to the folder of this one.
@@ -65,7 +66,7 @@ impl NamedFile {
 }
 
 /// What of the input is cast.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum CastPart {
     /// All of it.

@@ -1,12 +1,13 @@
 //! What a casting weighs: a scale shows whether walls became as thick as they should.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Change of a wall that a scale shows [mm].
 const TENTH: f64 = 0.1;
 
 /// What a casting weighs when it is cured and finished.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weight {
     /// The mass: volume × density [g].

@@ -1,7 +1,7 @@
 //! `[casting]`: what is cast, and what the mold is printed on.
 
 use library::{printers, silicones};
-use program::schema::one_of_these;
+use program::schema::one_of_these_or_none;
 use schemars::{Schema, SchemaGenerator};
 use serde::Serialize;
 
@@ -29,11 +29,11 @@ table! {
 }
 
 fn silicone_names(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(silicones().iter().map(|(key, _)| key))
+    one_of_these_or_none(silicones().iter().map(|(key, _)| key))
 }
 
 fn printer_names(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(printers().iter().map(|(key, _)| key))
+    one_of_these_or_none(printers().iter().map(|(key, _)| key))
 }
 
 fn known_silicone(key: &str, name: &Option<String>) -> Result<(), String> {

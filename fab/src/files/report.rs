@@ -8,6 +8,7 @@ use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
@@ -32,7 +33,7 @@ pub const CAST: &str = "reference/cast.stl";
 pub const OUTSIDE: &str = "reference/outside.stl";
 
 /// The content of mold.json.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MoldReport {
     /// Program and version.
@@ -56,16 +57,12 @@ pub struct MoldReport {
     /// How the chamber comes into the body.
     pub method: Method,
     /// Tags of the chambers, in the order of their cores.
-    #[serde(default)]
     pub chambers: Vec<String>,
     /// Whether each core fits into its own socket only, and there one way only.
-    #[serde(default = "yes")]
     pub one_way: bool,
     /// Whether several cores and their sockets carry numbers.
-    #[serde(default)]
     pub numbered: bool,
     /// How each core is held that stands on a stub.
-    #[serde(default)]
     pub holds: Vec<Holding>,
     /// Printed parts; taken apart in reverse order.
     pub parts: Vec<Part>,
@@ -74,10 +71,8 @@ pub struct MoldReport {
     /// The silicone, and how it is cast.
     pub casting: CastingConfig,
     /// Collars for tubes, which are cast and are not part of the design.
-    #[serde(default)]
     pub collars: Vec<FittedTube>,
     /// Sheets that are laid in, from below.
-    #[serde(default)]
     pub layers: Vec<LaidIn>,
     /// Channels and gaps.
     pub features: Vec<Outline>,
@@ -86,7 +81,7 @@ pub struct MoldReport {
 }
 
 /// An axis-aligned box.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
     /// Lowest corner [mm].
@@ -96,7 +91,7 @@ pub struct Bounds {
 }
 
 /// A printed part.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
     /// The name.
@@ -126,7 +121,7 @@ pub struct Part {
 }
 
 /// What a part does.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// Shapes the outside.
@@ -138,7 +133,7 @@ pub enum Role {
 }
 
 /// What is cast.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cast {
     /// The file, in the closed mold.
@@ -150,15 +145,13 @@ pub struct Cast {
     /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
     pub silicone_ml: f64,
     /// Area of the walls of its chambers [mm²].
-    #[serde(default)]
     pub chamber_area: f64,
     /// What it weighs, if the density of its silicone is known.
-    #[serde(default)]
     pub weight: Option<Weight>,
 }
 
 /// How a core is held.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Holding {
     /// Name of the core.
@@ -204,7 +197,7 @@ impl Holding {
 }
 
 /// The outline of a channel or gap: a frustum.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
     /// What it is for.
@@ -220,7 +213,7 @@ pub struct Outline {
 }
 
 /// A finding.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Note {
     /// The kind.
@@ -394,11 +387,6 @@ impl MoldReport {
         let references = [self.cast.file.as_str(), self.outside.as_str()];
         self.parts.iter().map(|p| p.file.as_str()).chain(references)
     }
-}
-
-/// What molds of older programs said of themselves.
-fn yes() -> bool {
-    true
 }
 
 /// Handles of the largest body: Booleans can leave films beside it, without volume, that

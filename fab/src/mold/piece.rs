@@ -2,6 +2,7 @@
 
 use mesh::Vec3;
 use mesh::solid::Solid;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::MoldError;
@@ -20,7 +21,7 @@ pub struct Piece {
 }
 
 /// What a channel or gap is for.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {
     /// Silicone in.

@@ -135,7 +135,7 @@ impl Run {
             (report.usable, report.status) = (false, Status::SurfacesCrossed);
         }
         report.end = Some(end);
-        simulation::write(folder, &report)
+        results::write_report(folder, &report)
     }
 
     fn last(&self) -> PyResult<&LoadStep> {

@@ -8,7 +8,8 @@ use mechanics::symmetry::AXES;
 use mesh::io::vtu;
 use mesh::io::vtu::Grid;
 use program::FolderLock;
-use serde_json::Value;
+use reports::CutPlane;
+use serde::Deserialize;
 
 use crate::report::mirror::{mirror_body, mirror_grid};
 use crate::report::results::write_arrays;
@@ -98,17 +99,22 @@ fn write_state(output: &Path, whole: &Grid) -> Result<()> {
     write_arrays(output, &whole.points, &u.values)
 }
 
+/// What is read of a report of simulate or optimize.
+#[derive(Deserialize)]
+struct Symmetry {
+    symmetry: Option<Vec<CutPlane>>,
+}
+
 /// Axes and levels [m] of the planes of symmetry that a report names.
 fn planes(path: &Path) -> Result<Vec<(usize, f64)>> {
-    let report: Value = serde_json::from_str(&mesh::io::read_text(path)?)
+    let report: Symmetry = serde_json::from_str(&mesh::io::read_text(path)?)
         .with_context(|| path.display().to_string())?;
-    let Some(planes) = report["symmetry"].as_array() else {
+    let Some(planes) = report.symmetry else {
         bail!("report.json has no symmetry: its scene has no [[symmetry]], or it has no result");
     };
-    let plane = |plane: &Value| {
-        let axis = AXES.iter().position(|axis| plane["axis"] == *axis);
-        axis.zip(plane["level"].as_f64())
-            .context("symmetry in report.json: expected axis and level")
+    let plane = |plane: &CutPlane| {
+        let axis = AXES.iter().position(|axis| plane.axis == *axis);
+        Ok((axis.context("symmetry in report.json: expected an axis")?, plane.level))
     };
     planes.iter().map(plane).collect()
 }

@@ -7,14 +7,16 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, Settings, Unusable};
-use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, beside};
+use reports::{Designed, DesignedProbe, Ended, Inputs, Iteration, Numbers, Optimization};
+use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, ProbeConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
-use serde_json::{Value, json};
+use serde::Deserialize;
 
 use crate::number;
 use crate::optimize::{
-    Cascade, Checkpoint, Finished, LATEST, Meshes, Molding, mesh_file, write_bodies,
+    Cascade, Checkpoint, Finished, History, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
+use crate::report::crossing::Crossing;
 use crate::report::{results, summary};
 
 /// A smaller fall of the objective is hardly a design [1].
@@ -73,28 +75,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         file.place(error)
     })?;
     write(folder, &scene, &finished)?;
-    let mut report = report(folder, &finished, start)?;
-    add_probes(&mut report, folder, &scene, &design)?;
-    let (inputs, set) = results::provenance(folder, Some(&file), &scene)?;
-    let mut inputs = json!(inputs);
-    for (kind, paths) in named_files(&file, &design) {
-        let files = paths.iter().map(|path| InputFile::new(path, folder));
-        let files = files.collect::<Result<Vec<_>, _>>()?;
-        if !files.is_empty() {
-            inputs[kind] = json!(files);
-        }
-    }
-    (report["inputs"], report["set"]) = (inputs, json!(set));
     let (level, evaluation) = &finished.last;
     let crossing = level.crossing(evaluation);
-    if let Some(crossing) = &crossing {
-        report["usable"] = json!(false);
-        report["status"] = json!("surfaces_crossed");
-        report["crossing"] = json!(crossing.report());
-    }
-    program::write_json(&folder.join("report.json"), &report)?;
-    let objective = |when: &str| report[when].as_f64().unwrap_or(f64::NAN);
-    let (before, after) = (objective("objective_before"), objective("objective_after"));
+    let provenance = provenance(folder, &file, &design, &scene)?;
+    let found = Found { finished: &finished, scene: &scene, design: &design };
+    let mut designed = found.designed(History::new(folder).read()?, provenance, start);
+    designed.crossing = crossing.as_ref().map(Crossing::report);
+    let status = match crossing {
+        Some(_) => Ended::SurfacesCrossed,
+        None if finished.stopped.is_empty() => Ended::IterationLimit,
+        None => Ended::StoppedEarly,
+    };
+    let report = Optimization {
+        status,
+        usable: crossing.is_none(),
+        designed: Some(designed.clone()),
+        failed: None,
+    };
+    results::write_report(folder, &report)?;
+    let [before, after] =
+        [designed.objective_before, designed.objective_after].map(|j| j.unwrap_or(f64::NAN));
     let fall = (before - after) / before.abs();
     if fall < LITTLE {
         log::warn!(
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             folder.join("report.json").display()
         );
     } else {
-        log::info!("{}", summary::of_design(&report, fall));
+        log::info!("{}", summary::of_design(designed.probes.as_ref(), fall));
     }
     if let Some(crossing) = crossing {
         let design = arguments.design.display();
@@ -173,15 +173,20 @@ fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
         .is_some_and(|c| c.inputs != inputs && (finished || c.history == 0)))
 }
 
+/// What is read of a report.
+#[derive(Deserialize)]
+struct Usable {
+    usable: bool,
+}
+
 /// Whether the report in the folder is that of a start without equilibrium.
 fn failed(folder: &Path) -> Result<bool> {
     let path = folder.join("report.json");
     if !path.exists() {
         return Ok(false);
     }
-    let report: Value = serde_json::from_str(&mesh::io::read_own_text(&path)?)
-        .with_context(|| path.display().to_string())?;
-    Ok(report["usable"] == json!(false))
+    let report = serde_json::from_str::<Usable>(&mesh::io::read_own_text(&path)?);
+    Ok(!report.with_context(|| path.display().to_string())?.usable)
 }
 
 /// Removes the report of a failure once the run continues.
@@ -242,21 +247,19 @@ fn hash_inputs(file: &Settings, design: &DesignConfig, scene: &Scene) -> Result<
     for part in &scene.parts {
         hashes.push(program::sha256_file(&part.mesh_path)?);
     }
-    for (_, paths) in named_files(file, design) {
-        for path in paths {
-            hashes.push(program::sha256_file(&path)?);
-        }
+    for path in named_files(file, design).iter().flatten() {
+        hashes.push(program::sha256_file(path)?);
     }
     Ok(hashes.join(" "))
 }
 
-/// The files that a design names beside its scene, by what they are to it.
-fn named_files(file: &Settings, design: &DesignConfig) -> [(&'static str, BTreeSet<PathBuf>); 2] {
+/// The meshes of levels and the files of objectives that a design names beside its scene.
+fn named_files(file: &Settings, design: &DesignConfig) -> [BTreeSet<PathBuf>; 2] {
     let at = file.file().path;
     let all = |paths: Vec<PathBuf>| paths.iter().map(|path| beside(&at, path)).collect();
     let meshes = design.levels().into_iter().filter_map(|level| level.mesh).collect();
     let targets = design.objective.iter().flat_map(|term| term.files()).map(PathBuf::from);
-    [("level_meshes", all(meshes)), ("targets", all(targets.collect()))]
+    [all(meshes), all(targets.collect())]
 }
 
 fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
@@ -307,90 +310,100 @@ fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
     Ok(())
 }
 
-/// Adds what the probes of the scene were and have become, in the units of their kinds, with what the design wanted.
-fn add_probes(
-    report: &mut Value,
+/// The files that a design was made from, and the values that were set.
+fn provenance(
     folder: &Path,
-    scene: &Scene,
+    file: &Settings,
     design: &DesignConfig,
-) -> Result<()> {
-    let lines = history(folder)?;
-    let [first, .., last] = &lines[..] else { return Ok(()) };
-    let wanted = |probe: &str| {
-        let of_probe = design.objective.iter().filter_map(ObjectiveConfig::probe);
-        of_probe.filter(|(name, _)| *name == probe).find_map(|(_, wanted)| wanted)
+    scene: &Scene,
+) -> Result<(Inputs, Vec<String>)> {
+    let (inputs, set) = results::provenance(folder, Some(file), scene)?;
+    let hashed = |paths: BTreeSet<PathBuf>| -> Result<Vec<InputFile>> {
+        Ok(paths.iter().map(|path| InputFile::new(path, folder)).collect::<Result<_, _>>()?)
     };
-    for probe in &scene.config.probe {
-        let name = probe.name();
-        let mut row = json!({
-            "unit": probe.kind().unit,
-            "before": first["probes"][name],
-            "after": last["probes"][name],
-        });
-        if let Some(wanted) = wanted(name) {
-            row["wanted"] = json!(wanted);
-        }
-        report["probes"][name] = row;
-    }
-    Ok(())
+    let [level_meshes, targets] = named_files(file, design).map(hashed);
+    Ok((Inputs { level_meshes: level_meshes?, targets: targets?, ..inputs }, set))
 }
 
-/// The lines of `history.jsonl`.
-fn history(folder: &Path) -> Result<Vec<Value>> {
-    let text = mesh::io::read_own_text(&folder.join("history.jsonl"))?;
-    Ok(text.lines().map(serde_json::from_str).collect::<Result<_, _>>()?)
+/// What an optimisation came to.
+struct Found<'a> {
+    finished: &'a Finished,
+    scene: &'a Scene,
+    design: &'a DesignConfig,
+}
+
+impl Found<'_> {
+    fn designed(
+        &self,
+        lines: Vec<Iteration>,
+        (inputs, set): (Inputs, Vec<String>),
+        start: Instant,
+    ) -> Designed {
+        let (first, last) = (&lines[0], &lines[lines.len() - 1]);
+        let body = &self.finished.body;
+        Designed {
+            program: scene::PROGRAM.to_owned(),
+            inputs,
+            set,
+            stopped: self.finished.stopped.clone(),
+            objective_before: first.objective,
+            objective_after: last.objective,
+            gains: gains(&lines),
+            weights: self.weights(),
+            terms_before: first.terms.clone(),
+            terms_after: last.terms.clone(),
+            mean_displacement_before: first.mean_displacement.clone(),
+            mean_displacement_after: last.mean_displacement.clone(),
+            probes: self.probes(&lines),
+            mold_before: first.mold.clone(),
+            mold_after: last.mold.clone(),
+            scenarios_before: first.scenarios.clone(),
+            scenarios_after: last.scenarios.clone(),
+            symmetry: (!body.planes.is_empty()).then(|| results::symmetry(body)),
+            crossing: None,
+            iterations: lines.len(),
+            forward_s: lines.iter().map(|line| line.forward_s).sum(),
+            gradient_s: lines.iter().map(|line| line.gradient_s).sum(),
+            wall_s_of_this_run: start.elapsed().as_secs_f64(),
+            peak_rss_mb: program::peak_rss_mb(),
+        }
+    }
+
+    /// What the probes of the scene were and have become, in the units of their kinds, with what the design wanted;
+    /// nothing without an iteration.
+    fn probes(&self, lines: &[Iteration]) -> Option<BTreeMap<String, DesignedProbe>> {
+        let [first, .., last] = lines else { return None };
+        let value = |line: &Iteration, name: &str| *line.probes.as_ref()?.get(name)?;
+        let wanted = |probe: &str| {
+            let of_probe = self.design.objective.iter().filter_map(ObjectiveConfig::probe);
+            of_probe.filter(|(name, _)| *name == probe).find_map(|(_, wanted)| wanted)
+        };
+        let one = |probe: &ProbeConfig| {
+            let name = probe.name();
+            let found = DesignedProbe {
+                unit: probe.kind().unit.to_owned(),
+                before: value(first, name),
+                after: value(last, name),
+                wanted: wanted(name),
+            };
+            (name.to_owned(), found)
+        };
+        let probes = &self.scene.config.probe;
+        (!probes.is_empty()).then(|| probes.iter().map(one).collect())
+    }
+
+    /// Weights of the terms by their names, those that shares came to among them.
+    fn weights(&self) -> Numbers {
+        let level = &self.finished.last.0;
+        level.term_names().into_iter().zip(level.weights().into_iter().map(Some)).collect()
+    }
 }
 
 /// What each level has gained, over its first objective.
-fn gains(lines: &[Value]) -> Vec<f64> {
-    let mut gains = Vec::new();
-    for level in lines.chunk_by(|a, b| a["level"] == b["level"]) {
-        let objective = |line: &Value| line["objective"].as_f64().unwrap_or(f64::NAN);
-        let (first, last) = (objective(&level[0]), objective(&level[level.len() - 1]));
-        gains.push((first - last) / first.abs());
-    }
-    gains
-}
-
-/// Weights of the terms by their names, those that shares came to among them.
-fn weights(finished: &Finished) -> BTreeMap<String, f64> {
-    let level = &finished.last.0;
-    level.term_names().into_iter().zip(level.weights()).collect()
-}
-
-fn report(folder: &Path, finished: &Finished, start: Instant) -> Result<Value> {
-    let lines = history(folder)?;
-    let sum = |key: &str| lines.iter().filter_map(|l| l[key].as_f64()).sum::<f64>();
-    let (first, last) = (&lines[0], &lines[lines.len() - 1]);
-    let mut report = json!({
-        "usable": true,
-        "status": if finished.stopped.is_empty() { "iteration_limit" } else { "stopped_early" },
-        "stopped": finished.stopped,
-        "program": scene::PROGRAM,
-        "objective_before": first["objective"],
-        "objective_after": last["objective"],
-        "gains": gains(&lines),
-        "weights": weights(finished),
-        "terms_before": first["terms"],
-        "terms_after": last["terms"],
-        "mean_displacement_before": first["mean_displacement"],
-        "mean_displacement_after": last["mean_displacement"],
-        "iterations": lines.len(),
-        "forward_s": sum("forward_s"),
-        "gradient_s": sum("gradient_s"),
-        "wall_s_of_this_run": start.elapsed().as_secs_f64(),
-        "peak_rss_mb": program::peak_rss_mb(),
-    });
-    if last["mold"].is_object() {
-        report["mold_before"] = first["mold"].clone();
-        report["mold_after"] = last["mold"].clone();
-    }
-    if last["scenarios"].is_object() {
-        report["scenarios_before"] = first["scenarios"].clone();
-        report["scenarios_after"] = last["scenarios"].clone();
-    }
-    if !finished.body.planes.is_empty() {
-        report["symmetry"] = json!(results::symmetry(&finished.body));
-    }
-    Ok(report)
+fn gains(lines: &[Iteration]) -> Vec<Option<f64>> {
+    let gain = |level: &[Iteration]| {
+        let (first, last) = (level[0].objective?, level[level.len() - 1].objective?);
+        Some((first - last) / first.abs())
+    };
+    lines.chunk_by(|a, b| a.level == b.level).map(gain).collect()
 }

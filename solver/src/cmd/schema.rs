@@ -1,4 +1,4 @@
-//! `solver schema`: the files that it reads, and the report that it writes.
+//! `solver schema`: the files that it reads, and those that it writes for others to read.
 
 use program::schema::Format;
 use scene::config::{DesignConfig, SimConfig};
@@ -13,4 +13,7 @@ pub const FORMATS: &[Format] = &[
     Format::of::<validation::Config>("validation", "validation.toml"),
     Format::of::<as_cast::Measured>("measured", "measured.toml"),
     Format::of_report::<reports::Simulation>("report", "report.json of simulate"),
+    Format::of_report::<reports::Step>("steps", "a line of steps.jsonl of simulate"),
+    Format::of_report::<reports::Optimization>("optimization", "report.json of optimize"),
+    Format::of_report::<reports::Iteration>("history", "a line of history.jsonl of optimize"),
 ];

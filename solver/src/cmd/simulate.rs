@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     log::info!("{}", summary::in_words(&found));
     report.end = Some(found);
-    simulation::write(folder, &report)?;
+    results::write_report(folder, &report)?;
     let Some(crossing) = crossing else { return Ok(()) };
     let scene = arguments.scene.display();
     Err(Unusable(format!("{scene}: {}", crossing.in_words())).into())
@@ -359,7 +359,7 @@ impl<'a> Run<'a> {
         diagnosis.write_state(folder)?;
         (report.status, report.usable) = (diagnosis.status, false);
         report.failed = Some(diagnosis.failed);
-        simulation::write(folder, &report)?;
+        results::write_report(folder, &report)?;
         Ok(Unusable(format!(
             "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
             arguments.scene.display(),

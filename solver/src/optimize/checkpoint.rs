@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use mesh::io::npy;
+use reports::Castable;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::progress::LevelProgress;
 use super::{Lbfgs, Run};
@@ -72,7 +72,7 @@ pub struct Checkpoint {
     pub stopped_before: Vec<(usize, String)>,
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
-    pub mold: Value,
+    pub mold: Option<Castable>,
 }
 
 impl Checkpoint {
@@ -103,7 +103,7 @@ impl Checkpoint {
             files: BTreeMap::new(),
             stopped: None,
             stopped_before: Vec::new(),
-            mold: Value::Null,
+            mold: None,
         }
     }
 

@@ -5,9 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use serde_json::{Value, json};
+use reports::{Handles, Iteration, Numbers, ScenarioRun, numbers};
+use scene::config::{HandlesConfig, LevelConfig};
 
-use super::{Evaluation, Level};
+use super::{Evaluation, Level, Run, Scenario};
 
 /// The file in a folder.
 pub struct History {
@@ -21,11 +22,22 @@ impl History {
         Self { path: folder.join("history.jsonl") }
     }
 
+    /// All lines.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn read(&self) -> Result<Vec<Iteration>> {
+        let text = mesh::io::read_own_text(&self.path)?;
+        let lines = text.lines().map(serde_json::from_str).collect::<Result<_, _>>();
+        lines.with_context(|| self.path.display().to_string())
+    }
+
     /// Adds a line.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn append(&self, line: &Value) -> Result<()> {
+    pub fn append(&self, line: &Iteration) -> Result<()> {
+        let line = serde_json::to_value(line)?;
         let mut file = mesh::io::open_to_append(&self.path)?;
         writeln!(file, "{line}")
             .and_then(|()| file.sync_all())
@@ -66,30 +78,46 @@ impl History {
     }
 }
 
-/// Adds to a line what each scenario comes to, with the mean displacements of tags [m] and what probes measure, and
-/// the spread of the displacements: the largest less the smallest, over that of the first scenario [1].
-pub(super) fn add_scenarios(
-    line: &mut Value,
+/// What each scenario comes to, with the mean displacements of tags [m] and what probes measure.
+pub(super) fn scenarios(
     (level, at): (&Level, &Evaluation),
     moved: &[BTreeMap<String, f64>],
     measured: &[BTreeMap<String, f64>],
-) {
-    for (i, (scenario, run)) in level.scenarios().iter().zip(&at.runs).enumerate() {
-        let mut of = json!({
-            "objective": run.objective,
-            "terms": run.terms,
-            "newton_iterations": run.newton_iterations,
-            "mean_displacement": moved[i],
-        });
-        if !measured[i].is_empty() {
-            of["probes"] = json!(measured[i]);
-        }
-        line["scenarios"][&scenario.config.name] = of;
+) -> BTreeMap<String, ScenarioRun> {
+    let runs = level.scenarios().iter().zip(&at.runs).zip(moved.iter().zip(measured));
+    let one = |((scenario, run), (moved, measured)): ((&Scenario, &Run), (_, _))| {
+        let found = ScenarioRun {
+            objective: Some(run.objective),
+            terms: numbers(&run.terms),
+            newton_iterations: run.newton_iterations,
+            mean_displacement: numbers(moved),
+            probes: probes(measured),
+        };
+        (scenario.config.name.clone(), found)
+    };
+    runs.map(one).collect()
+}
+
+/// Handles of a level, whose numbers are those of one alone.
+pub(super) fn handles(settings: &LevelConfig) -> Option<Handles> {
+    match settings.handles.as_ref()? {
+        HandlesConfig::Each(count) => Some(Handles::Each(*count)),
+        HandlesConfig::Tags(counts) => Some(Handles::Tags(counts.clone())),
+        HandlesConfig::Growing(_) => None,
     }
+}
+
+/// The values of probes, if there are any.
+pub(super) fn probes(measured: &BTreeMap<String, f64>) -> Option<Numbers> {
+    (!measured.is_empty()).then(|| numbers(measured))
+}
+
+/// The spread of mean displacements of tags: the largest less the smallest, over that of the first scenario [1].
+pub(super) fn spread(moved: &[BTreeMap<String, f64>]) -> Numbers {
     let spread = |(tag, first): (&String, &f64)| {
         let all = || moved.iter().map(|of_tags| of_tags[tag]);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-        (*first > 0.0).then(|| (tag.clone(), json!((high - low) / first)))
+        (*first > 0.0).then(|| (tag.clone(), Some((high - low) / first)))
     };
-    line["spread"] = moved[0].iter().filter_map(spread).collect();
+    moved[0].iter().filter_map(spread).collect()
 }

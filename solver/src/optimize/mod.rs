@@ -22,6 +22,7 @@ pub mod validity;
 
 pub use cascade::{Cascade, Finished, LATEST};
 pub use checkpoint::Checkpoint;
+pub use history::History;
 pub use lbfgs::Lbfgs;
 pub use lbfgsb::projected_gradient_norm;
 pub use level::{Evaluation, Level, Start};

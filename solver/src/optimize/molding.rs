@@ -8,8 +8,9 @@ use anyhow::{Context, Result, bail, ensure};
 use mechanics::body::Body;
 use mesh::{Tags, TetMesh};
 use program::Process;
+use reports::Castable;
 use scene::config::{DesignConfig, beside};
-use serde_json::{Map, Value, json};
+use serde::Deserialize;
 
 use crate::report::mirror::mirror_body;
 
@@ -50,16 +51,16 @@ impl Molding {
         Ok(Some(molding))
     }
 
-    /// The verdict on a shape: `method`, `reason` and `measures` of the plan, or why it is `refused`.
+    /// The verdict on a shape.
     ///
     /// # Errors
     /// When `fab` is not to be found.
-    pub fn ask(&self, shape: &Body) -> Result<Value> {
-        Ok(self.plan(shape)?.unwrap_or_else(|(said, _)| json!({ "refused": said })))
+    pub fn ask(&self, shape: &Body) -> Result<Castable> {
+        Ok(self.plan(shape)?.unwrap_or_else(|(refused, _)| Castable::Refused { refused }))
     }
 
     /// The verdict, or what `fab plan` said with its exit code.
-    fn plan(&self, shape: &Body) -> Result<Result<Value, (String, Option<i32>)>> {
+    fn plan(&self, shape: &Body) -> Result<Result<Castable, (String, Option<i32>)>> {
         let folder = tempfile::tempdir()?;
         let (mesh, tags) = self.whole(shape)?;
         let file = folder.path().join("shape.msh");
@@ -103,25 +104,39 @@ impl Molding {
     }
 }
 
+/// What is read of a plan.
+#[derive(Deserialize)]
+struct Plan {
+    method: String,
+    reason: String,
+    measures: Vec<Measure>,
+}
+
+#[derive(Deserialize)]
+struct Measure {
+    name: String,
+    value: Option<f64>,
+}
+
 /// What a plan says, in short.
-fn verdict(path: &Path) -> Result<Value> {
-    let context = || path.display().to_string();
-    let plan: Value =
-        serde_json::from_str(&mesh::io::read_own_text(path)?).with_context(context)?;
-    let measures = plan["measures"].as_array().into_iter().flatten();
-    let named = measures.filter_map(|m| Some((m["name"].as_str()?.to_owned(), m["value"].clone())));
-    let measures: Map<String, Value> = named.collect();
-    Ok(json!({ "method": plan["method"], "reason": plan["reason"], "measures": measures }))
+fn verdict(path: &Path) -> Result<Castable> {
+    let plan = serde_json::from_str(&mesh::io::read_own_text(path)?);
+    let Plan { method, reason, measures } = plan.with_context(|| path.display().to_string())?;
+    let measures = measures.into_iter().map(|measure| (measure.name, measure.value)).collect();
+    Ok(Castable::Planned { method, reason, measures })
 }
 
 /// Says how a shape can be cast where that differs from what was `before`.
-pub fn say(now: &Value, before: &Value) {
-    if let Some(why) = now["refused"].as_str() {
-        if before["refused"].is_null() {
-            log::warn!("fab plan: this shape cannot be cast: {why}");
+pub fn say(now: &Castable, before: Option<&Castable>) {
+    match (now, before) {
+        (Castable::Refused { .. }, Some(Castable::Refused { .. })) => {}
+        (Castable::Refused { refused }, _) => {
+            log::warn!("fab plan: this shape cannot be cast: {refused}");
         }
-    } else if now["method"] != before["method"] {
-        let method = now["method"].as_str().unwrap_or_default();
-        log::info!("fab plan: {method}: {}", now["reason"].as_str().unwrap_or_default());
+        (Castable::Planned { method, .. }, Some(Castable::Planned { method: same, .. }))
+            if method == same => {}
+        (Castable::Planned { method, reason, .. }, _) => {
+            log::info!("fab plan: {method}: {reason}");
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
+use serde::Deserialize;
 use serde_json::Value;
 
 /// The rows of a run: lines of a history.jsonl or steps.jsonl, the steps of a report.json, or the
@@ -21,15 +22,21 @@ pub fn rows(path: &Path) -> Result<Vec<Value>> {
         };
         return lines.map(row).collect();
     }
-    let report: Value = serde_json::from_str(&text).with_context(context)?;
-    match report.get("steps").or_else(|| report.get("runs")) {
-        Some(Value::Array(rows)) => Ok(rows.clone()),
-        _ => bail!(
+    let table: Table = serde_json::from_str(&text).with_context(context)?;
+    table.rows.with_context(|| {
+        format!(
             "{}: no \"steps\" or \"runs\": expected a report.json of simulate, a history.jsonl of \
              optimize or a file of compare",
             path.display()
-        ),
-    }
+        )
+    })
+}
+
+/// The report of a simulation, or a file of compare. Columns of its rows have the names that users give.
+#[derive(Deserialize)]
+struct Table {
+    #[serde(alias = "steps", alias = "runs")]
+    rows: Option<Vec<Value>>,
 }
 
 /// The number of a column in a row: a key, or keys joined by dots, and a factor after a star; or

@@ -40,7 +40,7 @@ fn header(line: &Step, probes: &[Probe]) -> Vec<String> {
 fn row(line: &Step, probes: &[Probe]) -> Vec<Option<f64>> {
     let mut numbers = vec![Some(line.load.unwrap_or(line.t))];
     numbers.extend(line.chambers.values().flat_map(|c| [Some(c.pressure), Some(c.volume)]));
-    let measured = |probe: &Probe| line.probes.as_ref()?.get(&probe.name).copied();
+    let measured = |probe: &Probe| *line.probes.as_ref()?.get(&probe.name)?;
     numbers.extend(probes.iter().map(measured));
     numbers
 }

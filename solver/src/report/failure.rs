@@ -16,7 +16,6 @@ use mesh::Vec3;
 use mesh::io::vtu;
 use reports::{Failed, SoftestStiffness, Status, WorstElement};
 use scene::Scene;
-use serde_json::{Value, json};
 
 use crate::report::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
 use crate::report::results::{self, FAILED};
@@ -90,13 +89,6 @@ impl Diagnosis {
         };
         let grid = grid(space, rest, &attempt.reached, &worst, &force);
         Self { message: lines.join("\n  "), status, failed: Failed { reason, failure }, grid }
-    }
-
-    /// The keys that reports have of it.
-    #[must_use]
-    pub fn report(&self) -> Value {
-        let (status, Failed { reason, failure }) = (self.status, &self.failed);
-        json!({ "status": status, "usable": false, "reason": reason, "failure": failure })
     }
 
     /// Writes the last equilibrium to [`FAILED`]: cell array `worst_element` is 1

@@ -17,8 +17,10 @@ use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
 use reports::{
     Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, Step, Tag,
+    numbers,
 };
 use scene::{Scene, SceneMembrane};
+use serde::Serialize;
 
 use crate::report::fields::fields;
 
@@ -49,8 +51,18 @@ pub fn provenance(
         scene: scene.file.file().seen_from(folder),
         design: design.map(|file| file.file().seen_from(folder)),
         included: included.map(|file| file.seen_from(folder)).collect(),
+        level_meshes: Vec::new(),
+        targets: Vec::new(),
     };
     Ok((inputs, files().flat_map(|file| file.changes()).collect()))
+}
+
+/// Writes the report of a run, its keys in alphabetical order.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_report(folder: &Path, report: &impl Serialize) -> Result<()> {
+    program::write_json(&folder.join("report.json"), &serde_json::to_value(report)?)
 }
 
 /// Measures every tag that has facets at an equilibrium.
@@ -159,7 +171,7 @@ pub fn step(
         momentum: v.map(|v| momentum(energies, at.space, at.rest, v).into()),
         collisions: collisions(scene, energies, &at),
         work_of_loads: work,
-        probes: (!probes.is_empty()).then(|| measure(probes, problem, &at)),
+        probes: (!probes.is_empty()).then(|| numbers(&measure(probes, problem, &at))),
     })
 }
 
@@ -221,7 +233,7 @@ pub fn probes(
     let values = measure(probes, problem, at);
     let row = |probe: &Probe| {
         let (kind, unit) = (probe.kind.key.to_owned(), probe.kind.unit.to_owned());
-        (probe.name.clone(), reports::Probe { kind, unit, value: values[&probe.name] })
+        (probe.name.clone(), reports::Probe { kind, unit, value: Some(values[&probe.name]) })
     };
     probes.iter().map(row).collect()
 }

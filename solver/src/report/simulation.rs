@@ -122,14 +122,6 @@ pub fn end(
     Ok((found, crossing))
 }
 
-/// Writes a report, its keys in alphabetical order.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write(folder: &Path, report: &Simulation) -> Result<()> {
-    program::write_json(&folder.join("report.json"), &serde_json::to_value(report)?)
-}
-
 /// Work of the loads beside stored and kinetic energy [J].
 fn balance(
     work_of_loads: f64,

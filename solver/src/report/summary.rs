@@ -2,8 +2,9 @@
 //!
 //! Lengths are told in mm, volumes in mL, pressures in kPa; reports have them in SI.
 
-use reports::{End, StretchRange};
-use serde_json::Value;
+use std::collections::BTreeMap;
+
+use reports::{DesignedProbe, End, StretchRange};
 
 /// Units of reports that people read better in another: factor and its name.
 const READABLE: &[(&str, f64, &str)] =
@@ -23,7 +24,7 @@ pub fn in_words(found: &End) -> String {
         parts.push(format!("{name} {at}"));
     }
     for (name, probe) in found.probes.iter().flatten() {
-        parts.push(format!("{name} {}", quantity(probe.value, &probe.unit)));
+        parts.push(format!("{name} {}", quantity(probe.value.unwrap_or(f64::NAN), &probe.unit)));
     }
     parts.join(", ")
 }
@@ -38,27 +39,24 @@ fn stretch(range: &StretchRange) -> String {
     text + &format!(" at ({x:.1}, {y:.1}, {z:.1}) mm")
 }
 
-/// What a design came to, from its report: each probe before and after, with what was wanted, and the part `fall` by
+/// What a design came to: each probe before and after, with what was wanted, and the part `fall` by
 /// which the objective fell where no number was wanted.
 #[must_use]
-pub fn of_design(report: &Value, fall: f64) -> String {
+pub fn of_design(probes: Option<&BTreeMap<String, DesignedProbe>>, fall: f64) -> String {
     let mut parts = Vec::new();
     let mut is_wanted = false;
-    for (name, probe) in entries(&report["probes"]) {
-        let number = |key: &str| Some(quantity(probe[key].as_f64()?, probe["unit"].as_str()?));
-        let (Some(before), Some(after)) = (number("before"), number("after")) else { continue };
-        let wanted = number("wanted").map(|wanted| format!(" (wanted {wanted})"));
+    for (name, DesignedProbe { unit, before, after, wanted }) in probes.into_iter().flatten() {
+        let (Some(before), Some(after)) = (before, after) else { continue };
+        let number = |value: f64| quantity(value, unit);
+        let wanted = wanted.map(|wanted| format!(" (wanted {})", number(wanted)));
         is_wanted |= wanted.is_some();
+        let (before, after) = (number(*before), number(*after));
         parts.push(format!("{name} {before} → {after}{}", wanted.unwrap_or_default()));
     }
     if !is_wanted {
         parts.push(format!("the objective fell by {:.1} %", 100.0 * fall));
     }
     parts.join(", ")
-}
-
-fn entries(table: &Value) -> impl Iterator<Item = (&String, &Value)> {
-    table.as_object().into_iter().flatten()
 }
 
 /// A number with four digits and a unit that people read.
@@ -81,20 +79,26 @@ mod tests {
 
     #[test]
     fn a_design_is_told_by_its_quantities() {
-        let mut report = json!({"probes": {
-            "bending": {"before": 37.3, "after": 59.9, "wanted": 60.0, "unit": "deg"},
-            "sag": {"before": 1e-3, "after": 2e-3, "unit": "m"},
-        }});
+        let probe = |before, after, wanted, unit: &str| DesignedProbe {
+            unit: unit.to_owned(),
+            before: Some(before),
+            after: Some(after),
+            wanted,
+        };
+        let mut probes = BTreeMap::from([
+            ("bending".to_owned(), probe(37.3, 59.9, Some(60.0), "deg")),
+            ("sag".to_owned(), probe(1e-3, 2e-3, None, "m")),
+        ]);
         assert_eq!(
-            of_design(&report, 0.5),
+            of_design(Some(&probes), 0.5),
             "bending 37.30° → 59.90° (wanted 60.00°), sag 1.000 mm → 2.000 mm"
         );
-        report["probes"]["bending"] = json!(null);
+        probes.remove("bending");
         assert_eq!(
-            of_design(&report, 0.5),
+            of_design(Some(&probes), 0.5),
             "sag 1.000 mm → 2.000 mm, the objective fell by 50.0 %"
         );
-        assert_eq!(of_design(&json!({}), 0.5), "the objective fell by 50.0 %");
+        assert_eq!(of_design(None, 0.5), "the objective fell by 50.0 %");
     }
 
     #[test]

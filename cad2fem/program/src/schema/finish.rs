@@ -63,6 +63,9 @@ fn clean_one(object: &mut Map<String, Value>) {
             object.insert("type".into(), one);
         }
     }
+    if let Some(Value::Array(words)) = object.get_mut("enum") {
+        words.retain(|word| !word.is_null());
+    }
     if let Some(Value::Array(forms)) = object.get_mut("anyOf") {
         forms.retain(|form| form["type"] != "null");
         if forms.len() == 1 {

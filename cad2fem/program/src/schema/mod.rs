@@ -15,7 +15,7 @@ use serde_json::Value;
 
 pub use keys::{Key, key_names, keys_of};
 pub use markdown::markdown;
-pub use tables::{add_keys, add_kind, one_of, one_of_these, partial};
+pub use tables::{add_keys, add_kind, one_of, one_of_these, one_of_these_or_none, partial};
 
 use crate::nearest::did_you_mean;
 

@@ -46,6 +46,13 @@ pub fn one_of_these<'a>(words: impl IntoIterator<Item = &'a str>) -> Schema {
     schemars::json_schema!({ "type": "string", "enum": words })
 }
 
+/// One of several words, or nothing.
+#[must_use]
+pub fn one_of_these_or_none<'a>(words: impl IntoIterator<Item = &'a str>) -> Schema {
+    let words: Vec<Option<&str>> = words.into_iter().map(Some).chain([None]).collect();
+    schemars::json_schema!({ "type": ["string", "null"], "enum": words })
+}
+
 /// `schema` for a table that may have any part of the keys, all definitions written out.
 #[must_use]
 pub fn partial(schema: &Schema, definitions: &Map<String, Value>) -> Schema {

@@ -10,6 +10,8 @@ mod wax;
 use std::borrow::Cow;
 use std::ops::Deref;
 
+use program::schema::one_of_these;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -192,6 +194,16 @@ impl std::fmt::Debug for Method {
 impl Serialize for Method {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name)
+    }
+}
+
+impl JsonSchema for Method {
+    fn schema_name() -> Cow<'static, str> {
+        "Method".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        one_of_these(METHODS.iter().map(|row| row.name))
     }
 }
 

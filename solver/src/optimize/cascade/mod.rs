@@ -14,18 +14,20 @@ use anyhow::{Context, Result};
 use mechanics::body::Body;
 use mechanics::math::linear::{dot, norm};
 use program::Unusable;
+use reports::{Ended, Iteration, NoStart, Optimization, Status, numbers};
 use scene::config::{DesignConfig, OptimizerConfig};
 use scene::{ObjectiveBuilder, Scene};
-use serde_json::json;
 
 use self::say::{say_gain, time_left, variables};
 use super::checkpoint::Checkpoint;
-use super::history::{History, add_scenarios};
+use super::history::{History, handles, probes, scenarios, spread};
 use super::molding::{self, Molding};
 use super::remesh::write_bodies;
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Run, Start};
+use crate::report::failure::Diagnosis;
+use crate::report::results;
 
 /// Curvature pairs that L-BFGS remembers.
 const MEMORY: usize = 6;
@@ -230,15 +232,24 @@ impl Cascade<'_> {
         let Some(diagnosis) = level.diagnose() else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
-        let mut report = diagnosis.report();
-        report["level"] = json!(index + 1);
         let written = diagnosis
             .write_state(&self.folder)
-            .and_then(|()| program::write_json(&self.folder.join("report.json"), &report));
+            .and_then(|()| self.write_failure(index, &diagnosis));
         if let Err(error) = written {
             return error;
         }
         Unusable(format!("level {}: {}", index + 1, diagnosis.message)).into()
+    }
+
+    /// Writes the report of a level that could not begin.
+    fn write_failure(&self, index: usize, diagnosis: &Diagnosis) -> Result<()> {
+        let status = match diagnosis.status {
+            Status::NotEnoughSupports => Ended::NotEnoughSupports,
+            _ => Ended::NoEquilibrium,
+        };
+        let failed = NoStart { level: index + 1, failed: diagnosis.failed.clone() };
+        let report = Optimization { status, usable: false, designed: None, failed: Some(failed) };
+        results::write_report(&self.folder, &report)
     }
 
     /// One step of L-BFGS with backtracking; the inner error is why there is
@@ -362,32 +373,31 @@ impl Cascade<'_> {
         }
         let gradient_norm = norm(&step.gradient);
         let moved = level.mean_displacements(evaluation)?;
-        let mut line = json!({
-            "level": checkpoint.level + 1,
-            "handles": settings.handles,
-            "variables": level.variables(),
-            "iteration": checkpoint.iteration,
-            "objective": evaluation.objective,
-            "terms": evaluation.terms,
-            "gradient_norm": gradient_norm,
-            "motion_m": step.motion,
-            "trials": step.trials,
-            "newton_iterations": evaluation.newton_iterations,
-            "forward_s": step.forward_s,
-            "gradient_s": step.gradient_s,
-            "time_s": checkpoint.total_s,
-            "dofs": level.dofs(),
-            "time_steps": level.steps(),
-            "parameters": level.map().parameters(&step.theta),
-            "mean_displacement": moved[0],
-        });
         let measured = level.measured(evaluation)?;
-        if !measured[0].is_empty() {
-            line["probes"] = json!(measured[0]);
-        }
-        if !self.design.scenario.is_empty() {
-            add_scenarios(&mut line, (level, evaluation), &moved, &measured);
-        }
+        let several = !self.design.scenario.is_empty();
+        let mut line = Iteration {
+            level: checkpoint.level + 1,
+            handles: handles(settings),
+            variables: level.variables(),
+            iteration: checkpoint.iteration,
+            objective: Some(evaluation.objective),
+            terms: numbers(&evaluation.terms),
+            gradient_norm: Some(gradient_norm),
+            motion_m: step.motion,
+            trials: step.trials,
+            newton_iterations: evaluation.newton_iterations,
+            forward_s: step.forward_s,
+            gradient_s: step.gradient_s,
+            time_s: checkpoint.total_s,
+            dofs: level.dofs(),
+            time_steps: level.steps(),
+            parameters: numbers(&level.map().parameters(&step.theta)),
+            mean_displacement: numbers(&moved[0]),
+            probes: probes(&measured[0]),
+            scenarios: several.then(|| scenarios((level, evaluation), &moved, &measured)),
+            spread: several.then(|| spread(&moved)),
+            mold: None,
+        };
         log::info!(
             "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
              motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s{}",
@@ -420,9 +430,9 @@ impl Cascade<'_> {
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
             if let Some(molding) = &self.molding {
                 let verdict = molding.ask(&shape)?;
-                molding::say(&verdict, &checkpoint.mold);
-                line["mold"] = verdict.clone();
-                checkpoint.mold = verdict;
+                molding::say(&verdict, checkpoint.mold.as_ref());
+                line.mold = Some(verdict);
+                checkpoint.mold.clone_from(&line.mold);
             }
         }
         let Evaluation { runs, terms, .. } = step.evaluation;

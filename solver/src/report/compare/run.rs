@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::element::{FunctionSpace, at};
+use mesh::Vec3;
 use mesh::io::npy;
-use mesh::{TetMesh, Vec3};
-use program::InputFile;
-use serde_json::Value;
+use reports::{Simulation, Status};
+use serde_json::{Value, json};
 
 use super::Patches;
 
@@ -38,19 +38,22 @@ impl Run {
     pub fn read(folder: &Path) -> Result<Self> {
         mesh::io::note_results(folder);
         let path = folder.join("report.json");
-        let report: Value = serde_json::from_str(&mesh::io::read_text(&path)?)
+        let report: Simulation = serde_json::from_str(&mesh::io::read_text(&path)?)
             .with_context(|| path.display().to_string())?;
-        let found = Self::assemble(folder, &report);
+        let found = Self::assemble(folder, report);
         found.with_context(|| path.display().to_string())
     }
 
-    fn assemble(folder: &Path, report: &Value) -> Result<Self> {
-        let status = report["status"].as_str().unwrap_or("missing");
-        ensure!(status == "ok", "status is {status:?}, expected a run with an equilibrium");
-        let degree = entry(report, "/config/degree")?.as_u64().unwrap_or(0) as usize;
+    fn assemble(folder: &Path, report: Simulation) -> Result<Self> {
+        let status = report.status;
+        let end = report.end.filter(|_| status == Status::Ok);
+        let end = end.with_context(|| {
+            format!("status is {}, expected a run with an equilibrium", json!(status))
+        })?;
+        let degree = report.config["degree"].as_u64().unwrap_or(0) as usize;
         ensure!((1..=3).contains(&degree), "config.degree is {degree}: 1, 2 and 3 exist");
-        let time = entry(report, "/equilibrium_s")?.as_f64().context("equilibrium_s")?;
-        let mesh = read_mesh(folder, entry(report, "/inputs/mesh")?)?;
+        let [input] = report.inputs.mesh.all() else { bail!("several meshes; expected one") };
+        let mesh = mesh::io::read_tets(&input.find(folder)?)?.mesh;
         let boundary = mesh::topology::boundary(&mesh).facets;
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
         let file = folder.join("displacement.npy");
@@ -64,15 +67,14 @@ impl Run {
         if let Some(i) = u.iter().position(|x| !x.is_finite()) {
             bail!("{} is {} at index {i}: no displacement", file.display(), u[i]);
         }
-        let problem = problem(entry(report, "/config")?);
         Ok(Self {
             folder: folder.to_path_buf(),
             space,
             rest: mesh.vertices,
             boundary,
             u,
-            time,
-            problem,
+            time: end.equilibrium_s,
+            problem: problem(report.config),
         })
     }
 
@@ -105,27 +107,12 @@ impl Run {
     }
 }
 
-fn entry<'a>(report: &'a Value, pointer: &str) -> Result<&'a Value> {
-    report.pointer(pointer).with_context(|| {
-        let key = pointer[1..].replace('/', ".");
-        format!("no {key:?}; it is not the report of solver simulate, or of an older one")
-    })
-}
-
-/// The mesh that a report in a folder names, if it is still the same.
-fn read_mesh(folder: &Path, input: &Value) -> Result<TetMesh> {
-    let input: InputFile =
-        serde_json::from_value(input.clone()).context("inputs.mesh has no path and sha256")?;
-    Ok(mesh::io::read_tets(&input.find(folder)?)?.mesh)
-}
-
 /// A scene without what may differ between runs of one problem.
-fn problem(config: &Value) -> Value {
-    let mut problem = config.clone();
-    if let Value::Object(keys) = &mut problem {
+fn problem(mut config: Value) -> Value {
+    if let Value::Object(keys) = &mut config {
         for key in ["mesh", "degree", "quadrature", "solver"] {
             keys.remove(key);
         }
     }
-    problem
+    config
 }

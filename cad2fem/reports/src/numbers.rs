@@ -1,0 +1,12 @@
+//! Numbers that may not be finite: a distance to a surface that is not there, for one.
+
+use std::collections::BTreeMap;
+
+/// Numbers by their names.
+pub type Numbers = BTreeMap<String, Option<f64>>;
+
+/// Numbers for a report.
+#[must_use]
+pub fn numbers(found: &BTreeMap<String, f64>) -> Numbers {
+    found.iter().map(|(name, value)| (name.clone(), Some(*value))).collect()
+}
