@@ -3,6 +3,10 @@
 A box of two cells per edge with a cubic hole: its wall is the tag `cavity`, its underside `seat`.
 """
 
+import contextlib
+import importlib.util
+import io
+import os
 import pathlib
 import signal
 import sys
@@ -262,6 +266,83 @@ class Runs(unittest.TestCase):
             u = np.stack([found.displacement_at(k) for k in range(3)])
             remainders.append(abs((u[:, 5, 2] ** 2).sum() * 1e6 - value - step * by["material.body.c1"]))
         self.assertAlmostEqual(np.log2(remainders[0] / remainders[1]), 2, delta=0.15)
+
+
+def lacks(module):
+    """Whether a package is not installed: its tests are skipped then, with this reason."""
+    return unittest.skipIf(importlib.util.find_spec(module) is None, f"{module} is not installed")
+
+
+@lacks("torch")
+class Torch(unittest.TestCase):
+    def test_gradcheck_passes(self):
+        import torch
+
+        body, one = scene(), torch.ones((), dtype=torch.float64)
+        at = torch.tensor(body.vertices)
+
+        def moved(x, pressure, c1):
+            numbers = {"chamber.cavity.pressure": 20e3 * pressure, "material.body.c1": 55e3 * c1}
+            # of order one, and not all of them
+            return 1e5 * sp.torch.simulate(body, at + 1e-3 * x, numbers)[::9]
+
+        inputs = [torch.zeros_like(at), one, one.clone()]
+        [x.requires_grad_() for x in inputs]
+        self.assertTrue(torch.autograd.gradcheck(moved, inputs, eps=1e-5, atol=1e-4, rtol=1e-4))
+
+    def test_a_batch_is_its_cases(self):
+        import torch
+
+        body = scene()
+        pressures = torch.tensor([5e3, 10e3, 20e3], dtype=torch.float64)
+        together = sp.torch.simulate_batch(body, None, {"chamber.cavity.pressure": pressures})
+        for pressure, found in zip(pressures, together):
+            alone = sp.torch.simulate(body, None, {"chamber.cavity.pressure": pressure})
+            self.assertTrue(torch.equal(alone, found))
+
+
+@lacks("jax")
+class Jax(unittest.TestCase):
+    def test_gradients_are_central_differences(self):
+        import jax
+
+        jax.config.update("jax_enable_x64", True)
+        body = scene()
+
+        def loss(x, pressure):
+            u = sp.jax.simulate(body, body.vertices + x, {"chamber.cavity.pressure": pressure})
+            return (u**2).sum() * 1e6
+
+        still, pressure = np.zeros_like(body.vertices), 20e3
+        by_x, by_pressure = jax.grad(loss, argnums=(0, 1))(still, pressure)
+        direction = np.random.default_rng(2).uniform(-1, 1, still.shape) * 1e-6
+        central = (loss(direction, pressure) - loss(-direction, pressure)) / 2
+        self.assertAlmostEqual(float(np.vdot(by_x, direction) / central), 1, 5)
+        central = (loss(still, pressure + 10) - loss(still, pressure - 10)) / 20
+        self.assertAlmostEqual(float(by_pressure / central), 1, 5)
+        self.assertEqual(float(jax.jit(loss)(still, pressure)), float(loss(still, pressure)))
+
+
+class Book(unittest.TestCase):
+    def test_the_pieces_of_the_chapter_run(self):
+        page = (pathlib.Path(__file__).parents[2] / "pipelines/book/python.md").read_text()
+        pieces = [part.split("```")[0] for part in page.split("```python\n")[1:]]
+        self.assertEqual(len(pieces), 5)
+        before = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            try:
+                sp.Body(*box()).write("tagged.msh")
+                names = {}
+                for piece in pieces:
+                    if "scipy" in piece and importlib.util.find_spec("scipy") is None:
+                        continue
+                    with contextlib.redirect_stdout(io.StringIO()):
+                        exec(compile(piece, "python.md", "exec"), names)
+                self.assertTrue(os.path.exists("saved/report.json") and os.path.exists("state.vtu"))
+            finally:
+                os.chdir(before)
+        self.assertTrue(0 < names["curve"][0] < names["curve"][1] < names["curve"][2])
 
 
 if __name__ == "__main__":
