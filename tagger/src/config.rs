@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use program::schema::{Format, add_keys, one_of};
-use program::{Change, Keys, Settings};
+use program::{Change, KeyPath, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -180,14 +180,16 @@ impl Config {
             .tag
             .into_iter()
             .enumerate()
-            .map(|(i, table)| Tag::parse(table).with_context(|| format!("[[tag]] {}", i + 1)))
+            .map(|(i, table)| Tag::parse(table).with_context(|| KeyPath::list("tag").number(i + 1)))
             .collect::<Result<_>>()?;
         check_names(&tags)?;
         let volumes: Vec<Volume> = file
             .volume
             .into_iter()
             .enumerate()
-            .map(|(i, table)| Volume::parse(table).with_context(|| format!("[[volume]] {}", i + 1)))
+            .map(|(i, table)| {
+                Volume::parse(table).with_context(|| KeyPath::list("volume").number(i + 1))
+            })
             .collect::<Result<_>>()?;
         for (i, volume) in volumes.iter().enumerate() {
             let twice = volumes[..i].iter().any(|other| other.name == volume.name);
@@ -231,7 +233,10 @@ fn selector_and_name(table: &mut toml::Table, others: &[&str]) -> Result<(&'stat
     let selectors = SELECTORS.iter().map(|s| s.key);
     let keys: Vec<&str> = others.iter().copied().chain(selectors).collect();
     if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
-        bail!("unknown key `{key}`, expected one of {}", keys.join(", "));
+        bail!(
+            KeyPath::of(key)
+                .told(format!("unknown key `{key}`, expected one of {}", keys.join(", ")))
+        );
     }
     let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
     let (selector, second) = (given.next(), given.next());
@@ -267,7 +272,10 @@ impl Rim {
 /// Removes and converts the value of a key.
 fn take<T: serde::de::DeserializeOwned>(table: &mut toml::Table, key: &str) -> Result<Option<T>> {
     let Some(value) = table.remove(key) else { return Ok(None) };
-    value.try_into().map(Some).map_err(|e| anyhow!("`{key}`: {}", e.message().trim()))
+    value
+        .try_into()
+        .map(Some)
+        .map_err(|e| KeyPath::of(key).told(format!("`{key}`: {}", e.message().trim())).into())
 }
 
 fn check_names(tags: &[Tag]) -> Result<()> {

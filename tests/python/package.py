@@ -235,6 +235,20 @@ class Runs(unittest.TestCase):
             tested += 1
         self.assertGreaterEqual(tested, 5)
 
+    def test_a_response_has_values_and_slopes(self):
+        body = scene(traction=[{"on": "top", "traction": [0, 0, 0]}])
+        path, push = "chamber.cavity.pressure", "traction.top.z"
+        table = sp.response(body, {path: [10e3, 10.001e3, 9e9]}, by=[push])
+        self.assertEqual(table.columns, [path, "height", f"d height/d {path}", f"d height/d {push}"])
+        self.assertTrue(np.all(np.isnan(table.rows[2, 1:])))
+        slope = (table["height"][1] - table["height"][0]) / 1.0
+        self.assertAlmostEqual(table[f"d height/d {path}"][0] / slope, 1, 3)
+        pushed = body.copy()
+        pushed.set(path, 10e3)
+        pushed.set(push, 1.0)
+        rise = pushed.simulate().probe("height") - table["height"][0]
+        self.assertAlmostEqual(table[f"d height/d {push}"][0] / rise, 1, 3)
+
     def test_the_gradient_of_a_probe_is_that_of_its_function(self):
         value, by = self.found.gradient("height", ["chamber.cavity.pressure", "wall.top"])
         self.assertAlmostEqual(value, self.found.probe("height"), 15)
@@ -327,7 +341,7 @@ class Book(unittest.TestCase):
     def test_the_pieces_of_the_chapter_run(self):
         page = (pathlib.Path(__file__).parents[2] / "pipelines/book/python.md").read_text()
         pieces = [part.split("```")[0] for part in page.split("```python\n")[1:]]
-        self.assertEqual(len(pieces), 5)
+        self.assertEqual(len(pieces), 6)
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

@@ -34,6 +34,6 @@ pub use nearest::{did_you_mean, nearest};
 pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use pattern::fits;
 pub use progress::{Heartbeat, Progress, Spinner};
-pub use settings::{Change, Changes, Keys, Settings, VERSION, read_toml};
+pub use settings::{Change, Changes, KeyPath, Keys, Misfit, Settings, VERSION, read_toml};
 pub use shell::parse;
 pub use terminal::{Stdout, stdout};

@@ -2,6 +2,7 @@
 
 use library::tubes;
 use program::schema::one_of_these;
+use program::{KeyPath, Misfit, misfit};
 use schemars::{Schema, SchemaGenerator};
 
 use super::table::{any, table};
@@ -100,12 +101,13 @@ impl FittingConfig {
     ///
     /// # Errors
     /// The key, what it is, and what it may be.
-    pub fn check(&self) -> Result<(), String> {
-        let tube = self.tube()?;
+    pub fn check(&self) -> Result<(), Misfit> {
+        let tube = self.tube().map_err(|what| KeyPath::table("fitting").told(what))?;
         self.check_ranges()?;
         for (key, length) in [("length", self.length(&tube)), ("wall", self.wall)] {
             if !(length > 0.0 && length < 0.1) {
-                return Err(format!("fitting.{key} is {length}, must be above 0 and below 0.1 m"));
+                let key = KeyPath::of(&format!("fitting.{key}"));
+                return Err(misfit!(key, " is {length}, must be above 0 and below 0.1 m"));
             }
         }
         Ok(())

@@ -25,7 +25,7 @@ use std::path::Path;
 use anyhow::{Result, bail, ensure};
 use library::{Chemistry, printers, silicones};
 use program::schema::one_of_these;
-use program::{Change, Keys, Settings};
+use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -246,22 +246,28 @@ impl Config {
     }
 
     fn check(&self) -> Result<()> {
-        self.check_tables().map_err(anyhow::Error::msg)?;
+        self.check_tables()?;
         let shrinkage = self.shrinkage();
         ensure!(
             (0.0..0.2).contains(&shrinkage),
-            "shrinkage is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
+            misfit!(
+                KeyPath::of("shrinkage"),
+                " is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
+            )
         );
         ensure!(
             self.keys.height + self.key_clearance() < self.flange.thickness,
-            "flange.thickness is {}, must exceed keys.height and clearance, {}: the keys would pierce it",
-            self.flange.thickness,
-            self.keys.height + self.key_clearance()
+            misfit!(
+                KeyPath::of("flange.thickness"),
+                " is {}, must exceed keys.height and clearance, {}: the keys would pierce it",
+                self.flange.thickness,
+                self.keys.height + self.key_clearance()
+            )
         );
         Ok(())
     }
 
-    fn check_tables(&self) -> Result<(), String> {
+    fn check_tables(&self) -> Result<(), Misfit> {
         self.check_ranges()?;
         self.limits.check_ranges()?;
         self.parting.check()?;

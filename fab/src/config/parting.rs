@@ -1,5 +1,6 @@
 //! `[parting]`: where the shells separate.
 
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -81,7 +82,7 @@ impl PartingConfig {
     ///
     /// # Errors
     /// The key, what it is, and what it may be.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), Misfit> {
         match self {
             Self::Auto(auto) => auto.check_ranges(),
             Self::Plane(plane) => plane.check_ranges(),
@@ -90,8 +91,9 @@ impl PartingConfig {
                 let HeightFieldConfig { smoothing, cell, .. } = field;
                 match *smoothing <= 50.0 * cell {
                     true => Ok(()),
-                    false => Err(format!(
-                        "parting.smoothing is {smoothing}, must be at most 50 cells of {cell} m"
+                    false => Err(misfit!(
+                        KeyPath::of("parting.smoothing"),
+                        " is {smoothing}, must be at most 50 cells of {cell} m"
                     )),
                 }
             }

@@ -66,8 +66,12 @@ macro_rules! table {
             ///
             /// # Errors
             /// The key, what it is, and what it may be.
-            pub fn check_ranges(&self) -> Result<(), String> {
-                $( ($range)(concat!($prefix, stringify!($key)), &self.$key)?; )+
+            pub fn check_ranges(&self) -> Result<(), program::Misfit> {
+                $(
+                    let key = concat!($prefix, stringify!($key));
+                    let refused = |what: String| program::KeyPath::of(key).told(what);
+                    ($range)(key, &self.$key).map_err(refused)?;
+                )+
                 Ok(())
             }
         }

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Context as _, Result};
+use program::KeyPath;
 use program::schema::{Key, add_keys, key_names, keys_of, one_of};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{DeserializeOwned, Error as _};
@@ -61,7 +62,7 @@ impl<C: Common> Entry<C> {
 
     /// What messages call it.
     #[must_use]
-    pub fn title(&self) -> String {
+    pub fn title(&self) -> KeyPath {
         C::LIST.title(self.name())
     }
 
@@ -72,7 +73,7 @@ impl<C: Common> Entry<C> {
     pub fn check(&self) -> Result<()> {
         let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
         let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
-        checked.map_err(|what| anyhow!("{}: {what:#}", self.title()))
+        Ok(checked.map_err(|what| self.title().around(&what))?)
     }
 
     /// Builds the quantity on bodies.
@@ -121,7 +122,7 @@ impl<'de, C: Common> Deserialize<'de> for Entry<C> {
         let keys = Table::deserialize(deserializer)?;
         let name = keys.get("name").and_then(|name| name.as_str()).map(str::to_owned);
         Self::read(keys).map_err(|what| {
-            let title = name.map_or_else(String::new, |name| C::LIST.title(&name) + ": ");
+            let title = name.map_or_else(String::new, |name| format!("{}: ", C::LIST.title(&name)));
             D::Error::custom(format!("{title}{}", format!("{what:#}").trim_end()))
         })
     }

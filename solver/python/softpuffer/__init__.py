@@ -22,6 +22,7 @@ _PLACES = {
     "Scene": "scene",
     "design": "design",
     "load": "scene",
+    "response": "response",
 }
 _MODULES = ("fab", "jax", "torch")
 

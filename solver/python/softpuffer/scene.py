@@ -100,6 +100,11 @@ class Scene:
         """The numbers of the scene by their paths, in SI units; None where one is a function of time."""
         return {path: value for path, _, value in self._native.numbers()}
 
+    @property
+    def probes(self) -> list[str]:
+        """The names of the probes."""
+        return self._native.probes()
+
     def unit(self, path: str) -> str:
         """The SI unit of a number."""
         self.get(path)

@@ -112,6 +112,11 @@ impl Scene {
         scene.parts.iter().zip(scene.body.separate()).map(body).collect()
     }
 
+    /// Names of the probes.
+    fn probes(&self) -> Vec<String> {
+        self.now().config.probe.iter().map(|probe| probe.name().to_owned()).collect()
+    }
+
     /// Number of nodes that a run has.
     fn node_count(&self) -> usize {
         let scene = self.now();

@@ -5,6 +5,7 @@
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
 use program::schema::{add_keys, add_kind};
+use program::{KeyPath, misfit};
 use schemars::Schema;
 use serde_json::json;
 use toml::{Table, Value};
@@ -54,7 +55,9 @@ fn law<M: ?Sized + 'static>(
 ) -> Result<&'static Law<M>> {
     match table.remove("kind") {
         Some(Value::String(kind)) => find_in(laws, &kind, command),
-        Some(other) => bail!("kind = {other}: expected the name of a law in quotes"),
+        Some(other) => {
+            bail!(misfit!(KeyPath::of("kind"), " = {other}: expected the name of a law in quotes"))
+        }
         None => bail!("no kind; `{command}` names the laws"),
     }
 }
@@ -64,13 +67,14 @@ fn find_in<M: ?Sized + 'static>(
     kind: &str,
     command: &str,
 ) -> Result<&'static Law<M>> {
-    laws.iter().find(|law| law.key == kind).with_context(|| {
+    let found = laws.iter().find(|law| law.key == kind);
+    Ok(found.ok_or_else(|| {
         let known: Vec<_> = laws.iter().map(|law| law.key).collect();
-        format!(
+        KeyPath::of("kind").told(format!(
             "unknown kind \"{kind}\"; known are {}\n  `{command}` explains them",
             known.join(", ")
-        )
-    })
+        ))
+    })?)
 }
 
 /// Reads the parameters of a law from a table, which must hold nothing else.
@@ -81,7 +85,8 @@ fn find_in<M: ?Sized + 'static>(
 pub fn values<M: ?Sized + 'static>(law: &Law<M>, table: &Table) -> Result<Vec<f64>> {
     let is_known = |name: &String| law.parameters.iter().any(|p| p.name == *name);
     if let Some(unknown) = table.keys().find(|name| !is_known(name)) {
-        bail!("{}: unknown parameter \"{unknown}\"; expected {}", law.key, needs(law));
+        let what = format!("{}: unknown parameter \"{unknown}\"; expected {}", law.key, needs(law));
+        bail!(KeyPath::of(unknown).told(what));
     }
     let mut values = Vec::new();
     let mut terms = None;
@@ -117,13 +122,18 @@ fn numbers(parameter: &Parameter, value: &Value) -> Result<Vec<f64>> {
     let Parameter { name, unit, list, .. } = parameter;
     let items = match (list, value) {
         (true, Value::Array(items)) if !items.is_empty() => items.as_slice(),
-        (true, _) => bail!("{name} = {value}: expected a list of numbers [{unit}]"),
+        (true, _) => {
+            bail!(misfit!(KeyPath::of(name), " = {value}: expected a list of numbers [{unit}]"))
+        }
         (false, _) => std::slice::from_ref(value),
     };
     let one = |item: &Value| {
-        let number =
-            number(item).with_context(|| format!("{name} = {item}: expected a number [{unit}]"))?;
-        ensure!(number.is_finite(), "{name} = {number} [{unit}]: must be finite");
+        let number = number(item)
+            .ok_or_else(|| misfit!(KeyPath::of(name), " = {item}: expected a number [{unit}]"))?;
+        ensure!(
+            number.is_finite(),
+            misfit!(KeyPath::of(name), " = {number} [{unit}]: must be finite")
+        );
         Ok(number)
     };
     items.iter().map(one).collect()
@@ -195,43 +205,56 @@ pub(crate) fn number(value: &Value) -> Option<f64> {
 
 fn density(value: &Value) -> Result<f64> {
     let density = number(value).filter(|d| d.is_finite() && *d > 0.0);
-    density.with_context(|| format!("density = {value}: expected a positive number [kg/m³]"))
+    Ok(density.ok_or_else(|| {
+        misfit!(KeyPath::of("density"), " = {value}: expected a positive number [kg/m³]")
+    })?)
 }
 
 fn at_break(value: &Value) -> Result<f64> {
     let stretch = number(value).filter(|s| s.is_finite() && *s > 1.0);
-    stretch.with_context(|| {
-        format!(
-            "stretch_at_break = {value}: expected a number above 1, 1 + elongation at break [1]"
+    Ok(stretch.ok_or_else(|| {
+        misfit!(
+            KeyPath::of("stretch_at_break"),
+            " = {value}: expected a number above 1, 1 + elongation at break [1]"
         )
-    })
+    })?)
 }
 
 fn creep(value: &Value) -> Result<f64> {
     let part = number(value).filter(|c| c.is_finite() && *c > 0.0);
-    part.with_context(|| {
-        format!("creep = {value}: expected a positive part by which strain grows, such as 0.2")
-    })
+    Ok(part.ok_or_else(|| {
+        misfit!(
+            KeyPath::of("creep"),
+            " = {value}: expected a positive part by which strain grows, such as 0.2"
+        )
+    })?)
 }
 
 fn mullins(value: &Value) -> Result<f64> {
     let part = number(value).filter(|m| *m > 0.0 && *m < 1.0);
-    part.with_context(|| {
-        format!(
-            "mullins = {value}: expected a part between 0 and 1 by which stress falls, such as 0.1"
+    Ok(part.ok_or_else(|| {
+        misfit!(
+            KeyPath::of("mullins"),
+            " = {value}: expected a part between 0 and 1 by which stress falls, such as 0.1"
         )
-    })
+    })?)
 }
 
 fn range(value: &Value) -> Result<[f64; 2]> {
     let numbers: Option<Vec<f64>> =
         value.as_array().and_then(|items| items.iter().map(number).collect());
     let Some(&[low, high]) = numbers.as_deref() else {
-        bail!("stretch_range = {value}: expected two numbers, as in [0.5, 4.0]");
+        bail!(misfit!(
+            KeyPath::of("stretch_range"),
+            " = {value}: expected two numbers, as in [0.5, 4.0]"
+        ));
     };
     ensure!(
         low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite(),
-        "stretch_range = {value}: must be [smallest, largest] principal stretch around 1"
+        misfit!(
+            KeyPath::of("stretch_range"),
+            " = {value}: must be [smallest, largest] principal stretch around 1"
+        )
     );
     Ok([low, high])
 }

@@ -4,12 +4,13 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::schedule::Field;
 use mesh::Vec3;
 use nalgebra::{Matrix6, Vector6};
+use program::{KeyPath, misfit};
 
 use crate::config::Fixed;
 
@@ -56,9 +57,8 @@ impl Supports {
             nodes.dedup();
             let places: Vec<Vec3> = nodes.iter().map(|&n| supports.positions[n]).collect();
             for schedule in config.displacement.0.iter().filter(|s| s.uses_position()) {
-                schedule.check(times, &places).map_err(|what| {
-                    anyhow!("[[fixed]] on \"{}\": displacement: {what}", config.on)
-                })?;
+                let key = || KeyPath::list("fixed").on(&config.on).key("displacement");
+                schedule.check(times, &places).map_err(|what| misfit!(key(), ": {what}"))?;
             }
             for node in nodes {
                 supports.fix(node, index, configs, times)?;
@@ -156,15 +156,16 @@ impl Supports {
                 let [before, value] = both(&t);
                 if (before - value).abs() > SAME * largest {
                     let (axis, p) = (["x", "y", "z"][k], self.positions[node]);
-                    bail!(
-                        "[[fixed]]: \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {before} m \
+                    bail!(misfit!(
+                        KeyPath::list("fixed"),
+                        ": \"{}\" moves the point ({:.5}, {:.5}, {:.5}) m by {before} m \
                          along {axis}, \"{}\" by {value} m at t = {t}; tags that meet must agree",
                         all[first].on,
                         p.x,
                         p.y,
                         p.z,
                         config.on
-                    );
+                    ));
                 }
             }
         }
@@ -180,13 +181,14 @@ impl Supports {
             let centre = part.iter().map(|&n| positions[n]).sum::<Vec3>() / part.len() as f64;
             if let Some(motion) = self.rigid_motion(part, centre) {
                 if parts.len() == 1 {
-                    bail!(
-                        "[[fixed]]: the body can still {motion} as a whole; fix more components \
-                         or tags"
-                    );
+                    bail!(misfit!(
+                        KeyPath::list("fixed"),
+                        ": the body can still {motion} as a whole; fix more components or tags"
+                    ));
                 }
-                bail!(
-                    "[[fixed]]: the body consists of {} parts that do not touch, and the one \
+                bail!(misfit!(
+                    KeyPath::list("fixed"),
+                    ": the body consists of {} parts that do not touch, and the one \
                      around ({:.5}, {:.5}, {:.5}) m, of {} nodes, can still {motion} as a whole; \
                      fix it, too, or take it out of the mesh",
                     parts.len(),
@@ -194,7 +196,7 @@ impl Supports {
                     centre.y,
                     centre.z,
                     part.len()
-                );
+                ));
             }
         }
         Ok(())
@@ -260,15 +262,18 @@ fn root(parent: &mut [usize], mut node: usize) -> usize {
 fn check(config: &Fixed) -> Result<()> {
     let Fixed { on, components, displacement } = config;
     let axes = config.axes();
+    let title = KeyPath::list("fixed").on(on);
     ensure!(
         components.len() == axes.iter().filter(|a| **a).count() && !components.is_empty(),
-        "[[fixed]] on \"{on}\": components = \"{components}\": must be some of x, y, z, each once"
+        misfit!(title.key("components"), " = \"{components}\": must be some of x, y, z, each once")
     );
     for (free, value) in axes.iter().map(|a| !a).zip(&displacement.0) {
         ensure!(
             !free || value.is_zero(),
-            "[[fixed]] on \"{on}\": displacement {value}: must be zero along axes that are not in \
-             components = \"{components}\""
+            misfit!(
+                title.key("displacement"),
+                " {value}: must be zero along axes that are not in components = \"{components}\""
+            )
         );
     }
     Ok(())

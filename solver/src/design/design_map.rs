@@ -11,6 +11,7 @@ use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::at;
 use mesh::Vec3;
+use program::KeyPath;
 use scene::Scene;
 use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
 
@@ -241,8 +242,10 @@ fn check_apart(patches: &[Patch]) -> Result<()> {
             let rims = matches!((a, b), (Patch::Handles(_), Patch::Handles(_)));
             ensure!(
                 count == 0 || rims,
-                "[shape] on: two tags share {count} vertices off their rims; expected tags \
-                 whose facets are apart"
+                KeyPath::table("shape").key("on").told(format!(
+                    "[shape] on: two tags share {count} vertices off their rims; expected tags whose \
+                     facets are apart"
+                ))
             );
         }
     }

@@ -1,10 +1,11 @@
 //! What of a patch may not move, or only along a plane.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::symmetry::{OFF_PLANE, Plane};
 use mesh::measure::mean_edge;
 use mesh::{SurfaceMesh, Vec3};
+use program::{KeyPath, Misfit};
 use scene::config::KeepConfig;
 
 use super::Geodesics;
@@ -41,8 +42,10 @@ impl Flat {
         let nearest = moving.iter().flatten().map(|&v| off(v)).fold(f64::INFINITY, f64::min);
         ensure!(
             moving.iter().any(|facet| within(&facet)),
-            "[shape] keep: no facet that moves lies in {keep}; the nearest vertex is {:.3} mm off it",
-            1e3 * nearest
+            refused(format!(
+                "no facet that moves lies in {keep}; the nearest vertex is {:.3} mm off it",
+                1e3 * nearest
+            ))
         );
         let mut vertices: Vec<usize> =
             moving.iter().flatten().copied().filter(|&v| off(v) <= tolerance).collect();
@@ -52,25 +55,30 @@ impl Flat {
     }
 }
 
+fn refused(what: String) -> Misfit {
+    KeyPath::table("shape").key("keep").told(format!("[shape] keep: {what}"))
+}
+
 /// Normal and level of the plane that a tag's facets lie in.
 fn plane_of(body: &Body, tag: &str, tolerance: f64) -> Result<(Vec3, f64)> {
     let facets = body.facets(tag)?;
     let rest = &body.mesh.vertices;
     let area = |f: &[usize; 3]| (rest[f[1]] - rest[f[0]]).cross(&(rest[f[2]] - rest[f[0]]));
     let normal = facets.iter().map(area).sum::<Vec3>();
-    let normal = normal.try_normalize(0.0).with_context(|| {
-        format!("[shape] keep: the areas of \"{tag}\" cancel: expected a flat face")
-    })?;
+    let normal = normal
+        .try_normalize(0.0)
+        .ok_or_else(|| refused(format!("the areas of \"{tag}\" cancel: expected a flat face")))?;
     let height = |v: &usize| normal.dot(&rest[*v]);
     let heights = || facets.iter().flatten().map(height);
     let (low, high) = heights()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
     ensure!(
         high - low <= 2.0 * tolerance,
-        "[shape] keep: \"{tag}\" is not flat: its vertices are {:.3} mm apart across it; expected at most \
-         {:.1e} mm",
-        1e3 * (high - low),
-        2e3 * tolerance
+        refused(format!(
+            "\"{tag}\" is not flat: its vertices are {:.3} mm apart across it; expected at most {:.1e} mm",
+            1e3 * (high - low),
+            2e3 * tolerance
+        ))
     );
     Ok((normal, (low + high) / 2.0))
 }

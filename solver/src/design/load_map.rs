@@ -11,6 +11,7 @@ use mechanics::body::Body;
 use mechanics::energy::{ChamberId, GasLaw, Isobaric};
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
+use program::{KeyPath, misfit};
 use scene::Scene;
 use scene::config::{ChamberConfig, ChamberDesign, ParameterDesign};
 
@@ -89,7 +90,10 @@ impl LoadMap {
             }
             ensure!(
                 map.curves.iter().all(|c| c.chamber != id),
-                "[[chamber]] on \"{on}\": a [[parameter]] changes it, too; keep one of them"
+                misfit!(
+                    KeyPath::list("chamber").on(on),
+                    ": a [[parameter]] changes it, too; keep one of them"
+                )
             );
             map.named.push((id, gas.clone()));
         }
@@ -98,23 +102,21 @@ impl LoadMap {
 
     fn add_curve(&mut self, design: &ChamberDesign, scene: &Scene, edge: f64) -> Result<()> {
         let on = design.on.clone();
+        let title = KeyPath::list("chamber").on(&on);
         let mut chambers = scene.config.chamber.iter().enumerate();
         let Some((i, ChamberConfig { gas, .. })) = chambers.find(|(_, found)| found.on == on)
         else {
-            bail!("[[chamber]] on \"{on}\": the scene has no [[chamber]] there");
+            bail!(misfit!(title, ": the scene has no [[chamber]] there"));
         };
         let id = ChamberId::of(i);
         let Some(pressure) = gas.pressure() else {
-            bail!(
-                "[[chamber]] on \"{on}\": the scene's [[chamber]] there has {}; expected \
-                 pressure",
+            bail!(misfit!(
+                title,
+                ": the scene's [[chamber]] there has {}; expected pressure",
                 gas.key()
-            );
+            ));
         };
-        ensure!(
-            self.curves.iter().all(|c| c.chamber != id),
-            "[[chamber]] on \"{on}\" is given twice"
-        );
+        ensure!(self.curves.iter().all(|c| c.chamber != id), misfit!(title, " is given twice"));
         let times = &self.times;
         let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
         let [low, high] = design.slope;
@@ -125,11 +127,14 @@ impl LoadMap {
         for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
             ensure!(
                 low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
-                "[[chamber]] on \"{on}\": in time step {} the scene's pressure has a slope of \
-                 {:.4e} Pa/s, which slope = {:?} Pa/s does not allow",
-                n + 1,
-                (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
-                design.slope
+                misfit!(
+                    title,
+                    ": in time step {} the scene's pressure has a slope of {:.4e} Pa/s, which slope = {:?} \
+                     Pa/s does not allow",
+                    n + 1,
+                    (values[n + 1] - values[n]) / (times[n + 1] - times[n]),
+                    design.slope
+                )
             );
         }
         let change = design.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
@@ -140,15 +145,16 @@ impl LoadMap {
     /// Adds a number of the scene by its path.
     fn add_path(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
         let name = &design.name;
-        let number = Number::find(scene, name).context("[[parameter]]")?;
+        let title = KeyPath::list("parameter").named(name);
+        let number = Number::find(scene, name).context(KeyPath::list("parameter"))?;
         ensure!(
             !["wall", "velocity"].contains(&number.word()),
-            "[[parameter]] \"{name}\": a design cannot change it; walls move by [[shape]]"
+            misfit!(title, ": a design cannot change it; walls move by [[shape]]")
         );
         let designed = |c: &&Curve| name.starts_with(&format!("chamber.{}.", c.on));
         ensure!(
             !self.curves.iter().any(|c| designed(&c)),
-            "[[parameter]] \"{name}\": a [[chamber]] of the design changes it, too; keep one of them"
+            misfit!(title, ": a [[chamber]] of the design changes it, too; keep one of them")
         );
         let start = number.value(scene);
         self.add(design, Some(number), start, edge)
@@ -163,14 +169,12 @@ impl LoadMap {
         edge: f64,
     ) -> Result<()> {
         let ParameterDesign { name, bounds, change } = design;
+        let title = KeyPath::list("parameter").named(name);
         ensure!(
             bounds[0] <= start && start <= bounds[1],
-            "[[parameter]] \"{name}\": the scene's value {start} is not within bounds = {bounds:?}"
+            misfit!(title, ": the scene's value {start} is not within bounds = {bounds:?}")
         );
-        ensure!(
-            self.numbers.iter().all(|n| n.name != *name),
-            "[[parameter]] \"{name}\" is given twice"
-        );
+        ensure!(self.numbers.iter().all(|n| n.name != *name), misfit!(title, " is given twice"));
         let scalar = Scalar::new(start, *bounds, edge);
         let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
         self.numbers.push(Designed { name: name.clone(), number, scalar, change });
@@ -180,11 +184,13 @@ impl LoadMap {
     /// Adds a number of `[parameters]`.
     fn add_parameter(&mut self, design: &ParameterDesign, scene: &Scene, edge: f64) -> Result<()> {
         let name = &design.name;
+        let title = KeyPath::list("parameter").named(name);
         let Some(&start) = self.parameters.get(name) else {
-            bail!(
-                "[[parameter]] \"{name}\": {} has none of this name in [parameters]",
+            bail!(misfit!(
+                title,
+                ": {} has none of this name in [parameters]",
                 scene.path.display()
-            );
+            ));
         };
         let mut config = scene.config.clone();
         let chambers = config.chamber.len();
@@ -196,12 +202,12 @@ impl LoadMap {
             }
         }
         if let Some(what) = elsewhere {
-            bail!(
-                "[[parameter]] \"{name}\" occurs in {what}, by which there is no gradient; it may \
-                 occur in [[chamber]]"
-            );
+            bail!(misfit!(
+                title,
+                " occurs in {what}, by which there is no gradient; it may occur in [[chamber]]"
+            ));
         }
-        ensure!(found, "[[parameter]] \"{name}\" occurs in no [[chamber]]");
+        ensure!(found, misfit!(title, " occurs in no [[chamber]]"));
         self.add(design, None, start, edge)
     }
 

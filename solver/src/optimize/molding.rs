@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::body::Body;
 use mesh::{Tags, TetMesh};
-use program::Process;
+use program::{KeyPath, Process, misfit};
 use reports::Castable;
 use scene::config::{DesignConfig, beside};
 use serde::Deserialize;
@@ -33,20 +33,25 @@ impl Molding {
     pub fn new(path: &Path, design: &DesignConfig, body: &Body) -> Result<Option<Self>> {
         let Some(mold) = &design.mold else { return Ok(None) };
         let config = beside(path, &mold.config);
-        ensure!(config.exists(), "[mold] config: {}: no such file", config.display());
+        let key = |key: &str| KeyPath::table("mold").key(key);
+        ensure!(
+            config.exists(),
+            key("config").told(format!("[mold] config: {}: no such file", config.display()))
+        );
         let names: Vec<&str> = body.parts.iter().filter_map(|part| part.name.as_deref()).collect();
         let known = names.join(", ");
         let part = match &mold.body {
             None if body.parts.len() == 1 => 0,
-            None => bail!("[mold] needs body = ..., one of {known}"),
-            Some(name) => names
-                .iter()
-                .position(|other| other == name)
-                .with_context(|| format!("[mold] body: there is no \"{name}\", only {known}"))?,
+            None => bail!(misfit!(KeyPath::table("mold"), " needs body = ..., one of {known}")),
+            Some(name) => names.iter().position(|other| other == name).ok_or_else(|| {
+                let what = format!("[mold] body: there is no \"{name}\", only {known}");
+                key("body").told(what)
+            })?,
         };
         let molding = Self { config, part };
         if let Err((said, Some(WRONG))) = molding.plan(body)? {
-            bail!("[mold] config: fab plan --config {}: {said}", molding.config.display());
+            let config = molding.config.display();
+            bail!(key("config").told(format!("[mold] config: fab plan --config {config}: {said}")));
         }
         Ok(Some(molding))
     }

@@ -22,6 +22,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use measure::probe::Probe;
 use mechanics::forward::{Problem, Trajectory, Workspace};
+use program::KeyPath;
 use reports::{ErrorBar, ErrorBars};
 use scene::Scene;
 use scene::config::{Modulus, UncertaintyConfig, is_pressure};
@@ -139,7 +140,7 @@ fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
         all.push(Off::new("friction", None, both(off), Group::friction(scene)));
     }
     for (path, &off) in &config.numbers {
-        let number = Number::find(scene, path).context("[uncertainty.numbers]")?;
+        let number = Number::find(scene, path).context(KeyPath::table("uncertainty.numbers"))?;
         all.push(Off::new(path, None, both(off), number.into()));
     }
     if let Some(off) = config.wall {

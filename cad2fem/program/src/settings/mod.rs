@@ -4,6 +4,7 @@
 //! imaginary text, so that the range of a key or value says from which of them it came.
 
 mod change;
+mod key_path;
 mod magnitude;
 mod merge;
 mod place;
@@ -19,6 +20,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
 pub use change::{Change, Changes};
+pub use key_path::{KeyPath, Misfit};
 pub use version::VERSION;
 
 use crate::InputFile;
@@ -131,8 +133,8 @@ impl Settings {
         read(self).map_err(|error| self.place(error))
     }
 
-    /// An error in what the settings mean, with the place that its message names: `[table]`,
-    /// `[[table]] "name"` or `[[table]] on "tag"`, and the key.
+    /// An error in what the settings mean, with its place: that of the [`KeyPath`]s that it carries, or of the keys
+    /// that its message names as these are written.
     #[must_use]
     pub fn place(&self, error: anyhow::Error) -> anyhow::Error {
         let text = format!("{error:#}");
@@ -142,7 +144,11 @@ impl Settings {
         if error.chain().any(|cause| cause.is::<Placed>() || cause.is::<crate::Unusable>()) {
             return error;
         }
-        match self.tree().ok().and_then(|tree| place::find(&tree, None, what)) {
+        let place = |tree: &DeTable| match KeyPath::of_error(&error) {
+            Some(path) => place::of_path(tree, &path, what),
+            None => place::find(tree, None, what),
+        };
+        match self.tree().ok().and_then(|tree| place(&tree)) {
             Some(place) => self.refused(what, Some(place)),
             None if is_named => error,
             None => error.context(name),

@@ -1,17 +1,59 @@
 //! Where in a file an error is, and how that is shown.
+//!
+//! Errors of checks carry the keys that lead there ([`of_path`]). Messages are read ([`find`]) where there is nothing
+//! else: of `toml` and of types that read themselves, as serde hands on texts alone, and below the keys of
+//! checks that know only the table.
 
 use std::ops::Range;
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
+use super::key_path::{KeyPath, Step};
 use super::merge::identity;
 
 /// As much of a line is shown before a place, and twice as much from there on [bytes].
 const AROUND: usize = 300;
 
-/// The place of an error. `span` is that of what did not fit: of a key or value it is the place, in
-/// a table it is looked for. Without one the whole file is. There it is the word that the message
+/// The place that keys lead to, as far as they do; below it the keys that the rest of the message names.
+pub fn of_path(tree: &DeTable, path: &KeyPath, message: &str) -> Option<Range<usize>> {
+    let (mut table, mut list, mut found) = (Some(tree), None, None);
+    for step in path.steps() {
+        let (place, value) = match step {
+            Step::Table(name) | Step::List(name) | Step::Key(name) => {
+                let Some((key, value)) = table.and_then(|table| entry(table, name)) else { break };
+                (key.start..end_on_its_line(&key, value), value)
+            }
+            _ => match list.and_then(|list| item_of(list, step)) {
+                Some(item) => (item.span(), item),
+                None => break,
+            },
+        };
+        (table, list) = (value.get_ref().as_table(), value.get_ref().as_array());
+        found = Some(place);
+    }
+    let rest = message.strip_prefix(&path.to_string()).unwrap_or_default();
+    let below = |table| {
+        let unknown = crate::nearest::unknown(rest).and_then(|(_, word, _)| holds(table, word));
+        unknown.or_else(|| address(table, rest))
+    };
+    table.and_then(below).or(found)
+}
+
+/// The item of a list that a step stands for.
+fn item_of<'t, 'a>(list: &'t DeArray<'a>, step: &Step) -> Option<&'t Spanned<DeValue<'a>>> {
+    match step {
+        Step::Named(name) | Step::On(name) => {
+            list.iter().find(|item| identity(item.get_ref()) == Some(name))
+        }
+        Step::Number(number) => list.get(number.checked_sub(1)?),
+        Step::Along(axis) => list.get(*axis),
+        Step::Table(_) | Step::List(_) | Step::Key(_) => None,
+    }
+}
+
+/// The place of an error that carries no keys. `span` is that of what did not fit: of a key or value it is the place,
+/// in a table it is looked for. Without one the whole file is. There it is the word that the message
 /// calls unknown, or the address that it begins or ends with.
 pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option<Range<usize>> {
     let (table, span) = match span {
@@ -117,22 +159,23 @@ fn address(tree: &DeTable, message: &str) -> Option<Range<usize>> {
     }
 }
 
-struct Step<'m> {
+/// A key in a message, and what follows it.
+struct Word<'m> {
     name: &'m str,
     rest: &'m str,
 }
 
-fn step(message: &str) -> Option<Step<'_>> {
+fn step(message: &str) -> Option<Word<'_>> {
     for (open, close) in [("[[", "]]"), ("[", "]")] {
         if let Some(inside) = message.strip_prefix(open) {
             let (name, rest) = inside.split_once(close)?;
-            return Some(Step { name, rest });
+            return Some(Word { name, rest });
         }
     }
     let end = message.find(|c: char| !(c.is_alphanumeric() || "_-.".contains(c)))?;
     let (name, rest) = message.split_at(end);
     let follows = [":", " =", " is ", " \""].iter().any(|after| rest.starts_with(after));
-    (end > 0 && follows).then_some(Step { name, rest })
+    (end > 0 && follows).then_some(Word { name, rest })
 }
 
 /// The entry of a dotted key: the place of the last key, and the value.

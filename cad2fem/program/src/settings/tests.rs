@@ -7,6 +7,7 @@ use anyhow::anyhow;
 use serde::Deserialize;
 
 use super::*;
+use crate::misfit;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -272,6 +273,24 @@ fn what_settings_mean_is_refused_with_its_place() {
     ] {
         let message = place(text);
         assert!(message.starts_with(words), "{text}: {message}");
+    }
+    let pressure = KeyPath::list("chamber").on("arm.left").key("pressure");
+    let inner = KeyPath::of("pressure").says(" is odd");
+    let context = anyhow::Error::from(inner).context(KeyPath::list("chamber").number(2));
+    let carried = KeyPath::table("parameters").key("peak").told("three is odd");
+    for (error, words) in [
+        (
+            misfit!(pressure, " = {}: is odd", 2).into(),
+            "sim.toml:10:1: [[chamber]] on \"arm.left\": pressure = 2: is odd\n",
+        ),
+        (context, "sim.toml:10:1: [[chamber]] 2: pressure is odd\n"),
+        (anyhow::Error::from(carried).context("peaks"), "sim.toml:13:1: peaks: three is odd\n"),
+        (anyhow!("on: is odd").context(KeyPath::list("chamber").number(1)), "sim.toml:5:1: "),
+        (KeyPath::table("contact").says(": is odd").into(), "sim.toml: [contact]: is odd"),
+    ] {
+        let message = format!("{:#}", settings.place(error));
+        let message = message.replace(&format!("{}/", folder.0.path().display()), "");
+        assert!(message.starts_with(words), "{words}: {message}");
     }
     let unusable = settings.place(crate::Unusable("degree = 2".into()).into());
     assert!(unusable.is::<crate::Unusable>());

@@ -18,6 +18,7 @@ use std::sync::Arc;
 use anyhow::{Result, bail, ensure};
 use mechanics::element;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -86,10 +87,12 @@ enum Form {
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
         match (self.form, &self.direction) {
-            (Form::Along, None) => bail!("form = \"along\" needs direction = [x, y, z]"),
+            (Form::Along, None) => {
+                bail!(misfit!(KeyPath::of("form"), " = \"along\" needs direction = [x, y, z]"))
+            }
             (Form::Along, Some(d)) => ensure!(
                 d.iter().all(|x| x.is_finite()) && d.iter().any(|x| *x != 0.0),
-                "direction = {d:?}: must be finite, and not zero"
+                misfit!(KeyPath::of("direction"), " = {d:?}: must be finite, and not zero")
             ),
             (_, direction) => ensure!(
                 direction.is_none(),

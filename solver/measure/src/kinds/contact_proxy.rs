@@ -32,6 +32,7 @@ use mechanics::contact::surface::Surface;
 use mechanics::element::FunctionSpace;
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -65,8 +66,11 @@ impl Specification for Keys {
         positive("activation", self.activation)?;
         ensure!(
             self.on.all().len() > 1,
-            "on = {:?}: expected two tags or more that should press on each other",
-            self.on.all()
+            misfit!(
+                KeyPath::of("on"),
+                " = {:?}: expected two tags or more that should press on each other",
+                self.on.all()
+            )
         );
         Ok(())
     }

@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,13 +37,16 @@ impl Specification for Keys {
     fn check(&self) -> Result<()> {
         ensure!(
             self.on.len() >= 3,
-            "on = {:?}: found {} tags, a curvature needs three or more",
-            self.on,
-            self.on.len()
+            misfit!(
+                KeyPath::of("on"),
+                " = {:?}: found {} tags, a curvature needs three or more",
+                self.on,
+                self.on.len()
+            )
         );
         let repeated = |(i, tag): &(usize, &String)| self.on[..*i].contains(tag);
         if let Some((_, tag)) = self.on.iter().enumerate().find(repeated) {
-            anyhow::bail!("on = {:?}: \"{tag}\" occurs twice", self.on);
+            anyhow::bail!(misfit!(KeyPath::of("on"), " = {:?}: \"{tag}\" occurs twice", self.on));
         }
         Ok(())
     }

@@ -19,6 +19,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use mechanics::element::add_at;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -49,13 +50,11 @@ impl Specification for Keys {
         let length = Vec3::from(self.pull).norm();
         ensure!(
             length.is_finite() && length > 0.0,
-            "pull = {:?}: must have a direction",
-            self.pull
+            misfit!(KeyPath::of("pull"), " = {:?}: must have a direction", self.pull)
         );
         ensure!(
             (0.0..1.0).contains(&self.draft),
-            "draft = {}: must be at least 0 and below 1",
-            self.draft
+            misfit!(KeyPath::of("draft"), " = {}: must be at least 0 and below 1", self.draft)
         );
         Ok(())
     }

@@ -18,6 +18,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use mechanics::schedule::{Field, axes};
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,7 +89,10 @@ fn check_components(components: &str) -> Result<()> {
     let count = axes(components).iter().filter(|axis| **axis).count();
     ensure!(
         components.len() == count && !components.is_empty(),
-        "components = \"{components}\": must be some of x, y, z, each once"
+        misfit!(
+            KeyPath::of("components"),
+            " = \"{components}\": must be some of x, y, z, each once"
+        )
     );
     Ok(())
 }

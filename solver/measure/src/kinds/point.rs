@@ -24,6 +24,7 @@ use anyhow::{Context as _, Result, ensure};
 use mechanics::element::{add_at, at, weights};
 use mechanics::math::tensor::Mat3;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +53,10 @@ struct Keys {
 
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
-        ensure!(self.at.iter().all(|x| x.is_finite()), "at = {:?} m: must be finite", self.at);
+        ensure!(
+            self.at.iter().all(|x| x.is_finite()),
+            misfit!(KeyPath::of("at"), " = {:?} m: must be finite", self.at)
+        );
         Ok(())
     }
 

@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mechanics::math::tensor::Mat3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +47,11 @@ impl Specification for Keys {
         let Self { largest, smallest, .. } = self;
         ensure!(
             (0.0..1.0).contains(smallest) && largest.is_finite() && *largest > 1.0,
-            "largest = {largest}, smallest = {smallest}: stretches, the largest must be above 1 \
+            misfit!(
+                KeyPath::of("largest"),
+                " = {largest}, smallest = {smallest}: stretches, the largest must be above 1 \
              and the smallest from 0 to 1"
+            )
         );
         Ok(())
     }

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use mechanics::material::{Kinematics, Material};
 use mechanics::math::tensor::{Mat3, vec9};
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +48,10 @@ fn two() -> f64 {
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
         let power = self.power;
-        ensure!(power.is_finite() && power >= 2.0, "power = {power}: must be 2 or more");
+        ensure!(
+            power.is_finite() && power >= 2.0,
+            misfit!(KeyPath::of("power"), " = {power}: must be 2 or more")
+        );
         Ok(())
     }
 

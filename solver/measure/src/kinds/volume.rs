@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mechanics::energy::Wall;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +62,14 @@ struct Keys {
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
         let sound = self.volume.is_none_or(|volume| volume.is_finite() && volume > 0.0);
-        ensure!(sound, "volume = {} m³ must be positive", self.volume.unwrap_or_default());
+        ensure!(
+            sound,
+            misfit!(
+                KeyPath::of("volume"),
+                " = {} m³ must be positive",
+                self.volume.unwrap_or_default()
+            )
+        );
         Ok(())
     }
 

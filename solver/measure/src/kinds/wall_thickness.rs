@@ -38,6 +38,7 @@ use mechanics::contact::rest_potential;
 use mechanics::element::at;
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,9 +81,12 @@ impl Specification for Keys {
         positive("activation", self.activation)?;
         ensure!(
             !self.against.is_empty() || self.on.all().len() > 1,
-            "on = {:?}: one side of a wall; name the other by against = [...], or two tags or \
+            misfit!(
+                KeyPath::of("on"),
+                " = {:?}: one side of a wall; name the other by against = [...], or two tags or \
              more in on",
-            self.on.all()
+                self.on.all()
+            )
         );
         ensure!(
             self.minimum.is_some() == self.density.is_barrier(),

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, anyhow, ensure};
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -48,13 +49,19 @@ impl Specification for Keys {
     fn check(&self) -> Result<()> {
         ensure!(
             self.scale.is_finite() && self.scale > 0.0,
-            "scale = {}: must be positive, in the unit of the probe",
-            self.scale
+            misfit!(
+                KeyPath::of("scale"),
+                " = {}: must be positive, in the unit of the probe",
+                self.scale
+            )
         );
         if let Some(target) = &self.target {
             let bound = target.clone().bind(&BTreeMap::new());
             bound.map_err(|what| anyhow!("target: {what}"))?;
-            ensure!(!target.uses_position(), "target = {target}: must depend on t alone");
+            ensure!(
+                !target.uses_position(),
+                misfit!(KeyPath::of("target"), " = {target}: must depend on t alone")
+            );
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ mod time_integral;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
+use program::{KeyPath, misfit};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -63,15 +64,21 @@ impl Common for ObjectiveKeys {
             Weight::Factor(weight) => ("weight", weight),
             Weight::Share(share) => ("share", share),
         };
-        ensure!(value.is_finite(), "{key} = {value}: must be a finite number");
+        ensure!(
+            value.is_finite(),
+            misfit!(KeyPath::of(key), " = {value}: must be a finite number")
+        );
         ensure!(
             value >= 0.0 || may_be_maximised,
-            "{key} = {value}: a negative {key} maximises a term, which makes sense for {} only",
-            maximised()
+            misfit!(
+                KeyPath::of(key),
+                " = {value}: a negative {key} maximises a term, which makes sense for {} only",
+                maximised()
+            )
         );
         ensure!(
             key == "weight" || value != 0.0 && value.abs() <= 1.0,
-            "{key} = {value}: must be a part of the objective, up to 1"
+            misfit!(KeyPath::of(key), " = {value}: must be a part of the objective, up to 1")
         );
         Ok(())
     }
@@ -136,12 +143,18 @@ pub fn check_shares(objectives: &[ObjectiveConfig]) -> Result<()> {
     }
     ensure!(
         !shares || !weighted || sum < 1.0,
-        "[[objective]]: the shares come to {sum:.3}, which leaves nothing for the objectives with a \
-         weight: they must be less than 1 in all"
+        misfit!(
+            KeyPath::list("objective"),
+            ": the shares come to {sum:.3}, which leaves nothing for the objectives with a weight: they must \
+             be less than 1 in all"
+        )
     );
     ensure!(
         !shares || weighted || (sum - 1.0).abs() < 1e-9,
-        "[[objective]]: the shares come to {sum:.3}: they must be 1 in all where no objective has a weight"
+        misfit!(
+            KeyPath::list("objective"),
+            ": the shares come to {sum:.3}: they must be 1 in all where no objective has a weight"
+        )
     );
     Ok(())
 }

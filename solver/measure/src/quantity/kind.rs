@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use program::schema::{Key, add_kind, key_names, keys_of};
+use program::{KeyPath, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -24,10 +25,10 @@ pub enum List {
 impl List {
     /// What messages call an entry with this name.
     #[must_use]
-    pub fn title(self, name: &str) -> String {
+    pub fn title(self, name: &str) -> KeyPath {
         match self {
-            Self::Probe => format!("[[probe]] \"{name}\""),
-            Self::Objective => format!("objective \"{name}\""),
+            Self::Probe => KeyPath::list("probe").named(name),
+            Self::Objective => KeyPath::of("objective").named(name),
         }
     }
 
@@ -176,6 +177,7 @@ where
 /// # Errors
 /// With its key and its value.
 pub fn positive(key: &str, length: f64) -> Result<()> {
-    anyhow::ensure!(length.is_finite() && length > 0.0, "{key} = {length} m must be positive");
+    let what = misfit!(KeyPath::of(key), " = {length} m must be positive");
+    anyhow::ensure!(length.is_finite() && length > 0.0, what);
     Ok(())
 }

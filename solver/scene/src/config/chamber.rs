@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use anyhow::{Result, ensure};
 use mechanics::energy::GasLaw;
 use program::schema::add_keys;
+use program::{KeyPath, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
@@ -29,13 +30,13 @@ pub struct ChamberConfig {
 impl ChamberConfig {
     /// What messages call it.
     #[must_use]
-    pub fn title(&self) -> String {
+    pub fn title(&self) -> KeyPath {
         title(&self.on)
     }
 }
 
-fn title(on: &str) -> String {
-    format!("[[chamber]] on \"{on}\"")
+fn title(on: &str) -> KeyPath {
+    KeyPath::list("chamber").on(on)
 }
 
 impl Serialize for ChamberConfig {
@@ -103,12 +104,18 @@ impl ChamberDesign {
         let ([low, high], title) = (self.slope, title(&self.on));
         ensure!(
             low < high && low.is_finite() && high.is_finite(),
-            "{title}: slope = [{low}, {high}] Pa/s; expected two numbers, the smaller first"
+            misfit!(
+                title.key("slope"),
+                " = [{low}, {high}] Pa/s; expected two numbers, the smaller first"
+            )
         );
         ensure!(
             self.change.is_none_or(|c| c.is_finite() && c > 0.0),
-            "{title}: change = {:?} Pa/s must be positive",
-            self.change.unwrap_or(f64::NAN)
+            misfit!(
+                title.key("change"),
+                " = {:?} Pa/s must be positive",
+                self.change.unwrap_or(f64::NAN)
+            )
         );
         Ok(())
     }

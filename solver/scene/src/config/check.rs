@@ -1,8 +1,9 @@
 //! Settings that no type can rule out.
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mechanics::element::HIGHEST_DEGREE;
-use mechanics::schedule::{Schedule, is_free_name};
+use mechanics::schedule::{Field, Schedule, is_free_name};
+use program::{KeyPath, misfit};
 
 use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 
@@ -30,13 +31,11 @@ impl SimConfig {
     fn check(&self) -> Result<()> {
         ensure!(
             (1..=HIGHEST_DEGREE).contains(&self.degree),
-            "degree = {}: must be 1, 2 or 3",
-            self.degree
+            misfit!(KeyPath::of("degree"), " = {}: must be 1, 2 or 3", self.degree)
         );
         ensure!(
             (5..=12).contains(&self.quadrature),
-            "quadrature = {}: must be from 5 to 12",
-            self.quadrature
+            misfit!(KeyPath::of("quadrature"), " = {}: must be from 5 to 12", self.quadrature)
         );
         ensure!(
             !self.fixed.is_empty() || !self.symmetry.is_empty() || self.may_float(),
@@ -51,12 +50,15 @@ impl SimConfig {
             contact.check()?;
         }
         for (name, value) in &self.parameters {
+            let key = KeyPath::table("parameters").key(name);
             ensure!(
                 is_free_name(name),
-                "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
-                 no name that expressions know"
+                key.told(format!(
+                    "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
+                     no name that expressions know"
+                ))
             );
-            ensure!(value.is_finite(), "[parameters]: {name} = {value} must be finite");
+            ensure!(value.is_finite(), misfit!(key, " = {value} must be finite"));
         }
         Ok(())
     }
@@ -68,9 +70,9 @@ impl SimConfig {
             schedule.bind(&parameters).with_context(|| name.clone())?;
             schedule.begin(first);
             if schedule.uses_position() {
-                ensure!(may_use_position, "{name} = {schedule}: must depend on t alone");
+                ensure!(may_use_position, misfit!(name, " = {schedule}: must depend on t alone"));
             } else {
-                schedule.check(&moments, &[]).map_err(|what| anyhow!("{name}: {what}"))?;
+                schedule.check(&moments, &[]).map_err(|what| misfit!(name, ": {what}"))?;
             }
         }
         Ok(())
@@ -83,7 +85,7 @@ impl SimConfig {
         self.check_relaxation()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {
-            uncertainty.check(self).context("[uncertainty]")?;
+            uncertainty.check(self).context(KeyPath::table("uncertainty"))?;
         }
         self.check_chambers()
     }
@@ -106,25 +108,30 @@ impl SimConfig {
             ensure!(!names[..i].contains(name), "two bodies or obstacles are called \"{name}\"");
         }
         for body in &bodies {
+            let title = KeyPath::list("body").named(&body.name);
             let numbers = body.translate.iter().chain(&body.velocity);
             ensure!(
                 numbers.copied().all(f64::is_finite),
-                "[[body]] \"{}\": translate = {:?} m and velocity = {:?} m/s must be finite",
-                body.name,
-                body.translate,
-                body.velocity
+                misfit!(
+                    title.key("translate"),
+                    " = {:?} m and velocity = {:?} m/s must be finite",
+                    body.translate,
+                    body.velocity
+                )
             );
             ensure!(
                 body.velocity == [0.0; 3] || self.method().has_inertia(),
-                "[[body]] \"{}\": velocity = {:?} m/s means nothing without inertia; expected \
-                 [time] with a method other than \"quasistatic\"",
-                body.name,
-                body.velocity
+                misfit!(
+                    title.key("velocity"),
+                    " = {:?} m/s means nothing without inertia; expected [time] with a method other than \
+                     \"quasistatic\"",
+                    body.velocity
+                )
             );
         }
         ensure!(
             self.obstacle.is_empty() || self.contact().is_some(),
-            "[[obstacle]] without [contact]: bodies would pass through it"
+            misfit!(KeyPath::list("obstacle"), " without [contact]: bodies would pass through it")
         );
         Ok(())
     }
@@ -145,36 +152,26 @@ impl SimConfig {
 
     /// All values that may change with time: what they are called in messages,
     /// and whether they may change with the position; those of chambers come first.
-    pub fn schedules(&mut self) -> Vec<(String, bool, &mut Schedule)> {
+    pub fn schedules(&mut self) -> Vec<(KeyPath, bool, &mut Schedule)> {
         let mut all = Vec::new();
         for c in &mut self.chamber {
-            all.push((format!("{}: {}", c.title(), c.gas.key()), false, c.gas.schedule_mut()));
+            all.push((c.title().key(c.gas.key()), false, c.gas.schedule_mut()));
         }
         for c in &mut self.fixed {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
-                let name = format!("[[fixed]] on \"{}\": displacement along {axis}", c.on);
-                all.push((name, true, value));
-            }
+            let name = KeyPath::list("fixed").on(&c.on).key("displacement");
+            all.extend(along(name, true, &mut c.displacement));
         }
         for c in &mut self.body_force {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.force.0) {
-                all.push((format!("[[body_force]]: force along {axis}"), true, value));
-            }
+            all.extend(along(KeyPath::list("body_force").key("force"), true, &mut c.force));
         }
-        for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut self.gravity.0) {
-            all.push((format!("gravity along {axis}"), true, value));
-        }
+        all.extend(along(KeyPath::of("gravity"), true, &mut self.gravity));
         for c in &mut self.obstacle {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.displacement.0) {
-                let name = format!("[[obstacle]] \"{}\": displacement along {axis}", c.name);
-                all.push((name, false, value));
-            }
+            let name = KeyPath::list("obstacle").named(&c.name).key("displacement");
+            all.extend(along(name, false, &mut c.displacement));
         }
         for c in &mut self.traction {
-            for (axis, value) in ["x", "y", "z"].into_iter().zip(&mut c.traction.0) {
-                let name = format!("[[traction]] on \"{}\": traction along {axis}", c.on);
-                all.push((name, true, value));
-            }
+            let name = KeyPath::list("traction").on(&c.on).key("traction");
+            all.extend(along(name, true, &mut c.traction));
         }
         all
     }
@@ -189,9 +186,11 @@ impl SimConfig {
             );
             ensure!(
                 self.contact().is_some() || !probe.kind().needs_contact,
-                "{}: {}: there are no forces between surfaces without [contact]",
-                probe.title(),
-                probe.kind().key
+                misfit!(
+                    probe.title(),
+                    ": {}: there are no forces between surfaces without [contact]",
+                    probe.kind().key
+                )
             );
         }
         Ok(())
@@ -211,40 +210,59 @@ impl SimConfig {
     }
 }
 
+/// The components of a field, with their keys.
+fn along(
+    name: KeyPath,
+    may_use_position: bool,
+    field: &mut Field,
+) -> impl Iterator<Item = (KeyPath, bool, &mut Schedule)> {
+    let components = field.0.iter_mut().enumerate();
+    components.map(move |(axis, value)| (name.clone().along(axis), may_use_position, value))
+}
+
 impl TimeConfig {
     fn check(&self) -> Result<()> {
+        let key = |key: &str| KeyPath::table("time").key(key);
         match (self.end, self.steps, &self.at) {
             (Some(end), Some(steps), None) => {
                 ensure!(
                     end > 0.0 && end.is_finite(),
-                    "[time]: end = {end} s: must be finite and positive"
+                    misfit!(key("end"), " = {end} s: must be finite and positive")
                 );
                 ensure!(
                     (1..=MOST_STEPS).contains(&steps),
-                    "[time]: steps = {steps}: expected 1 to {MOST_STEPS}, as every step has a line \
-                     of the report"
+                    misfit!(
+                        key("steps"),
+                        " = {steps}: expected 1 to {MOST_STEPS}, as every step has a line of the report"
+                    )
                 );
             }
             (None, None, Some(at)) => {
                 let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();
-                ensure!(!at.is_empty(), "[time]: at is empty");
+                ensure!(!at.is_empty(), misfit!(key("at"), " is empty"));
                 if let Some(pair) =
                     from_rest.windows(2).find(|p| !(p[0] < p[1] && p[1] < f64::INFINITY))
                 {
-                    bail!(
-                        "[time]: at has {} s after {} s: times must be finite and increase from 0",
-                        pair[1],
-                        pair[0]
-                    );
+                    let [before, after] = [pair[0], pair[1]];
+                    bail!(misfit!(
+                        key("at"),
+                        " has {after} s after {before} s: times must be finite and increase from 0"
+                    ));
                 }
             }
-            _ => bail!("[time]: expected either end [s] and steps, or at, a list of times [s]"),
+            _ => bail!(misfit!(
+                KeyPath::table("time"),
+                ": expected either end [s] and steps, or at, a list of times [s]"
+            )),
         }
         ensure!(
             self.method.states() == 1 || self.at.is_none(),
-            "[time]: this method uses {} earlier states, which needs steps of equal length: give end and steps, not \
-             at",
-            self.method.states()
+            misfit!(
+                KeyPath::table("time"),
+                ": this method uses {} earlier states, which needs steps of equal length: give end and steps, \
+                 not at",
+                self.method.states()
+            )
         );
         Ok(())
     }
@@ -252,11 +270,13 @@ impl TimeConfig {
 
 impl ContactConfig {
     fn check(&self) -> Result<()> {
-        let c = self;
+        let (c, at) = (self, |key: &str| KeyPath::table("contact").key(key));
         ensure!(
             c.barrier.is_barrier(),
-            "[contact]: barrier = \"quadratic\" lets surfaces through each other: expected \"log\" or \
-             \"log-squared\""
+            misfit!(
+                at("barrier"),
+                " = \"quadratic\" lets surfaces through each other: expected \"log\" or \"log-squared\""
+            )
         );
         for (key, unit, value) in [
             ("activation", "m", c.activation),
@@ -266,20 +286,21 @@ impl ContactConfig {
             let Some(value) = value else { continue };
             ensure!(
                 value > 0.0 && value.is_finite(),
-                "[contact]: {key} = {value} {unit}: must be positive and finite"
+                misfit!(at(key), " = {value} {unit}: must be positive and finite")
             );
         }
         for (key, unit, value) in [("thickness", " m", c.thickness), ("friction", "", c.friction)] {
             ensure!(
                 value >= 0.0 && value.is_finite(),
-                "[contact]: {key} = {value}{unit}: must be finite and not negative"
+                misfit!(at(key), " = {value}{unit}: must be finite and not negative")
             );
         }
         ensure!(
             c.form != super::ContactForm::Plain || c.stiffness.is_some(),
-            "[contact]: form = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it"
+            misfit!(at("form"), " = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it")
         );
-        ensure!(c.split.is_none_or(|s| (1..=8).contains(&s)), "[contact]: split must be 1 to 8");
+        let split = c.split.is_none_or(|s| (1..=8).contains(&s));
+        ensure!(split, misfit!(at("split"), " must be 1 to 8"));
         Ok(())
     }
 }

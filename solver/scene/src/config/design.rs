@@ -7,7 +7,7 @@ use anyhow::{Result, bail, ensure};
 use measure::objective::check_shares;
 use measure::written::Names;
 use mechanics::symmetry::AXES;
-use program::{Change, Keys, Settings};
+use program::{Change, KeyPath, Keys, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -167,7 +167,10 @@ impl KeepConfig {
             let length = normal.iter().map(|n| n * n).sum::<f64>();
             ensure!(
                 length.is_finite() && length > 0.0,
-                "[shape] keep: normal = {normal:?}: must have a direction"
+                KeyPath::table("shape")
+                    .key("keep")
+                    .key("normal")
+                    .told(format!("[shape] keep: normal = {normal:?}: must have a direction"))
             );
         }
         Ok(())
@@ -332,7 +335,10 @@ impl DesignConfig {
                 bail!("iterations in [optimizer] beside [[level]]: write them in [[level]]")
             }
             (Some(_), None) if leveled => {
-                bail!("[[level]] beside [shape]: write it as [[shape.level]]")
+                bail!(misfit!(
+                    KeyPath::list("level"),
+                    " beside [shape]: write it as [[shape.level]]"
+                ))
             }
             _ => {}
         }
@@ -342,21 +348,27 @@ impl DesignConfig {
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
         ensure!(
             self.mold.is_none() || self.shape.is_some(),
-            "[mold] without [shape]: no shape changes that would be cast"
+            misfit!(
+                KeyPath::table("mold"),
+                " without [shape]: no shape changes that would be cast"
+            )
         );
         if let Some(shape) = &self.shape {
             let on = shape.on.all();
-            ensure!(!on.is_empty(), "[shape] on = []: name a tag or more");
+            let key = |key: &str| KeyPath::table("shape").key(key);
+            ensure!(!on.is_empty(), key("on").told("[shape] on = []: name a tag or more"));
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
             ensure!(
                 shape.margin >= 0.0 && shape.margin.is_finite(),
-                "[shape] margin = {} m must not be negative",
-                shape.margin
+                key("margin")
+                    .told(format!("[shape] margin = {} m must not be negative", shape.margin))
             );
             let tolerance = shape.surface_tolerance.unwrap_or(0.0);
             ensure!(
                 tolerance >= 0.0 && tolerance.is_finite(),
-                "[shape] surface_tolerance = {tolerance} m must not be negative"
+                key("surface_tolerance").told(format!(
+                    "[shape] surface_tolerance = {tolerance} m must not be negative"
+                ))
             );
             shape.keep.iter().try_for_each(KeepConfig::check)?;
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
@@ -373,15 +385,21 @@ impl DesignConfig {
         self.chamber.iter().try_for_each(ChamberDesign::check)?;
         for parameter in &self.parameter {
             let ParameterDesign { name, bounds: [low, high], change } = parameter;
+            let title = KeyPath::list("parameter").named(name);
             ensure!(
                 low < high && low.is_finite() && high.is_finite(),
-                "[[parameter]] \"{name}\": bounds = [{low}, {high}]; expected two numbers, the \
-                 smaller first"
+                misfit!(
+                    title.key("bounds"),
+                    " = [{low}, {high}]; expected two numbers, the smaller first"
+                )
             );
             ensure!(
                 change.is_none_or(|c| c.is_finite() && c > 0.0),
-                "[[parameter]] \"{name}\": change = {:?} must be positive",
-                change.unwrap_or(f64::NAN)
+                misfit!(
+                    title.key("change"),
+                    " = {:?} must be positive",
+                    change.unwrap_or(f64::NAN)
+                )
             );
         }
         Ok(())

@@ -2,10 +2,12 @@
 //! cascade, tag by tag, what counts, and how finely the scene is simulated.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use measure::written::Names;
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -182,7 +184,7 @@ impl LevelConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn check(&self, on: &[String], objectives: &[&str]) -> Result<()> {
-        let title = "[[shape.level]]";
+        let title = KeyPath::list("shape.level");
         let freed: &[String] = match &self.vertices {
             VerticesConfig::All(_) => &[],
             VerticesConfig::Tags(tags) => tags.all(),
@@ -193,14 +195,16 @@ impl LevelConfig {
             (Some(handles), VerticesConfig::All(false) | VerticesConfig::Tags(_)) => {
                 handles.check(on, freed)?;
             }
-            (Some(_), VerticesConfig::All(true)) => bail!(
-                "{title}: handles beside vertices = true; expected one of them, or vertices = \
-                 [\"TAG\"] for the tags without handles"
-            ),
-            (None, _) => bail!("{title}: expected one handle or more, or vertices = true"),
+            (Some(_), VerticesConfig::All(true)) => bail!(misfit!(
+                title,
+                ": handles beside vertices = true; expected one of them, or vertices = [\"TAG\"] for the \
+                 tags without handles"
+            )),
+            (None, _) => bail!(misfit!(title, ": expected one handle or more, or vertices = true")),
         }
         for tag in freed {
-            ensure!(on.contains(tag), "{title}: vertices of \"{tag}\": {}", expected(on));
+            let known = on.contains(tag);
+            ensure!(known, misfit!(title, ": vertices of \"{tag}\": {}", expected(on)));
         }
         self.check_problem(objectives).context(title)
     }
@@ -214,9 +218,12 @@ impl LevelConfig {
             self.handles.is_none()
                 && self.vertices == VerticesConfig::All(false)
                 && self.motion == HandleMotion::Rigid,
-            "[[level]]: handles, vertices or motion without [shape] on: no shape may change"
+            misfit!(
+                KeyPath::list("level"),
+                ": handles, vertices or motion without [shape] on: no shape may change"
+            )
         );
-        self.check_problem(objectives).context("[[level]]")
+        self.check_problem(objectives).context(KeyPath::list("level"))
     }
 
     fn check_problem(&self, objectives: &[&str]) -> Result<()> {
@@ -266,28 +273,36 @@ impl LevelConfig {
     }
 }
 
+/// An error in `handles` of a level, whose message goes on with `what`.
+fn refused(what: impl Display) -> Misfit {
+    let key = KeyPath::list("shape.level").key("handles");
+    key.told(format!("[[shape.level]] handles{what}"))
+}
+
 impl HandlesConfig {
     fn check(&self, on: &[String], freed: &[String]) -> Result<()> {
-        let title = "[[shape.level]] handles";
         let tags = match self {
             Self::Each(count) => {
-                ensure!(*count > 0, "{title} = 0: expected one handle or more");
+                ensure!(*count > 0, refused(" = 0: expected one handle or more"));
                 return Ok(());
             }
             Self::Growing(growing) => return growing.check(),
             Self::Tags(tags) => tags,
         };
-        ensure!(!tags.is_empty(), "{title} = {{}}: expected a number, or one for each tag");
+        let what = " = {}: expected a number, or one for each tag";
+        ensure!(!tags.is_empty(), refused(what));
         for (tag, count) in tags {
             ensure!(
                 on.contains(tag),
-                "{title}: \"{tag}\": {}; or first, factor and levels together",
-                expected(on)
+                refused(format!(
+                    ": \"{tag}\": {}; or first, factor and levels together",
+                    expected(on)
+                ))
             );
-            ensure!(*count > 0, "{title}: {tag} = 0: expected one handle or more");
+            ensure!(*count > 0, refused(format!(": {tag} = 0: expected one handle or more")));
             ensure!(
                 !freed.contains(tag),
-                "{title} and vertices of \"{tag}\": expected one of them"
+                refused(format!(" and vertices of \"{tag}\": expected one of them"))
             );
         }
         Ok(())
@@ -304,13 +319,15 @@ impl Growing {
 
     fn check(self) -> Result<()> {
         let Self { first, factor, levels } = self;
-        let title = format!(
-            "[[shape.level]] handles = {{ first = {first}, factor = {factor}, levels = {levels} }}"
-        );
-        ensure!(first > 0 && levels > 0, "{title}: first and levels must be 1 or more");
-        ensure!(factor.is_finite() && factor > 1.0, "{title}: factor must be greater than 1");
+        let refused = |what: &str| {
+            let found = format!("first = {first}, factor = {factor}, levels = {levels}");
+            refused(format!(" = {{ {found} }}: {what}"))
+        };
+        ensure!(first > 0 && levels > 0, refused("first and levels must be 1 or more"));
+        ensure!(factor.is_finite() && factor > 1.0, refused("factor must be greater than 1"));
         let last = first as f64 * factor.powf((levels - 1) as f64);
-        ensure!(last < 1e6, "{title}: the last level has {last:.0} handles, more than a million");
+        let many = format!("the last level has {last:.0} handles, more than a million");
+        ensure!(last < 1e6, refused(&many));
         Ok(())
     }
 }

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use anyhow::{Context, Result, bail};
 use mechanics::material::Specification;
 use program::schema::{add_keys, one_of, one_of_these};
+use program::{KeyPath, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -67,8 +68,10 @@ impl MaterialConfig {
     pub fn specification(&self) -> Result<Specification> {
         match self {
             Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
-            Self::Law(table) => law_table::volume(table).context("[material]"),
-            Self::Volumes(_) => bail!("[[material]]: expected a law of one volume"),
+            Self::Law(table) => law_table::volume(table).context(KeyPath::table("material")),
+            Self::Volumes(_) => {
+                bail!(misfit!(KeyPath::list("material"), ": expected a law of one volume"))
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::law_table;
 use anyhow::{Context, Result, bail, ensure};
 use program::schema::one_of;
+use program::{KeyPath, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -34,8 +35,8 @@ fn laws(_: &mut SchemaGenerator) -> Schema {
 impl MembraneConfig {
     /// What messages call it.
     #[must_use]
-    pub fn title(&self) -> String {
-        format!("[[membrane]] on \"{}\"", self.on)
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("membrane").on(&self.on)
     }
 
     /// The law with its parameters.
@@ -44,15 +45,14 @@ impl MembraneConfig {
     /// With what was found and what is needed.
     pub fn specification(&self) -> Result<Specification> {
         let Value::Table(table) = &self.material else {
-            bail!(
-                "{}: material = {}: expected a table with kind and parameters of a sheet, as in \
-                 material = {{ kind = \"sheet\", young = 3e9, poisson = 0.3 }}; `solver list \
-                 --sheets` names the laws",
-                self.title(),
+            bail!(misfit!(
+                self.title().key("material"),
+                " = {}: expected a table with kind and parameters of a sheet, as in material = {{ kind = \
+                 \"sheet\", young = 3e9, poisson = 0.3 }}; `solver list --sheets` names the laws",
                 self.material
-            );
+            ));
         };
-        law_table::sheet(table).with_context(|| format!("{}: material", self.title()))
+        law_table::sheet(table).with_context(|| self.title().key("material"))
     }
 }
 
@@ -63,17 +63,21 @@ impl SimConfig {
             let MembraneConfig { on, thickness, .. } = membrane;
             ensure!(
                 *thickness > 0.0 && thickness.is_finite(),
-                "{}: thickness = {thickness} m: must be positive and finite; expected that of the sheet, \
-                 such as 1e-4 for paper",
-                membrane.title()
+                misfit!(
+                    membrane.title().key("thickness"),
+                    " = {thickness} m: must be positive and finite; expected that of the sheet, such as 1e-4 \
+                     for paper"
+                )
             );
             membrane.specification()?;
             ensure!(
                 self.cuts().iter().flatten().all(|cut| cut != on),
-                "{}: the tag is a cut of [[symmetry]], where the whole body goes on: there is no \
-                 surface to bond a sheet to; expected another tag, or the whole body (solver mirror) \
-                 for a sheet in the plane of symmetry",
-                membrane.title()
+                misfit!(
+                    membrane.title(),
+                    ": the tag is a cut of [[symmetry]], where the whole body goes on: there is no surface \
+                     to bond a sheet to; expected another tag, or the whole body (solver mirror) for a \
+                     sheet in the plane of symmetry"
+                )
             );
         }
         Ok(())

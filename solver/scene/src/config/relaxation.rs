@@ -1,6 +1,7 @@
 //! `[[relaxation]]`: stress that a material has for a while beside that of its law.
 
 use anyhow::{Result, ensure};
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -39,22 +40,29 @@ impl SimConfig {
     /// # Errors
     /// With what was found and what is needed.
     pub fn check_relaxation(&self) -> Result<()> {
+        let key = |key: &str| KeyPath::list("relaxation").key(key);
         for RelaxationConfig { overstress, time, .. } in &self.relaxation {
             ensure!(
                 *overstress > 0.0 && overstress.is_finite(),
-                "[[relaxation]]: overstress = {overstress}: must be positive and finite; expected a part \
-                 of the stress of the law, such as 0.1"
+                misfit!(
+                    key("overstress"),
+                    " = {overstress}: must be positive and finite; expected a part of the stress of the law, \
+                     such as 0.1"
+                )
             );
             ensure!(
                 *time > 0.0 && time.is_finite(),
-                "[[relaxation]]: time = {time} s: must be positive and finite"
+                misfit!(key("time"), " = {time} s: must be positive and finite")
             );
         }
         ensure!(
             self.relaxation.is_empty() || self.time.is_some(),
-            "[[relaxation]] without [time]: a scene without time steps has no rate; its state is that \
-             after a long time, of the law alone. Expected [time], with method = \"quasistatic\" where \
-             inertia does not matter"
+            misfit!(
+                KeyPath::list("relaxation"),
+                " without [time]: a scene without time steps has no rate; its state is that after a long \
+                 time, of the law alone. Expected [time], with method = \"quasistatic\" where inertia does \
+                 not matter"
+            )
         );
         Ok(())
     }

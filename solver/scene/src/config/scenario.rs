@@ -3,7 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -143,7 +144,10 @@ impl ScenarioConfig {
         for (key, factors) in named {
             ensure!(
                 factors.as_ref().is_none_or(|factors| !factors.each().is_empty()),
-                "{key} = {{}}: expected a factor, or one for each of some names"
+                misfit!(
+                    KeyPath::of(key),
+                    " = {{}}: expected a factor, or one for each of some names"
+                )
             );
             for (name, factor) in factors.iter().flat_map(FactorConfig::each) {
                 let title = name.map_or_else(|| key.to_owned(), |name| format!("{key} of {name}"));
@@ -158,15 +162,21 @@ impl ScenarioConfig {
         let walls =
             self.walls().into_iter().map(|(tag, distance)| (tag.unwrap_or("wall"), distance));
         for (key, number) in pressure.chain(walls) {
-            ensure!(number.is_finite(), "{key} = {number}: must be finite");
+            ensure!(number.is_finite(), misfit!(KeyPath::of(key), " = {number}: must be finite"));
         }
         for (path, value) in &self.numbers {
-            ensure!(value.is_finite(), "numbers: {path} = {value}: must be finite");
+            ensure!(
+                value.is_finite(),
+                misfit!(KeyPath::of("numbers"), ": {path} = {value}: must be finite")
+            );
         }
         for name in self.parameters.keys() {
             ensure!(
                 !designed.contains(&name.as_str()),
-                "parameters: {name} is a [[parameter]] of the design; expected one of them"
+                misfit!(
+                    KeyPath::of("parameters"),
+                    ": {name} is a [[parameter]] of the design; expected one of them"
+                )
             );
         }
         check_weights(&self.weights, objectives)
@@ -174,7 +184,10 @@ impl ScenarioConfig {
 }
 
 fn check_factor(title: &str, factor: f64) -> Result<()> {
-    ensure!(factor.is_finite() && factor > 0.0, "{title} = {factor}: must be positive");
+    ensure!(
+        factor.is_finite() && factor > 0.0,
+        misfit!(KeyPath::of(title), " = {factor}: must be positive")
+    );
     Ok(())
 }
 
@@ -189,37 +202,49 @@ pub(super) fn check(
     designed: &[&str],
 ) -> Result<()> {
     for (i, scenario) in scenarios.iter().enumerate() {
-        ensure!(!scenario.name.is_empty(), "[[scenario]] without a name; expected name = \"…\"");
-        let title = format!("[[scenario]] \"{}\"", scenario.name);
+        let name = misfit!(KeyPath::list("scenario"), " without a name; expected name = \"…\"");
+        ensure!(!scenario.name.is_empty(), name);
+        let title = KeyPath::list("scenario").named(&scenario.name);
         let twice = scenarios[..i].iter().any(|other| other.name == scenario.name);
-        ensure!(!twice, "{title} is given twice; expected names that differ");
-        scenario.check(objectives, designed).map_err(|what| what.context(title))?;
+        ensure!(!twice, misfit!(title, " is given twice; expected names that differ"));
+        scenario.check(objectives, designed).context(title)?;
     }
     let Some(RobustConfig { deviations, worst }) = robust else { return Ok(()) };
+    let robust = KeyPath::table("robust");
     ensure!(
         scenarios.len() > 1,
-        "[robust] with {} [[scenario]]; expected two or more, of which it makes one objective",
-        scenarios.len()
+        misfit!(
+            robust,
+            " with {} [[scenario]]; expected two or more, of which it makes one objective",
+            scenarios.len()
+        )
     );
     ensure!(
         !objectives.contains(&EXCESS),
-        "[[objective]] \"{EXCESS}\" beside [robust], whose term has this name; expected another"
+        misfit!(
+            KeyPath::list("objective").named(EXCESS),
+            " beside [robust], whose term has this name; expected another"
+        )
     );
     ensure!(
         deviations.is_some() != worst.is_some(),
-        "[robust]: expected deviations or worst, one of them"
+        misfit!(robust, ": expected deviations or worst, one of them")
     );
     if let Some(deviations) = deviations {
         ensure!(
             deviations.is_finite() && deviations >= 0.0,
-            "[robust] deviations = {deviations}: must not be negative"
+            robust
+                .key("deviations")
+                .told(format!("[robust] deviations = {deviations}: must not be negative"))
         );
     }
     if let Some(worst) = worst {
         ensure!(
             worst.is_finite() && worst > 0.0,
-            "[robust] worst = {worst}: must be positive; differences of the objective below it \
-             do not count"
+            robust.key("worst").told(format!(
+                "[robust] worst = {worst}: must be positive; differences of the objective below it do \
+                 not count"
+            ))
         );
     }
     Ok(())

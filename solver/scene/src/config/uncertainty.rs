@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -56,14 +57,20 @@ impl UncertaintyConfig {
         let part = match modulus {
             Some(Modulus::Part(part)) => Some(*part),
             Some(Modulus::Sources(word)) if word != "sources" => {
-                bail!("modulus = \"{word}\": expected a part such as 0.12, or \"sources\"")
+                bail!(misfit!(
+                    KeyPath::of("modulus"),
+                    " = \"{word}\": expected a part such as 0.12, or \"sources\""
+                ))
             }
             Some(Modulus::Sources(_)) => {
                 let named = |b: &super::BodyConfig| b.material.is_named();
                 ensure!(
                     scene.bodies()?.iter().all(named),
-                    "modulus = \"sources\": the range of its sources is known of a silicone of \
+                    misfit!(
+                        KeyPath::of("modulus"),
+                        " = \"sources\": the range of its sources is known of a silicone of \
                      the library only, as material = \"ecoflex-00-30\"; expected a part such as 0.12"
+                    )
                 );
                 None
             }
@@ -85,14 +92,20 @@ impl UncertaintyConfig {
              friction, numbers"
         );
         for (path, off) in single {
-            ensure!(off.is_finite() && *off > 0.0, "numbers: {path} = {off}: must be positive");
+            ensure!(
+                off.is_finite() && *off > 0.0,
+                misfit!(KeyPath::of("numbers"), ": {path} = {off}: must be positive")
+            );
         }
         for (name, number) in numbers.into_iter().filter_map(|(name, n)| Some((name, n?))) {
             let relative = !["wall", "pressure"].contains(&name);
             ensure!(
                 number.is_finite() && number > 0.0 && (!relative || number < 1.0),
-                "{name} = {number}: must be positive{}",
-                if relative { ", a part of it below 1" } else { "" }
+                misfit!(
+                    KeyPath::of(name),
+                    " = {number}: must be positive{}",
+                    if relative { ", a part of it below 1" } else { "" }
+                )
             );
         }
         ensure!(
@@ -101,17 +114,20 @@ impl UncertaintyConfig {
         );
         ensure!(
             pressure.is_none() || scene.chamber.iter().any(|c| is_pressure(c.gas.key())),
-            "pressure: no [[chamber]] has a pressure or fill"
+            misfit!(KeyPath::of("pressure"), ": no [[chamber]] has a pressure or fill")
         );
         let weighs = scene.method().has_inertia() || scene.gravity.0.iter().any(|g| !g.is_zero());
-        ensure!(density.is_none() || weighs, "density: the scene has no gravity and no inertia");
+        ensure!(
+            density.is_none() || weighs,
+            misfit!(KeyPath::of("density"), ": the scene has no gravity and no inertia")
+        );
         ensure!(
             membrane.is_none() || !scene.membrane.is_empty(),
-            "membrane: the scene has no [[membrane]]"
+            misfit!(KeyPath::of("membrane"), ": the scene has no [[membrane]]")
         );
         ensure!(
             friction.is_none() || scene.contact().is_some_and(|c| c.friction > 0.0),
-            "friction: there is none in [contact]"
+            misfit!(KeyPath::of("friction"), ": there is none in [contact]")
         );
         Ok(())
     }

@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Chamber, Energies, Multiplier, Rim, Wall};
+use program::{KeyPath, misfit};
 
 use super::Scene;
 use crate::supports::Supports;
@@ -34,9 +35,11 @@ impl Scene {
             if config.plug {
                 ensure!(
                     !wall.is_closed(),
-                    "{}: {}: plug = true: the wall is closed, there is nothing to plug",
-                    self.path.display(),
-                    config.title()
+                    config.title().key("plug").told(format!(
+                        "{}: {}: plug = true: the wall is closed, there is nothing to plug",
+                        self.path.display(),
+                        config.title()
+                    ))
                 );
                 wall = wall.plugged();
             }
@@ -52,10 +55,12 @@ impl Scene {
             for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {
                 ensure!(
                     wanted > 0.0,
-                    "{}: {}: the chamber of {volume:.3e} m³ would have {wanted:.3e} m³ at t = {t}; \
-                     must be positive",
-                    self.path.display(),
-                    config.title()
+                    config.title().told(format!(
+                        "{}: {}: the chamber of {volume:.3e} m³ would have {wanted:.3e} m³ at t = {t}; \
+                         must be positive",
+                        self.path.display(),
+                        config.title()
+                    ))
                 );
             }
             let multiplier = config.gas.wanted(volume, 0.0).map(|_| prescribed);
@@ -108,8 +113,9 @@ pub(super) fn check_rim(
     }
     if let Some([a, _]) = free.first() {
         let p = body.mesh.vertices[*a];
-        bail!(
-            "[[chamber]] on \"{name}\": {} of the {count} edges of its rim are free, the first at \
+        bail!(misfit!(
+            KeyPath::list("chamber").on(name),
+            ": {} of the {count} edges of its rim are free, the first at \
              ({:.5}, {:.5}, {:.5}) m\n  gas pressure has no energy unless the wall is closed or its \
              rim is fixed along x, y and z, or lies in a plane across one of these axes and is fixed \
              along that: add the tag around the opening to [[fixed]], or to [[symmetry]] if the body \
@@ -118,7 +124,7 @@ pub(super) fn check_rim(
             p.x,
             p.y,
             p.z
-        );
+        ));
     }
     Ok(())
 }

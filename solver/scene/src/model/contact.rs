@@ -10,6 +10,7 @@ use mechanics::contact::surface::{Obstacle, Surface};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Contact, Friction};
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 
 use super::Scene;
 use crate::config::{ContactConfig, beside};
@@ -123,9 +124,11 @@ impl Scene {
         if let Some((between, distance, _)) = nearest(&|_| true) {
             ensure!(
                 distance > thickness,
-                "[contact]: at rest {between} are {distance:.3e} m apart, but thickness = \
-                 {thickness:.3e} m\n  surfaces cannot come closer than that: lower the thickness, \
-                 or move a body by translate"
+                misfit!(
+                    KeyPath::table("contact"),
+                    ": at rest {between} are {distance:.3e} m apart, but thickness = {thickness:.3e} m\n  \
+                     surfaces cannot come closer than that: lower the thickness, or move a body by translate"
+                )
             );
         }
         let range = barrier.range();
@@ -162,14 +165,17 @@ fn check_edges(surface: &Surface, rest: &[Vec3], barrier: &Barrier) -> Result<()
     let p = rest[at];
     ensure!(
         barrier.range() < shortest,
-        "[contact]: activation + thickness = {:.3e} m, but the shortest edge of the collision \
-         surface has {shortest:.3e} m, at ({:.5}, {:.5}, {:.5}) m\n  neighbours would repel each \
-         other: lower the activation, or use a mesh without such short edges{}",
-        barrier.range(),
-        p.x,
-        p.y,
-        p.z,
-        if barrier.range() < 2.0 * shortest { ", or a smaller split" } else { "" }
+        misfit!(
+            KeyPath::table("contact"),
+            ": activation + thickness = {:.3e} m, but the shortest edge of the collision surface has \
+             {shortest:.3e} m, at ({:.5}, {:.5}, {:.5}) m\n  neighbours would repel each other: lower \
+             the activation, or use a mesh without such short edges{}",
+            barrier.range(),
+            p.x,
+            p.y,
+            p.z,
+            if barrier.range() < 2.0 * shortest { ", or a smaller split" } else { "" }
+        )
     );
     Ok(())
 }

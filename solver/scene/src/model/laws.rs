@@ -7,6 +7,7 @@ use mechanics::body::Body;
 use mechanics::energy::{Branch, Elastic, Viscous};
 use mechanics::material::{LAWS, Law, Specification};
 use mesh::{Tags, TetMesh, Volumes};
+use program::{KeyPath, misfit};
 
 use super::Scene;
 use crate::config::{BodyConfig, Dilatation, MaterialConfig, RelaxationConfig};
@@ -62,19 +63,23 @@ impl Scene {
             let names = || self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>();
             ensure!(
                 !own.is_empty(),
-                "[[relaxation]] on \"{}\": no body or volume has this name; there are: {}",
-                table.on.as_deref().unwrap_or_default(),
-                names().join(", ")
+                misfit!(
+                    KeyPath::list("relaxation").on(table.on.as_deref().unwrap_or_default()),
+                    ": no body or volume has this name; there are: {}",
+                    names().join(", ")
+                )
             );
             for &i in &own {
                 let law = &self.laws[i];
                 ensure!(
                     law.material.build().isochoric().is_some(),
-                    "[[relaxation]]: the law {} of \"{}\" has no isochoric part in Ī₁ and Ī₂; expected \
-                     one of: {}",
-                    law.material.law.key,
-                    self.law_name(law),
-                    with_isochoric_part().join(", ")
+                    misfit!(
+                        KeyPath::list("relaxation"),
+                        ": the law {} of \"{}\" has no isochoric part in Ī₁ and Ī₂; expected one of: {}",
+                        law.material.law.key,
+                        self.law_name(law),
+                        with_isochoric_part().join(", ")
+                    )
                 );
             }
             let branch = Branch { overstress: table.overstress, time: table.time };
@@ -100,17 +105,17 @@ impl Scene {
         if self.config.solver.dilatation == Dilatation::Pointwise {
             return Ok(elastic);
         }
-        elastic.with_mean_dilatation().with_context(|| {
+        Ok(elastic.with_mean_dilatation().ok_or_else(|| {
             let has = |law: &&Law| (law.build)(law.sample).split().is_some();
             let known: Vec<_> = LAWS.iter().filter(has).map(|law| law.key).collect();
-            format!(
+            KeyPath::table("solver").key("dilatation").told(format!(
                 "[solver] dilatation = \"mean\": the law {} of \"{}\" has no term of the change of \
                  volume alone, of which a mean could be taken; expected one of: {}",
                 law.material.law.key,
                 self.law_name(law),
                 known.join(", ")
-            )
-        })
+            ))
+        })?)
     }
 
     /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
@@ -176,16 +181,14 @@ pub(super) fn laws(
     }
     let names = &tags.volumes.names;
     for (i, material) in materials.iter().enumerate() {
+        let title = KeyPath::list("material").on(&material.on);
         ensure!(
             names.contains(&material.on),
-            "[[material]] on \"{}\": unknown volume; the mesh has: {}",
-            material.on,
-            names.join(", ")
+            misfit!(title, ": unknown volume; the mesh has: {}", names.join(", "))
         );
         ensure!(
             materials[..i].iter().all(|other| other.on != material.on),
-            "[[material]] on \"{}\" is given twice; a volume has one law",
-            material.on
+            misfit!(title, " is given twice; a volume has one law")
         );
     }
     let mut found = Vec::new();
@@ -198,7 +201,7 @@ pub(super) fn laws(
                 mesh.tets.len()
             );
         };
-        let context = || format!("[[material]] on \"{name}\"");
+        let context = || KeyPath::list("material").on(name);
         let config = material.material().with_context(context)?;
         let material = config.specification().with_context(context)?;
         let (volume, branches) = (Some(name.clone()), Vec::new());

@@ -5,6 +5,7 @@ use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::Membrane;
 use mechanics::material::sheet::Specification;
+use program::misfit;
 
 use super::Scene;
 use crate::config::MembraneConfig;
@@ -68,12 +69,14 @@ impl Scene {
                 let inside = facets.iter().filter(|&&facet| plane.has_facet(facet)).count();
                 ensure!(
                     inside == 0,
-                    "{}: {inside} of its {} facets lie in the plane of symmetry {}, where the whole \
-                     body goes on: there is no surface to bond a sheet to; expected a tag without \
-                     them, or the whole body (solver mirror)",
-                    config.title(),
-                    facets.len(),
-                    plane.equation()
+                    misfit!(
+                        config.title(),
+                        ": {inside} of its {} facets lie in the plane of symmetry {}, where the whole body \
+                         goes on: there is no surface to bond a sheet to; expected a tag without them, or \
+                         the whole body (solver mirror)",
+                        facets.len(),
+                        plane.equation()
+                    )
                 );
             }
             Ok(Membrane::new(space, &facets, *thickness, material.build(config.tension)))

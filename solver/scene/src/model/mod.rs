@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
@@ -29,7 +29,7 @@ use mechanics::forward::{Event, Integrator, Newton, Problem, State, Stepping, Wa
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
-use program::{Heartbeat, Settings};
+use program::{Heartbeat, KeyPath, Settings, misfit};
 
 use crate::config::{
     BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig,
@@ -81,9 +81,11 @@ impl Scene {
         let mut scene = self.clone();
         scene.config.degree = level.degree.unwrap_or(self.config.degree);
         if let Some(LevelTime { steps, end }) = level.time {
-            let own = scene.config.time.as_mut().context(
-                "[[shape.level]] time: the scene has no [time]; expected a level without it",
-            )?;
+            let own = scene.config.time.as_mut().ok_or_else(|| {
+                KeyPath::list("shape.level").key("time").told(
+                    "[[shape.level]] time: the scene has no [time]; expected a level without it",
+                )
+            })?;
             let end = end.unwrap_or_else(|| self.end());
             *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
         }
@@ -249,17 +251,17 @@ impl Scene {
         self.check_apart(body, space)?;
         self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
-        self.check_field("gravity", &self.config.gravity, &nodes)?;
+        self.check_field(KeyPath::of("gravity"), &self.config.gravity, &nodes)?;
         for load in &self.config.body_force {
-            self.check_field("[[body_force]]: force", &load.force, &nodes)?;
+            self.check_field(KeyPath::list("body_force").key("force"), &load.force, &nodes)?;
             energies.body_forces.push(BodyForce::whole(load.force.clone()));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;
             let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
             let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
-            let name = format!("[[traction]] on \"{}\": traction", load.on);
-            self.check_field(&name, &load.traction, &places)?;
+            let name = KeyPath::list("traction").on(&load.on).key("traction");
+            self.check_field(name, &load.traction, &places)?;
             energies.tractions.push(Traction::new(space, &facets, load.traction.clone()));
         }
         Ok(energies)
@@ -337,10 +339,10 @@ impl Scene {
 
     /// Whether a load is defined at all these positions, at the ends of all time
     /// steps.
-    fn check_field(&self, name: &str, field: &Field, positions: &[Vec3]) -> Result<()> {
+    fn check_field(&self, name: KeyPath, field: &Field, positions: &[Vec3]) -> Result<()> {
         let times: Vec<f64> = [0.0].into_iter().chain(self.times()).collect();
         for schedule in field.0.iter().filter(|s| s.uses_position()) {
-            schedule.check(&times, positions).map_err(|what| anyhow!("{name}: {what}"))?;
+            schedule.check(&times, positions).map_err(|what| misfit!(name.clone(), ": {what}"))?;
         }
         Ok(())
     }

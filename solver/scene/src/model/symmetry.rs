@@ -7,6 +7,7 @@ use mechanics::schedule::Field;
 use mechanics::symmetry::{AXES, Plane};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3};
+use program::{KeyPath, misfit};
 
 use super::Scene;
 use crate::config::{Fixed, ObstacleConfig};
@@ -143,26 +144,30 @@ impl Scene {
         if let Some(x) = worst {
             ensure!(
                 off(x) <= near,
-                "[[obstacle]] \"{}\": it is on both sides of the plane of symmetry {}, but not its own \
-                 mirror image: that of ({:.5}, {:.5}, {:.5}) m is {:.3e} m off it; expected {near:.1e} m \
-                 at most: cut the obstacle at the plane, or make it symmetric",
-                config.name,
-                plane.equation(),
-                x.x,
-                x.y,
-                x.z,
-                off(x)
+                misfit!(
+                    KeyPath::list("obstacle").named(&config.name),
+                    ": it is on both sides of the plane of symmetry {}, but not its own mirror image: that \
+                     of ({:.5}, {:.5}, {:.5}) m is {:.3e} m off it; expected {near:.1e} m at most: cut the \
+                     obstacle at the plane, or make it symmetric",
+                    plane.equation(),
+                    x.x,
+                    x.y,
+                    x.z,
+                    off(x)
+                )
             );
         }
         for t in self.config.moments().into_iter().rev() {
             let across = config.displacement.at(Vec3::zeros(), t)[plane.axis];
             ensure!(
                 across == 0.0,
-                "[[obstacle]] \"{}\": it is on both sides of the plane of symmetry {} and moves by \
-                 {across:.3e} m along {} at t = {t}; expected 0: cut the obstacle at the plane",
-                config.name,
-                plane.equation(),
-                AXES[plane.axis]
+                misfit!(
+                    KeyPath::list("obstacle").named(&config.name),
+                    ": it is on both sides of the plane of symmetry {} and moves by {across:.3e} m along {} \
+                     at t = {t}; expected 0: cut the obstacle at the plane",
+                    plane.equation(),
+                    AXES[plane.axis]
+                )
             );
         }
         Ok(())

@@ -15,7 +15,7 @@ use measure::probe::Probe;
 use mechanics::forward::TimeStepper;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
-use program::{Change, Changes, Keys, Settings};
+use program::{Change, Changes, KeyPath, Keys, Settings};
 use scene::Scene;
 use scene::config::beside;
 use schemars::JsonSchema;
@@ -156,7 +156,7 @@ impl Calibration {
                 scenes.push(number::read(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
-            let title = format!("[[experiment]] \"{}\"", own.name);
+            let title = KeyPath::list("experiment").named(&own.name);
             let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
             ensure!(!twice, "{}: {title} is given twice; expected names that differ", context());
             let experiment = Experiment::read(own, path, index, &scenes[index]);

@@ -1,0 +1,185 @@
+//! Keys that lead to a value in settings, as errors carry them.
+
+use std::fmt::{Display, Formatter, Result};
+
+/// Keys that lead to a value, and how messages write them: `[time]: steps`, `[[chamber]] on "cavity": pressure`.
+///
+/// As the context of an error it says where that is; [`Self::says`] makes an error of its own.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct KeyPath(Vec<Step>);
+
+/// A step to what is below.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// A table of the file.
+    Table(String),
+    /// A list of tables of the file.
+    List(String),
+    /// What is below a key, perhaps with dots.
+    Key(String),
+    /// The item of a list with this name.
+    Named(String),
+    /// The item of a list on this tag.
+    On(String),
+    /// The item of a list with this number, counted from 1.
+    Number(usize),
+    /// The component of a vector along this axis.
+    Along(usize),
+}
+
+impl KeyPath {
+    /// The table `[name]` of the file.
+    #[must_use]
+    pub fn table(name: &str) -> Self {
+        Self(vec![Step::Table(name.to_owned())])
+    }
+
+    /// The tables `[[name]]` of the file.
+    #[must_use]
+    pub fn list(name: &str) -> Self {
+        Self(vec![Step::List(name.to_owned())])
+    }
+
+    /// A key of the file, or of the table that a context says; perhaps with dots.
+    #[must_use]
+    pub fn of(key: &str) -> Self {
+        Self::default().key(key)
+    }
+
+    /// What is below a key here.
+    #[must_use]
+    pub fn key(self, key: &str) -> Self {
+        self.then(Step::Key(key.to_owned()))
+    }
+
+    /// The one of these tables with this name.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        self.then(Step::Named(name.to_owned()))
+    }
+
+    /// The one of these tables on this tag.
+    #[must_use]
+    pub fn on(self, tag: &str) -> Self {
+        self.then(Step::On(tag.to_owned()))
+    }
+
+    /// The one of these tables with this number, counted from 1.
+    #[must_use]
+    pub fn number(self, number: usize) -> Self {
+        self.then(Step::Number(number))
+    }
+
+    /// The component of this vector along an axis: 0, 1 or 2.
+    #[must_use]
+    pub fn along(self, axis: usize) -> Self {
+        self.then(Step::Along(axis))
+    }
+
+    /// The error that is there: `what` follows the keys in its message.
+    #[must_use]
+    pub fn says(self, what: impl Display) -> Misfit {
+        Misfit { message: format!("{self}{what}"), path: self }
+    }
+
+    /// The error that is there, whose message names the keys itself.
+    #[must_use]
+    pub fn told(self, message: impl Display) -> Misfit {
+        Misfit { message: message.to_string(), path: self }
+    }
+
+    /// The error of what is below these keys, which go before its message.
+    #[must_use]
+    pub fn around(self, error: &anyhow::Error) -> Misfit {
+        let message = format!("{self}: {error:#}");
+        Misfit { path: self.join(Self::of_error(error)), message }
+    }
+
+    /// The keys that an error carries: those of a context, and of what is in it.
+    #[must_use]
+    pub(super) fn of_error(error: &anyhow::Error) -> Option<Self> {
+        let context = error.downcast_ref::<Self>().cloned();
+        let misfit = error.chain().find_map(|cause| cause.downcast_ref::<Misfit>());
+        let below = misfit.map(|misfit| misfit.path.clone());
+        match context {
+            Some(path) => Some(path.join(below)),
+            None => below,
+        }
+    }
+
+    fn join(mut self, below: Option<Self>) -> Self {
+        self.0.extend(below.into_iter().flat_map(|path| path.0));
+        self
+    }
+
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.0
+    }
+
+    fn then(mut self, step: Step) -> Self {
+        self.0.push(step);
+        self
+    }
+}
+
+impl Display for KeyPath {
+    fn fmt(&self, f: &mut Formatter) -> Result {
+        for (i, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Table(name) => write!(f, "[{name}]")?,
+                Step::List(name) => write!(f, "[[{name}]]")?,
+                Step::Key(key) => write!(f, "{}{key}", if i > 0 { ": " } else { "" })?,
+                Step::Named(name) => write!(f, " \"{name}\"")?,
+                Step::On(tag) => write!(f, " on \"{tag}\"")?,
+                Step::Number(number) => write!(f, " {number}")?,
+                Step::Along(axis) => write!(f, " along {}", ["x", "y", "z"][*axis])?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What settings have and should not, or lack, with the keys that lead there.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Misfit {
+    /// Where it is, below what contexts say.
+    pub(super) path: KeyPath,
+    message: String,
+}
+
+impl From<Misfit> for String {
+    fn from(misfit: Misfit) -> Self {
+        misfit.message
+    }
+}
+
+/// A [`Misfit`] at a [`KeyPath`], whose message goes on after the keys as `format!` has it.
+#[macro_export]
+macro_rules! misfit {
+    ($path:expr, $($what:tt)+) => { $path.says(format!($($what)+)) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_written_as_in_messages() {
+        let chamber = KeyPath::list("chamber").on("cavity").key("pressure");
+        for (path, written) in [
+            (KeyPath::of("degree"), "degree"),
+            (KeyPath::of("gravity").along(2), "gravity along z"),
+            (KeyPath::table("time").key("steps"), "[time]: steps"),
+            (KeyPath::list("probe").named("tip"), "[[probe]] \"tip\""),
+            (KeyPath::list("row").number(2), "[[row]] 2"),
+            (chamber.clone(), "[[chamber]] on \"cavity\": pressure"),
+        ] {
+            assert_eq!(path.to_string(), written);
+        }
+        assert_eq!(
+            misfit!(chamber, " = {}", 3).to_string(),
+            "[[chamber]] on \"cavity\": pressure = 3"
+        );
+    }
+}
