@@ -18,8 +18,10 @@ impl Environment {
         let dir = Workdir::new();
         run(Command::new("python3").args(["-m", "venv"]).arg(dir.path("env")));
         let environment = Self(dir);
-        environment.says("pip install --quiet --no-deps", &[wheel]);
-        let packages = environment.command("pip install --quiet", &[wheel]).output().unwrap();
+        // pip may need variables of this machine to reach a registry
+        let pip = || Command::new(environment.0.path("env/bin/pip"));
+        run(pip().args(["install", "--quiet", "--no-deps"]).arg(wheel));
+        let packages = pip().args(["install", "--quiet"]).arg(wheel).output().unwrap();
         packages.status.success().then_some(environment)
     }
 
