@@ -9,7 +9,8 @@ use tests::workdir::{Workdir, repository};
 /// A folder with the package, and in it the module as it is now.
 fn package() -> Workdir {
     let dir = Workdir::new();
-    let cargo = ["build", "--release", "--locked", "-p", "softpuffer"];
+    // with the features of the whole workspace, in which everything else is compiled
+    let cargo = ["build", "--release", "--locked", "--workspace", "--lib"];
     let built = Command::new(env!("CARGO")).args(cargo).current_dir(repository()).output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let to = dir.path("softpuffer");
