@@ -1,7 +1,7 @@
 //! The module `softpuffer._native`: what the Python package calls of Puffer's crates.
 //!
 //! Python gives names, numbers and NumPy's arrays, and gets them; checks and messages are those of
-//! the programs. Computations release Python's lock, and end where Ctrl-C is pressed.
+//! the programs. What these log goes to Python's `logging`. Computations release Python's lock, and end where Ctrl-C is pressed.
 
 mod body;
 mod error;
@@ -23,6 +23,13 @@ mod _native {
     use super::run::Run;
     #[pymodule_export]
     use super::scene::Scene;
+
+    /// Hands on what is logged. Another module of this process may have done so.
+    #[pymodule_init]
+    fn init(_: &Bound<'_, PyModule>) -> PyResult<()> {
+        let _one_is_enough = pyo3_log::try_init();
+        Ok(())
+    }
 
     /// Version of Puffer that this module was built from.
     #[pyfunction]

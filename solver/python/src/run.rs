@@ -56,8 +56,8 @@ impl Run {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let broken_off = Arc::new(Mutex::new(None));
-        let watch = watch(progress, Arc::clone(&broken_off));
-        let outcome = py.detach(|| Self::solve(scene, watch));
+        let told = Arc::clone(&broken_off);
+        let outcome = py.detach(|| Self::solve(scene, |own| watch(own, progress, told)));
         if let Some(error) = broken_off.lock().unwrap_or_else(PoisonError::into_inner).take() {
             return Err(error);
         }
@@ -65,12 +65,15 @@ impl Run {
     }
 
     /// The run, or why there is no equilibrium.
-    fn solve(scene: Arc<scene::Scene>, watch: Watch) -> Result<Result<Self, String>> {
+    fn solve(
+        scene: Arc<scene::Scene>,
+        watch: impl FnOnce(Option<Watch>) -> Watch,
+    ) -> Result<Result<Self, String>> {
         let begin = Instant::now();
         let (problem, mut workspace) = scene.problem(&scene.body)?;
         let probes = scene.probes(&scene.body, &problem.space)?;
         scene.check_loads()?;
-        workspace.watch = Some(watch);
+        workspace.watch = Some(watch(workspace.watch.take()));
         let mut stepper =
             TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
         let (rest, times) = (&scene.body.mesh.vertices, scene.times());
@@ -353,11 +356,16 @@ impl Run {
     }
 }
 
-/// Calls Python at every iterate, and breaks off where that raises, or Ctrl-C was pressed.
-fn watch(progress: Option<Py<PyAny>>, broken_off: Arc<Mutex<Option<PyErr>>>) -> Watch {
+/// Calls Python at every iterate, and breaks off where that raises, or Ctrl-C was pressed. Other events
+/// are for the watch of the scene.
+fn watch(
+    mut scene: Option<Watch>,
+    progress: Option<Py<PyAny>>,
+    broken_off: Arc<Mutex<Option<PyErr>>>,
+) -> Watch {
     Box::new(move |event| {
         let &Event::Iterate { time, iteration, residual, wanted } = event else {
-            return ControlFlow::Continue(());
+            return scene.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event));
         };
         let said = Python::attach(|py| {
             py.check_signals()?;
