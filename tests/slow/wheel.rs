@@ -59,7 +59,7 @@ fn a_wheel_makes_a_body_without_the_checkout() {
     let wheel = wheel();
     // made for machines with a glibc of 2014 or newer, and for each CPython from 3.10 on
     let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
-    assert!(name.contains("-cp310-abi3-manylinux_2_17_"), "{name}");
+    assert!(name.contains("-cp310-abi3-") && name.contains("manylinux_2_17_"), "{name}");
     let Some(environment) = Environment::new(&wheel) else {
         return skip("pip cannot install the meshers here");
     };
