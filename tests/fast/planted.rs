@@ -1,6 +1,7 @@
 //! What others put into folders that a program reads or runs from: links, pipes, checkouts.
 
 use std::fs::{Permissions, copy, create_dir_all, set_permissions, write};
+use std::io::ErrorKind;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::process::Command;
 
@@ -13,6 +14,16 @@ const MODEL: &str = "unit = \"mm\"\ngrid = 3\n\
 
 fn run(dir: &Workdir, name: &str, arguments: &str) -> Run {
     dir.command_of(name, arguments).output().unwrap().into()
+}
+
+/// Runs a program that was copied: a child of another test may hold it open for a moment.
+fn copied(command: &mut Command) -> Run {
+    loop {
+        match command.output() {
+            Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::yield_now(),
+            output => return output.unwrap().into(),
+        }
+    }
 }
 
 fn pipe(dir: &Workdir, name: &str) {
@@ -115,7 +126,7 @@ fn python_of_a_planted_checkout_is_not_run() {
         set_permissions(dir.path(of), Permissions::from_mode(mode)).unwrap();
         let mut command = Command::new(dir.path("shared/alice/bin/cad2fem"));
         command.args(["tetmesh", "t.stl", "--no-cache", "-o", "v.msh"]).current_dir(dir.path(""));
-        let run = command.env_remove("PUFFER_PYTHON").output().unwrap().into();
+        let run = copied(command.env_remove("PUFFER_PYTHON"));
         set_permissions(dir.path(of), Permissions::from_mode(0o755)).unwrap();
         run
     };
@@ -155,13 +166,7 @@ fn planted_rules_and_pythons_are_not_used() {
     set_permissions(&python, Permissions::from_mode(0o755)).unwrap();
     let run = |verb: &str| -> Run {
         let mut command = Command::new(&cad2fem);
-        command
-            .arg(verb)
-            .current_dir(dir.path(""))
-            .env_remove("PUFFER_PYTHON")
-            .output()
-            .unwrap()
-            .into()
+        copied(command.arg(verb).current_dir(dir.path("")).env_remove("PUFFER_PYTHON"))
     };
     for (place, verb) in [
         (share.as_str(), "rules"),

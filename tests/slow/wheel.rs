@@ -54,12 +54,12 @@ fn wheel() -> PathBuf {
 }
 
 #[test]
-#[ignore = "builds the wheel and makes a beam with it, ten minutes: runs in make test-all"]
+#[ignore = "builds the wheel and makes a beam with it, minutes: runs in make test-all"]
 fn a_wheel_makes_a_body_without_the_checkout() {
     let wheel = wheel();
     // made for machines with a glibc of 2014 or newer, and for each CPython from 3.10 on
     let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
-    assert!(name.contains("-cp310-abi3-manylinux_2_17_"), "{name}");
+    assert!(name.contains("-cp310-abi3-") && name.contains("manylinux_2_17_"), "{name}");
     let Some(environment) = Environment::new(&wheel) else {
         return skip("pip cannot install the meshers here");
     };
@@ -75,8 +75,9 @@ fn a_wheel_makes_a_body_without_the_checkout() {
     assert!(checks.lines().count() > 10 && !checks.contains("FAIL"), "{checks}");
     assert!(environment.says("puffer make -C mine", &[]).contains("nothing to do"));
     // the program itself finds the Python that it was installed for, and keeps meshes in the user's cache
-    let programs = dir.path("env/lib").read_dir().unwrap().flatten().next().unwrap().path();
-    let mut alone = Command::new(programs.join("site-packages/softpuffer/bin/cad2fem"));
+    let mut libraries = dir.path("env/lib").read_dir().unwrap().flatten().map(|e| e.path());
+    let packages = libraries.find_map(|path| path.join("site-packages").canonicalize().ok());
+    let mut alone = Command::new(packages.unwrap().join("softpuffer/bin/cad2fem"));
     alone.args(["tetmesh", "mine/build/model/model.stl", "--config", "mine/cad2fem.toml"]);
     let alone = alone.args(["-o", "again.msh"]).current_dir(dir.path("")).env_clear();
     let said = run(alone.env("HOME", dir.path("home")));
