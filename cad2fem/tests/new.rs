@@ -75,7 +75,7 @@ fn what_is_missing_is_named_with_its_remedy() {
     let python = dir.program("python", "echo 'ModuleNotFoundError: gmsh' >&2; exit 1");
     let run = dir.run_with("PUFFER_PYTHON", &python, &["doctor"]);
     run.fails(1, "are missing");
-    for line in ["ok       Python", "missing  gmsh", "run `make setup`"] {
+    for line in ["ok       Python", "missing  gmsh", "in a checkout `make setup`"] {
         assert!(run.stdout.contains(line), "{line}: {}", run.stdout);
     }
     // one whose gmsh lacks a library

@@ -177,11 +177,10 @@ impl DirectSolver for Dense {
         _: Precision,
         _: BadPivots,
     ) -> Result<(Box<dyn Factor>, usize), usize> {
-        let n = self.0.size();
+        let (n, rows) = (self.0.size(), &self.0.rows);
         let mut l = vec![vec![0.0; n]; n];
-        for column in 0..n {
-            let entries = self.0.column_start[column]..self.0.column_start[column + 1];
-            entries.for_each(|k| l[self.0.rows[k] as usize][column] = lower[k]);
+        for (column, ends) in self.0.column_start.windows(2).enumerate() {
+            (ends[0]..ends[1]).for_each(|k| l[rows[k] as usize][column] = lower[k]);
         }
         for i in 0..n {
             for j in 0..=i {

@@ -20,9 +20,9 @@ _PLACES = {
     "NoEquilibrium": "_native",
     "Run": "run",
     "Scene": "scene",
-    "design": "design",
+    "design": "designs",
     "load": "scene",
-    "response": "response",
+    "response": "responses",
 }
 _MODULES = ("fab", "jax", "torch")
 

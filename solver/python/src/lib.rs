@@ -26,7 +26,7 @@ mod _native {
 
     /// Hands on what is logged. Another module of this process may have done so.
     #[pymodule_init]
-    fn init(_: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
         let _one_is_enough = pyo3_log::try_init();
         Ok(())
     }
