@@ -11,7 +11,7 @@ use tests::workdir::repository;
 const LONGEST: usize = 500;
 
 /// The packages of programs and libraries.
-const PACKAGES: [&str; 14] = [
+const PACKAGES: [&str; 15] = [
     "cad2fem",
     "cad2fem/library",
     "cad2fem/mesh",
@@ -24,6 +24,7 @@ const PACKAGES: [&str; 14] = [
     "solver/measure",
     "solver/mechanics",
     "solver/polyfem",
+    "solver/python",
     "solver/scene",
     "fab",
 ];
@@ -286,7 +287,8 @@ fn stages_meet_only_in_files() {
         "solver" => &all_of_solver,
         _ => &shared[..],
     };
-    let below: [(&str, &[&str]); 10] = [
+    let of_python = ["measure", "mechanics", "mesh", "program", "reports", "scene", "solver"];
+    let below: [(&str, &[&str]); 11] = [
         ("cad2fem/library", &[]),
         ("cad2fem/mesh", &[]),
         ("cad2fem/page", &["mesh", "program", "reports"]),
@@ -297,6 +299,7 @@ fn stages_meet_only_in_files() {
         ("solver/measure", &["mechanics", "mesh", "program"]),
         ("solver/scene", &["library", "measure", "mechanics", "mesh", "program"]),
         ("solver/polyfem", &["mechanics", "mesh", "program", "scene"]),
+        ("solver/python", &of_python),
     ];
     for (package, allowed) in stages.iter().map(|s| (*s, of(s))).chain(below) {
         let path = repository().join(package).join("Cargo.toml");

@@ -258,7 +258,7 @@ mod tests {
     use super::*;
 
     /// A few roundings of numbers of order one.
-    const ROUNDING: f64 = 1e-14;
+    const FEW_ROUNDINGS: f64 = 1e-14;
 
     #[test]
     fn metres_for_millimetres_are_remarked_on() {
@@ -302,7 +302,7 @@ mod tests {
         for (k, gradient) in tet_volume_gradient(a, b, c, d).iter().enumerate() {
             let mut moved = corners;
             moved[k] += by;
-            assert!((volume(moved) - volume(corners) - gradient.dot(&by)).abs() < ROUNDING);
+            assert!((volume(moved) - volume(corners) - gradient.dot(&by)).abs() < FEW_ROUNDINGS);
         }
     }
 
@@ -310,14 +310,14 @@ mod tests {
     fn a_regular_tetrahedron_has_the_known_measures() {
         let [a, b, c, d] = regular_tet();
         // Edge 2√2: volume s³/(6√2) = 8/3, facets √3 s²/4 = 2√3.
-        assert!((tet_volume(a, b, c, d) - 8.0 / 3.0).abs() < ROUNDING);
-        assert!((triangle_area(a, b, c) - 2.0 * 3.0_f64.sqrt()).abs() < ROUNDING);
-        assert!((radius_ratio(a, b, c, d) - 1.0).abs() < ROUNDING);
-        assert!((radius_ratio(a, b, d, c) + 1.0).abs() < ROUNDING);
+        assert!((tet_volume(a, b, c, d) - 8.0 / 3.0).abs() < FEW_ROUNDINGS);
+        assert!((triangle_area(a, b, c) - 2.0 * 3.0_f64.sqrt()).abs() < FEW_ROUNDINGS);
+        assert!((radius_ratio(a, b, c, d) - 1.0).abs() < FEW_ROUNDINGS);
+        assert!((radius_ratio(a, b, d, c) + 1.0).abs() < FEW_ROUNDINGS);
         let known = (1.0_f64 / 3.0).acos().to_degrees();
         assert!((known - 70.5288).abs() < 1e-4);
         for angle in dihedral_angles(a, b, c, d) {
-            assert!((angle - known).abs() < 100.0 * ROUNDING);
+            assert!((angle - known).abs() < 100.0 * FEW_ROUNDINGS);
         }
     }
 
@@ -328,10 +328,10 @@ mod tests {
         let slanted = (1.0 / 3.0_f64.sqrt()).acos().to_degrees();
         let known = [90.0, 90.0, 90.0, slanted, slanted, slanted];
         for (angle, known) in dihedral_angles(o, x, y, z).into_iter().zip(known) {
-            assert!((angle - known).abs() < 100.0 * ROUNDING);
+            assert!((angle - known).abs() < 100.0 * FEW_ROUNDINGS);
         }
         // Circumradius √3/2, inscribed radius 1/(3+√3): 3 r/R = 2√3/(3+√3) = √3 − 1.
-        assert!((radius_ratio(o, x, y, z) - (3.0_f64.sqrt() - 1.0)).abs() < ROUNDING);
+        assert!((radius_ratio(o, x, y, z) - (3.0_f64.sqrt() - 1.0)).abs() < FEW_ROUNDINGS);
     }
 
     #[test]
@@ -350,14 +350,14 @@ mod tests {
     #[test]
     fn an_octahedron_has_the_known_measures_far_from_the_origin() {
         let mut surface = octahedron();
-        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < ROUNDING);
-        assert!((area(&surface) - 4.0 * 3.0_f64.sqrt()).abs() < ROUNDING);
+        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < FEW_ROUNDINGS);
+        assert!((area(&surface) - 4.0 * 3.0_f64.sqrt()).abs() < FEW_ROUNDINGS);
         surface.vertices.iter_mut().for_each(|v| *v += Vec3::repeat(1024.0));
         // The shift is exact, and so are the differences the volume is made of.
-        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < ROUNDING);
+        assert!((enclosed_volume(&surface) - 4.0 / 3.0).abs() < FEW_ROUNDINGS);
         surface.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        assert!((enclosed_volume(&surface) + 4.0 / 3.0).abs() < ROUNDING);
-        assert!((diagonal(&surface.vertices) - 12.0_f64.sqrt()).abs() < ROUNDING);
+        assert!((enclosed_volume(&surface) + 4.0 / 3.0).abs() < FEW_ROUNDINGS);
+        assert!((diagonal(&surface.vertices) - 12.0_f64.sqrt()).abs() < FEW_ROUNDINGS);
     }
 
     #[test]
@@ -366,11 +366,11 @@ mod tests {
         vertices.extend([Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()]);
         let found = quality(&TetMesh { vertices, tets: vec![[0, 1, 2, 3], [4, 5, 6, 7]] });
         let worst = 3.0_f64.sqrt() - 1.0;
-        assert!((found.radius_ratio_min - worst).abs() < ROUNDING);
-        assert!((found.radius_ratio_mean - f64::midpoint(1.0, worst)).abs() < ROUNDING);
-        assert!((found.max_dihedral - 90.0).abs() < 100.0 * ROUNDING);
-        assert!((found.edge_min - 1.0).abs() < ROUNDING);
-        assert!((found.edge_max - 8.0_f64.sqrt()).abs() < ROUNDING);
+        assert!((found.radius_ratio_min - worst).abs() < FEW_ROUNDINGS);
+        assert!((found.radius_ratio_mean - f64::midpoint(1.0, worst)).abs() < FEW_ROUNDINGS);
+        assert!((found.max_dihedral - 90.0).abs() < 100.0 * FEW_ROUNDINGS);
+        assert!((found.edge_min - 1.0).abs() < FEW_ROUNDINGS);
+        assert!((found.edge_max - 8.0_f64.sqrt()).abs() < FEW_ROUNDINGS);
     }
 
     #[test]
@@ -384,9 +384,9 @@ mod tests {
             triangles: vec![[0, 1, 2]],
         };
         let (small, large) = (patch(0.0, 1.0), patch(0.5, 3.0));
-        assert!((hausdorff(&small, &large, 100) - 0.5).abs() < ROUNDING);
+        assert!((hausdorff(&small, &large, 100) - 0.5).abs() < FEW_ROUNDINGS);
         // From the far corners: 2 along the plane and 0.5 across.
-        assert!((hausdorff(&large, &small, 100) - 4.25_f64.sqrt()).abs() < ROUNDING);
+        assert!((hausdorff(&large, &small, 100) - 4.25_f64.sqrt()).abs() < FEW_ROUNDINGS);
         // A roof whose vertices all lie on the target, but its middle does not.
         let gap = SurfaceMesh {
             vertices: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.0, -1.0]]

@@ -28,7 +28,7 @@ const PLANAR: f64 = 2e-3;
 const SAMPLES: usize = 20_000;
 
 /// Volumes that should be equal may differ by this part, from rounding.
-const ROUNDING: f64 = 1e-9;
+const VOLUME_ROUNDING: f64 = 1e-9;
 
 /// The surfaces a mold is made from, in the design's coordinates.
 #[derive(Clone, Debug)]
@@ -323,7 +323,7 @@ impl Boundary {
             .map(|[a, b, c, d]| tet_volume(a, b, c, d).abs())
             .sum();
         let boundary = enclosed_volume(&self.cast);
-        if (tets - boundary).abs() > ROUNDING * tets {
+        if (tets - boundary).abs() > VOLUME_ROUNDING * tets {
             return Err(BoundaryError::Overlap {
                 tets_mm3: tets * 1e9,
                 boundary_mm3: boundary * 1e9,

@@ -48,7 +48,7 @@ const BEYOND: f64 = -0.5;
 const ASKEW: f64 = 2.0;
 
 /// Hat functions and lengths in a facet that are less are rounding [1].
-const ROUNDING: f64 = 1e-9;
+const HAT_ROUNDING: f64 = 1e-9;
 
 /// Steps of Newton's method, which is at rounding after five.
 const STEPS: usize = 8;
@@ -133,7 +133,7 @@ impl Displacement {
     /// The facet over which a point is: of those around the nearest one that in which it is, or least beyond it.
     fn over(&self, x: &Vec3, nearest: &Closest) -> Over {
         let least = |over: &Over| over.parts.into_iter().fold(0.0, f64::min);
-        let own = self.over_facet(x, nearest.triangle).filter(|over| least(over) > -ROUNDING);
+        let own = self.over_facet(x, nearest.triangle).filter(|over| least(over) > -HAT_ROUNDING);
         if let Some(own) = own {
             return own;
         }
@@ -141,7 +141,7 @@ impl Displacement {
         let near: BTreeSet<usize> =
             corners.iter().flat_map(|&v| &self.around[v]).copied().collect();
         // Facets beyond a sharp edge may be under the point, too, but far below.
-        let high = ASKEW * nearest.distance + ROUNDING * self.longest[nearest.triangle];
+        let high = ASKEW * nearest.distance + HAT_ROUNDING * self.longest[nearest.triangle];
         let over = near.into_iter().filter_map(|t| self.over_facet(x, t));
         let found = over.filter(|over| over.height.abs() <= high).max_by(|a, b| {
             least(a).total_cmp(&least(b)).then(b.height.abs().total_cmp(&a.height.abs()))

@@ -9,7 +9,7 @@ pub const CUSTOMARY: f64 = 45.0;
 const BED: f64 = 0.05;
 
 /// Rounding of a normal's sine: slopes of just the steepest angle do not hang.
-const ROUNDING: f64 = 1e-6;
+const SINE_ROUNDING: f64 = 1e-6;
 
 /// A bead of molten plastic holds itself where less hangs in all: one square as wide as a
 /// line and a half of a 0.4 mm nozzle [mm²].
@@ -33,7 +33,7 @@ impl Overhangs {
     pub fn new(printed: &SurfaceMesh, steepest: f64, shapes: impl Fn(usize) -> bool) -> Self {
         let bed = measure::bounds(&printed.vertices).0.z + BED;
         // A facet at the angle a from the vertical has a normal with z = −sin a.
-        let limit = -steepest.to_radians().sin() - ROUNDING;
+        let limit = -steepest.to_radians().sin() - SINE_ROUNDING;
         let mut found = Self::default();
         for t in 0..printed.triangles.len() {
             let [a, b, c] = printed.corners(t);

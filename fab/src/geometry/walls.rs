@@ -7,7 +7,7 @@ use mesh::{SurfaceMesh, Vec3};
 use crate::config::Casts;
 
 /// Thicknesses that differ by less are equal: what files of a hand-sized mold resolve [m].
-pub const ROUNDING: f64 = 1e-8;
+pub const THICKNESS_ROUNDING: f64 = 1e-8;
 
 /// A mesh is within this part of the diagonal of the model that it was made from: envelopes of a tenth of
 /// a wall are that wide in small bodies.
@@ -28,7 +28,7 @@ impl Wall {
     /// Whether it is thinner than `least` [m].
     #[must_use]
     pub fn is_thinner(&self, least: f64) -> bool {
-        self.thickness < least - ROUNDING
+        self.thickness < least - THICKNESS_ROUNDING
     }
 }
 
@@ -49,7 +49,7 @@ pub fn thinnest(
     let limit = OFF * diagonal(&other.vertices);
     let other = walls::thinnest_with(surface, other, limit).map(on(casts.other()));
     // Where both are equal, the model is named.
-    let least = if casts == Casts::Mesh { ROUNDING } else { -ROUNDING };
+    let least = if casts == Casts::Mesh { THICKNESS_ROUNDING } else { -THICKNESS_ROUNDING };
     match (other, cast) {
         (Some(other), Some(cast)) if cast.thickness > other.thickness + least => Some(cast),
         (other, cast) => other.or(cast),

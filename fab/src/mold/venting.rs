@@ -16,7 +16,7 @@ use crate::geometry::frame::Frame;
 use crate::geometry::maxima::{self, Peak};
 
 /// Tops that are flat within this height get their channel in the middle [m].
-const FLAT: f64 = 2e-4;
+const TOP_FLATNESS: f64 = 2e-4;
 
 /// A vent must keep this distance from the rim of the sprue's mouth [m].
 const APART: f64 = 1e-3;
@@ -67,7 +67,7 @@ pub fn places(
     let (open, trapped): (Vec<Peak>, Vec<Peak>) =
         peaks.into_iter().partition(|peak| outer.contains(&peak.vertex));
     let top_of = |peak: &Peak| {
-        let middle = maxima::middle_of_top(peak.vertex, &positions, &neighbours, FLAT);
+        let middle = maxima::middle_of_top(peak.vertex, &positions, &neighbours, TOP_FLATNESS);
         surface_near(filled, &positions[middle], positions[peak.vertex].z)
     };
     let mut tops: Vec<Vec3> = open.iter().filter_map(top_of).collect();

@@ -26,7 +26,7 @@ const AS_GOOD: f64 = 5e-3;
 const AS_THIN: f64 = 1.1;
 
 /// A wall is flat where it keeps to a plane this closely [m].
-const FLAT: f64 = 2e-6;
+const WALL_FLATNESS: f64 = 2e-6;
 
 /// The chamber is cut this far inside its flat wall, the sheet begins as far outside of
 /// it: what is missing between is much thinner than the glue [m].
@@ -173,14 +173,14 @@ pub fn flattest(boundary: &Boundary) -> Option<Flat> {
             outline += View::along(&core.surface, &normal).outline();
             let on_plane = |t: &usize| {
                 let corners = core.surface.corners(*t);
-                corners.iter().all(|p| offset - p.dot(&normal) <= FLAT)
+                corners.iter().all(|p| offset - p.dot(&normal) <= WALL_FLATNESS)
             };
             wall += (0..core.surface.triangles.len())
                 .filter(on_plane)
                 .map(|t| area(&core.surface, t))
                 .sum::<f64>();
         }
-        let reaches = |[_, high]: &[f64; 2]| offset - high <= FLAT;
+        let reaches = |[_, high]: &[f64; 2]| offset - high <= WALL_FLATNESS;
         let missed = extents(boundary, &normal).iter().filter(|e| !reaches(e)).count();
         (normal, offset, wall / outline, missed)
     });
@@ -256,7 +256,7 @@ fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
             let from = core.surface.centroid(t);
             let height = offset - from.dot(normal);
             let way = normal * height.signum();
-            let leaves = |s: f64| s > FLAT && s < height.abs() - FLAT;
+            let leaves = |s: f64| s > WALL_FLATNESS && s < height.abs() - WALL_FLATNESS;
             let area = area(&core.surface, t);
             total += area;
             if bvh.ray(&from, &way).iter().any(|hit| leaves(hit.0)) {

@@ -10,7 +10,7 @@ use super::{Against, Line, fit, walls};
 use crate::body::source::CastPart;
 use crate::files::report::MoldReport;
 use crate::geometry::MM;
-use crate::geometry::walls::ROUNDING;
+use crate::geometry::walls::THICKNESS_ROUNDING;
 use crate::plan::report::{Entry, PlanReport};
 
 /// Thickness of what may be missing where castings are glued: 6 µm are left out between a chamber
@@ -36,7 +36,7 @@ pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
     };
     let design = &designs[0];
     let volume = volume(&reports, &designs);
-    let least = (first.casting.least_wall - ROUNDING) * MM;
+    let least = (first.casting.least_wall - THICKNESS_ROUNDING) * MM;
     let (cast, beside) = ((design, first.input.surface), origins.beside(first));
     vec![volume, walls::wall_line_with("castings: thinnest wall", cast, beside, least)]
 }

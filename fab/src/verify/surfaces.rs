@@ -81,7 +81,7 @@ fn handles(name: &str, surface: &SurfaceMesh, reported: i32) -> Line {
 fn as_reported(report: &MoldReport, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Vec<Line> {
     // Summed in the same order over the same triangles, but turned, which may
     // exchange the products in a determinant: rounding only.
-    const ROUNDING: f64 = 1e-12;
+    const VOLUME_ROUNDING: f64 = 1e-12;
     let volumes = report.parts.iter().map(|p| (p.name.as_str(), p.volume));
     volumes
         .chain([("cast", report.cast.volume)])
@@ -89,7 +89,7 @@ fn as_reported(report: &MoldReport, parts: &[SurfaceMesh], cast: &SurfaceMesh) -
         .map(|((name, reported), surface)| {
             let volume = mesh::measure::enclosed_volume(surface);
             let found = format!("{volume:.4} mm³");
-            let holds = (volume - reported).abs() <= ROUNDING * reported;
+            let holds = (volume - reported).abs() <= VOLUME_ROUNDING * reported;
             Line::new(
                 format!("{name}: volume"),
                 holds,

@@ -15,7 +15,7 @@ use crate::row::{Row, Seconds, Work, find};
 
 /// Runs of one solve, and the time after which there is no further one [s].
 const RUNS: usize = 3;
-const ENOUGH: f64 = 20.0;
+const ENOUGH_SECONDS: f64 = 20.0;
 
 /// What one process has measured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -111,7 +111,7 @@ pub fn child(name: &str) -> Result<()> {
 pub fn repeat(name: &str) -> Result<Option<(Row, Solve)>> {
     eprintln!("solving {name}");
     let mut runs = Vec::new();
-    while runs.len() < RUNS && runs.iter().map(Solve::total_s).sum::<f64>() < ENOUGH {
+    while runs.len() < RUNS && runs.iter().map(Solve::total_s).sum::<f64>() < ENOUGH_SECONDS {
         let Some(run) = once(name, None)? else { return Ok(None) };
         runs.push(run);
     }

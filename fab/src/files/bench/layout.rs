@@ -21,7 +21,7 @@ const TEXT: f64 = 9.5;
 const LEADING: f64 = 1.32;
 
 /// A text that is as wide as its column fits, whatever the order in which widths were added.
-const ROUNDING: f64 = 1e-6;
+const WIDTH_ROUNDING: f64 = 1e-6;
 /// Text is made smaller down to this so that one page is enough, and down to the least for two.
 const ONE_PAGE: f64 = 0.85;
 const LEAST: f64 = 0.76;
@@ -256,7 +256,7 @@ impl Flow<'_> {
     /// A text in lines of a width. A word that is longer than a line is cut.
     fn wrapped(&self, text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
         let face = self.faces.of(bold);
-        let fits = |text: &str| face.width(text, size) <= width + ROUNDING;
+        let fits = |text: &str| face.width(text, size) <= width + WIDTH_ROUNDING;
         let mut lines = vec![String::new()];
         for word in text.split_whitespace() {
             let line = lines.last_mut().expect("there is a line");

@@ -2,6 +2,7 @@
 //!
 //! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`].
 
+mod arruda_boyce;
 mod gent;
 mod isochoric;
 mod isotropic;
@@ -23,6 +24,7 @@ mod split;
 mod tests;
 mod yeoh;
 
+pub use arruda_boyce::ArrudaBoyce;
 pub use gent::Gent;
 pub use isochoric::Isochoric;
 pub use isotropic::{Invariants, Isotropic, Partials};
@@ -76,6 +78,7 @@ pub const LAWS: &[Law] = &[
     neo_hookean::LAW,
     yeoh::LAW,
     gent::LAW,
+    arruda_boyce::LAW,
     ogden::LAW,
     saint_venant_kirchhoff::LAW,
     linear_elastic::LAW,
