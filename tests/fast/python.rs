@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use tests::reported::check_simulation;
 use tests::skip::skip;
 use tests::workdir::{Workdir, repository};
 
@@ -31,16 +32,54 @@ fn compiled() -> PathBuf {
     test.ancestors().nth(2).unwrap().to_path_buf()
 }
 
-#[test]
-fn the_python_package_works_on_a_small_body() {
+/// The folder in which some classes of tests passed; none where a package of Python is missing.
+fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
     let python = repository().join(".venv/bin/python");
-    if !python.exists() {
-        return skip("no .venv: make setup");
+    let import = Command::new(&python).args(["-c", &format!("import {needs}")]).output();
+    if !import.is_ok_and(|done| done.status.success()) {
+        skip(&format!("the Python package {needs} is not installed"));
+        return None;
     }
     let dir = package();
     let tests = repository().join("tests/python/package.py");
     let mut command = Command::new(python);
-    command.args(["-B", "-W", "error"]).arg(tests).env("PYTHONPATH", dir.path(""));
-    let done = command.current_dir(dir.path("")).output().unwrap();
+    command.arg("-B").arg(tests).args(classes).current_dir(dir.path(""));
+    command.env("PYTHONPATH", dir.path("")).env("PUFFER_SAVED", dir.path("saved"));
+    let done = command.output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    Some(dir)
+}
+
+/// What it saves is what the program makes of the same scene.
+#[test]
+fn the_python_package_works_on_a_small_body() {
+    let Some(dir) = passed(&["Bodies", "Scenes", "Runs", "Book"], "autograd") else { return };
+    for name in ["still", "moving"] {
+        dir.solver(&format!("simulate saved/{name}/sim.toml -o {name}")).assert_good();
+        let [saved, made] = [format!("saved/{name}"), name.to_owned()]
+            .map(|of| dir.json(&format!("{of}/report.json")));
+        check_simulation(&saved);
+        for key in ["steps", "probes", "chambers", "energy_balance", "tags", "error_bars", "status"]
+        {
+            assert_eq!(saved[key], made[key], "{name}: {key}");
+        }
+        for key in ["factor_entries", "dofs", "newton_iterations"] {
+            assert!(saved[key].as_u64().unwrap() > 0 && saved[key] == made[key], "{name}: {key}");
+        }
+    }
+}
+
+#[test]
+fn pytorch_differentiates_a_simulation() {
+    let _ = passed(&["Torch"], "torch");
+}
+
+#[test]
+fn jax_differentiates_a_simulation() {
+    let _ = passed(&["Jax"], "jax");
+}
+
+#[test]
+fn scipy_designs_with_gradients() {
+    let _ = passed(&["SciPy"], "scipy");
 }

@@ -4,8 +4,8 @@ A box of two cells per edge with a cubic hole: its wall is the tag `cavity`, its
 """
 
 import contextlib
-import importlib.util
 import io
+import json
 import os
 import pathlib
 import signal
@@ -65,6 +65,16 @@ def scene(**more):
         solver={"relative_tolerance": 1e-12},
     )
     return sp.Scene(sp.Body(*box()), **(tables | more))
+
+
+def moving_scene():
+    """The box, blown up in three time steps."""
+    return scene(
+        time={"method": "bdf2", "end": 0.02, "steps": 3},
+        chambers={"cavity": "1e6*t"},
+        material=SILICONE | {"density": 1070},
+        uncertainty={"numbers": {"material.body.c1": 1e3}},
+    )
 
 
 class Bodies(unittest.TestCase):
@@ -198,14 +208,15 @@ class Runs(unittest.TestCase):
         with self.assertRaises(sp.InputError):
             run.displacement_at(99)
 
-    def test_what_is_saved_is_what_the_program_reads(self):
-        with tempfile.TemporaryDirectory() as folder:
-            self.found.save(folder)
-            names = {path.name for path in pathlib.Path(folder).iterdir()}
-            for name in ("report.json", "steps.jsonl", "curve.csv", "result.vtu", "displacement.npy", "sim.toml"):
-                self.assertIn(name, names)
-            moved = np.load(pathlib.Path(folder) / "displacement.npy")
-        np.testing.assert_array_equal(moved, self.found.displacement)
+    def test_a_run_is_saved(self):
+        # the test in Rust compares with what the program makes of the scene in the folder
+        for name, run in {"still": self.found, "moving": moving_scene().simulate()}.items():
+            folder = pathlib.Path(os.environ["PUFFER_SAVED"]) / name
+            run.save(folder)
+            np.testing.assert_array_equal(np.load(folder / "displacement.npy"), run.displacement)
+            bars = run.error_bars
+            self.assertEqual(bars, json.loads((folder / "report.json").read_text()).get("error_bars"))
+            self.assertEqual(bars is None, name == "still")
 
     def slope(self, change, value, derivative, step):
         """The order in which the remainder of a value falls: 2 where the derivative is right."""
@@ -231,7 +242,7 @@ class Runs(unittest.TestCase):
             at = self.scene.get(path)
             change = lambda other, step: other.set(path, at + step)
             slope = self.slope(change, value, by[path], 0.05 * at)
-            self.assertAlmostEqual(slope, 2, delta=0.15, msg=path)
+            self.assertAlmostEqual(slope, 2, delta=0.1, msg=path)
             tested += 1
         self.assertGreaterEqual(tested, 5)
 
@@ -267,8 +278,7 @@ class Runs(unittest.TestCase):
             self.found.gradient(lambda u: 0.0, derivative=lambda u: ones[:-1])
 
     def test_through_time(self):
-        moving = scene(time={"method": "bdf2", "end": 0.02, "steps": 3}, chambers={"cavity": "1e6*t"},
-                       material=SILICONE | {"density": 1070})
+        moving = moving_scene()
         run = moving.simulate()
         self.assertEqual(len(run.times), 3)
         value, by = run.gradient(lambda u: (u[:, 5, 2] ** 2).sum() * 1e6, ["material.body.c1"], through_time=True)
@@ -279,15 +289,9 @@ class Runs(unittest.TestCase):
             found = other.simulate()
             u = np.stack([found.displacement_at(k) for k in range(3)])
             remainders.append(abs((u[:, 5, 2] ** 2).sum() * 1e6 - value - step * by["material.body.c1"]))
-        self.assertAlmostEqual(np.log2(remainders[0] / remainders[1]), 2, delta=0.15)
+        self.assertAlmostEqual(np.log2(remainders[0] / remainders[1]), 2, delta=0.1)
 
 
-def lacks(module):
-    """Whether a package is not installed: its tests are skipped then, with this reason."""
-    return unittest.skipIf(importlib.util.find_spec(module) is None, f"{module} is not installed")
-
-
-@lacks("torch")
 class Torch(unittest.TestCase):
     def test_gradcheck_passes(self):
         import torch
@@ -315,7 +319,6 @@ class Torch(unittest.TestCase):
             self.assertTrue(torch.equal(alone, found))
 
 
-@lacks("jax")
 class Jax(unittest.TestCase):
     def test_gradients_are_central_differences(self):
         import jax
@@ -337,10 +340,25 @@ class Jax(unittest.TestCase):
         self.assertEqual(float(jax.jit(loss)(still, pressure)), float(loss(still, pressure)))
 
 
+def chapter():
+    """The pieces of Python of the book's chapter."""
+    page = (pathlib.Path(__file__).parents[2] / "pipelines/book/python.md").read_text()
+    return [part.split("```")[0] for part in page.split("```python\n")[1:]]
+
+
+class SciPy(unittest.TestCase):
+    def test_the_design_of_the_chapter_is_found(self):
+        piece = next(piece for piece in chapter() if "scipy" in piece)
+        names = {"sp": sp, "scene": scene(material="dragon-skin-10-medium", chambers={"cavity": 10e3})}
+        with contextlib.redirect_stdout(io.StringIO()):
+            exec(compile(piece.replace('"rise"', '"height"'), "python.md", "exec"), names)
+        start, end = names["objective"]([1, 1])[0], names["found"].fun
+        self.assertLess(end, 0.5 * start)
+
+
 class Book(unittest.TestCase):
     def test_the_pieces_of_the_chapter_run(self):
-        page = (pathlib.Path(__file__).parents[2] / "pipelines/book/python.md").read_text()
-        pieces = [part.split("```")[0] for part in page.split("```python\n")[1:]]
+        pieces = chapter()
         self.assertEqual(len(pieces), 6)
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
@@ -349,7 +367,7 @@ class Book(unittest.TestCase):
                 sp.Body(*box()).write("tagged.msh")
                 names = {}
                 for piece in pieces:
-                    if "scipy" in piece and importlib.util.find_spec("scipy") is None:
+                    if "scipy" in piece:
                         continue
                     with contextlib.redirect_stdout(io.StringIO()):
                         exec(compile(piece, "python.md", "exec"), names)

@@ -46,9 +46,9 @@ pub struct Design {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Scene {
-    /// Its time, if it has one.
+    /// Time steps, if there are any.
     pub time: Option<Value>,
-    /// Its bodies, where it has several.
+    /// Bodies, where there are several.
     pub body: Vec<SceneBody>,
 }
 
@@ -98,7 +98,7 @@ pub struct Plan {
     pub reason: String,
     /// The body.
     pub input: Option<InputFile>,
-    /// Its thinnest wall, if it was measured.
+    /// The thinnest wall of the body, if it was measured.
     pub wall: Option<ThinnestWall>,
     /// The molds.
     pub molds: Vec<Entry>,
@@ -116,7 +116,7 @@ pub struct ThinnestWall {
 /// A mold of a plan.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Entry {
-    /// Its folder, relative to that of the plan.
+    /// The folder, relative to that of the plan.
     pub folder: String,
 }
 

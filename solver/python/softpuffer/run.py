@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import json
 import os
-import subprocess
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Iterable
@@ -74,6 +74,13 @@ class Run:
     def chambers_at(self, step: int) -> dict[str, dict[str, float]]:
         """The same at a step."""
         return self._native.chambers(step)
+
+    @property
+    def error_bars(self) -> dict[str, dict] | None:
+        """Error bars of every probe at the end, to first order, as report.json has them; None where the scene has
+        no table `uncertainty`."""
+        found = self._native.error_bars()
+        return None if found is None else json.loads(found)
 
     def stress(self, name: str = "von_mises", *, cells: bool = False, step: int = -1) -> np.ndarray:
         """A field of stress or strain at the nodes, or of the tetrahedra, as columns.

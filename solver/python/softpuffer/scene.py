@@ -107,8 +107,10 @@ class Scene:
 
     def unit(self, path: str) -> str:
         """The SI unit of a number."""
-        self.get(path)
-        return next(unit for own, unit, _ in self._native.numbers() if own == path)
+        units = {own: unit for own, unit, _ in self._native.numbers()}
+        if path not in units:
+            self.get(path)  # says which there are
+        return units[path]
 
     def get(self, path: str) -> float:
         """The value of a number, such as `chamber.cavity.pressure` or `material.body.c1`."""
@@ -135,7 +137,7 @@ class Scene:
     def simulate(self, progress: Progress | bool | None = None) -> Run:
         """Solves the scene for its equilibrium, or through time.
 
-        progress: True draws a line while it runs (in notebooks, too), a function is called at every
+        progress: True draws a line while it runs, a function is called at every
         iteration of Newton's method, None draws where there is a terminal.
 
         Raises NoEquilibrium with what is known of the reason. Ctrl-C ends it with KeyboardInterrupt.

@@ -9,7 +9,9 @@ use anyhow::{Context, Result};
 use measure::probe::{Probe, measure};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
-use mechanics::forward::{Event, LoadStep, Problem, TimeStepper, Trajectory, Watch, Workspace};
+use mechanics::forward::{
+    Event, LoadStep, Problem, TimeStepper, Trajectory, Watch, Workspace, predicted_time,
+};
 use mesh::io::vtu;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use program::FolderLock;
@@ -23,6 +25,7 @@ use solver::report::record::{Finished, Recorder};
 use solver::report::results;
 use solver::report::simulation::{self, Spent};
 use solver::study::sensitivity::sensitivities;
+use solver::study::uncertainty;
 
 use crate::body::{by_rows, vectors};
 use crate::error::{NoEquilibrium, refused, refused_as};
@@ -41,11 +44,12 @@ pub struct Run {
     workspace: Mutex<Workspace>,
     probes: Vec<Probe>,
     trajectory: Trajectory,
-    /// The load steps of a static scene, the ends of the time steps of another.
-    steps: Vec<LoadStep>,
+    load_steps: Vec<LoadStep>,
     newton_iterations: usize,
     /// Wall time [s].
     seconds: f64,
+    /// Predicted wall time [s].
+    predicted_s: f64,
 }
 
 impl Run {
@@ -78,12 +82,9 @@ impl Run {
             TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
         let (rest, times) = (&scene.body.mesh.vertices, scene.times());
         let timed = scene.config.time.is_some();
-        let mut steps = Vec::new();
-        let keep = |step: &LoadStep| {
-            if step.ends_time_step || !timed {
-                steps.push(step.clone());
-            }
-        };
+        let predicted_s = predicted_time(&problem, &workspace, timed.then_some(times.len()));
+        let mut load_steps = Vec::new();
+        let keep = |step: &LoadStep| load_steps.push(step.clone());
         let run = stepper.run(&problem, &mut workspace, rest, &times, STATE_MEMORY, keep);
         workspace.watch = None;
         let trajectory = match run {
@@ -101,9 +102,10 @@ impl Run {
             workspace,
             probes,
             trajectory,
-            steps,
+            load_steps,
             newton_iterations,
             seconds,
+            predicted_s,
         }))
     }
 
@@ -116,24 +118,31 @@ impl Run {
         results::remove_stale(folder, 0)?;
         let on = (&self.problem, &self.probes[..]);
         let mut recorder = Recorder::new(&scene, on, folder, true, None)?;
-        let (steps, reported) = (self.steps.clone(), 0..self.steps.len());
-        recorder.write(Finished { steps, reported, velocity: None, checkpoint: None })?;
-        let last = self.steps.last().context("the run has no steps")?;
-        let (at, state) = (self.at(last), self.trajectory.state(self.trajectory.steps()));
+        for finished in self.finished() {
+            recorder.write(finished)?;
+        }
+        let last = self.load_steps.last().context("the run has no steps")?;
+        let at = self.at(last);
         results::write_end(folder, &self.problem, &at)?;
-        let timings = self.workspace.lock().unwrap_or_else(PoisonError::into_inner).timings;
+        let mut workspace = self.workspace.lock().unwrap_or_else(PoisonError::into_inner);
+        let (timings, velocity) = (workspace.timings, self.velocity(self.trajectory.steps()));
         let spent = Spent {
             newton_iterations: self.newton_iterations,
-            velocity: self.trajectory.method.has_inertia().then_some(&state.v[..]),
+            velocity: velocity.as_deref(),
             recorder: &recorder,
             timings: &timings,
             equilibrium_s: self.seconds,
-            predicted_s: self.seconds,
+            predicted_s: self.predicted_s,
         };
         let mut report = simulation::begun(&scene, &self.problem, folder)?;
         let (mut end, crossing) = simulation::end(&scene, on, &at, &spent)?;
         end.wall_s = self.seconds;
+        end.peak_rss_mb = program::peak_rss_mb();
+        let solver = (&self.problem, &mut *workspace);
+        end.error_bars = uncertainty::report(&scene, solver, &self.probes, &self.trajectory);
         report.steps.clone_from(&recorder.lines);
+        report.factor_entries = workspace.linear().cost().entries;
+        report.memory_estimate_mb = workspace.memory().bytes as f64 / f64::from(1 << 20);
         if crossing.is_some() {
             (report.usable, report.status) = (false, Status::SurfacesCrossed);
         }
@@ -141,8 +150,37 @@ impl Run {
         results::write_report(folder, &report)
     }
 
+    /// The load steps as they were made: those of a static scene one by one, those of a time step
+    /// together, of which the last is reported.
+    fn finished(&self) -> impl Iterator<Item = Finished> {
+        let timed = self.scene.config.time.is_some();
+        let groups = self.load_steps.chunk_by(move |step, _| timed && !step.ends_time_step);
+        (1..).zip(groups).map(move |(n, group)| Finished {
+            steps: group.to_vec(),
+            reported: group.len() - 1..group.len(),
+            velocity: if timed { self.velocity(n) } else { None },
+            checkpoint: None,
+        })
+    }
+
+    /// Velocity at the end of time step n, where there is inertia [m/s].
+    fn velocity(&self, n: usize) -> Option<Vec<f64>> {
+        let inertia = self.trajectory.method.has_inertia();
+        inertia.then(|| self.trajectory.state(n).into_owned().v)
+    }
+
+    /// Whether a step is reported.
+    fn reports(&self, step: &LoadStep) -> bool {
+        step.ends_time_step || self.scene.config.time.is_none()
+    }
+
+    /// The load steps of a static scene, the ends of the time steps of another.
+    fn steps(&self) -> impl Iterator<Item = &LoadStep> {
+        self.load_steps.iter().filter(|step| self.reports(step))
+    }
+
     fn last(&self) -> PyResult<&LoadStep> {
-        self.steps.last().ok_or_else(|| refused_as("the run has no steps".to_owned()))
+        self.load_steps.last().ok_or_else(|| refused_as("the run has no steps".to_owned()))
     }
 
     fn at<'a>(&'a self, step: &'a LoadStep) -> Iterate<'a> {
@@ -151,9 +189,11 @@ impl Run {
 
     /// A step, the last by −1 as in Python.
     fn step(&self, step: i64) -> PyResult<&LoadStep> {
-        let count = self.steps.len();
+        let steps: Vec<&LoadStep> = self.steps().collect();
+        let count = steps.len();
         let place = if step < 0 { step + count as i64 } else { step };
-        let found = usize::try_from(place).ok().and_then(|place| self.steps.get(place));
+        let found = usize::try_from(place).ok().and_then(|place| steps.get(place));
+        let found = found.copied();
         found.ok_or_else(|| refused_as(format!("step {step}, but the run has {count}")))
     }
 
@@ -186,7 +226,7 @@ impl Run {
     /// The times of the steps [s]; in a static scene parts of the load.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, self.steps.iter().map(|step| step.time).collect())
+        PyArray1::from_vec(py, self.steps().map(|step| step.time).collect())
     }
 
     /// Number of time steps, of which a static scene has one.
@@ -219,7 +259,7 @@ impl Run {
     fn probes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = py.detach(|| {
             let one = |step: &LoadStep| measure(&self.probes, &self.problem, &self.at(step));
-            self.steps.iter().map(one).collect::<Vec<_>>()
+            self.steps().map(one).collect::<Vec<_>>()
         });
         let found = PyDict::new(py);
         for probe in &self.probes {
@@ -265,6 +305,16 @@ impl Run {
             Ok(found)
         };
         Ok((dict(grid.point_fields)?, dict(grid.cell_fields)?))
+    }
+
+    /// Error bars of the probes, as `[uncertainty]` of the scene asks for them, in JSON; none without.
+    fn error_bars(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let found = py.detach(|| {
+            let mut workspace = self.workspace.lock().unwrap_or_else(PoisonError::into_inner);
+            let solver = (&self.problem, &mut *workspace);
+            uncertainty::report(&self.scene, solver, &self.probes, &self.trajectory)
+        });
+        found.map(|bars| serde_json::to_string(&bars)).transpose().map_err(refused)
     }
 
     /// Writes what `solver simulate` writes into a folder, of a scene that lies in a file with its
@@ -346,7 +396,7 @@ impl Run {
     }
 
     fn __repr__(&self) -> PyResult<String> {
-        let (last, steps) = (self.last()?, self.steps.len());
+        let (last, steps) = (self.last()?, self.steps().count());
         let largest = last.u.chunks_exact(3).map(|u| u.iter().map(|c| c * c).sum::<f64>());
         let largest = 1e3 * largest.fold(0.0, f64::max).sqrt();
         let iterations = self.newton_iterations;

@@ -132,16 +132,16 @@ impl Scene {
 
     /// The numbers of the scene: path, SI unit and value.
     fn numbers(&self) -> Vec<(String, &'static str, Option<f64>)> {
-        let scene = self.now();
-        let number = |n: Number| (n.path.clone(), n.unit, value(&scene, &n));
-        Number::all(&scene).into_iter().map(number).collect()
+        let mut scene = (*self.now()).clone();
+        let all = Number::all(&scene);
+        all.into_iter().map(|n| (n.path.clone(), n.unit, value(&mut scene, &n))).collect()
     }
 
     /// The value of a number.
     fn get(&self, path: &str) -> PyResult<f64> {
-        let scene = self.now();
+        let mut scene = (*self.now()).clone();
         let number = Number::find(&scene, path).map_err(refused)?;
-        let found = value(&scene, &number).with_context(|| format!("{path} {NOT_CONSTANT}"));
+        let found = value(&mut scene, &number).with_context(|| format!("{path} {NOT_CONSTANT}"));
         found.map_err(refused)
     }
 
@@ -218,11 +218,10 @@ impl Scene {
 const NOT_CONSTANT: &str = "is a function of time or place: write it in the table of the scene";
 
 /// The value of a number; none of a function of time.
-fn value(scene: &scene::Scene, number: &Number) -> Option<f64> {
-    let mut scene = scene.clone();
-    match number.added_to(&mut scene) {
+fn value(scene: &mut scene::Scene, number: &Number) -> Option<f64> {
+    match number.added_to(scene) {
         Some(schedule) => schedule.number(),
-        None => Some(number.value(&scene)),
+        None => Some(number.value(scene)),
     }
 }
 

@@ -331,19 +331,10 @@ impl<'a> Run<'a> {
         simulation::end(self.scene, (self.problem, self.probes), end, &spent)
     }
 
-    /// Error bars of the probes, in words, too.
+    /// Error bars of the probes, where all states are known.
     fn error_bars(&mut self) -> Option<BTreeMap<String, ErrorBars>> {
-        let (config, states) = (self.scene.config.uncertainty.as_ref()?, self.states.as_ref()?);
         let solver = (self.problem, &mut self.workspace);
-        let found = uncertainty::error_bars(self.scene, config, solver, self.probes, states);
-        match &found {
-            Ok(bars) => {
-                log::info!("error bars, to first order:");
-                uncertainty::in_words(bars).iter().for_each(|line| log::info!("{line}"));
-            }
-            Err(why) => log::warn!("no error bars: {why:#}"),
-        }
-        found.ok()
+        uncertainty::report(self.scene, solver, self.probes, self.states.as_ref()?)
     }
 
     /// Writes the report of a run without an equilibrium; the result is what to say of it.

@@ -5,7 +5,7 @@ use mechanics::energy::ParameterId;
 use mechanics::material::Law;
 use scene::SceneLaw;
 
-use super::{Entry, Kind, Swept, any};
+use super::{Entry, Kind, Setting, Swept, any};
 
 pub(super) const MATERIAL: Kind = Kind {
     path: "material.BODY.PARAMETER",
@@ -22,11 +22,10 @@ pub(super) const MATERIAL: Kind = Kind {
         scene.laws.iter().enumerate().flat_map(one).collect()
     },
     value: |scene, [law, k]| scene.laws[law].material.values[k],
-    added_to: None,
-    set: |scene, _, [law, k], value| {
+    set: Setting::By(|scene, _, [law, k], value| {
         scene.laws[law].material.values[k] = value;
         Ok(())
-    },
+    }),
     check: |scene, [law, _]| {
         let material = &scene.laws[law].material;
         Ok(material.law.check(&material.values)?)
@@ -44,11 +43,10 @@ pub(super) const DENSITY: Kind = Kind {
         known.map(|(i, law)| (scene.law_name(law), "kg/m³", [i, 0])).collect()
     },
     value: |scene, [law, _]| scene.laws[law].material.density.unwrap_or(0.0),
-    added_to: None,
-    set: |scene, _, [law, _], value| {
+    set: Setting::By(|scene, _, [law, _], value| {
         scene.laws[law].material.density = Some(value);
         Ok(())
-    },
+    }),
     check: |scene, place| positive("a density", (DENSITY.value)(scene, place)),
     derivative: |swept, [law, _]| {
         let of = |id| total(swept, id, 0);
@@ -71,13 +69,12 @@ pub(super) const RELAXATION: Kind = Kind {
         let table = &scene.config.relaxation[table];
         [table.overstress, table.time][k]
     },
-    added_to: None,
-    set: |scene, _, [table, k], value| {
+    set: Setting::By(|scene, _, [table, k], value| {
         let table = &mut scene.config.relaxation[table];
         *[&mut table.overstress, &mut table.time][k] = value;
         scene.config.check_relaxation()?;
         scene.set_branches()
-    },
+    }),
     check: any,
     derivative: |swept, [table, k]| {
         let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
@@ -104,15 +101,14 @@ pub(super) const MEMBRANE: Kind = Kind {
         entries
     },
     value: |scene, [sheet, k]| scene.membranes[sheet].numbers()[k],
-    added_to: None,
-    set: |scene, _, [sheet, k], value| {
+    set: Setting::By(|scene, _, [sheet, k], value| {
         let sheet = &mut scene.membranes[sheet];
         match k {
             0 => sheet.thickness = value,
             _ => sheet.material.values[k - 1] = value,
         }
         Ok(())
-    },
+    }),
     check: |scene, [sheet, _]| {
         let sheet = &scene.membranes[sheet];
         positive("the thickness of a membrane", sheet.thickness)?;

@@ -10,7 +10,7 @@ use scene::config::{ChamberConfig, TractionConfig};
 use scene::{Scene, nodes_of};
 
 use super::laws::total;
-use super::{Kind, Place, add, any, nothing_added};
+use super::{Kind, Place, Setting, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
 
@@ -27,8 +27,7 @@ pub(super) const CHAMBER: Kind = Kind {
         chambers.map(|(i, c)| (format!("{}.{}", c.on, c.gas.key()), unit(c), [i, 0])).collect()
     },
     value: nothing_added,
-    added_to: Some(chamber),
-    set: |scene, _, place, value| add(chamber, scene, place, value),
+    set: Setting::AddedTo(chamber),
     check: any,
     derivative: |swept, [chamber, _]| {
         let on = &swept.scene.config.chamber[chamber].on;
@@ -48,11 +47,10 @@ pub(super) const FRICTION: Kind = Kind {
         has_some.then(|| ("friction".to_owned(), "1", [0, 0])).into_iter().collect()
     },
     value: |scene, _| scene.config.contact().map_or(0.0, |contact| contact.friction),
-    added_to: None,
-    set: |scene, _, _, value| {
+    set: Setting::By(|scene, _, _, value| {
         scene.config.contact_mut().into_iter().for_each(|contact| contact.friction = value);
         Ok(())
-    },
+    }),
     check: |scene, place| {
         let value = (FRICTION.value)(scene, place);
         ensure!(value > 0.0 && value.is_finite(), "friction = {value}: must be positive");
@@ -72,8 +70,7 @@ pub(super) const GRAVITY: Kind = Kind {
         axes.map(|(k, axis)| ((*axis).to_owned(), "m/s²", [0, k])).collect()
     },
     value: nothing_added,
-    added_to: Some(gravity),
-    set: |scene, _, place, value| add(gravity, scene, place, value),
+    set: Setting::AddedTo(gravity),
     check: any,
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
@@ -86,9 +83,12 @@ pub(super) const GRAVITY: Kind = Kind {
 
 pub(super) const TRACTION: Kind = Kind {
     path: "traction.TAG.x, .y or .z",
-    meaning: "what is added to a component of a traction",
+    meaning: "what is added to a component of the traction on a tag that has one",
     list: |scene| {
-        let loads = scene.config.traction.iter().enumerate();
+        let all = &scene.config.traction;
+        let alone =
+            |load: &TractionConfig| all.iter().filter(|other| other.on == load.on).count() == 1;
+        let loads = all.iter().enumerate().filter(|(_, load)| alone(load));
         let one = |(i, load): (usize, &TractionConfig)| {
             let on = load.on.clone();
             AXES.iter().enumerate().map(move |(k, axis)| (format!("{on}.{axis}"), "Pa", [i, k]))
@@ -96,8 +96,7 @@ pub(super) const TRACTION: Kind = Kind {
         loads.flat_map(one).collect()
     },
     value: nothing_added,
-    added_to: Some(traction),
-    set: |scene, _, place, value| add(traction, scene, place, value),
+    set: Setting::AddedTo(traction),
     check: any,
     derivative: |swept, [load, axis]| total(swept, ParameterId::Traction(load), axis),
     scale: Some(|scene, [load, _]| {
@@ -122,11 +121,10 @@ pub(super) const VELOCITY: Kind = Kind {
         parts.flat_map(one).collect()
     },
     value: |scene, [part, axis]| scene.parts[part].config.velocity[axis],
-    added_to: None,
-    set: |scene, _, [part, axis], value| {
+    set: Setting::By(|scene, _, [part, axis], value| {
         scene.parts[part].config.velocity[axis] = value;
         Ok(())
-    },
+    }),
     check: any,
     derivative: |swept, [part, axis]| {
         velocity_vjp(swept.problem, &swept.scene.body, part, &swept.by.start.v)[axis]

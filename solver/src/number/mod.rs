@@ -49,14 +49,20 @@ pub struct Kind {
     /// The numbers of a scene that are of this kind: rest of the path, unit and place.
     list: fn(&Scene) -> Vec<Entry>,
     value: fn(&Scene, Place) -> f64,
-    /// The function of time to which it is added, where it is added to one.
-    added_to: Option<fn(&mut Scene, Place) -> &mut Schedule>,
-    set: fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>,
+    set: Setting,
     /// Whether the scene admits the value that was set.
     check: fn(&Scene, Place) -> Result<()>,
     derivative: fn(&Swept, Place) -> f64,
     /// What changes of it are small against, where that is not its value.
     scale: Option<fn(&Scene, Place) -> f64>,
+}
+
+/// How a number is given a value.
+enum Setting {
+    /// By a function.
+    By(fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>),
+    /// It is added to this function of time.
+    AddedTo(fn(&mut Scene, Place) -> &mut Schedule),
 }
 
 /// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
@@ -173,12 +179,21 @@ impl Number {
     /// # Errors
     /// When the value cannot be set.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
-        (self.kind.set)(scene, walls, self.place, value)
+        match self.kind.set {
+            Setting::By(set) => set(scene, walls, self.place, value),
+            Setting::AddedTo(of) => {
+                let known = scene.config.parameters.clone();
+                Ok(of(scene, self.place).add(value, &known)?)
+            }
+        }
     }
 
     /// The function of time to which it is added, where it is added to one.
     pub fn added_to<'a>(&self, scene: &'a mut Scene) -> Option<&'a mut Schedule> {
-        self.kind.added_to.map(|of| of(scene, self.place))
+        match self.kind.set {
+            Setting::By(_) => None,
+            Setting::AddedTo(of) => Some(of(scene, self.place)),
+        }
     }
 
     /// Whether the scene admits its value.
@@ -239,17 +254,6 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
         number.set(scene, walls.as_ref(), *value)?;
     }
     numbers.iter().try_for_each(|(number, _)| number.check(scene))
-}
-
-/// Adds a value to a function of time.
-fn add(
-    schedule: fn(&mut Scene, Place) -> &mut Schedule,
-    scene: &mut Scene,
-    place: Place,
-    value: f64,
-) -> Result<()> {
-    let known = scene.config.parameters.clone();
-    Ok(schedule(scene, place).add(value, &known)?)
 }
 
 /// Every value is admitted.

@@ -7,7 +7,7 @@ use mechanics::body::Body;
 use mesh::Vec3;
 use mesh::offset::shifts;
 
-use super::{Kind, Number, any, nothing_added};
+use super::{Kind, Number, Setting, any, nothing_added};
 use crate::extension::Extension;
 
 pub(super) const WALL: Kind = Kind {
@@ -19,14 +19,13 @@ pub(super) const WALL: Kind = Kind {
         [(String::new(), "m", [0, 0])].into_iter().chain(tags).collect()
     },
     value: nothing_added,
-    added_to: None,
-    set: |scene, walls, [wall, _], value| {
+    set: Setting::By(|scene, walls, [wall, _], value| {
         let moves = walls.map(|walls| walls.moves_of(wall)).unwrap_or_default();
         scene.body.mesh.vertices.iter_mut().zip(moves).for_each(|(x, d)| *x += value * d);
         let findings = mesh::check::check_tets(&scene.body.mesh);
         ensure!(findings.is_empty(), "walls moved by {value:e} m turn an element over");
         Ok(())
-    },
+    }),
     check: any,
     derivative: |swept, [wall, _]| {
         swept.by_walls.as_ref().map_or(0.0, |(walls, by)| walls.along(wall, by))

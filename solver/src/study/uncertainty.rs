@@ -82,6 +82,25 @@ pub fn check(scene: &Scene) -> Result<()> {
     numbers(scene, config).map(drop).with_context(context)
 }
 
+/// Error bars of all probes at the end of a run, where the scene asks for them; in the log, too, with why
+/// there are none.
+pub fn report(
+    scene: &Scene,
+    solver: (&Problem, &mut Workspace),
+    probes: &[Probe],
+    run: &Trajectory,
+) -> Option<BTreeMap<String, ErrorBars>> {
+    let found = error_bars(scene, scene.config.uncertainty.as_ref()?, solver, probes, run);
+    match &found {
+        Ok(bars) => {
+            log::info!("error bars, to first order:");
+            in_words(bars).iter().for_each(|line| log::info!("{line}"));
+        }
+        Err(why) => log::warn!("no error bars: {why:#}"),
+    }
+    found.ok()
+}
+
 /// Error bars of all probes at the end of a run, by their names.
 ///
 /// # Errors
