@@ -152,7 +152,7 @@ schemas: setup  ## JSON Schemas of all files that people write, for editors, in 
 wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu)
 	.ci/wheel $(TARGET)
 
-dist:  ## static programs for Linux with licences and checksums, in build/dist (TARGET=aarch64-unknown-linux-musl)
+dist:  ## programs with licences and a checksum, in build/dist (TARGET=aarch64-unknown-linux-musl|x86_64-pc-windows-gnu|aarch64-apple-darwin)
 	.ci/dist $(TARGET)
 
 clean:  ## remove all results; keeps .venv, programs and the cache of meshes

@@ -59,6 +59,8 @@ mod optimize;
 mod page;
 #[path = "fast/pick.rs"]
 mod pick;
+#[path = "fast/places.rs"]
+mod places;
 #[cfg(unix)]
 #[path = "fast/planted.rs"]
 mod planted;

@@ -19,7 +19,7 @@ pub fn checkout() -> Option<PathBuf> {
         return unchanged(folder, &[""]).then(|| folder.to_path_buf());
     }
     let prefix = program.parent()?.parent()?;
-    let linked = prefix.join(LINK).canonicalize().ok()?;
+    let linked = system::canonical(&prefix.join(LINK)).ok()?;
     let safe = holds_sources(&linked.as_path()) && unchanged(prefix, &["lib", "lib/puffer", LINK]);
     safe.then_some(linked)
 }

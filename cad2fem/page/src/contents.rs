@@ -83,7 +83,7 @@ pub fn links(survey: &Survey, page: &Path) -> Result<Markup> {
     let all = all(survey)?;
     let here = page.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let link = |path: &Path| {
-        let seen = path.strip_prefix(&survey.folder).unwrap_or(path).display().to_string();
+        let seen = system::portable(path.strip_prefix(&survey.folder).unwrap_or(path));
         let size = std::fs::metadata(path).map_or(0, |m| m.len());
         html! { a href=(address(&relative(path, here))) { (seen) } " " span.size { (bytes(size)) } }
     };

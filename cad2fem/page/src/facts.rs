@@ -47,7 +47,7 @@ fn whole_or_digits(value: f64) -> String {
 
 /// Path of a file as readers know it: from the folder that the page is of.
 fn below(path: &Path, folder: &Path) -> String {
-    path.strip_prefix(folder).unwrap_or(path).display().to_string()
+    system::portable(path.strip_prefix(folder).unwrap_or(path))
 }
 
 /// The largest displacement of a tag [m].

@@ -53,19 +53,6 @@ fn end(size: usize) -> ! {
         );
         mesh::io::remove_unfinished_files();
     }
-    exit()
-}
-
-/// Ends at once, as what is run at the end in order may ask for memory.
-#[cfg(unix)]
-#[allow(unsafe_code, reason = "a function of C, which only ends the process")]
-fn exit() -> ! {
-    // SAFETY: it may be called at any time
-    unsafe { nix::libc::_exit(1) }
-}
-
-#[cfg(not(unix))]
-#[allow(clippy::exit, reason = "there is no memory to return")]
-fn exit() -> ! {
-    std::process::exit(1)
+    // what is run at the end in order may ask for memory
+    system::end_now(1)
 }

@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 /// A program of ours: beside the one that runs, or else on the path.
 #[must_use]
 pub fn beside(name: &str) -> PathBuf {
-    let beside = std::env::current_exe().map(|own| own.with_file_name(name));
+    let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    let beside = std::env::current_exe().map(|own| own.with_file_name(&name));
     beside.ok().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from(name))
 }
 
@@ -27,7 +28,7 @@ impl Process {
     /// # Errors
     /// When it cannot be run.
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
-        crate::signals::unblock_in(command);
+        system::unblock_in(command);
         let mut running = lock(&RUNNING); // an interruption waits until it is known
         let child = Arc::new(Mutex::new(command.spawn()?));
         running.retain(|other| other.strong_count() > 0);

@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use mesh::io::IoError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use system::{canonical, portable};
 
 use crate::sha256_file;
 
@@ -56,19 +57,19 @@ impl InputFile {
     }
 }
 
-/// `path` as seen from `folder`; unchanged if the two have no common root.
+/// `path` as seen from `folder`, as files keep it: with `/` between its parts. Unchanged if the two have no common root.
 #[must_use]
 pub fn relative(path: &Path, folder: &Path) -> PathBuf {
     let (Some(to), Some(from)) = (full(path), full(folder)) else { return path.to_path_buf() };
     let common = to.components().zip(from.components()).take_while(|(a, b)| a == b).count();
     let up = from.components().skip(common).map(|_| Component::ParentDir);
     let seen: PathBuf = up.chain(to.components().skip(common)).collect();
-    if seen.as_os_str().is_empty() { PathBuf::from(".") } else { seen }
+    PathBuf::from(if seen.as_os_str().is_empty() { ".".to_owned() } else { portable(&seen) })
 }
 
 /// The absolute path, links and `..` followed if it is there.
 fn full(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().or_else(|_| std::path::absolute(path)).ok()
+    canonical(path).or_else(|_| std::path::absolute(path)).ok()
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@ mod progress;
 pub mod schema;
 mod settings;
 mod shell;
-mod signals;
 mod terminal;
 
 pub use allocator::OrEnd;

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::{Unfinished, make_results, open_to_append, read_own_text, remove_litter};
+use mesh::io::{Unfinished, make_results, open_to_append, remove_litter};
 
 /// The file that is locked.
 const NAME: &str = ".lock";
@@ -35,7 +35,8 @@ impl FolderLock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut owner = String::new();
-                file.read_to_string(&mut owner).with_context(context)?;
+                // on Windows what is locked cannot be read either
+                let _who = file.read_to_string(&mut owner);
                 bail!(
                     "{}: {} writes to this folder; wait until it has ended, or take another \
                      folder",
@@ -62,8 +63,7 @@ impl Drop for FolderLock {
 
 /// Name of this machine, for messages.
 fn host() -> String {
-    let name = read_own_text(Path::new("/proc/sys/kernel/hostname")).unwrap_or_default();
-    if name.trim().is_empty() { "this machine".to_owned() } else { name.trim().to_owned() }
+    system::host().unwrap_or_else(|| "this machine".to_owned())
 }
 
 #[cfg(test)]

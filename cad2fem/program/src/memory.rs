@@ -1,15 +1,10 @@
 //! Memory of this process.
 
-use std::path::Path;
-
-/// Largest resident set of this process so far [MiB]; `None` where the system does not
-/// report it (other than Linux).
+/// Largest resident set of this process so far [MiB]; `None` where the system does not report it.
 #[must_use]
 pub fn peak_rss_mb() -> Option<f64> {
-    let status = mesh::io::read_own_text(Path::new("/proc/self/status")).ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kib / 1024.0)
+    #[allow(clippy::cast_precision_loss, reason = "a number of bytes far below 2^53")]
+    system::peak_memory().map(|bytes| bytes as f64 / 1_048_576.0)
 }
 
 #[cfg(test)]

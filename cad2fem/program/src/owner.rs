@@ -4,6 +4,7 @@ use std::fs::Metadata;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
+use system::{is_changed_by_others, is_sticky, owner, user};
 use tempfile::TempDir;
 
 /// A new folder for temporary files, which only this user may enter, with a name that nobody can guess.
@@ -19,8 +20,9 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
         above.display()
     );
     let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+    if let Some(private) = system::permissions(0o700) {
+        builder.permissions(private);
+    }
     let made = builder.prefix(prefix).tempdir_in(&above);
     made.with_context(|| format!("{}: cannot create a temporary folder", above.display()))
 }
@@ -29,7 +31,7 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
 #[must_use]
 pub fn is_own_folder(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok_and(|found| {
-        found.is_dir() && owner(&found) == Some(user()) && !is_changed_by_others(&found)
+        found.is_dir() && owner(&found) == user() && !is_changed_by_others(&found)
     })
 }
 
@@ -41,57 +43,12 @@ pub fn is_as_safe_as_program(path: &Path) -> bool {
     let of_program = program.as_ref().and_then(owner);
     let trusted = |found: &Metadata| {
         let owner = owner(found);
-        owner.is_none() || owner == Some(0) || owner == Some(user()) || owner == of_program
+        owner.is_none() || owner == Some(0) || owner == user() || owner == of_program
     };
     let link = std::fs::symlink_metadata(path);
     let target = std::fs::metadata(path);
     link.is_ok_and(|link| trusted(&link))
         && target.is_ok_and(|target| trusted(&target) && !is_changed_by_others(&target))
-}
-
-/// The number of a file's owner, where files have one.
-#[cfg(unix)]
-fn owner(found: &Metadata) -> Option<u32> {
-    Some(std::os::unix::fs::MetadataExt::uid(found))
-}
-
-#[cfg(not(unix))]
-fn owner(_found: &Metadata) -> Option<u32> {
-    None
-}
-
-#[cfg(unix)]
-fn user() -> u32 {
-    nix::unistd::geteuid().as_raw()
-}
-
-#[cfg(not(unix))]
-fn user() -> u32 {
-    0
-}
-
-/// Whether everybody, or the group of a folder of someone else, may write there. The own group is
-/// often a group of one.
-#[cfg(unix)]
-fn is_changed_by_others(found: &Metadata) -> bool {
-    let mode = std::os::unix::fs::MetadataExt::mode(found);
-    mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != Some(user()))
-}
-
-#[cfg(not(unix))]
-fn is_changed_by_others(_found: &Metadata) -> bool {
-    false
-}
-
-/// Whether only the owner of a file may rename or remove it there.
-#[cfg(unix)]
-fn is_sticky(found: &Metadata) -> bool {
-    std::os::unix::fs::MetadataExt::mode(found) & 0o1000 != 0
-}
-
-#[cfg(not(unix))]
-fn is_sticky(_found: &Metadata) -> bool {
-    true
 }
 
 #[cfg(test)]

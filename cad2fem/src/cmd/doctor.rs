@@ -28,10 +28,10 @@ const PACKAGES: [(&str, &str); 3] =
     [("wildmeshing", "cad2fem tetmesh"), ("gmsh", "CAD files"), ("numpy", "both meshers")];
 
 /// What gmsh loads, which a Debian without a desktop lacks.
-const LIBRARIES: &str = "apt install libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1";
+const LIBRARIES: &str = "apt install libglu1-mesa libgl1 libgomp1 libxcursor1 libxft2 libxinerama1";
 
 /// Memory below which the frog's design does not fit [MB].
-const MEMORY: u64 = 2000;
+const MEMORY: usize = 2000;
 
 /// Runs the verb.
 ///
@@ -105,12 +105,9 @@ fn importable(python: &Python, package: &str) -> Result<String, String> {
     }
 }
 
-/// Memory that is free [MB], from the system's table.
+/// Memory that is free [MB].
 fn memory() -> Result<String, String> {
-    let table = mesh::io::read_own_text("/proc/meminfo".as_ref()).unwrap_or_default();
-    let line = table.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
-    let kilobytes = line.and_then(|l| l.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
-    match kilobytes.map(|kilobytes| kilobytes / 1000) {
+    match system::available_memory().map(|bytes| bytes / 1_000_000) {
         Some(free) if free < MEMORY => Err(format!("{free} MB are free, {MEMORY} needed")),
         Some(free) => Ok(format!("{free} MB free")),
         None => Ok("not known on this system".into()),

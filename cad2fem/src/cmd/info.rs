@@ -146,7 +146,7 @@ struct MoldFile {
 
 /// The unit of a file that belongs to a mold, whose parts are in millimetres.
 fn unit_of_mold(file: &Path) -> Option<Unit> {
-    let file = file.canonicalize().ok()?;
+    let file = system::canonical(file).ok()?;
     file.ancestors().skip(1).take(2).find_map(|folder| {
         let text = read_own_text(&folder.join("mold.json")).ok()?;
         let mold: Mold = serde_json::from_str(&text).ok()?;

@@ -10,6 +10,7 @@ use mesh::io::{note_results, read_bytes, write_atomic};
 use page::contents;
 use page::reported::{Provenance, read};
 use page::survey::{Survey, entries, name};
+use system::canonical;
 use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipWriter};
 
@@ -85,8 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// The place of a file in the package: as it lies in its folder.
 fn inside(path: &Path, folder: &Path) -> Result<String> {
     let place = path.strip_prefix(folder).with_context(|| path.display().to_string())?;
-    let parts: Vec<_> = place.iter().map(|part| part.to_string_lossy()).collect();
-    Ok(parts.join("/"))
+    Ok(system::portable(place))
 }
 
 /// The sources in a folder, without results and what is hidden.
@@ -109,7 +109,7 @@ fn sources_in(folder: &Path, results: &Path, deep: usize) -> Result<Vec<PathBuf>
 }
 
 fn same(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    matches!((canonical(a), canonical(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Programs, and the files that every report was made from with their hashes, as text.

@@ -27,7 +27,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let place = || args.folder.display().to_string();
-    let full = args.folder.canonicalize().with_context(place)?;
+    let full = system::canonical(&args.folder).with_context(place)?;
     let name = full.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let title = args.title.as_ref().unwrap_or(&name);
     let page::Summary { parts: [runs, designs, molds], bytes } =

@@ -199,7 +199,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
 /// The absolute path, which has to be text to reach gmsh.
 fn named_in_text(file: &Path) -> Result<String> {
     let shown = || file.display().to_string();
-    let absolute = file.canonicalize().with_context(shown)?;
+    let absolute = system::canonical(file).with_context(shown)?;
     let text = absolute.to_str().map(str::to_owned);
     text.with_context(|| format!("{}: its path is not UTF-8; rename it", absolute.display()))
 }

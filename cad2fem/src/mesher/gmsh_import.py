@@ -14,7 +14,7 @@ except ImportError as error:
 except OSError as error:
     print(
         f"gmsh cannot be loaded ({error}); on Debian: "
-        "apt-get install libglu1-mesa libgl1 libxft2 libxcursor1 libxinerama1 libxrender1",
+        "apt-get install libglu1-mesa libgl1 libgomp1 libxft2 libxcursor1 libxinerama1 libxrender1",
         file=sys.stderr,
     )
     sys.exit(3)

@@ -1,117 +1,27 @@
-//! Memory that the machine has left.
-//!
-//! Available is the least of `MemAvailable` in /proc/meminfo, the limit of the
-//! control group (version 2, as in containers) less what its processes hold, and
-//! the limit of the address space (`ulimit -v`) less what is mapped and what faer maps
-//! for products of matrices. Other systems report nothing here, and nothing is refused.
-
-use std::path::Path;
+//! Whether a factorisation fits into the memory that the machine has left. Where a system does not say how much that
+//! is, nothing is refused.
 
 use mechanics::memory::Need;
-use mesh::io::read_own_text;
 use program::Unusable;
+use system::available_memory;
 
 /// Whether a factorisation fits into the memory that is left.
 ///
 /// # Errors
 /// [`Unusable`] if it does not: the input may be sound, and another machine can run it.
 pub fn require(need: Need) -> Result<(), Unusable> {
-    need.check(available()).map_err(|too_large| Unusable(too_large.to_string()))
-}
-
-/// Memory that this process may still take [B]; none where the system does not
-/// report it.
-#[must_use]
-pub fn available() -> Option<usize> {
-    available_in(Path::new("/"))
-}
-
-fn available_in(root: &Path) -> Option<usize> {
-    let limits = [machine(root), control_group(root), address_space(root)];
-    limits.into_iter().flatten().min()
-}
-
-fn machine(root: &Path) -> Option<usize> {
-    kilobytes(&root.join("proc/meminfo"), "MemAvailable:")
-}
-
-/// The limit less what cannot be dropped, which the page cache can.
-fn control_group(root: &Path) -> Option<usize> {
-    let folder = root.join("sys/fs/cgroup");
-    let limit = read_own_text(&folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
-    let held = number_after(&folder.join("memory.stat"), "anon").unwrap_or(0);
-    Some(limit.saturating_sub(held))
-}
-
-fn address_space(root: &Path) -> Option<usize> {
-    let text = read_own_text(&root.join("proc/self/limits")).ok()?;
-    let line = text.lines().find(|l| l.starts_with("Max address space"))?;
-    let limit: usize = line.split_whitespace().nth(3)?.parse().ok()?;
-    let mapped = kilobytes(&root.join("proc/self/status"), "VmSize:").unwrap_or(0);
-    Some(limit.saturating_sub(mapped + packed(root)))
-}
-
-/// What the product of matrices in faer (private-gemm-x86) maps in a thread, most of it never touched: twice
-/// the third cache. Small problems have one such thread.
-fn packed(root: &Path) -> usize {
-    let cache = read_own_text(&root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
-    let kib = cache.ok().and_then(|size| size.trim().strip_suffix('K')?.parse::<usize>().ok());
-    2 * 1024 * kib.unwrap_or(0)
-}
-
-fn kilobytes(path: &Path, key: &str) -> Option<usize> {
-    number_after(path, key).map(|kib| 1024 * kib)
-}
-
-/// The number after a key at the beginning of a line.
-fn number_after(path: &Path, key: &str) -> Option<usize> {
-    let text = read_own_text(path).ok()?;
-    let mut lines = text.lines().map(str::split_whitespace);
-    lines.find_map(|mut words| (words.next()? == key).then(|| words.next())?)?.parse().ok()
+    need.check(available_memory()).map_err(|too_large| Unusable(too_large.to_string()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs::{create_dir_all, write};
-
-    #[test]
-    fn the_least_of_all_limits_counts() {
-        let root = tempfile::tempdir().expect("a folder");
-        let file = |name: &str, text: &str| {
-            let path = root.path().join(name);
-            create_dir_all(path.parent().expect("a folder")).expect("writable");
-            write(path, text).expect("writable");
-        };
-        let found = || available_in(root.path());
-        assert_eq!(found(), None);
-        file("proc/meminfo", "MemTotal: 9000 kB\nMemAvailable:    8000 kB\n");
-        assert_eq!(found(), Some(8_192_000));
-        file("sys/fs/cgroup/memory.max", "max\n");
-        assert_eq!(found(), Some(8_192_000));
-        file("sys/fs/cgroup/memory.max", "5000000\n");
-        assert_eq!(found(), Some(5_000_000));
-        file("sys/fs/cgroup/memory.stat", "anon 2000000\nfile 1000000\n");
-        assert_eq!(found(), Some(3_000_000));
-        let limits = |size: &str| {
-            format!(
-                "Limit  Soft Limit  Hard Limit  Units\nMax address space   {size}  unlimited  bytes\n"
-            )
-        };
-        file("proc/self/limits", &limits("unlimited"));
-        assert_eq!(found(), Some(3_000_000));
-        file("proc/self/limits", &limits("2500000"));
-        file("proc/self/status", "Name: solver\nVmSize:\t    1000 kB\n");
-        assert_eq!(found(), Some(1_476_000));
-        file("sys/devices/system/cpu/cpu0/cache/index3/size", "4K\n");
-        assert_eq!(found(), Some(1_476_000 - 8192));
-    }
 
     #[test]
     fn what_does_not_fit_is_no_error_of_the_input() {
         let need = |bytes| Need { unknowns: 9, factor_entries: 45, bytes };
         assert!(require(need(1)).is_ok());
-        if available().is_some() {
+        if available_memory().is_some() {
             let Unusable(message) = require(need(usize::MAX)).expect_err("does not fit");
             assert!(message.contains("a machine with more memory"), "{message}");
         }
@@ -120,6 +30,6 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn linux_reports_memory() {
-        assert!(available().is_some_and(|bytes| bytes > 1 << 20));
+        assert!(available_memory().is_some_and(|bytes| bytes > 1 << 20));
     }
 }

@@ -65,7 +65,7 @@ fn mesh_of_whole(part: &Path, output: &Path, on: &[String]) -> Result<()> {
 
 fn states(part: &Path, output: &Path) -> Result<()> {
     let planes = planes(&part.join("report.json"))?;
-    let same = output.exists() && output.canonicalize()? == part.canonicalize()?;
+    let same = output.exists() && system::canonical(output)? == system::canonical(part)?;
     ensure!(!same, "it cannot be its own whole: expected another folder after -o");
     let _lock = FolderLock::new(output)?;
     let mut count = 0;

@@ -14,7 +14,7 @@ use mechanics::forward::{
 };
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, End, ErrorBars, Simulation, Status};
-use scene::{Scene, log_share, memory};
+use scene::{Scene, log_share};
 
 use crate::number;
 use crate::report::crossing::Crossing;
@@ -165,7 +165,7 @@ fn announce(scene: &Scene, workspace: &Workspace) {
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),
         scene.config.degree,
-        workspace.memory().describe(memory::available())
+        workspace.memory().describe(system::available_memory())
     );
     log_share(&scene.body);
 }

@@ -41,8 +41,9 @@ pub fn write_atomic(
     remove_forgotten(folder);
     let mut builder = tempfile::Builder::new();
     // Private by default; a result file gets the usual mode of a new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    if let Some(usual) = system::permissions(0o666) {
+        builder.permissions(usual);
+    }
     let make = || builder.prefix(PREFIX).tempfile_in(folder);
     let (temporary, _unfinished) = Unfinished::new(make, |file| file.path().to_owned())
         .map_err(fail("create a file beside"))?;

@@ -24,7 +24,7 @@ fn files() -> MutexGuard<'static, Files> {
 }
 
 pub(super) fn note_read(path: &Path) {
-    let Ok(path) = path.canonicalize() else { return };
+    let Ok(path) = system::canonical(path) else { return };
     let mut files = files();
     if !files.outputs.contains(&path) {
         files.inputs.insert(path);
@@ -32,14 +32,14 @@ pub(super) fn note_read(path: &Path) {
 }
 
 pub(super) fn note_written(path: &Path) {
-    if let Ok(path) = path.canonicalize() {
+    if let Ok(path) = system::canonical(path) {
         files().outputs.insert(path);
     }
 }
 
 /// Makes sure that `path`, and all in it if it is a folder, was not read.
 pub(super) fn refuse_input(path: &Path) -> Result<(), IoError> {
-    let Ok(canonical) = path.canonicalize() else { return Ok(()) };
+    let Ok(canonical) = system::canonical(path) else { return Ok(()) };
     let files = files();
     let Some(input) = files.inputs.range(canonical.clone()..).next() else { return Ok(()) };
     if !input.starts_with(&canonical) {

@@ -136,14 +136,10 @@ fn refuse_link(part: &Path, path: &Path) -> Result<(), IoError> {
 
 /// Content of a file that has another name is that of someone else, perhaps.
 fn refuse_other_names(path: &Path, file: &File) -> Result<(), IoError> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        let found = file.metadata().map_err(|cause| IoError::system(path, "open", cause))?;
-        if found.nlink() > 1 {
-            let message = "not changed: it has another name elsewhere (a hard link); remove it";
-            return Err(IoError::content(path, message));
-        }
+    let names = system::names(file).map_err(|cause| IoError::system(path, "open", cause))?;
+    if names > 1 {
+        let message = "not changed: it has another name elsewhere (a hard link); remove it";
+        return Err(IoError::content(path, message));
     }
     Ok(())
 }
@@ -160,24 +156,9 @@ fn open_file(
         require_file(path, &found)?;
     }
     let fail = |cause: io::Error| IoError::system(path, action, cause);
-    let file = flagged(options, follow).open(path).map_err(fail)?;
+    let file = system::opening(options, follow).open(path).map_err(fail)?;
     require_file(path, &file.metadata().map_err(fail)?)?;
     Ok(file)
-}
-
-/// A pipe put there in between does not make the program wait, a link is not followed.
-#[cfg(unix)]
-fn flagged(options: &mut OpenOptions, follow: bool) -> &mut OpenOptions {
-    use nix::fcntl::OFlag;
-    use std::os::unix::fs::OpenOptionsExt;
-    let links = if follow { OFlag::empty() } else { OFlag::O_NOFOLLOW };
-    options.custom_flags((OFlag::O_NONBLOCK | OFlag::O_NOCTTY | links).bits())
-}
-
-/// Elsewhere both are rare.
-#[cfg(not(unix))]
-fn flagged(options: &mut OpenOptions, _follow: bool) -> &mut OpenOptions {
-    options
 }
 
 fn require_file(path: &Path, found: &Metadata) -> Result<(), IoError> {
@@ -189,21 +170,11 @@ fn require_file(path: &Path, found: &Metadata) -> Result<(), IoError> {
 
 /// What something is that is no file.
 fn kind(found: &Metadata) -> &'static str {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt;
-        if found.file_type().is_fifo() {
-            return "a pipe";
-        }
-        if found.file_type().is_socket() {
-            return "a socket";
-        }
-    }
-    match found {
+    system::special(found).unwrap_or(match found {
         found if found.is_dir() => "a folder",
         found if found.is_symlink() => "a link",
         _ => "a device",
-    }
+    })
 }
 
 /// Whether a path names what the program was started with.

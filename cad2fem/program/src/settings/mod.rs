@@ -223,7 +223,7 @@ impl Settings {
             path.display()
         );
         let text = read_text(path)?;
-        let canonical = path.canonicalize().with_context(|| path.display().to_string())?;
+        let canonical = system::canonical(path).with_context(|| path.display().to_string())?;
         ensure!(
             !above.contains(&canonical) && above.len() < DEPTH,
             "{}: included by itself, or {DEPTH} files deep",

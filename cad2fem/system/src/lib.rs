@@ -1,0 +1,27 @@
+//! What differs between operating systems: how files are opened and owned, how a program is interrupted and ends,
+//! how much memory there is, and how paths are written.
+//!
+//! `unix` is for Linux and macOS, `windows` for Windows; both have the same functions. Other crates ask no system for
+//! its name.
+
+#[cfg(unix)]
+mod memory;
+mod paths;
+#[cfg_attr(unix, path = "unix.rs")]
+#[cfg_attr(windows, path = "windows.rs")]
+mod this;
+
+pub use paths::{canonical, portable};
+pub use this::{
+    available_memory, end_now, host, is_changed_by_others, is_sticky, names, on_interruption,
+    opening, owner, peak_memory, permissions, special, unblock_in, user,
+};
+
+/// What asked a program to end.
+#[derive(Clone, Debug)]
+pub struct Interruption {
+    /// SIGINT, for example.
+    pub name: String,
+    /// Exit code that shells give to a process that it ended.
+    pub code: i32,
+}

@@ -1,0 +1,140 @@
+//! Linux and macOS.
+
+use std::fs::{File, Metadata, OpenOptions, Permissions};
+use std::io;
+use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::process::CommandExt;
+use std::process::Command;
+
+use nix::fcntl::OFlag;
+use nix::sys::signal::{SigSet, Signal};
+
+use crate::Interruption;
+
+/// Options with which a pipe that was put in place of a file does not make the program wait, and, unless `follow`, a
+/// link is not followed.
+pub fn opening(options: &mut OpenOptions, follow: bool) -> &mut OpenOptions {
+    let links = if follow { OFlag::empty() } else { OFlag::O_NOFOLLOW };
+    options.custom_flags((OFlag::O_NONBLOCK | OFlag::O_NOCTTY | links).bits())
+}
+
+/// Number of names that a file has: more than one with hard links.
+///
+/// # Errors
+/// If the system does not say.
+pub fn names(file: &File) -> io::Result<u64> {
+    Ok(file.metadata()?.nlink())
+}
+
+/// A pipe or a socket, by its name.
+#[must_use]
+pub fn special(found: &Metadata) -> Option<&'static str> {
+    let kind = found.file_type();
+    if kind.is_fifo() {
+        Some("a pipe")
+    } else if kind.is_socket() {
+        Some("a socket")
+    } else {
+        None
+    }
+}
+
+/// Permissions of a new file, of which the mask of the user is still taken away; nothing where files have none.
+#[must_use]
+pub fn permissions(mode: u32) -> Option<Permissions> {
+    Some(Permissions::from_mode(mode))
+}
+
+/// Number of a file's owner, where files have one.
+#[must_use]
+pub fn owner(found: &Metadata) -> Option<u32> {
+    Some(found.uid())
+}
+
+/// Number of the user who runs the program, where files have owners.
+#[must_use]
+pub fn user() -> Option<u32> {
+    Some(nix::unistd::geteuid().as_raw())
+}
+
+/// Whether everybody, or the group of a folder of someone else, may write there. The own group is often a group of one.
+#[must_use]
+pub fn is_changed_by_others(found: &Metadata) -> bool {
+    let mode = found.mode();
+    mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != user())
+}
+
+/// Whether only the owner of a file may rename or remove it in this folder.
+#[must_use]
+pub fn is_sticky(found: &Metadata) -> bool {
+    found.mode() & 0o1000 != 0
+}
+
+/// From now on `act` is called when the process is asked to end, in a thread of its own. To be called before the first
+/// thread is started. If the system refuses, the process ends as ever, only in less order.
+///
+/// The signals are blocked in all threads but one, which waits for them. A handler would not do: METIS puts its own in
+/// place while it orders, which takes SIGTERM for an error of METIS.
+pub fn on_interruption(act: impl FnOnce(Interruption) + Send + 'static) {
+    let signals = signals();
+    if signals.thread_block().is_err() {
+        return;
+    }
+    let wait = move || {
+        if let Ok(signal) = signals.wait() {
+            act(Interruption { name: signal.to_string(), code: 128 + signal as i32 });
+        }
+    };
+    if std::thread::Builder::new().name("signals".into()).spawn(wait).is_err() {
+        let _as_ever = signals.thread_unblock();
+    }
+}
+
+/// A program that ours runs would block the signals that ours blocks: this one does not.
+#[allow(unsafe_code, reason = "between fork and exec one system call, which is allowed there")]
+pub fn unblock_in(command: &mut Command) {
+    let signals = signals();
+    // SAFETY: sigprocmask may be called between fork and exec
+    unsafe { command.pre_exec(move || Ok(signals.thread_unblock()?)) };
+}
+
+/// Those that end a program in order.
+fn signals() -> SigSet {
+    [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
+}
+
+/// Ends the process at once: what is run at the end in order may ask for memory.
+#[allow(unsafe_code, reason = "a function of C, which only ends the process")]
+pub fn end_now(code: i32) -> ! {
+    // SAFETY: it may be called at any time
+    unsafe { nix::libc::_exit(code) }
+}
+
+/// Name of this machine.
+#[must_use]
+pub fn host() -> Option<String> {
+    nix::unistd::gethostname().ok()?.into_string().ok().filter(|name| !name.is_empty())
+}
+
+/// Largest resident set of this process so far [B].
+#[cfg(target_os = "linux")]
+#[must_use]
+pub fn peak_memory() -> Option<usize> {
+    // getrusage would count what the shell held before it became this program
+    crate::memory::kibibytes("/proc/self/status".as_ref(), "VmHWM:")
+}
+
+/// Largest resident set of this process so far [B].
+#[cfg(not(target_os = "linux"))]
+#[must_use]
+pub fn peak_memory() -> Option<usize> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    // bytes on macOS
+    usize::try_from(getrusage(UsageWho::RUSAGE_SELF).ok()?.max_rss()).ok()
+}
+
+/// Memory that this process may still take [B]; macOS does not say.
+#[must_use]
+pub fn available_memory() -> Option<usize> {
+    crate::memory::available_in("/".as_ref())
+}

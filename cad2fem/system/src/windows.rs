@@ -1,0 +1,129 @@
+//! Windows.
+
+#![allow(unsafe_code, reason = "functions of the system")]
+
+use std::fs::{File, Metadata, OpenOptions, Permissions};
+use std::io;
+use std::mem::size_of;
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+use windows_sys::Win32::System::Console::{
+    CTRL_BREAK_EVENT, CTRL_C_EVENT, CTRL_CLOSE_EVENT, SetConsoleCtrlHandler,
+};
+use windows_sys::Win32::System::ProcessStatus::{GetProcessMemoryInfo, PROCESS_MEMORY_COUNTERS};
+use windows_sys::Win32::System::SystemInformation::{GlobalMemoryStatusEx, MEMORYSTATUSEX};
+use windows_sys::Win32::System::Threading::GetCurrentProcess;
+
+use crate::Interruption;
+
+/// Options with which a file is opened. Pipes have no names among files here, and making a link needs a right that
+/// few have.
+pub fn opening(options: &mut OpenOptions, _follow: bool) -> &mut OpenOptions {
+    options
+}
+
+/// Number of names that a file has.
+///
+/// # Errors
+/// None: hard links are not looked for here.
+pub fn names(_file: &File) -> io::Result<u64> {
+    Ok(1)
+}
+
+/// A pipe or a socket, by its name: neither is among files.
+#[must_use]
+pub fn special(_found: &Metadata) -> Option<&'static str> {
+    None
+}
+
+/// Permissions of a new file: those of its folder.
+#[must_use]
+pub fn permissions(_mode: u32) -> Option<Permissions> {
+    None
+}
+
+/// Number of a file's owner: owners have no numbers here.
+#[must_use]
+pub fn owner(_found: &Metadata) -> Option<u32> {
+    None
+}
+
+/// Number of the user who runs the program: users have none here.
+#[must_use]
+pub fn user() -> Option<u32> {
+    None
+}
+
+/// Whether others may write there. The folders of a user are closed to others here.
+#[must_use]
+pub fn is_changed_by_others(_found: &Metadata) -> bool {
+    false
+}
+
+/// Whether only the owner of a file may rename or remove it in this folder.
+#[must_use]
+pub fn is_sticky(_found: &Metadata) -> bool {
+    true
+}
+
+type Act = Box<dyn FnOnce(Interruption) + Send>;
+
+static ACT: Mutex<Option<Act>> = Mutex::new(None);
+
+/// From now on `act` is called when the process is asked to end, by Ctrl-C or by the end of its console, in a thread
+/// of its own. If the system refuses, the process ends as ever, only in less order.
+pub fn on_interruption(act: impl FnOnce(Interruption) + Send + 'static) {
+    *ACT.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(act));
+    // SAFETY: the handler is a function that stays
+    unsafe { SetConsoleCtrlHandler(Some(handle), 1) };
+}
+
+unsafe extern "system" fn handle(event: u32) -> i32 {
+    let (name, code) = match event {
+        CTRL_C_EVENT => ("Ctrl-C", 130),
+        CTRL_BREAK_EVENT => ("Ctrl-Break", 130),
+        CTRL_CLOSE_EVENT => ("the end of its console", 143),
+        _ => return 0,
+    };
+    let act = ACT.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some(act) = act {
+        act(Interruption { name: name.to_owned(), code });
+    }
+    1
+}
+
+/// A program that ours runs is interrupted as ours is: nothing has to be done.
+pub fn unblock_in(_command: &mut Command) {}
+
+/// Ends the process at once.
+#[allow(clippy::exit, reason = "the one function of the system for it")]
+pub fn end_now(code: i32) -> ! {
+    std::process::exit(code)
+}
+
+/// Name of this machine.
+#[must_use]
+pub fn host() -> Option<String> {
+    std::env::var("COMPUTERNAME").ok().filter(|name| !name.is_empty())
+}
+
+/// Largest working set of this process so far [B].
+#[must_use]
+pub fn peak_memory() -> Option<usize> {
+    let size = u32::try_from(size_of::<PROCESS_MEMORY_COUNTERS>()).ok()?;
+    let mut found = PROCESS_MEMORY_COUNTERS { cb: size, ..Default::default() };
+    // SAFETY: the structure is of the size that is given
+    let done = unsafe { GetProcessMemoryInfo(GetCurrentProcess(), &raw mut found, size) };
+    (done != 0).then_some(found.PeakWorkingSetSize)
+}
+
+/// Memory that this process may still take [B]: what is free of the machine's.
+#[must_use]
+pub fn available_memory() -> Option<usize> {
+    let size = u32::try_from(size_of::<MEMORYSTATUSEX>()).ok()?;
+    let mut found = MEMORYSTATUSEX { dwLength: size, ..Default::default() };
+    // SAFETY: the structure knows its size
+    let done = unsafe { GlobalMemoryStatusEx(&raw mut found) };
+    (done != 0).then(|| usize::try_from(found.ullAvailPhys).unwrap_or(usize::MAX))
+}
