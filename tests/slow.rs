@@ -43,6 +43,9 @@ mod validation;
 #[path = "slow/wheel.rs"]
 mod wheel;
 
+#[path = "slow/windows.rs"]
+mod windows;
+
 /// Runs `make` with a goal, and values for it after blanks, in this checkout, one at a time, and returns what it printed.
 fn make(goal: &str) -> String {
     static ONE: Mutex<()> = Mutex::new(());

@@ -87,7 +87,7 @@ def _put_programs_and_shared_files():
     schemas = PACKAGE / "share/puffer/schemas"
     schemas.mkdir(parents=True)
     built = _built(_target())
-    own = built if _target().startswith(platform.machine()) else _built("")
+    own = built if _runs(built / "solver") else _built("")
     for name in PROGRAMS:
         _put_stripped(built / name, PACKAGE / "bin" / name)
         _said(own / name, "shell-files", PACKAGE / "share")
@@ -144,6 +144,14 @@ def _put_stripped(source, place):
     versions = {tuple(map(int, found)) for found in re.findall(rb"GLIBC_(\d+)\.(\d+)", place.read_bytes())}
     if _glibc() and max(versions) > tuple(map(int, _glibc().split("."))):
         sys.exit(f"{place}: needs glibc {max(versions)}, more than {_glibc()}")
+
+
+def _runs(program):
+    """Whether this machine can run a program: its own, or with QEMU another's."""
+    try:
+        return subprocess.run([program, "--version"], capture_output=True).returncode == 0
+    except OSError:
+        return False
 
 
 def _said(*command):
