@@ -124,7 +124,7 @@ impl Task {
 
     fn report(&self, plan: &Plan, boundary: &Boundary, config: &Config) -> Result<PlanReport> {
         let molds = entries(plan, boundary.cores.len());
-        let input = self.input(&self.output, config, (CastPart::Whole, boundary.casts))?;
+        let input = self.input(&self.output, config, CastPart::Whole, boundary.casts)?;
         Ok(PlanReport::new(plan, input, molds))
     }
 
@@ -148,7 +148,8 @@ impl Task {
         &self,
         folder: &Path,
         config: &Config,
-        (part, surface): (CastPart, Casts),
+        part: CastPart,
+        surface: Casts,
     ) -> Result<Input, IoError> {
         let named = |path: &Option<PathBuf>| {
             path.as_ref().map(|path| NamedFile::new(path, folder)).transpose()

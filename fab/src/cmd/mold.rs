@@ -133,7 +133,7 @@ fn write_all(
         let file = format!("{}.stl", entry.name);
         let file = folder(body).join(file);
         let mold =
-            wax_mold(&file, files.surface(&entry.name), &folder(entry), (planned.method, config))?;
+            wax_mold(&file, files.surface(&entry.name), &folder(entry), planned.method, config)?;
         let against = Against { design: Some(&file), ..Against::default() };
         mold.prove(&entry.name, against, planned, progress)?;
         mold.write(&folder(entry), pictures)?;
@@ -153,7 +153,8 @@ fn wax_mold(
     file: &Path,
     core: &SurfaceMesh,
     folder: &Path,
-    (method, config): (Method, &Config),
+    method: Method,
+    config: &Config,
 ) -> Result<MoldFiles> {
     let vertices = core.vertices.iter().map(|p| p / MM).collect();
     let surface = SurfaceMesh { vertices, triangles: core.triangles.clone() };

@@ -189,7 +189,7 @@ impl MoldFiles {
     fn of_casting(mold: &Mold, task: &Task, planned: &Planned, entry: &Entry) -> Result<Self> {
         let Planned { config, boundary, .. } = planned;
         let below = task.output.join(&entry.folder);
-        let input = task.input(&below, config, (CastPart::of(mold.portion), boundary.casts))?;
+        let input = task.input(&below, config, CastPart::of(mold.portion), boundary.casts)?;
         Self::new(mold, input, config)
     }
 

@@ -76,14 +76,14 @@ impl Cores {
     pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
         let none = Self::none(body, shells, mount.outside);
         if body.cores.len() < 2 {
-            let single = |cores: Self, index| cores.and("core".into(), (body, index), None, mount);
+            let single = |cores: Self, index| cores.and("core".into(), body, index, None, mount);
             return (0..body.cores.len()).try_fold(none, single);
         }
         let keyed = keyed(&body.cores, mount)?;
         let mut all = none;
         for i in 0..body.cores.len() {
             let key = keyed.as_ref().map(|(codes, radius)| (codes[i], *radius));
-            all = all.and(format!("core{}", i + 1), (body, i), key, mount)?;
+            all = all.and(format!("core{}", i + 1), body, i, key, mount)?;
         }
         all.one_way &= keyed.is_some();
         Ok(if mount.config.labels && !mount.method.core.is_cast() { all.numbered() } else { all })
@@ -94,7 +94,8 @@ impl Cores {
     fn and(
         self,
         name: String,
-        (body, index): (&CastBody, usize),
+        body: &CastBody,
+        index: usize,
         key: Option<(Code, f64)>,
         mount: &Mount,
     ) -> Result<Self, MoldError> {

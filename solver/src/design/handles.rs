@@ -80,7 +80,8 @@ pub struct Handles {
 /// [`HandleError`] if the patch has too few vertices or is degenerate.
 pub fn sample_handles(
     rest: &[Vec3],
-    (patch, held): (&[[usize; 3]], Held),
+    patch: &[[usize; 3]],
+    held: Held,
     count: usize,
     spread: Spread,
 ) -> Result<Handles, HandleError> {
@@ -288,7 +289,8 @@ mod tests {
         let surface = cap(3);
         let handles = sample_handles(
             &surface.vertices,
-            (&surface.triangles, Held::default()),
+            &surface.triangles,
+            Held::default(),
             5,
             Spread::RePick,
         )
@@ -305,7 +307,7 @@ mod tests {
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
         let handles =
-            sample_handles(&ball.vertices, (&ball.triangles, Held::default()), 1, Spread::RePick)
+            sample_handles(&ball.vertices, &ball.triangles, Held::default(), 1, Spread::RePick)
                 .unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
@@ -328,7 +330,7 @@ mod tests {
         let surface = cap(2);
         let x = &surface.vertices;
         let handles =
-            sample_handles(x, (&surface.triangles, Held::default()), 3, Spread::RePick).unwrap();
+            sample_handles(x, &surface.triangles, Held::default(), 3, Spread::RePick).unwrap();
         check_vjp(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);

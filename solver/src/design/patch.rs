@@ -37,7 +37,7 @@ impl Patch {
         spread: Spread,
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, (facets, held), count, spread)?;
+            let handles = sample_handles(rest, facets, held, count, spread)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         let (surface, ids) = topology::submesh(rest, facets);

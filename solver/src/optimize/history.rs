@@ -80,7 +80,8 @@ impl History {
 
 /// What each scenario comes to, with the mean displacements of tags [m] and what probes measure.
 pub(super) fn scenarios(
-    (level, at): (&Level, &Evaluation),
+    level: &Level,
+    at: &Evaluation,
     moved: &[BTreeMap<String, f64>],
     measured: &[BTreeMap<String, f64>],
 ) -> BTreeMap<String, ScenarioRun> {

@@ -74,7 +74,8 @@ impl Meshes {
         &self,
         index: usize,
         mut body: Body,
-        (before, after): (&Body, &Body),
+        before: &Body,
+        after: &Body,
     ) -> Result<Body> {
         let name = match index.checked_sub(1) {
             None => "the mesh of the scene".to_owned(),
@@ -117,7 +118,7 @@ mod tests {
         let mut after = before.clone();
         after.mesh.vertices.iter_mut().for_each(|x| x.y *= 1.0 + x.z);
         let meshes = Meshes { others: Vec::new() };
-        let found = meshes.follow(0, other, (&before, &after)).expect("the same body");
+        let found = meshes.follow(0, other, &before, &after).expect("the same body");
         assert_eq!(found.planes.len(), 1);
         let top = found.mesh.vertices.iter().map(|x| x.y).fold(0.0, f64::max);
         assert!((top - 2.0).abs() < 1e-12, "{top}");

@@ -22,7 +22,7 @@ impl Crossing {
     /// At a state of a body in a scene without contact; none where it has contact, or says that
     /// it is ignored, or nothing intersects. Decided by exact predicates.
     #[must_use]
-    pub fn find((scene, body): (&Scene, &Body), problem: &Problem, at: &Iterate) -> Option<Self> {
+    pub fn find(scene: &Scene, body: &Body, problem: &Problem, at: &Iterate) -> Option<Self> {
         if scene.config.contact.is_some() {
             return None;
         }

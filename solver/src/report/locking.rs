@@ -115,7 +115,7 @@ fn estimated(
     let begin = Instant::now();
     let richer = richer(scene);
     let (next, mut workspace) = richer.problem(&scene.body)?;
-    let step = state.step.map(|step| elevated(step, (problem, &next))).transpose()?;
+    let step = state.step.map(|step| elevated(step, problem, &next)).transpose()?;
     let u = elevate(state.space, &next.space, state.u);
     let start = Iterate { space: &next.space, u: &u, step: step.as_ref(), ..*state };
     let by = newton_step(&next, &mut workspace, &start).context("there is no Newton step")?;
@@ -182,7 +182,7 @@ fn richer(scene: &Scene) -> Scene {
 }
 
 /// A step in time for the next degree.
-fn elevated(step: &TimeStep, (from, to): (&Problem, &Problem)) -> Result<TimeStep> {
+fn elevated(step: &TimeStep, from: &Problem, to: &Problem) -> Result<TimeStep> {
     let count = |problem: &Problem| problem.energies.internal_count(&problem.space);
     ensure!(count(from) == count(to), "[[relaxation]]: stresses at other points of degree 1");
     let lift = |field: &Vec<f64>| match &field[..] {

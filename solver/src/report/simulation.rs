@@ -116,7 +116,7 @@ pub fn end(
         wall_s: 0.0,
         peak_rss_mb: None,
     };
-    let find = || Crossing::find((scene, &scene.body), problem, end);
+    let find = || Crossing::find(scene, &scene.body, problem, end);
     let crossing = scene.certify.then(find).flatten();
     found.crossing = crossing.as_ref().map(Crossing::report);
     Ok((found, crossing))

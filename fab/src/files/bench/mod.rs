@@ -63,14 +63,14 @@ pub fn write(folder: &Path, plan: &PlanReport, title: &str) -> Result<(), IoErro
     let mut pages = layout::pages(&blocks, &pictures, &faces);
     let count = pages.len();
     for (i, page) in pages.iter_mut().enumerate() {
-        page.extend(footer(plan, (i + 1, count)));
+        page.extend(footer(plan, i + 1, count));
     }
     let bytes = pdf::file(&format!("{title}: bench sheet"), &pages, &pictures, &faces);
     write_atomic(&folder.join(FILE), |out| out.write_all(&bytes))
 }
 
 /// A ruler, the mesh that was cast, and the number of the page.
-fn footer(plan: &PlanReport, (page, pages): (usize, usize)) -> Vec<Mark> {
+fn footer(plan: &PlanReport, page: usize, pages: usize) -> Vec<Mark> {
     let text =
         |x: f64, y: f64, text: String| Mark::Text { at: [x, y], size: 7.0, bold: false, text };
     let (left, low) = (45.0, 40.0);

@@ -64,7 +64,7 @@ impl Specification for Keys {
         let (point, axis) = (Vec3::from(self.at), self.axis.unit());
         let Some(tag) = &self.on else {
             let rest = &site.body.mesh.vertices;
-            let nodes = weights((site.space, rest), point).with_context(|| self.outside(rest))?;
+            let nodes = weights(site.space, rest, point).with_context(|| self.outside(rest))?;
             return Ok(Arc::new(Inside { nodes, axis }));
         };
         let tags = [site.body.facets(tag)?];

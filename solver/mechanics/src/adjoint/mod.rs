@@ -118,7 +118,7 @@ pub fn sweep(
         let into = (&mut rest_bar[..], &mut parameters);
         let mut past = moment.vjp(problem, &solution, n - 1, into);
         add_where_any(&mut past.internal, &before, 1.0);
-        past_vjp(problem, (rest, run, n), &past, &mut states, &mut rest_bar);
+        past_vjp(problem, rest, run, n, &past, &mut states, &mut rest_bar);
     }
     let State { u, v, .. } = states[0].take().unwrap_or_else(|| zeros(len));
     let mut first = Partials::new(u);
@@ -307,7 +307,9 @@ fn eliminate_constraints(
 /// Adds the cotangent of the past of step n to those of the states before it.
 fn past_vjp(
     problem: &Problem,
-    (rest, run, n): (&[Vec3], &Trajectory, usize),
+    rest: &[Vec3],
+    run: &Trajectory,
+    n: usize,
     past: &PastCotangent,
     states: &mut [Option<State>],
     rest_bar: &mut [f64],

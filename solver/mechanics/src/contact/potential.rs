@@ -185,7 +185,7 @@ impl Contacts<'_> {
     #[must_use]
     pub fn local(&self, term: &Term) -> Local {
         let Potential { repulsion, form, .. } = self.potential;
-        Local::new(&term.stencil, &self.x, &self.rest, (repulsion, *form))
+        Local::new(&term.stencil, &self.x, &self.rest, repulsion, *form)
     }
 
     /// B.

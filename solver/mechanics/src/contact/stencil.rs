@@ -114,7 +114,8 @@ impl Local {
         stencil: &Stencil,
         x: &[Vec3],
         rest: &[Vec3],
-        (repulsion, form): (&Repulsion, Form),
+        repulsion: &Repulsion,
+        form: Form,
     ) -> Self {
         let (x, region) = (stencil.gather(x), stencil.region);
         let own = |pair| OffsetRepulsion::new(pair, rest, repulsion, form);
@@ -253,7 +254,7 @@ mod tests {
             }
             let stencil = Stencil::reduced([0, 1, 2, 3], Region::of(first, &closest));
             seen.insert(stencil.region);
-            let local = Local::new(&stencil, &x, &x, (&repulsion, Form::Plain));
+            let local = Local::new(&stencil, &x, &x, &repulsion, Form::Plain);
             for weight in [2.0, -3.0] {
                 let hessian = local.hessian() * weight;
                 let error = local.projected_hessian(weight) - project_positive(&hessian);

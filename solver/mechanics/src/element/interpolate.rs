@@ -34,11 +34,13 @@ impl Place {
 /// meant for nodes in or next to the body.
 #[must_use]
 pub fn interpolate(
-    (from, from_rest): (&FunctionSpace, &[Vec3]),
-    (to, to_rest): (&FunctionSpace, &[Vec3]),
+    from: &FunctionSpace,
+    from_rest: &[Vec3],
+    to: &FunctionSpace,
+    to_rest: &[Vec3],
     fields: impl Iterator<Item = Vec<f64>>,
 ) -> Vec<Vec<f64>> {
-    let places = places((from, from_rest), &to.node_positions(to_rest));
+    let places = places(from, from_rest, &to.node_positions(to_rest));
     let one = |u: Vec<f64>| {
         let value = |place: &Option<Place>| {
             place.as_ref().map_or_else(Vec3::zeros, |place| value(from, &u, place))
@@ -75,21 +77,21 @@ pub fn sample(
     (space, rest, u): (&FunctionSpace, &[Vec3], &[f64]),
     points: &[Vec3],
 ) -> Vec<Option<Vec3>> {
-    let places = places((space, rest), points).into_iter();
+    let places = places(space, rest, points).into_iter();
     places.map(|place| place.filter(Place::is_inside).map(|p| value(space, u, &p))).collect()
 }
 
 /// Nodes of the element that has a rest position, with the values of their basis there; none
 /// outside the body.
 #[must_use]
-pub fn weights((space, rest): (&FunctionSpace, &[Vec3]), point: Vec3) -> Option<Vec<(usize, f64)>> {
-    let place = places((space, rest), &[point]).pop().flatten().filter(Place::is_inside)?;
+pub fn weights(space: &FunctionSpace, rest: &[Vec3], point: Vec3) -> Option<Vec<(usize, f64)>> {
+    let place = places(space, rest, &[point]).pop().flatten().filter(Place::is_inside)?;
     Some(weighted_nodes(space, &place).collect())
 }
 
 /// The element in which each point lies deepest; none where it is in no
 /// element's bounding box.
-fn places((space, rest): (&FunctionSpace, &[Vec3]), points: &[Vec3]) -> Vec<Option<Place>> {
+fn places(space: &FunctionSpace, rest: &[Vec3], points: &[Vec3]) -> Vec<Option<Place>> {
     let boxes: Vec<_> = space.tets().iter().map(|tet| bounds(tet.map(|v| rest[v]))).collect();
     let queries: Vec<_> = points.iter().map(|p| (*p, *p)).collect();
     let mut best: Vec<Option<Place>> = vec![None; points.len()];
@@ -151,7 +153,7 @@ mod tests {
             };
             let u = nodal(&from, &rest);
             let fields = [vec![0.0; u.len()], u].into_iter();
-            let result = interpolate((&from, &rest), (&to, &other_rest), fields);
+            let result = interpolate(&from, &rest, &to, &other_rest, fields);
             assert!(result[0].iter().all(|a| *a == 0.0));
             for (a, b) in result[1].iter().zip(nodal(&to, &other_rest)) {
                 assert!((a - b).abs() < 1e-12, "{degree} {a} {b}");

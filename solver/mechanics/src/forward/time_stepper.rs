@@ -191,11 +191,11 @@ impl TimeStepper {
             let time =
                 if ends { end } else { self.progress.time + next * (end - self.progress.time) };
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
-            let start = self.predict(problem, workspace, (rest, &step), time, done == 0.0);
+            let start = self.predict(problem, workspace, rest, &step, time, done == 0.0);
             match attempt(problem, workspace, &start, time, &newton) {
                 Ok(step) => {
                     let step = LoadStep { ends_time_step: ends, ..step };
-                    return Ok(self.accept(step, next, (problem, workspace, rest)));
+                    return Ok(self.accept(step, next, problem, workspace, rest));
                 }
                 Err(failed) => self.shorten(problem, rest, failed, time)?,
             }
@@ -207,7 +207,9 @@ impl TimeStepper {
         &mut self,
         step: LoadStep,
         fraction: f64,
-        (problem, workspace, rest): (&Problem, &Workspace, &[Vec3]),
+        problem: &Problem,
+        workspace: &Workspace,
+        rest: &[Vec3],
     ) -> LoadStep {
         let progress = &mut self.progress;
         progress.newton_iterations += step.newton_iterations;
@@ -290,7 +292,8 @@ impl TimeStepper {
         &self,
         problem: &Problem,
         workspace: &mut Workspace,
-        (rest, step): (&'a [Vec3], &'a Arc<TimeStep>),
+        rest: &'a [Vec3],
+        step: &'a Arc<TimeStep>,
         time: f64,
         begins: bool,
     ) -> Configuration<'a> {

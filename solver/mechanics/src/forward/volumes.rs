@@ -196,7 +196,7 @@ fn joint_step(
 ) -> Option<Distance> {
     let at = state.iterate(problem);
     let (step, change) =
-        direction(problem, workspace, &at, (&distance.gradient, &distance.constraints))?;
+        direction(problem, workspace, &at, &distance.gradient, &distance.constraints)?;
     let u: Vec<f64> = state.u.iter().zip(&step).map(|(u, s)| u + s).collect();
     if workspace.max_step(problem, &at, &Iterate { u: &u, ..at }) < 1.0 {
         return None;
@@ -225,7 +225,7 @@ fn joint_step(
 pub fn newton_step(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Option<Vec<f64>> {
     let (gradient, _) = workspace.gradient(problem, at);
     let constraints = problem.constraints(at);
-    direction(problem, workspace, at, (&gradient, &constraints)).map(|(step, _)| step)
+    direction(problem, workspace, at, &gradient, &constraints).map(|(step, _)| step)
 }
 
 /// δ and ΔP̂; none where H is singular.
@@ -233,7 +233,8 @@ fn direction(
     problem: &Problem,
     workspace: &mut Workspace,
     at: &Iterate,
-    (gradient, constraints): (&[f64], &[Constraint]),
+    gradient: &[f64],
+    constraints: &[Constraint],
 ) -> Option<(Vec<f64>, Vec<f64>)> {
     let hessian = workspace.hessian(problem, at, Hessian::Exact);
     let columns: Vec<Vec<f64>> =

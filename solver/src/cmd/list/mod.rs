@@ -52,19 +52,19 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers, json } = *arguments;
     let text = if numbers {
-        rows(number::KINDS, (json, number_json), |kinds| joined(kinds, number_text))?
+        rows(number::KINDS, json, number_json, |kinds| joined(kinds, number_text))?
     } else if objectives {
         quantities(List::Objective, &ObjectiveConfig::common_keys(), json)?
     } else if probes {
         quantities(List::Probe, &ProbeConfig::common_keys(), json)?
     } else if sheets {
-        rows(sheet::LAWS, (json, law_json), |laws| joined(laws, law_text))?
+        rows(sheet::LAWS, json, law_json, |laws| joined(laws, law_text))?
     } else if gas_laws {
-        rows(GAS_LAWS, (json, gas_law_json), |laws| joined(laws, gas_law_text))?
+        rows(GAS_LAWS, json, gas_law_json, |laws| joined(laws, gas_law_text))?
     } else if silicones {
-        rows(silicone::all(), (json, silicones::json), silicones::text)?
+        rows(silicone::all(), json, silicones::json, silicones::text)?
     } else {
-        rows(LAWS, (json, law_json), |laws| joined(laws, law_text))?
+        rows(LAWS, json, law_json, |laws| joined(laws, law_text))?
     };
     write!(std::io::stdout().lock(), "{text}")?;
     Ok(())
@@ -73,7 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// Rows as JSON or as text.
 fn rows<T>(
     all: &[T],
-    (as_json, json): (bool, fn(&T) -> Value),
+    as_json: bool,
+    json: fn(&T) -> Value,
     text: impl Fn(&[T]) -> String,
 ) -> Result<String> {
     if as_json { pretty(all.iter().map(json).collect()) } else { Ok(text(all)) }

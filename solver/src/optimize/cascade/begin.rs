@@ -60,13 +60,14 @@ impl Cascade<'_> {
     pub(super) fn begin_level(
         &self,
         next: usize,
-        (level, at): (&Level, &Evaluation),
+        level: &Level,
+        at: &Evaluation,
         checkpoint: Checkpoint,
     ) -> Result<Checkpoint> {
         let levels = self.design.levels();
         let settings = &levels[next];
         let (index, shape) = (self.meshes.of(settings), level.shape(at));
-        let mut meshes = self.meshes_from(next, (level, shape), &checkpoint)?;
+        let mut meshes = self.meshes_from(next, level, shape, &checkpoint)?;
         let body = meshes.remove(&index).expect("that of the level is among them");
         let ended = &levels[checkpoint.level];
         // a level without iterations tells what the same mesh does at another fidelity
@@ -113,7 +114,8 @@ impl Cascade<'_> {
     fn meshes_from(
         &self,
         next: usize,
-        (level, shape): (&Level, Body),
+        level: &Level,
+        shape: Body,
         checkpoint: &Checkpoint,
     ) -> Result<BTreeMap<usize, Body>> {
         let levels = self.design.levels();
@@ -123,7 +125,7 @@ impl Cascade<'_> {
             true => Ok((index, shape.clone())),
             false => {
                 let body = self.body_of(checkpoint, Some(index))?;
-                Ok((index, self.meshes.follow(index, body, (&level.body, &shape))?))
+                Ok((index, self.meshes.follow(index, body, &level.body, &shape)?))
             }
         };
         wanted.into_iter().map(moved).collect()

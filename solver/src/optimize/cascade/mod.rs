@@ -137,7 +137,7 @@ impl Cascade<'_> {
                 let body = level.shape(&evaluation);
                 return Ok(Finished { body, last: (level, evaluation), theta, stopped });
             }
-            checkpoint = self.begin_level(next, (&level, &evaluation), checkpoint)?;
+            checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
         }
     }
 
@@ -284,7 +284,7 @@ impl Cascade<'_> {
             let start = ahead(current, predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
-            let outcome = lower(level, &theta, (current, &start), wanted);
+            let outcome = lower(level, &theta, current, &start, wanted);
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
             let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
@@ -394,7 +394,7 @@ impl Cascade<'_> {
             parameters: numbers(&level.map().parameters(&step.theta)),
             mean_displacement: numbers(&moved[0]),
             probes: probes(&measured[0]),
-            scenarios: several.then(|| scenarios((level, evaluation), &moved, &measured)),
+            scenarios: several.then(|| scenarios(level, evaluation, &moved, &measured)),
             spread: several.then(|| spread(&moved)),
             mold: None,
         };
@@ -453,7 +453,8 @@ impl Cascade<'_> {
 fn lower(
     level: &mut Level,
     theta: &[f64],
-    (current, predicted): (&Evaluation, &[Vec<f64>]),
+    current: &Evaluation,
+    predicted: &[Vec<f64>],
     wanted: f64,
 ) -> Result<Evaluation, Rejected> {
     let evaluation = level.evaluate(theta, level.near(current, predicted))?;

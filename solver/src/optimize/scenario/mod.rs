@@ -378,7 +378,7 @@ impl Scenario {
         let space = &*run.problem.space;
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
-        interpolate((space, designed), (&other, vertices), run.states.displacements())
+        interpolate(space, designed, &other, vertices, run.states.displacements())
     }
 
     /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
@@ -414,7 +414,7 @@ impl Scenario {
         let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
-        self.add_by_laws(run, &forces, (of, factor), &mut gradient);
+        self.add_by_laws(run, &forces, of, factor, &mut gradient);
         if let Some(offset) = &self.offset {
             offset.add_vjp(designed, &mut gradient.rest);
         }
@@ -430,7 +430,8 @@ impl Scenario {
         &self,
         run: &Run,
         forces: &[Forces],
-        (of, factor): (Option<&str>, f64),
+        of: Option<&str>,
+        factor: f64,
         gradient: &mut Gradient,
     ) {
         let (rest, states) = (&run.rest[..], &*run.states);
@@ -488,6 +489,6 @@ impl Scenario {
     /// Surfaces of the body that have passed through each other at the end of a run.
     #[must_use]
     pub fn crossing(&self, run: &Run, body: &Body) -> Option<Crossing> {
-        run.at_end(|end| Crossing::find((&self.scene, body), &run.problem, end))
+        run.at_end(|end| Crossing::find(&self.scene, body, &run.problem, end))
     }
 }

@@ -85,7 +85,7 @@ pub fn improve_with_surface(
     let mut report = SurfaceReport::default();
     let mut interior = improve(&mut new, &mut inside, passes);
     for _ in 0..ROUNDS {
-        let mut skin = Skin::new((&new, &inside), facets, &old);
+        let mut skin = Skin::new(&new, &inside, facets, &old);
         let changed = sweep(&mut skin, &mut report);
         (new, inside, facets) = skin.into_mesh();
         if !changed {

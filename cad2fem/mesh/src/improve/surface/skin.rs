@@ -73,7 +73,8 @@ pub struct Skin<'a> {
 
 impl<'a> Skin<'a> {
     pub fn new(
-        (mesh, inside): (&TetMesh, &Inside),
+        mesh: &TetMesh,
+        inside: &Inside,
         facets: BTreeMap<[usize; 3], Facet>,
         old: &'a Old,
     ) -> Self {

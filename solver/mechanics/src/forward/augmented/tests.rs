@@ -71,7 +71,7 @@ struct Pusher {
 }
 
 impl Pusher {
-    fn attempt(&mut self, (u, before): (&[f64], f64), time: f64) -> Result<LoadStep, Failed> {
+    fn attempt(&mut self, u: &[f64], before: f64, time: f64) -> Result<LoadStep, Failed> {
         let (rest, step, multipliers) = (&self.rest[..], Some(&self.step), Vec::new());
         let start = Configuration { rest, time: before, step, u: u.to_vec(), multipliers };
         attempt(&self.problem, &mut self.workspace, &start, time, &NEWTON)
@@ -79,7 +79,7 @@ impl Pusher {
 }
 
 /// How much of the straight path to the supports' places at a time is free.
-fn straight(pusher: &mut Pusher, (start, before): (&[f64], f64), time: f64) -> f64 {
+fn straight(pusher: &mut Pusher, start: &[f64], before: f64, time: f64) -> f64 {
     let Pusher { problem, workspace, rest, step } = pusher;
     let from = Iterate { step: Some(step), ..problem.iterate(rest, start, before) };
     let to = Iterate { time, ..from };
@@ -92,17 +92,17 @@ fn what_blocks_a_support_is_pushed_along_in_one_step() {
     for (degree, h) in [(1, None), (1, Some(0.1)), (1, Some(0.01)), (2, Some(0.1))] {
         let mut pusher = pusher(degree, 3.0 * GAP, h, 1.0);
         let zero = vec![0.0; pusher.problem.dofs()];
-        let free = straight(&mut pusher, (&zero, 0.0), 1.0);
+        let free = straight(&mut pusher, &zero, 0.0, 1.0);
         assert!(free < 0.35, "{free}");
-        let one = pusher.attempt((&zero, 0.0), 1.0);
+        let one = pusher.attempt(&zero, 0.0, 1.0);
         let one = one.unwrap_or_else(|f| panic!("P{degree}, h {h:?}: {}", f.failure));
 
         let (mut u, mut time, steps) = (zero, 0.0, 30);
         let mut iterations = 0;
         for k in 1..=steps {
             let next = f64::from(k) / f64::from(steps);
-            assert_eq!(straight(&mut pusher, (&u, time), next), 1.0, "step {k}");
-            let step = pusher.attempt((&u, time), next);
+            assert_eq!(straight(&mut pusher, &u, time, next), 1.0, "step {k}");
+            let step = pusher.attempt(&u, time, next);
             let step = step.unwrap_or_else(|f| panic!("step {k}: {}", f.failure));
             iterations += step.newton_iterations;
             (u, time) = (step.u, next);
@@ -125,7 +125,7 @@ fn places_out_of_reach_are_given_up_with_everything_as_before() {
     let fixed = pusher.problem.dirichlet.fixed().to_vec();
     let count = pusher.problem.energies.iter().count();
     let zero = vec![0.0; pusher.problem.dofs()];
-    let failed = pusher.attempt((&zero, 0.0), 1.0).err();
+    let failed = pusher.attempt(&zero, 0.0, 1.0).err();
     let Some(Failed { failure: Failure::Blocked { free }, u, .. }) = failed else {
         panic!("it was not blocked");
     };

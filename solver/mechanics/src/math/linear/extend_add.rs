@@ -13,7 +13,9 @@ pub fn extend_add<T: Scalar>(
     places: &[u32],
     update: &[T],
     target: &mut [T],
-    (height, columns, skip): (usize, Range<usize>, usize),
+    height: usize,
+    columns: Range<usize>,
+    skip: usize,
     par: Par,
 ) {
     let n = places.len();

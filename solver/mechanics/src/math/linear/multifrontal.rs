@@ -424,7 +424,7 @@ impl<T: Scalar> Job<'_, T> {
     fn add_to_columns(&self, node: &Supernode, update: &Update<T>, own: &mut [T], par: Par) {
         let places = &self.fronts.supernodes[update.supernode].places;
         let split = places.partition_point(|&p| (p as usize) < node.width());
-        extend_add(places, &update.values, own, (node.height(), 0..split, 0), par);
+        extend_add(places, &update.values, own, node.height(), 0..split, 0, par);
     }
 
     /// Adds to F₂₂ what the update of a child has there.
@@ -432,6 +432,6 @@ impl<T: Scalar> Job<'_, T> {
         let places = &self.fronts.supernodes[update.supernode].places;
         let split = places.partition_point(|&p| (p as usize) < node.width());
         let height = node.height() - node.width();
-        extend_add(places, &update.values, rest, (height, split..places.len(), node.width()), par);
+        extend_add(places, &update.values, rest, height, split..places.len(), node.width(), par);
     }
 }
