@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors worm-authors help book schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -60,6 +60,15 @@ sweep: setup .venv-sweep/installed  ## all cases of a sweep and their table (BOD
 	@$(if $(SWEPT),:,echo "make sweep: of which body? Give BODY=beam, or DIR=folder; a sweep is its sweep.toml"; exit 1)
 	@.venv-sweep/bin/python pipelines/sweep/sweep.py $(SWEPT)/$(SWEEP) $(if $(RETRY),--retry) $(SNAKEMAKE) \
 		--output $(if $(ELSEWHERE),$(FOLDER)/build,build/$(patsubst pipelines/%,%,$(SWEPT)))/$(basename $(SWEEP))
+
+# Bodies of the gallery; `made` are those whose pages are there.
+GALLERY ?= $(BODIES)
+SHOWN := $(filter $(BODIES),$(if $(filter file,$(origin GALLERY)),$(GALLERY),$(value GALLERY)))
+$(if $(filter gallery,$(MAKECMDGOALS)),$(if $(filter-out $(BODIES) made $(SHOWN),$(if $(filter file,$(origin GALLERY)),,$(value GALLERY))),\
+$(error GALLERY has names that are no body; there are: $(BODIES))))
+
+gallery: $(SHOWN:%=build/%/done)  ## make all bodies and one page that shows them, build/gallery/index.html (GALLERY="beam frog": these; GALLERY=made: nothing new)
+	@$(PYTHON) pipelines/gallery.py build/gallery $(foreach b,$(or $(SHOWN),$(BODIES)),$(b)=pipelines/$(b)=build/$(b))
 
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 

@@ -29,6 +29,8 @@ mod error_bars;
 mod failures;
 #[path = "fast/flat_element.rs"]
 mod flat_element;
+#[path = "fast/gallery.rs"]
+mod gallery;
 #[path = "fast/hostile_page.rs"]
 mod hostile_page;
 #[path = "fast/locking.rs"]

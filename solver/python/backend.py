@@ -22,7 +22,7 @@ ROOT = HERE.parents[1]
 PACKAGE = HERE / "softpuffer"
 PROGRAMS = ("cad2fem", "tagger", "solver", "fab")
 # What is in the wheel beside the programs: shared by them, or named by its metadata.
-SHARED = ("pipelines/chain.mk", "pipelines/folder.mk")
+SHARED = ("pipelines/chain.mk", "pipelines/folder.mk", "pipelines/gallery.py")
 SWEEP = ("*.py", "Snakefile", "web/**/*", "vendor/**/*")
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
 
