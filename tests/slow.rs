@@ -25,6 +25,9 @@ mod molds;
 #[path = "slow/new.rs"]
 mod new;
 
+#[path = "slow/notebooks.rs"]
+mod notebooks;
+
 #[path = "slow/pages.rs"]
 mod pages;
 

@@ -32,14 +32,20 @@ fn compiled() -> PathBuf {
     test.ancestors().nth(2).unwrap().to_path_buf()
 }
 
-/// The folder in which some classes of tests passed; none where a package of Python is missing.
-fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
+/// The Python of the checkout; none where a package is missing in it.
+fn python_with(needs: &str) -> Option<PathBuf> {
     let python = repository().join(".venv/bin/python");
     let import = Command::new(&python).args(["-c", &format!("import {needs}")]).output();
     if !import.is_ok_and(|done| done.status.success()) {
         skip(&format!("the Python package {needs} is not installed"));
         return None;
     }
+    Some(python)
+}
+
+/// The folder in which some classes of tests passed; none where a package of Python is missing.
+fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
+    let python = python_with(needs)?;
     let dir = package();
     let tests = repository().join("tests/python/package.py");
     let mut command = Command::new(python);
@@ -82,4 +88,18 @@ fn jax_differentiates_a_simulation() {
 #[test]
 fn scipy_designs_with_gradients() {
     let _ = passed(&["SciPy"], "scipy");
+}
+
+/// Those notebooks that need NumPy and autograd alone; `slow/notebooks.rs` runs all of them.
+#[test]
+fn small_notebooks_of_the_book_run() {
+    let Some(python) = python_with("autograd") else { return };
+    let dir = package();
+    let mut command = Command::new(python);
+    command.arg("-B").arg(repository().join("tests/python/notebooks.py"));
+    command.args(["measured-angle", "own-loss", "reading-results"]).current_dir(dir.path(""));
+    let done = command.env("PYTHONPATH", dir.path("")).output().unwrap();
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
+    assert!(!said.contains("SKIPPED"), "{said}");
 }

@@ -10,11 +10,11 @@ use tests::workdir::{Workdir, repository};
 use crate::{make, run};
 
 /// An environment of Python with the wheel in it, and a folder to work in.
-struct Environment(Workdir);
+pub(crate) struct Environment(pub(crate) Workdir);
 
 impl Environment {
     /// Nothing if the packages that the wheel needs cannot be had here.
-    fn new(wheel: &Path) -> Option<Self> {
+    pub(crate) fn new(wheel: &Path) -> Option<Self> {
         let dir = Workdir::new();
         run(Command::new("python3").args(["-m", "venv"]).arg(dir.path("env")));
         let environment = Self(dir);
@@ -46,7 +46,8 @@ impl Environment {
     }
 }
 
-fn wheel() -> PathBuf {
+/// The wheel of this checkout, built now.
+pub(crate) fn wheel() -> PathBuf {
     make("wheel");
     let entries = std::fs::read_dir(repository().join("build/wheel")).unwrap().flatten();
     let mut wheels = entries.map(|entry| entry.path());

@@ -22,6 +22,8 @@ _PLACES = {
     "Scene": "scene",
     "design": "designs",
     "load": "scene",
+    "mesh": "folders",
+    "new": "folders",
     "response": "responses",
 }
 _MODULES = ("fab", "jax", "torch")

@@ -61,12 +61,12 @@ class Body:
 
     @property
     def tags(self) -> dict[str, np.ndarray]:
-        """Facets (k, 3) of each tag, copies."""
+        """Facets (k, 3) of each tag, as vertices, copies."""
         return self._native.tags
 
     @property
     def volumes(self) -> dict[str, np.ndarray]:
-        """Tetrahedra of each named part, copies; empty where there are no parts."""
+        """Numbers (k,) of the tetrahedra of each named part, copies; empty where there are no parts."""
         return self._native.volumes
 
     def __repr__(self) -> str:

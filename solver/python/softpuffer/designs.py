@@ -35,6 +35,9 @@ class Design:
 
 
 def design(path: str | os.PathLike, output: str | os.PathLike, *arguments: str) -> Design:
-    """Solves the design problem of a `design.toml` into a folder; a run that was interrupted continues."""
+    """Solves the design problem of a `design.toml` into a folder; a run that was interrupted continues.
+
+    arguments: further words of `solver optimize`, such as "--restart".
+    """
     run("solver", ["optimize", os.fspath(path), "-o", os.fspath(output), *arguments])
     return Design(Path(output))

@@ -15,18 +15,27 @@ from .programs import run
 
 
 def plan(design: str | os.PathLike, *arguments: str) -> dict:
-    """Which method casts a tagged mesh, along which pull, and why: as `fab plan` writes it."""
+    """Which method casts a tagged mesh, along which pull, and why: as `fab plan` writes it, with lengths in millimetres.
+
+    arguments: further words of `fab plan`, such as "--config", "mold.toml".
+    """
     with tempfile.TemporaryDirectory() as folder:
         run("fab", ["plan", os.fspath(design), "-o", folder, "--no-pictures", *arguments])
         return json.loads((Path(folder) / "plan.json").read_text())
 
 
 def mold(design: str | os.PathLike, output: str | os.PathLike, *arguments: str) -> dict:
-    """Makes the printable parts of a mold in a folder, as `fab mold` does, and returns its `mold.json`."""
+    """Makes the printable parts of a mold in a folder, as `fab mold` does, and returns its `mold.json`, in millimetres.
+
+    arguments: further words of `fab mold`.
+    """
     run("fab", ["mold", os.fspath(design), "-o", os.fspath(output), *arguments])
     return json.loads((Path(output) / "mold.json").read_text())
 
 
 def verify(folder: str | os.PathLike, *arguments: str) -> str:
-    """Checks a mold as `fab verify` does, and returns its lines."""
+    """Checks a mold as `fab verify` does, and returns a line for each check.
+
+    arguments: further words of `fab verify`.
+    """
     return run("fab", ["verify", os.fspath(folder), *arguments])

@@ -28,7 +28,10 @@ def simulate(
     parameters: Mapping[str, jax.Array] | None = None,
 ) -> jax.Array:
     """The displacement of the nodes at the end (n, 3) [m] of a scene with other rest positions (vertices, 3) [m],
-    or other numbers by their paths. It has derivatives in reverse mode by both; the scene does not change."""
+    or other numbers by their paths. It has derivatives in reverse mode by both; the scene does not change.
+
+    parameters: arrays with one value each, in the SI units of `scene.numbers`.
+    """
     last = _Last(scene.copy(), tuple(parameters or {}))
     nodes = scene._native.node_count()
 

@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Sequence
 
 PACKAGE = Path(__file__).resolve().parent
 BIN = PACKAGE / "bin"
@@ -17,6 +18,7 @@ Puffer: from a model of a soft actuator to printable molds.
   puffer new FOLDER [--like BODY]   write a folder to begin with: puffer new mine --like beam
   puffer make [-C FOLDER]           make all of it, as `make -C FOLDER` does
   puffer sweep FOLDER [--retry]     many cases of it, by FOLDER/sweep.toml (pip install 'softpuffer[sweep]')
+  puffer gallery FOLDER ...         one page that shows the bodies that were made, gallery/index.html
   puffer doctor                     say what this machine lacks
   puffer PROGRAM ...                run one program: cad2fem, tagger, solver or fab, each with its own --help
   puffer --version
@@ -54,6 +56,8 @@ def puffer():
         _make(rest)
     elif word == "sweep":
         _sweep(rest)
+    elif word == "gallery":
+        _gallery(rest)
     elif word in ("--version", "-V"):
         from ._native import version
 
@@ -64,15 +68,15 @@ def puffer():
         _refuse(f"there is no {word!r}\n\n{HELP}")
 
 
-def program(name):
-    """The path of a program that came with this package."""
+def program(name: str) -> Path:
+    """The path of a program that came with this package. Raises FileNotFoundError where it is not there."""
     path = BIN / (name + (".exe" if os.name == "nt" else ""))
     if not path.is_file():
-        _refuse(f"{path} is not there: install softpuffer again, from a wheel")
+        raise FileNotFoundError(f"{path} is not there: install softpuffer again, from a wheel")
     return path
 
 
-def run(name, arguments):
+def run(name: str, arguments: Sequence[str]) -> str:
     """Runs a program to its end and returns what it printed. Its messages go where those of Python go.
 
     Raises subprocess.CalledProcessError where it fails; its `stderr` has the message.
@@ -85,7 +89,11 @@ def run(name, arguments):
 
 
 def _run_program(name, arguments):
-    _run(program(name), arguments, _environment())
+    try:
+        path = program(name)
+    except FileNotFoundError as error:
+        _refuse(error)
+    _run(path, arguments, _environment())
 
 
 def _environment():
@@ -122,6 +130,14 @@ def _sweep(arguments):
     environment = _environment()
     environment["PUFFER_BIN"] = str(BIN)
     _run(sys.executable, ["-Es", str(SHARE / "sweep" / "sweep.py"), str(file), *rest], environment)
+
+
+def _gallery(folders):
+    """Writes the gallery of some folders into `gallery`, as `make gallery` does in a checkout."""
+    if not folders or any(name.startswith("-") for name in folders):
+        _refuse("of which folders? puffer gallery FOLDER ..., each with its build")
+    bodies = [f"{Path(name).resolve().name}={name}={Path(name) / 'build'}" for name in folders]
+    _run(sys.executable, ["-Es", str(SHARE / "gallery.py"), "gallery", *bodies], _environment())
 
 
 def _run(path, arguments, environment):

@@ -45,7 +45,7 @@ def response(
     """The values of probes, and their exact derivatives, at all combinations of values of some numbers.
 
     grid: values of each number by its path: {"chamber.left.pressure": [0, 5e3, 10e3], ...}.
-    probes: those of the scene if not given.
+    probes: names of probes; all of the scene if not given.
     by: further numbers to differentiate by. By the components of a traction on the tip, which may be zero, the
         derivatives of its displacement are the compliance of the actuator there.
 

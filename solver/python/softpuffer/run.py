@@ -60,7 +60,7 @@ class Run:
         return self._native.probes()
 
     def probe(self, name: str) -> float:
-        """The value of a probe at the end."""
+        """The value of a probe at the end, in its SI unit; angles are in degrees."""
         probes = self.probes
         if name not in probes:
             raise InputError(f'unknown probe "{name}"; the scene has: {", ".join(probes)}')
@@ -72,7 +72,7 @@ class Run:
         return self._native.chambers(-1)
 
     def chambers_at(self, step: int) -> dict[str, dict[str, float]]:
-        """The same at a step."""
+        """`pressure` [Pa], `volume` and `volume_rest` [m³] of every chamber at a step; -1 is the last."""
         return self._native.chambers(step)
 
     @property
@@ -86,7 +86,9 @@ class Run:
         """A field of stress or strain at the nodes, or of the tetrahedra, as columns.
 
         name: von_mises, hydrostatic_pressure, nominal_stress [Pa], stretch [1], strain_energy [J/m³];
-        cauchy_stress [Pa], nine columns, of tetrahedra alone.
+            cauchy_stress [Pa], nine columns, of tetrahedra alone.
+        cells: one row for each tetrahedron, in place of one for each node.
+        step: a step as for `displacement_at`.
         """
         fields = self._native.fields(step)[cells]
         if name not in fields:
@@ -127,7 +129,11 @@ class Run:
         return value, self._native.gradient(by, names)
 
     def vjp(self, by_displacement: np.ndarray, wrt: Iterable[str] = ("shape",)) -> dict[str, np.ndarray | float]:
-        """The vector-Jacobian product: derivatives of a result from those by the displacement at the end."""
+        """The vector-Jacobian product: derivatives of a result from those by the displacement at the end.
+
+        by_displacement: dJ/du (n, 3), of the shape of `displacement`.
+        wrt: as for `gradient`; "shape" gives an array (vertices, 3), a path a number.
+        """
         last = self._native.ends()
         return self._native.gradient([(last, floats(by_displacement, "by_displacement"))], list(wrt))
 
@@ -156,7 +162,7 @@ class Run:
         self._native.save(os.fspath(folder), os.fspath(scene), meshes)
 
     def report(self, path: str | os.PathLike, title: str | None = None) -> None:
-        """Writes all of it as one page of HTML."""
+        """Writes all of it as one page of HTML, which needs no network."""
         from .programs import run
 
         with tempfile.TemporaryDirectory() as folder:

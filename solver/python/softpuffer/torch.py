@@ -44,7 +44,10 @@ def simulate(
     parameters: Mapping[str, torch.Tensor] | None = None,
 ) -> torch.Tensor:
     """The displacement of the nodes at the end (n, 3) [m] of a scene with other rest positions (vertices, 3) [m],
-    or other numbers by their paths. It can be differentiated once by both; the scene does not change."""
+    or other numbers by their paths. It can be differentiated once by both; the scene does not change.
+
+    parameters: tensors with one value each, in the SI units of `scene.numbers`.
+    """
     parameters = parameters or {}
     if vertices is None and not parameters:
         raise ValueError("simulate: neither vertices nor parameters; scene.simulate() does that")
