@@ -40,10 +40,12 @@ def signature(name, function):
     without = ast.arguments(**{field: getattr(arguments, field) for field in arguments._fields})
     without.posonlyargs, without.args = [], given[bound:]
     returned = f" -> {ast.unparse(function.returns)}" if function.returns and name[-1] != ")" else ""
-    line = f"{name}({ast.unparse(without)}){returned}"
+    # with a type, blanks stand around the default
+    listed = [re.sub(r"^(\w+: .*?)=", r"\1 = ", part) for part in parts(ast.unparse(without))]
+    line = f"{name}({', '.join(listed)}){returned}"
     if len(line) <= 100:
         return line
-    one_each = ",\n    ".join(parts(ast.unparse(without)))
+    one_each = ",\n    ".join(listed)
     return f"{name}(\n    {one_each},\n){returned}"
 
 

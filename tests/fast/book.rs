@@ -80,7 +80,9 @@ fn chapters_pictures_and_links_are_there() {
     let listed: BTreeSet<&str> = targets(&summary.text).into_iter().collect();
     for chapter in &chapters {
         let name = chapter.path.file_name().unwrap().to_str().unwrap();
-        assert!(name == "SUMMARY.md" || listed.contains(name), "{name} is not in SUMMARY.md");
+        // the paper is for a journal, which has its own form
+        let apart = ["SUMMARY.md", "paper.md"].contains(&name);
+        assert!(apart || listed.contains(name), "{name} is not in SUMMARY.md");
         for target in targets(&chapter.text) {
             let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
             if target.starts_with("https:") {
@@ -136,6 +138,31 @@ fn links_of_readmes_are_there() {
 /// What links and pictures point to.
 fn targets(text: &str) -> Vec<&str> {
     text.split("](").skip(1).filter_map(|after| after.split(')').next()).collect()
+}
+
+/// `<!-- from PAGE: TEXT | TEXT -->` in the paper says where its numbers are from; what it cites is in `paper.bib`.
+#[test]
+fn numbers_of_the_paper_are_those_of_the_book() {
+    let book = repository().join("pipelines/book");
+    let read = |name: &str| fs::read_to_string(book.join(name)).unwrap();
+    let (paper, sources, mut count) = (read("paper.md"), read("paper.bib"), 0);
+    for from in paper.split("<!-- from ").skip(1) {
+        let (page, texts) = from.split_once(" -->").unwrap().0.split_once(": ").unwrap();
+        let text = read(page).replace('\n', " ");
+        for words in texts.split(" | ") {
+            assert!(text.contains(words), "{page} does not say {words}");
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count} numbers");
+    let cited = paper.split(&['[', ' ', '\n']).filter_map(|word| word.strip_prefix('@'));
+    for word in cited {
+        let key = word.trim_end_matches(|c: char| !c.is_alphanumeric());
+        assert!(sources.contains(&format!("{{{key},")), "{key} is not in paper.bib");
+    }
+    let prose = paper.splitn(3, "---\n").nth(2).unwrap();
+    let words = prose.split_whitespace().count();
+    assert!((750..=1750).contains(&words), "{words} words");
 }
 
 #[test]
