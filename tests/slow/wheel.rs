@@ -75,6 +75,8 @@ fn a_wheel_makes_a_body_without_the_checkout() {
     let checks = dir.text("mine/build/mold.checks.txt");
     assert!(checks.lines().count() > 10 && !checks.contains("FAIL"), "{checks}");
     assert!(environment.says("puffer make -C mine", &[]).contains("nothing to do"));
+    environment.says("puffer gallery mine", &[]);
+    assert!(dir.text("gallery/index.html").contains("mine.html"));
     // the program itself finds the Python that it was installed for, and keeps meshes in the user's cache
     let mut libraries = dir.path("env/lib").read_dir().unwrap().flatten().map(|e| e.path());
     let packages = libraries.find_map(|path| path.join("site-packages").canonicalize().ok());

@@ -21,5 +21,10 @@ pub mod energy; // terms of the potential energy: elasticity, loads, contact
 pub mod forward; // from energies to an equilibrium: Newton's method, load and time steps
 pub mod adjoint; // gradient of an objective over a run by the adjoint method
 
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[doc(hidden)]
 pub mod testing; // small bodies and gradient checks, for the tests of all crates

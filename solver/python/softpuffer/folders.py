@@ -18,7 +18,7 @@ _OTHERS = (".stp", ".brep", ".iges", ".3mf", ".stl", ".obj", ".ply")
 def new(folder: str | os.PathLike, like: str = "blank") -> Path:
     """Writes a folder with all files of a body, to begin with: blank, beam, finger, pneunet, arm, frog, gripper, ...
 
-    Raises subprocess.CalledProcessError where the folder is not empty or there is no such body.
+    Raises subprocess.CalledProcessError where the folder is there already or there is no such body.
     """
     run("cad2fem", ["new", os.fspath(folder), "--like", like])
     return Path(folder)
