@@ -6,6 +6,8 @@ pub mod bar;
 pub mod bodies;
 #[path = "support/book.rs"]
 pub mod book;
+#[path = "support/calculix.rs"]
+pub mod calculix;
 #[path = "support/chamber.rs"]
 pub mod chamber;
 #[path = "support/chromium.rs"]

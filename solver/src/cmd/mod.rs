@@ -5,10 +5,12 @@ mod carry;
 mod check;
 mod compare;
 mod design;
+mod export;
 mod fit;
 mod gradient;
 mod import;
 mod list;
+mod map;
 mod mirror;
 mod optimize;
 mod plot;
@@ -33,6 +35,8 @@ pub enum Verb {
     Check(check::Arguments),
     Gradient(gradient::Arguments),
     List(list::Arguments),
+    Map(map::Arguments),
+    Export(export::Arguments),
     Fit(fit::Arguments),
     Compare(compare::Arguments),
     Plot(plot::Arguments),
@@ -57,6 +61,8 @@ impl Verb {
             Self::Check(arguments) => check::run(arguments),
             Self::Gradient(arguments) => gradient::run(arguments),
             Self::List(arguments) => list::run(arguments),
+            Self::Map(arguments) => map::run(arguments),
+            Self::Export(arguments) => export::run(arguments),
             Self::Fit(arguments) => fit::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),

@@ -1,6 +1,8 @@
 //! Studies of scenes: each a list of runs with other numbers.
 
 pub mod sensitivity; // derivatives of probes by numbers of a scene
+pub mod pose; // where a tag is, and its stiffness
+pub mod map; // probes, pose and stiffness on a grid of numbers
 pub mod uncertainty; // what probes change by if numbers are off
 pub mod validation; // simulations beside measurements
 pub mod calibration; // numbers of scenes from measurements on a device

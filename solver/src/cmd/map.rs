@@ -1,0 +1,151 @@
+//! `solver map`: equilibria on a grid of numbers as a table, for a controller or another simulator.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use clap::builder::RangedU64ValueParser;
+use program::{Changes, Unusable, read_checkpoint, write_checkpoint};
+use serde::{Deserialize, Serialize};
+
+use crate::number;
+use crate::study::map::{Grid, Map, Row};
+
+/// Tabulate a scene's equilibria, probes and their derivatives on a grid of numbers
+///
+/// Writes a row for each combination of values, the last number fastest: the numbers, status, the probes, the pose of
+/// the tip (mean position and rotation vector), the derivative of each by each number, and the stiffness at the tip, the
+/// upper triangle of a matrix 6 × 6. SI units; NaN where there is no equilibrium. A table that was interrupted
+/// continues after its last row when the same command is given again.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The scene, without [time]
+    scene: PathBuf,
+    /// Values of a number: PATH=FROM:STEP:TO or PATH=VALUE,VALUE,... Can be given several times
+    #[arg(long, value_name = "PATH=VALUES", required = true)]
+    grid: Vec<Grid>,
+    /// The table (CSV)
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Tag whose pose and stiffness are tabulated
+    #[arg(long, value_name = "TAG")]
+    tip: Option<String>,
+    /// A further number to differentiate by. Can be given several times
+    #[arg(long, value_name = "PATH")]
+    by: Vec<String>,
+    /// Another tagged mesh in place of the scene's
+    #[arg(long, value_parser = super::other_mesh)]
+    mesh: Vec<super::OtherMesh>,
+    /// Another degree of the displacement in place of the scene's: 1, 2 or 3
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
+    degree: Option<usize>,
+    /// Forget an interrupted table
+    #[arg(long)]
+    restart: bool,
+    #[command(flatten)]
+    changes: Changes,
+}
+
+/// A table that is not complete.
+#[derive(Default, Serialize, Deserialize)]
+struct Begun {
+    /// What the rows depend on.
+    inputs: String,
+    /// The rows, as text.
+    rows: Vec<Vec<String>>,
+    /// Displacement of the last row [m].
+    u: Vec<f64>,
+}
+
+/// Least time between two checkpoints.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
+/// What the status of a row is.
+const FOUND: &str = "ok";
+const NONE: &str = "no equilibrium";
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
+    let grid = &arguments.grid;
+    let map = Map::new(&scene, grid, &arguments.by, arguments.tip.as_deref())?;
+    let (columns, count) = (map.columns(), map.rows());
+    let mut inputs = vec![
+        scene.file.hash(),
+        scene.config.degree.to_string(),
+        format!("{grid:?}"),
+        columns.join(","),
+    ];
+    for part in &scene.parts {
+        inputs.push(program::sha256_file(&part.mesh_path)?);
+    }
+    let path = checkpoint(&arguments.output)?;
+    let mut begun = begin(&path, inputs.join(" "), arguments.restart)?;
+    let (start, mut saved) = (Instant::now(), Instant::now());
+    for i in begun.rows.len()..count {
+        let row = map.row(i, &begun.u)?;
+        log::info!("{}", in_words(&row, grid, [i + 1, count], start));
+        begun.rows.push(text(&row, columns.len()));
+        begun.u = row.u;
+        if i + 1 < count && saved.elapsed() >= BETWEEN_CHECKPOINTS {
+            write_checkpoint(&path, scene::PROGRAM, &begun)?;
+            saved = Instant::now();
+        }
+    }
+    write(&arguments.output, &columns, &begun.rows)?;
+    if path.exists() {
+        std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
+    }
+    let found = begun.rows.iter().filter(|row| row[grid.len()] == FOUND).count();
+    log::info!("{}: {found} of {count} rows have an equilibrium", arguments.output.display());
+    if found == 0 {
+        return Err(
+            Unusable(format!("{}: no row has an equilibrium", arguments.scene.display())).into()
+        );
+    }
+    Ok(())
+}
+
+/// The file beside a table from which it continues.
+fn checkpoint(table: &Path) -> Result<PathBuf> {
+    let name =
+        table.file_name().with_context(|| format!("{}: no name of a file", table.display()))?;
+    Ok(table.with_file_name(format!(".{}.checkpoint.json", name.to_string_lossy())))
+}
+
+/// The rows of an interrupted table with the same inputs, if there are any.
+fn begin(path: &Path, inputs: String, restart: bool) -> Result<Begun> {
+    if !restart && path.exists() {
+        let begun: Begun = read_checkpoint(path, scene::PROGRAM)?;
+        if begun.inputs == inputs {
+            log::info!("continuing after row {}", begun.rows.len());
+            return Ok(begun);
+        }
+        log::warn!("{}: of another table; beginning anew", path.display());
+    }
+    Ok(Begun { inputs, ..Begun::default() })
+}
+
+fn text(row: &Row, columns: usize) -> Vec<String> {
+    let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>();
+    let mut text = numbers(&row.at);
+    text.push(if row.values.is_some() { FOUND } else { NONE }.to_owned());
+    text.extend(row.values.as_deref().map(numbers).unwrap_or_default());
+    text.resize(columns, f64::NAN.to_string());
+    text
+}
+
+fn in_words(row: &Row, grid: &[Grid], [i, count]: [usize; 2], start: Instant) -> String {
+    let numbers = grid.iter().zip(&row.at).map(|(own, value)| format!("{} = {value}", own.path));
+    let status = if row.values.is_some() { "" } else { "  no equilibrium" };
+    let seconds = start.elapsed().as_secs_f64();
+    format!("row {i}/{count}  {}{status}  {seconds:.1} s", numbers.collect::<Vec<_>>().join("  "))
+}
+
+fn write(path: &Path, columns: &[String], rows: &[Vec<String>]) -> Result<()> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(columns)?;
+    rows.iter().try_for_each(|row| table.write_record(row))?;
+    let text = table.into_inner().map_err(csv::IntoInnerError::into_error)?;
+    mesh::io::write_atomic(path, |out| std::io::Write::write_all(out, &text))?;
+    Ok(())
+}

@@ -1,0 +1,241 @@
+//! Decks of CalculiX (`ccx`), which are those of Abaqus.
+//!
+//! Energies are as in the manual of CalculiX 2.20, section *HYPERELASTIC; the tests run it where it is installed.
+
+use std::fmt::Write as _;
+
+use anyhow::Result;
+use mechanics::material::Lame;
+
+use super::{Converted, Deck, Format, Held, Volume, no_law, tell};
+
+const PROGRAM: &str = "CalculiX";
+
+pub const FORMAT: Format = Format { program: PROGRAM, ending: "inp", write };
+
+/// Number of the face opposite each corner: 1-2-3, 1-4-2, 2-4-3, 3-4-1.
+const FACES: [usize; 4] = [3, 4, 2, 1];
+/// Ids in one line of a set.
+const IN_LINE: usize = 10;
+/// D of a term of (J − 1)⁴ or higher that is not there. With 0 CalculiX 2.20 takes a value of its own, which made a
+/// bar of Yeoh's law 1.4 % stiffer.
+const NO_TERM: &str = "1e20";
+/// Terms of Ogden's law at most.
+const OGDEN_TERMS: usize = 3;
+
+/// What the volumetric terms have in common and in which they differ.
+const QUADRATIC: &str = "(K/2) (J - 1)^2 in place of (K/2) ln^2 J, with the same bulk modulus K: at the same J its \
+    pressure is 1 + 3/2 (J - 1) times ours, to first order";
+
+fn write(deck: &Deck) -> Result<String> {
+    let mut out = String::new();
+    for line in deck.head(PROGRAM) {
+        writeln!(out, "** {line}")?;
+    }
+    let (volumes, tags) = deck.set_names();
+    write_mesh(deck, &volumes, &mut out)?;
+    for (tag, name) in deck.tags.iter().zip(&tags) {
+        writeln!(out, "** tag \"{}\"\n*NSET, NSET=N{name}", in_one_line(&tag.name))?;
+        write_ids(&tag.nodes, &mut out)?;
+        writeln!(out, "*SURFACE, NAME={name}, TYPE=ELEMENT")?;
+        for facet in &tag.facets {
+            writeln!(out, "{}, S{}", facet.element + 1, FACES[facet.opposite])?;
+        }
+    }
+    for held in &deck.held {
+        writeln!(out, "*NSET, NSET={}", held.name)?;
+        write_ids(&held.nodes, &mut out)?;
+    }
+    for (volume, set) in deck.volumes.iter().zip(&volumes) {
+        let Converted { text, differs } = law(volume)?;
+        let law = volume.material.law;
+        writeln!(
+            out,
+            "** {}: {} of Puffer, {}",
+            in_one_line(&volume.name),
+            law.key,
+            ascii(law.formula)
+        )?;
+        if let Some(differs) = differs {
+            writeln!(out, "** {}", in_one_line(&tell(volume, PROGRAM, &differs)))?;
+        }
+        writeln!(
+            out,
+            "*MATERIAL, NAME=M{set}\n{text}*SOLID SECTION, ELSET={set}, MATERIAL=M{set}"
+        )?;
+    }
+    write_step(deck, &mut out)?;
+    Ok(out)
+}
+
+fn write_mesh(deck: &Deck, volumes: &[String], out: &mut String) -> Result<()> {
+    writeln!(out, "*NODE, NSET=NALL")?;
+    for (i, x) in deck.nodes.iter().enumerate() {
+        writeln!(out, "{}, {}, {}, {}", i + 1, number(x.x), number(x.y), number(x.z))?;
+    }
+    let kind = if deck.degree == 1 { "C3D4" } else { "C3D10" };
+    for (volume, set) in deck.volumes.iter().zip(volumes) {
+        writeln!(out, "*ELEMENT, TYPE={kind}, ELSET={set}")?;
+        for element in volume.elements.clone() {
+            // our order of nodes, VTK's, is that of CalculiX
+            let nodes: Vec<String> =
+                deck.elements[element].iter().map(|node| (node + 1).to_string()).collect();
+            writeln!(out, "{}, {}", element + 1, nodes.join(", "))?;
+        }
+    }
+    Ok(())
+}
+
+/// One static step with geometric nonlinearity. CalculiX stops by default when forces balance to 0.5 % of
+/// their mean; this asks for 1e-6.
+fn write_step(deck: &Deck, out: &mut String) -> Result<()> {
+    writeln!(out, "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1., 1e-6, 0.25")?;
+    writeln!(out, "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n8, 12, 9, 30, 15, 4, , 8, , \n")?;
+    writeln!(out, "*CONTROLS, PARAMETERS=FIELD\n1e-6, 1e-5, , , 1e-5")?;
+    for held in &deck.held {
+        write_support(held, out)?;
+    }
+    for &(tag, pressure) in &deck.pressures {
+        let tag = &deck.tags[tag];
+        writeln!(
+            out,
+            "** {} Pa in \"{}\", following the wall\n*DLOAD",
+            pressure,
+            in_one_line(&tag.name)
+        )?;
+        for facet in &tag.facets {
+            let face = FACES[facet.opposite];
+            writeln!(out, "{}, P{face}, {}", facet.element + 1, number(pressure))?;
+        }
+    }
+    if !deck.forces.is_empty() {
+        writeln!(out, "** gravity, body forces and tractions, as nodal forces\n*CLOAD")?;
+    }
+    for (node, force) in &deck.forces {
+        for (axis, value) in (1..).zip(force.iter()).filter(|(_, value)| **value != 0.0) {
+            writeln!(out, "{}, {axis}, {}", node + 1, number(*value))?;
+        }
+    }
+    writeln!(out, "*NODE PRINT, NSET=NALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP")?;
+    Ok(())
+}
+
+fn write_support(held: &Held, out: &mut String) -> Result<()> {
+    writeln!(out, "*BOUNDARY")?;
+    for axis in (0..3).filter(|&axis| held.axes[axis]) {
+        let values = || held.displacement.iter().map(|u| u[axis]);
+        let first = values().next().unwrap_or(0.0);
+        if values().all(|value| value == first) {
+            writeln!(out, "{}, {}, {}, {}", held.name, axis + 1, axis + 1, number(first))?;
+            continue;
+        }
+        for (node, value) in held.nodes.iter().zip(values()) {
+            writeln!(out, "{}, {}, {}, {}", node + 1, axis + 1, axis + 1, number(value))?;
+        }
+    }
+    Ok(())
+}
+
+/// The law in CalculiX' words.
+fn law(volume: &Volume) -> Result<Converted> {
+    let p = &volume.material.values;
+    let quadratic = || Some(QUADRATIC.to_owned());
+    // its D is 2/K
+    let bulk = volume.material.moduli().bulk;
+    let d = number(2.0 / bulk);
+    let (text, differs) = match volume.material.law.key {
+        "mooney-rivlin" => (mooney_rivlin(p), quadratic()),
+        "mooney-rivlin-quadratic" => (mooney_rivlin(p), None),
+        "yeoh" => {
+            let c: Vec<String> = p[..3].iter().map(|c| number(*c)).collect();
+            (
+                format!("*HYPERELASTIC, YEOH\n{}, {d}, {NO_TERM}, {NO_TERM}\n", c.join(", ")),
+                quadratic(),
+            )
+        }
+        "ogden" => (ogden(volume)?, quadratic()),
+        "arruda-boyce" => {
+            let differs = "(K/2) ((J^2 - 1)/2 - ln J) in place of (K/2) ln^2 J, with the same bulk modulus K: at the \
+                           same J its pressure is 1 + (J - 1) times ours, to first order";
+            let law =
+                format!("*HYPERELASTIC, ARRUDA-BOYCE\n{}, {}, {d}\n", number(p[0]), number(p[1]));
+            (law, Some(differs.to_owned()))
+        }
+        "neo-hookean" => {
+            let Lame { mu, .. } = Lame::new(p[0], p[1]);
+            let differs = "(mu/2) (J^(-2/3) I1 - 3) + (K/2) (J - 1)^2 in place of (mu/2) (I1 - 3 - 2 ln J) + \
+                           (lambda/2) ln^2 J, with the same moduli at rest: the same where J = 1";
+            (
+                format!("*HYPERELASTIC, NEO HOOKE\n{}, {d}\n", number(0.5 * mu)),
+                Some(differs.to_owned()),
+            )
+        }
+        "saint-venant-kirchhoff" => {
+            (format!("*ELASTIC\n{}, {}\n", number(p[0]), number(p[1])), None)
+        }
+        _ => return no_law(volume, PROGRAM, ""),
+    };
+    Ok(Converted { text, differs })
+}
+
+/// Σ C_ij (Ī₁ − 3)^i (Ī₂ − 3)^j + (J − 1)²/D₁, of c₁, c₂, c₃ = C₁₁ and d₁ = 1/D₁.
+fn mooney_rivlin(p: &[f64]) -> String {
+    let [c1, c2, c3, d] = [p[0], p[1], p[2], 1.0 / p[3]].map(number);
+    if p[2] == 0.0 {
+        return format!("*HYPERELASTIC, MOONEY-RIVLIN\n{c1}, {c2}, {d}\n");
+    }
+    format!("*HYPERELASTIC, POLYNOMIAL, N=2\n{c1}, {c2}, 0., {c3}, 0., {d}, {NO_TERM}\n")
+}
+
+/// Σ 2μ/α² (λ̄₁^α + …) in place of our Σ μ/α (…): its μ is ½ μ α.
+fn ogden(volume: &Volume) -> Result<String> {
+    let p = &volume.material.values;
+    let terms = p.len() / 2;
+    if terms > OGDEN_TERMS {
+        return no_law(volume, PROGRAM, &format!(" of more than {OGDEN_TERMS} terms"));
+    }
+    let both = (0..terms).flat_map(|i| [0.5 * p[i] * p[terms + i], p[terms + i]]);
+    let mut values: Vec<String> = both.map(number).collect();
+    values.push(number(2.0 / p[2 * terms]));
+    values.extend((1..terms).map(|_| NO_TERM.to_owned()));
+    // a line has eight values
+    let lines: Vec<String> = values.chunks(8).map(|line| line.join(", ")).collect();
+    Ok(format!("*HYPERELASTIC, OGDEN, N={terms}\n{}\n", lines.join("\n")))
+}
+
+fn write_ids(nodes: &[usize], out: &mut String) -> Result<()> {
+    for line in nodes.chunks(IN_LINE) {
+        let ids: Vec<String> = line.iter().map(|node| (node + 1).to_string()).collect();
+        writeln!(out, "{},", ids.join(", "))?;
+    }
+    Ok(())
+}
+
+/// A number in the 20 letters that CalculiX reads of one.
+fn number(value: f64) -> String {
+    format!("{value:.12e}")
+}
+
+/// Text that cannot end a comment.
+fn in_one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// A formula without signs that editors of decks may not have.
+fn ascii(formula: &str) -> String {
+    let signs = [
+        ("ψ", "psi"),
+        ("Ī", "I"),
+        ("λ̄", "l"),
+        ("λ", "lambda"),
+        ("μ", "mu"),
+        ("²", "^2"),
+        ("³", "^3"),
+        ("½", "1/2"),
+        ("Σ", "sum"),
+        ("−", "-"),
+        ("…", "..."),
+        ("ᵀ", "^T"),
+    ];
+    signs.iter().fold(formula.to_owned(), |text, (sign, plain)| text.replace(sign, plain))
+}

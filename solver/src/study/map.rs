@@ -1,0 +1,277 @@
+//! The quasi-static response of an actuator as a table: equilibria on a grid of numbers, with derivatives.
+//!
+//! Rows follow each other, the last number fastest. Each equilibrium is sought from the one before, where the way there
+//! does not matter, and from rest where it is not found like that.
+
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+use anyhow::{Result, ensure};
+use measure::probe::Probe;
+use mechanics::adjoint;
+use mechanics::energy::Iterate;
+use mechanics::forward::{Configuration, Problem, TimeStepper, Trajectory, Workspace, solve_from};
+use nalgebra::Matrix6;
+use scene::Scene;
+
+use super::pose::Tip;
+use super::sensitivity::sensitivities;
+use crate::number::{self, Number, Swept, Walls};
+
+/// Memory for a state [B]; a static run has two.
+const MEMORY: f64 = 4e9;
+/// Values of one number at most.
+const MOST_VALUES: usize = 100_000;
+/// Part of a step by which the last value may be off the end of a range.
+const ROUNDED: f64 = 1e-9;
+/// What the columns of a pose are called.
+const POSE: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// The values of one number: `PATH=FROM:STEP:TO` or `PATH=VALUE,VALUE,...`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// The path of the number.
+    pub path: String,
+    /// Its values, in its unit.
+    pub values: Vec<f64>,
+}
+
+impl FromStr for Grid {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = "expected PATH=FROM:STEP:TO or PATH=VALUE,VALUE,..., as in \
+                        chamber.cavity.pressure=0:5e3:20e3";
+        let (path, values) = text.split_once('=').ok_or(expected)?;
+        let number = |text: &str| {
+            let value = text.trim().parse::<f64>().map_err(|_| format!("{text:?}: {expected}"))?;
+            if value.is_finite() { Ok(value) } else { Err(format!("{value}: must be finite")) }
+        };
+        let range = values.split(':').collect::<Vec<_>>();
+        let values = match range[..] {
+            [list] => list.split(',').map(number).collect::<Result<_, _>>()?,
+            [from, step, to] => steps([number(from)?, number(step)?, number(to)?])?,
+            _ => return Err(expected.to_owned()),
+        };
+        Ok(Self { path: path.trim().to_owned(), values })
+    }
+}
+
+/// `from`, `from + step`, … up to `to`.
+fn steps([from, step, to]: [f64; 3]) -> Result<Vec<f64>, String> {
+    let count = ((to - from) / step + ROUNDED).floor();
+    if !(0.0..MOST_VALUES as f64).contains(&count) {
+        return Err(format!(
+            "{from}:{step}:{to} has no values, or more than {MOST_VALUES}; expected FROM:STEP:TO"
+        ));
+    }
+    Ok((0..=count as usize).map(|n| from + n as f64 * step).collect())
+}
+
+/// What is tabulated.
+pub struct Map<'a> {
+    scene: &'a Scene,
+    grid: &'a [Grid],
+    /// Numbers by which there are derivatives: those of the grid, then others.
+    by: Vec<Number>,
+    tip: Option<&'a str>,
+}
+
+/// A row of the table.
+pub struct Row {
+    /// The values of the grid.
+    pub at: Vec<f64>,
+    /// Values of all further columns; none where there is no equilibrium.
+    pub values: Option<Vec<f64>>,
+    /// Displacement [m]; empty where there is no equilibrium.
+    pub u: Vec<f64>,
+}
+
+impl<'a> Map<'a> {
+    /// A table for a scene without time steps.
+    ///
+    /// # Errors
+    /// When the scene has none of the numbers or not the tag, or has time steps.
+    pub fn new(
+        scene: &'a Scene,
+        grid: &'a [Grid],
+        by: &[String],
+        tip: Option<&'a str>,
+    ) -> Result<Self> {
+        ensure!(
+            scene.config.time.is_none(),
+            "{}: [time]: a map has equilibria, not a course; expected a scene without it",
+            scene.path.display()
+        );
+        let others = by.iter().filter(|path| grid.iter().all(|own| own.path != **path));
+        let paths = grid.iter().map(|own| &own.path).chain(others);
+        let by = paths.map(|path| Number::find(scene, path)).collect::<Result<Vec<_>>>()?;
+        for (i, own) in grid.iter().enumerate() {
+            let twice = grid[..i].iter().any(|other| other.path == own.path);
+            ensure!(!twice, "--grid {}: is given twice", own.path);
+        }
+        if let Some(tag) = tip {
+            scene.body.facets(tag)?;
+        }
+        Ok(Self { scene, grid, by, tip })
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.grid.iter().map(|own| own.values.len()).product()
+    }
+
+    /// Names of the columns.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns: Vec<String> = self.grid.iter().map(|own| own.path.clone()).collect();
+        columns.push("status".to_owned());
+        columns.extend(self.value_columns());
+        columns
+    }
+
+    /// Names of the columns with what is found.
+    fn value_columns(&self) -> Vec<String> {
+        let probes = self.scene.config.probe.iter().map(|probe| probe.name().to_owned());
+        let pose = self.tip.iter().flat_map(|_| POSE.map(|axis| format!("tip.{axis}")));
+        let measured: Vec<String> = probes.chain(pose).collect();
+        let slope = |name: &String| {
+            self.by
+                .iter()
+                .map(move |number| format!("d {name}/d {}", number.path))
+                .collect::<Vec<_>>()
+        };
+        let slopes: Vec<String> = measured.iter().flat_map(slope).collect();
+        let stiffness = self
+            .tip
+            .iter()
+            .flat_map(|_| upper().map(|[i, j]| format!("k.{}.{}", POSE[i], POSE[j])));
+        measured.into_iter().chain(slopes).chain(stiffness).collect()
+    }
+
+    /// The values of the grid in a row.
+    #[must_use]
+    pub fn at(&self, row: usize) -> Vec<f64> {
+        let mut rest = row;
+        let mut at = vec![0.0; self.grid.len()];
+        for (value, own) in at.iter_mut().zip(self.grid).rev() {
+            *value = own.values[rest % own.values.len()];
+            rest /= own.values.len();
+        }
+        at
+    }
+
+    /// Finds a row, from the displacement of the one before [m] if there is one.
+    ///
+    /// # Errors
+    /// When the scene does not admit the values.
+    pub fn row(&self, row: usize, before: &[f64]) -> Result<Row> {
+        let at = self.at(row);
+        let mut scene = self.scene.clone();
+        let paths = self.grid.iter().map(|own| own.path.clone());
+        number::set(&mut scene, &paths.zip(at.iter().copied()).collect::<BTreeMap<_, _>>())?;
+        let (problem, mut workspace) = scene.problem(&scene.body)?;
+        let solver = (&problem, &mut workspace);
+        let Some(run) = run(&scene, solver, before) else {
+            return Ok(Row { at, values: None, u: Vec::new() });
+        };
+        let values = self.values(&scene, (&problem, &mut workspace), &run)?;
+        Ok(Row { at, values: Some(values), u: run.state(1).into_owned().u })
+    }
+
+    /// Values of the columns at the end of a run.
+    fn values(
+        &self,
+        scene: &Scene,
+        (problem, workspace): (&Problem, &mut Workspace),
+        run: &Trajectory,
+    ) -> Result<Vec<f64>> {
+        let probes = scene.probes(&scene.body, &problem.space)?;
+        let walls = Walls::of(self.by.iter(), &scene.body)?;
+        let slopes = |gradient: &adjoint::Gradient| {
+            let swept = Swept::new(scene, problem, walls.as_ref(), gradient);
+            self.by.iter().map(|number| number.derivative(&swept)).collect::<Vec<_>>()
+        };
+        let all: Vec<&Probe> = probes.iter().collect();
+        let found = sensitivities(scene, (problem, workspace), (&all, run, 1))?;
+        let mut values: Vec<f64> = found.iter().map(|(value, _)| *value).collect();
+        let mut by: Vec<f64> = found.iter().flat_map(|(_, gradient)| slopes(gradient)).collect();
+        let Some(tag) = self.tip else {
+            values.extend(by);
+            return Ok(values);
+        };
+        let (rest, state) = (&scene.body.mesh.vertices[..], run.state(1));
+        let pose = Tip::new(&scene.body, &problem.space, tag)?.pose(&state.u)?;
+        let step = run.step(problem, rest, 1);
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, 1.0) };
+        let (linearization, stiffness) = pose.stiffness(problem, workspace, &at)?;
+        values.extend(pose.position.iter().chain(pose.rotation.iter()));
+        for row in pose.by_displacement() {
+            let partials = |_: &_, moment: usize, out: &mut adjoint::Partials| {
+                if moment == 1 {
+                    out.by_u.iter_mut().zip(&row).for_each(|(u, by)| *u += by);
+                }
+            };
+            let swept =
+                adjoint::sweep(problem, workspace, (rest, run), Some(&linearization), partials)?;
+            by.extend(slopes(&swept));
+        }
+        values.extend(by);
+        let stiffness = stiffness.unwrap_or_else(|| Matrix6::from_element(f64::NAN));
+        values.extend(upper().map(|place| stiffness[(place[0], place[1])]));
+        Ok(values)
+    }
+}
+
+/// The equilibrium of a static scene, from a nearby displacement [m] if there is one; none where there is none.
+fn run(
+    scene: &Scene,
+    (problem, workspace): (&Problem, &mut Workspace),
+    before: &[f64],
+) -> Option<Trajectory> {
+    let rest = &scene.body.mesh.vertices[..];
+    let integrator = scene.integrator(&scene.body, problem);
+    let stepping = scene.stepping();
+    if before.len() == problem.dofs() && is_free_of_history(scene) {
+        let mut u = before.to_vec();
+        let moved = problem.dirichlet.displacement(1.0);
+        problem.dirichlet.supports().iter().for_each(|&dof| u[dof] = moved[dof]);
+        let start = Configuration::new(problem, rest, u, 1.0);
+        if let Ok(found) = solve_from(problem, workspace, &start, &stepping.newton) {
+            let mut run = Trajectory::begin(&integrator, MEMORY);
+            run.push_displacement(problem, rest, 1.0, &found.u);
+            return Some(run);
+        }
+    }
+    let mut stepper = TimeStepper::new(stepping, integrator);
+    stepper.run(problem, workspace, rest, &[1.0], MEMORY, |_| {}).ok()
+}
+
+/// Whether an equilibrium does not depend on the way to it.
+fn is_free_of_history(scene: &Scene) -> bool {
+    let rubs = scene.config.contact().is_some_and(|contact| contact.friction > 0.0);
+    !rubs && scene.config.relaxation.is_empty()
+}
+
+/// Places of a symmetric matrix on and above its diagonal.
+fn upper() -> impl Iterator<Item = [usize; 2]> {
+    (0..6).flat_map(|i| (i..6).map(move |j| [i, j]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_ranges_or_lists() {
+        let values = |text: &str| text.parse::<Grid>().map(|grid| grid.values);
+        assert_eq!(values("a.b=0:5e3:20e3"), Ok(vec![0.0, 5e3, 1e4, 15e3, 20e3]));
+        assert_eq!(values("a=0:0.1:0.3").map(|v| v.len()), Ok(4));
+        assert_eq!(values("a=3,1,-2"), Ok(vec![3.0, 1.0, -2.0]));
+        assert_eq!(values("a=2:-1:0"), Ok(vec![2.0, 1.0, 0.0]));
+        for wrong in ["a", "a=1:2", "a=0:0:1", "a=0:-1:1", "a=x", "a=nan", "a=0:1e-9:1"] {
+            assert!(values(wrong).is_err(), "{wrong}");
+        }
+    }
+}
